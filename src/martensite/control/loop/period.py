@@ -173,18 +173,10 @@ def update_controllers(
 
 
 def obey_commands(
-    bench: Bench, xp: Namespace, controller: tuple[str, AbstractController, Scalar], answer: Controlling, known: Numbers
+    bench: Bench, xp: Namespace, held: tuple[str, AbstractController, Scalar], answer: Controlling, known: Numbers
 ) -> Controlling:
-    """What a controller answers, or what an observer commands its drive; the controller then stays at rest.
-
-    Args:
-        bench: the bench.
-        xp: namespace.
-        controller: its drive, itself, and its reference.
-        answer: its own.
-        known: readings and estimates.
-    """
-    drive, one, reference = controller
+    """What a controller (drive, itself, reference) answers, or what an observer commands; it then stays at rest."""
+    drive, one, reference = held
     for observer in bench.observers.members().values():
         names = observer.commands()
         if names is None or drive not in [own.name for own in observer.model.drives()]:

@@ -86,10 +86,6 @@ class FreeParameter(NamedTuple):
         found = [(path, self._at(xp, known[path], x)) for path in self.paths]
         return found + [(path, known[path] - x) for path in self.opposite]
 
-    def value(self, xp: Namespace, known: Named, x: Scalar) -> Scalar:
-        """The one that is shown."""
-        return self._at(xp, known[self.path], x)
-
     def size(self, xp: Namespace, known: Named, x: Scalar) -> Scalar:
         """How much that one changes with f or x."""
         if self.scale == "offset":
@@ -310,7 +306,7 @@ class AbstractFilter(AbstractObserver):
         drift = mean[unknown:count]
         deviations = [xp.sqrt(matrix[i][i]) for i in range(len(mean))]
         free, known = list(zip(self.free_parameters(), drift, strict=True)), self._model_values()
-        estimates = [*mean[:unknown], *(one.value(xp, known, x) for one, x in free), *mean[count:]]
+        estimates = [*mean[:unknown], *(one.values(xp, known, x)[0][1] for one, x in free), *mean[count:]]
         sizes = [*[1.0] * unknown, *(one.size(xp, known, x) for one, x in free), *[1.0] * len(mean[count:])]
         estimates += [x * s for x, s in zip(deviations, sizes, strict=True)]
         for i, j in _list_pairs(range(count)):

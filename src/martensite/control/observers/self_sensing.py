@@ -230,7 +230,10 @@ class SelfSensing(UnscentedKalman):
         soaked = xp.both(xp.either(soaks, ended), own.done > 0.5)
         variances = [x * x for x in self.first_deviations()]
         around = self.model.value_of("environment.temperature")
-        rest = [around, 1.0, *[0.0] * (count - 2)], self.first_covariance(xp, variances, going.signals)
+        rest = (
+            [around, 1.0, *(one.start for one in self.free_parameters())],
+            self.first_covariance(xp, variances, going.signals),
+        )
         hot = self._austenite(xp, own, expected, going)
         mean, matrix = list(found[0]), [list(row) for row in found[1]]
         for i in range(count):
@@ -244,7 +247,11 @@ class SelfSensing(UnscentedKalman):
     ) -> tuple[list[Scalar], Matrix]:
         """Unknowns after the soak, and their covariance."""
         around = self.model.value_of("environment.temperature")
-        hot = xp.where(self.hot > 0.0, self.hot, self.model.value_of("A_f") + ABOVE) if self._has("A_f") else self.hot
+        hot = (
+            xp.where(self.hot > 0.0, self.hot, self.model.value_of("A_f") + ABOVE)
+            if self._paths(("law.A_f",))
+            else self.hot
+        )
         (port,) = self.model.actuators()
         ohm, loss, power = self.reads()[0], self.model.label(port, "heat_loss"), self.model.label(port, "power")
 
@@ -260,10 +267,10 @@ class SelfSensing(UnscentedKalman):
         martensite = xp.clip(own.martensite, 0.1 * at_rest, 10.0 * at_rest)
         austenite = xp.clip(own.austenite, 0.1 * warm, 10.0 * warm)
         heated = xp.maximum(seen(xp, hot, 0.0)[power] * warm / austenite, TINY)
-        mean, variances = [0.0] * self.unknowns(), [x * x for x in self.first_deviations()]
+        mean = [hot, 0.0, *(one.start for one in self.free_parameters())]
+        variances = [x * x for x in self.first_deviations()]
         k_M, k_A, k_h = (self._index(names) for names in (*RESISTIVITIES, FILMS))
         k_a = self._index(AROUND)
-        mean[0] = hot
         mean[k_M], mean[k_A] = xp.log(martensite / at_rest), xp.log(austenite / warm)
         lost = xp.maximum(lost, TINY)
         mean[k_h] = xp.log(heated / lost)
@@ -276,11 +283,7 @@ class SelfSensing(UnscentedKalman):
         rows[k_h][0], rows[k_h][k_a] = -lost_slope / lost, lost_slope / lost
         return mean, covariance.propagate_covariance(rows, covariance.build_diagonal(variances))
 
-    def _has(self, name: str) -> bool:
-        return any(path.endswith(f".{name}") for path in self.__dict__["_known"])
-
-    def _index(self, names: Sequence[str]) -> int:
+    def _index(self, names: tuple[str, ...]) -> int:
         """Among the unknowns."""
         count = len(hidden_states.list_names(self.model))
-        found = [one.path for one in self.free_parameters()]
-        return count + next(k for k, path in enumerate(found) if any(path.endswith(name) for name in names))
+        return count + [one.path for one in self.free_parameters()].index(self._paths(names)[0])
