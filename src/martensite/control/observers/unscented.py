@@ -17,7 +17,7 @@ from martensite.base.parameters import param
 from martensite.control.observers import covariance, hidden_states
 from martensite.control.observers.base import OBSERVERS, ObserverPeriod
 from martensite.control.observers.covariance import Matrix
-from martensite.control.observers.filter import LEAST, MOST, AbstractFilter, Believed, Forecast
+from martensite.control.observers.filter import AbstractFilter, Believed, Forecast
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers, sum_column
 
@@ -46,7 +46,7 @@ class UnscentedKalman(AbstractFilter):
 
     def points(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Matrix:
         """Hidden values and factors of all points, the middle one first."""
-        model = self.model_at_factors(before.drift)
+        model = self.model_at_factors(xp, before.drift)
         middle = [*hidden_states.read_hidden(xp, model, before.state, going.signals), *before.drift]
         root, far = covariance.factor_cholesky(xp, before.covariance), xp.sqrt(self._square())
         found = [middle]
@@ -55,10 +55,7 @@ class UnscentedKalman(AbstractFilter):
             found.append([x + d for x, d in zip(middle, way, strict=True)])
             found.append([x - d for x, d in zip(middle, way, strict=True)])
         count = len(middle) - len(before.drift)
-        return [
-            [*hidden_states.limit_fractions(xp, x[:count]), *(xp.clip(f, LEAST, MOST) for f in x[count:])]
-            for x in found
-        ]
+        return [[*hidden_states.limit_fractions(xp, x[:count]), *self.limit_factors(xp, x[count:])] for x in found]
 
     def _predict_points(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Matrix:
         """Flat state at the end of the period, and factors, of every point."""
@@ -67,12 +64,12 @@ class UnscentedKalman(AbstractFilter):
         unknown = len(points[0]) - len(before.drift)
 
         def begin(*x: Scalar) -> list[Scalar]:
-            model = self.model_at_factors(x[unknown:])
+            model = self.model_at_factors(xp, x[unknown:])
             state = hidden_states.place_hidden(xp, model, before.state, x[:unknown], going.signals)
             return [*flatten_numbers(state), *x[unknown:]]
 
         def step(*row: Scalar) -> list[Scalar]:
-            model, now = self.model_at_factors(row[size:]), shape.rebuild(row[:size])
+            model, now = self.model_at_factors(xp, row[size:]), shape.rebuild(row[:size])
             then, _ = model.step(xp, now, *going.signals, dt=going.step)
             return [*flatten_numbers(then), *row[size:]]
 
