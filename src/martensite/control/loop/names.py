@@ -46,10 +46,10 @@ def outside_references(bench: Bench, outside: Iterable[str]) -> dict[str, str]:
 
 def describe_controllers(bench: Bench) -> dict[str, str]:
     """What controllers say of themselves, by drive, such as their anti-windup."""
-    told = {name: one.describe(bench.period) for name, one in bench.controllers.members().items()}
-    return {
-        name: f"`{bench.controllers.members()[name].registered_name}`: {words}" for name, words in told.items() if words
-    }
+    rows = [
+        (name, one.registered_name, one.describe(bench.period)) for name, one in bench.controllers.members().items()
+    ]
+    return {name: f"`{kind}`: {words}" for name, kind, words in rows if words}
 
 
 def list_drives(bench: Bench) -> list[DriveSignal]:

@@ -12,7 +12,7 @@ from martensite.control.loop.names import describe_controllers
 from martensite.simulate.path_stages import PathStage, list_stages, residual_strain
 
 if TYPE_CHECKING:
-    from martensite.design.tuning.averaging import Averaging
+    from martensite.design.analysis.averaging import Averaging
     from martensite.scenario.compare import Agreement
     from martensite.scenario.law_logs import LawComparison
     from martensite.scenario.laws import ConfiguredLaw

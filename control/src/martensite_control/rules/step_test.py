@@ -29,13 +29,13 @@ from martensite.base.errors import DataError, ParameterError
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import name_loop_columns
 from martensite.control.loop.run import open_loop, simulate_bench
-from martensite.design.rules.formulas import FirstOrder, Integrating
-from martensite.design.tuning.loop_runs import find_loop
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.signals.sampling.sampled import Numbers
 from martensite.signals.staircase import Staircase
 from martensite.simulate.api import longest_step
+from martensite_control.rules.formulas import FirstOrder, Integrating
+from martensite_control.tuning.loop_runs import find_loop
 
 QUIET = 6.0
 """Least change of a response, in standard deviations of its noise from sample to sample."""

@@ -10,17 +10,17 @@ from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.base.interrupts import rescue_answer
 from martensite.cli.options import read_positive, read_quantity
 from martensite.cli.progress import show_share, show_spinner
-from martensite.show.summaries.tuning import TuningOutcome
+from martensite_control.tuning.tuning_summary import TuningOutcome
 
 if TYPE_CHECKING:
     from martensite.cli.outputs import BestSoFar
-    from martensite.cli.tune import TuneOptions
     from martensite.control.loop.bench import Bench
-    from martensite.design.rules.rule_starts import LoopTests
-    from martensite.design.tuning.bench_tuning import TunedBench
-    from martensite.design.tuning.loop_runs import LoopRuns
-    from martensite.design.tuning.plant_spread import Plants, Ratio
     from martensite.scenario.scenario import Scenario
+    from martensite_control.cli import TuneOptions
+    from martensite_control.rules.rule_starts import LoopTests
+    from martensite_control.tuning.bench_tuning import TunedBench
+    from martensite_control.tuning.loop_runs import LoopRuns
+    from martensite_control.tuning.plant_spread import Plants, Ratio
 
 
 TRIED = 3
@@ -36,7 +36,7 @@ def run_tuning(scenario: Scenario, options: TuneOptions, best: BestSoFar) -> Tun
         InputError: the scenario has no loop, or an option does not fit it.
         SolveError: the loop cannot be run.
     """
-    from martensite.design.tuning.loop_runs import find_loop
+    from martensite_control.tuning.loop_runs import find_loop
 
     bench = _find_bench(scenario)
     drive = find_loop(bench, options.loop)
@@ -84,8 +84,8 @@ def _read_duration(options: TuneOptions, scenario: Scenario) -> float:
 
 
 def _make_runs(bench: Bench, duration: float, drive: str, scenario: Scenario) -> LoopRuns:
-    from martensite.design.tuning.loop_runs import LoopRuns
     from martensite.simulate.drive_waveforms import by_name
+    from martensite_control.tuning.loop_runs import LoopRuns
 
     waves = by_name(scenario.system, scenario.waveform)
     return LoopRuns(bench, duration, drive=drive, seed=scenario.seed, waveforms=waves)
@@ -104,8 +104,8 @@ def _choose_level(options: TuneOptions, runs: LoopRuns) -> float:
 
 
 def _run_tests(options: TuneOptions, runs: LoopRuns, scenario: Scenario) -> LoopTests:
-    from martensite.design.rules.rule_starts import run_loop_tests
     from martensite.simulate.drive_waveforms import by_name
+    from martensite_control.rules.rule_starts import run_loop_tests
 
     waves = by_name(scenario.system, scenario.waveform)
     with show_spinner("step and relay test"):
@@ -115,10 +115,10 @@ def _run_tests(options: TuneOptions, runs: LoopRuns, scenario: Scenario) -> Loop
 
 
 def _apply_rule(runs: LoopRuns, options: TuneOptions, scenario: Scenario) -> tuple[TunedBench, LoopTests, str]:
-    from martensite.design.rules.formulas import gains_by_rule
-    from martensite.design.rules.relay import gains_by_relay
-    from martensite.design.rules.rule_starts import convert_to_pid
-    from martensite.design.tuning.bench_tuning import compare_gains
+    from martensite_control.rules.formulas import gains_by_rule
+    from martensite_control.rules.relay import gains_by_relay
+    from martensite_control.rules.rule_starts import convert_to_pid
+    from martensite_control.tuning.bench_tuning import compare_gains
 
     tests, form = _run_tests(options, runs, scenario), options.form or "pid"
     if options.method == "rules":
@@ -137,10 +137,10 @@ def _search_gains(
     runs: LoopRuns, options: TuneOptions, length: float, scenario: Scenario, plants: Plants | None, best: BestSoFar
 ) -> tuple[TunedBench, LoopTests | None, str]:
     from martensite.control.controllers.pid import Pid
-    from martensite.design.tuning.bench_tuning import tune_bench
-    from martensite.design.tuning.gain_search import TuningSearch
-    from martensite.design.tuning.goals import TuningGoal
     from martensite.simulate.drive_waveforms import by_name
+    from martensite_control.tuning.bench_tuning import tune_bench
+    from martensite_control.tuning.gain_search import TuningSearch
+    from martensite_control.tuning.goals import TuningGoal
 
     goal = TuningGoal(error=options.goal or "itae")
     controller = runs.bench.controllers.members()[runs.drive]
@@ -184,7 +184,7 @@ def _find_starts(
     """The best gains by rules on the nominal plant; none where the tests cannot be made."""
     if not pid:
         return None, []
-    from martensite.design.rules.rule_starts import choose_best_rules
+    from martensite_control.rules.rule_starts import choose_best_rules
 
     try:
         tests = _run_tests(options, runs, scenario)
@@ -205,7 +205,7 @@ def draw_both_plants(
     """
     if not texts:
         return None, None
-    from martensite.design.tuning.plant_spread import draw_plants
+    from martensite_control.tuning.plant_spread import draw_plants
 
     spreads = dict(_read_spread(text, scenario, bench) for text in texts)
     first, second = (draw_plants(bench, spreads, PLANTS if count is None else count, seed + k) for k in (0, 1))
@@ -236,7 +236,7 @@ def judge_others(runs: LoopRuns, found: TunedBench, others: Plants | None) -> Ra
     """ITAE after over before on plants that were not tuned on."""
     if others is None:
         return None
-    from martensite.design.tuning.plant_spread import compare_over_plants
+    from martensite_control.tuning.plant_spread import compare_over_plants
 
     both = compare_over_plants(runs, {"before": found.before, "after": found.after}, others)
     return both.ratio("after", "before")

@@ -28,8 +28,8 @@ from typing import Any
 import numpy as np
 
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.design.tuning.loop_runs import Seen
 from martensite.signals.sampling.sampled import Numbers
+from martensite_control.tuning.loop_runs import Seen
 
 ERRORS = ("itae", "iae", "ise")
 STEP, SMOOTH, ORDER = 0.05, 1e-3, 8.0

@@ -18,9 +18,9 @@ from scipy.optimize import minimize
 
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.pid import Gains
-from martensite.design.tuning.closed_loop import ControlledModel, Trajectory, compute_logarithms
-from martensite.design.tuning.measures import StepResponse, build_steps, measure_steps
 from martensite.signals.sampling.sampled import Numbers
+from martensite_control.tuning.closed_loop import ControlledModel, Trajectory, compute_logarithms
+from martensite_control.tuning.measures import StepResponse, build_steps, measure_steps
 
 STARTS = ((10.0, 0.01, 0.1), (50.0, 0.05, 100.0), (100.0, 0.2, 1000.0), (5.0, 0.001, 1000.0))
 """Gains that searches begin with, in the units of the cost."""

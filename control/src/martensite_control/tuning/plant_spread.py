@@ -20,14 +20,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.base.parameters import Leaf
 from martensite.control.loop.bench import Bench
-from martensite.design.tuning.goals import Course, Numbers
-from martensite.design.tuning.loop_runs import LoopRuns
-from martensite.design.tuning.measures import compute_itae
+from martensite.control.loop.plant_leaves import PLANT, find_plant_leaf, parse_half_width, require_allowed
 from martensite.search.starts import draw_points
+from martensite_control.tuning.goals import Course, Numbers
+from martensite_control.tuning.loop_runs import LoopRuns
+from martensite_control.tuning.measures import compute_itae
 
-PLANT = "plant."
 METHODS = ("sobol", "latin-hypercube")
 
 
@@ -99,23 +98,6 @@ def _draw_parameter(bench: Bench, name: str, spread: float, z: NDArray[np.float6
     found = leaf.value + parse_half_width(leaf, spread) * z
     require_allowed(leaf, float(found.min()), float(found.max()))
     return PLANT + leaf.path, found
-
-
-def find_plant_leaf(bench: Bench, name: str) -> Leaf:
-    """The number of the plant that a path, or a unique ending of one, names; `ParameterError` if there is none."""
-    path = bench.plant.resolve(name.removeprefix(PLANT))
-    return next(leaf for leaf in bench.plant.leaves() if leaf.path == path)
-
-
-def parse_half_width(leaf: Leaf, spread: float) -> float:
-    """Half the width of a spread, in SI: a share of the number, or kelvin for a temperature."""
-    return spread if leaf.declared.unit == "K" else spread * abs(leaf.value)
-
-
-def require_allowed(leaf: Leaf, *values: float) -> None:
-    """Raise `ParameterError` unless a number may have all these values."""
-    for value in values:
-        leaf.declared.convert(leaf.owner, leaf.path, value)
 
 
 # ---------------------------------------------------------------- gains beside each other

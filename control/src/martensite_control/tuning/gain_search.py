@@ -1,7 +1,7 @@
 """The search for parameters of least cost over a batch of plants.
 
-The cost of `martensite.design.tuning.goals` is followed downhill with its exact derivatives,
-which are marched in C beside the values (`martensite.design.tuning.loop_runs`), on logarithms of
+The cost of `martensite_control.tuning.goals` is followed downhill with its exact derivatives,
+which are marched in C beside the values (`martensite_control.tuning.loop_runs`), on logarithms of
 gains (`martensite.search.box_search`), from the best of several starts. Starts are the numbers of
 the bench, those that are given, such as gains by rules, and some scattered around the best of them.
 Between its switchings a loop is smooth, over them it jumps a little: where a descent ends on such
@@ -26,9 +26,6 @@ import numpy as np
 from martensite.base import units
 from martensite.base.errors import ParameterError, SolveError
 from martensite.control.loop.bench import Bench
-from martensite.design.tuning.goals import Cost, Numbers
-from martensite.design.tuning.loop_runs import LoopRuns, Seen
-from martensite.design.tuning.plant_spread import Plants
 from martensite.search.box_search import BoxSearch, JudgedPoints, PointSlopes, Tell
 from martensite.search.free_numbers import (
     FreeNumber,
@@ -40,6 +37,9 @@ from martensite.search.free_numbers import (
     parse_free,
     read_free,
 )
+from martensite_control.tuning.goals import Cost, Numbers
+from martensite_control.tuning.loop_runs import LoopRuns, Seen
+from martensite_control.tuning.plant_spread import Plants
 
 BOX_FACTOR = 100.0
 """Box around the starts, as a factor."""

@@ -26,8 +26,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from martensite.base.errors import InputError
-from martensite.design.tuning.goals import Course, Numbers
-from martensite.design.tuning.loop_runs import Seen
+from martensite_control.tuning.goals import Course, Numbers
+from martensite_control.tuning.loop_runs import Seen
 
 RISE, BAND, LAST = 0.90, 0.05, 0.1
 

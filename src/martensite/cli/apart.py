@@ -1,14 +1,14 @@
-"""`design`, `sweep`, `sensitivity`, `pareto`, `steady`: commands that the distribution `martensite-sweep` brings."""
+"""Commands that distributions bring: those of `martensite-sweep` and of `martensite-control`."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from martensite.base.errors import InputError
 from martensite.base.lazy import import_extra
 from martensite.cli.app import app
 
-ABOUT = {
+SWEEPS = {
     "design": "Find numbers for which a goal is best and limits are kept.",
     "sweep": "Run many variants of a scenario; go on where it stopped.",
     "sensitivity": "Say which numbers of a sweep explain its variance.",
@@ -16,17 +16,19 @@ ABOUT = {
     "steady": "Find the rest, the limit cycle or the folds of a scenario.",
 }
 """What the help text says of each where the distribution is absent."""
+CONTROLS = {"tune": "Tune the controller of a scenario, and show its loop."}
 WHATEVER = {"ignore_unknown_options": True, "allow_extra_args": True}
 """Settings of a command that takes all words, to answer them with one sentence."""
 
 
-def add_commands() -> None:
-    """Add the commands, or, where they are absent, some of their names that say what brings them."""
+def add_commands(extra: str, group: str, about: Mapping[str, str]) -> None:
+    """Add the commands of a distribution, or, where it is absent, their names that say what brings them."""
     try:
-        app.add_typer(import_extra("martensite_sweep.cli", "sweep", "`martensite-sweep`").sweeps)
+        module = import_extra(f"martensite_{extra}.cli", extra, f"`martensite-{extra}`")
+        app.add_typer(getattr(module, group))
     except InputError as error:
-        for name, about in ABOUT.items():
-            app.command(name, help=about, add_help_option=False, context_settings=WHATEVER)(_make_refusal(error))
+        for name, words in about.items():
+            app.command(name, help=words, add_help_option=False, context_settings=WHATEVER)(_make_refusal(error))
 
 
 def _make_refusal(error: InputError) -> Callable[[], None]:
@@ -36,4 +38,5 @@ def _make_refusal(error: InputError) -> Callable[[], None]:
     return refuse
 
 
-add_commands()
+add_commands("sweep", "sweeps", SWEEPS)
+add_commands("control", "controls", CONTROLS)

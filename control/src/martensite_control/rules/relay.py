@@ -36,12 +36,12 @@ from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import name_loop_columns
 from martensite.control.loop.parts import Controllers
 from martensite.control.loop.run import simulate_bench
-from martensite.design.rules.formulas import FORMS, IdealGains
-from martensite.design.tuning.loop_runs import find_loop
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.api import longest_step
+from martensite_control.rules.formulas import FORMS, IdealGains
+from martensite_control.tuning.loop_runs import find_loop
 
 CYCLES = 6
 """Cycles that are wanted; the last but those of coming up are counted."""

@@ -1,7 +1,7 @@
 """Tuning on the bench itself: parameters of controllers of least cost, over a batch of plants.
 
-The cost is that of `martensite.design.tuning.goals`, the search that of
-`martensite.design.tuning.gain_search`, with exact derivatives through the loop. Starts are the
+The cost is that of `martensite_control.tuning.goals`, the search that of
+`martensite_control.tuning.gain_search`, with exact derivatives through the loop. Starts are the
 numbers of the bench and those that are given, such as gains by rules.
 
 Sensors, observers and controllers are those of the bench in every run; what is drawn are plants.
@@ -16,14 +16,14 @@ import numpy as np
 
 from martensite.base.errors import SolveError
 from martensite.control.loop.bench import Bench
-from martensite.design.tuning.gain_search import GainCosts, TuningSearch, build_free_gains, search_gains
-from martensite.design.tuning.goals import Cost, Course, Numbers, TuningGoal
-from martensite.design.tuning.loop_runs import LoopRuns, Seen
-from martensite.design.tuning.measures import Measures, measure_loop
-from martensite.design.tuning.plant_spread import Plants
 from martensite.search.box_search import Tell
 from martensite.search.free_numbers import FreeNumber
 from martensite.signals.base import AbstractWaveform
+from martensite_control.tuning.gain_search import GainCosts, TuningSearch, build_free_gains, search_gains
+from martensite_control.tuning.goals import Cost, Course, Numbers, TuningGoal
+from martensite_control.tuning.loop_runs import LoopRuns, Seen
+from martensite_control.tuning.measures import Measures, measure_loop
+from martensite_control.tuning.plant_spread import Plants
 
 
 @dataclass(frozen=True, eq=False)

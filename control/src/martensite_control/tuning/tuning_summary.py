@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.base.formats import choose_difference_unit, write_quantity
 from martensite.base.summary import Block, DataTable, Sentence, Summary
-from martensite.design.tuning.loop_runs import find_judged_output
-from martensite.design.tuning.measures import UNITS
+from martensite_control.tuning.loop_runs import find_judged_output
+from martensite_control.tuning.measures import UNITS
 
 if TYPE_CHECKING:
-    from martensite.design.rules.rule_starts import LoopTests
-    from martensite.design.tuning.bench_tuning import TunedBench
-    from martensite.design.tuning.plant_spread import Ratio
     from martensite.scenario.scenario import Scenario
+    from martensite_control.rules.rule_starts import LoopTests
+    from martensite_control.tuning.bench_tuning import TunedBench
+    from martensite_control.tuning.plant_spread import Ratio
 
 HEAD = ("", "before", "after")
 SHARES = ("overshoot",)

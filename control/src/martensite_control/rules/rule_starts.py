@@ -17,12 +17,12 @@ import numpy as np
 from martensite.base.errors import DataError, ParameterError
 from martensite.control.controllers.pid import Pid
 from martensite.control.loop.bench import Bench
-from martensite.design.rules.formulas import FORMS, RULES, IdealGains, gains_by_rule
-from martensite.design.rules.relay import RELAY_RULES, LimitCycle, gains_by_relay, run_relay_test
-from martensite.design.rules.step_test import HoldingSignals, StepTest, Waveforms, find_holding_signals, run_step_test
-from martensite.design.tuning.goals import Course
-from martensite.design.tuning.loop_runs import LoopRuns, find_loop
-from martensite.design.tuning.measures import compute_itae
+from martensite_control.rules.formulas import FORMS, RULES, IdealGains, gains_by_rule
+from martensite_control.rules.relay import RELAY_RULES, LimitCycle, gains_by_relay, run_relay_test
+from martensite_control.rules.step_test import HoldingSignals, StepTest, Waveforms, find_holding_signals, run_step_test
+from martensite_control.tuning.goals import Course
+from martensite_control.tuning.loop_runs import LoopRuns, find_loop
+from martensite_control.tuning.measures import compute_itae
 
 BEYOND, SWING, BAND = 0.3, 0.75, 0.02
 """Margins of step and relay in widths of the hysteresis; band of the relay in shares of the range

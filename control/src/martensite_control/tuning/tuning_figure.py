@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from martensite.base import units
-from martensite.design.tuning.bench_tuning import TunedBench
-from martensite.design.tuning.loop_runs import find_judged_output
 from martensite.show.figures.panels import make_panels
 from martensite.show.figures.style import HEATING, INK, QUIET, use_style
+from martensite_control.tuning.bench_tuning import TunedBench
+from martensite_control.tuning.loop_runs import find_judged_output
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,13 +6,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
+import typer
 from typer import Option
 
 from martensite.base.errors import InputError, UnknownNameError
-from martensite.cli.app import app
 from martensite.cli.options import ScenarioSource, Text, Texts, spread_options
 from martensite.cli.outputs import AnswerOptions, name_interrupted
 
+controls = typer.Typer()
 METHODS = ("rules", "relay", "gradient")
 
 
@@ -70,13 +71,13 @@ class TuneOptions:
             raise InputError("Option `--plants` has no effect without --spread.")
 
     def _list_rules(self) -> list[str]:
-        from martensite.design.rules.formulas import RULES
-        from martensite.design.rules.relay import RELAY_RULES
+        from martensite_control.rules.formulas import RULES
+        from martensite_control.rules.relay import RELAY_RULES
 
         return list(RULES if self.method == "rules" else RELAY_RULES)
 
 
-@app.command()
+@controls.command()
 @spread_options
 def tune(
     source: ScenarioSource,
@@ -92,9 +93,9 @@ def tune(
     outputs = answer.check_files(save, ".toml")
     options.check()
     loaded = source.load()
-    from martensite.cli.tune_run import run_tuning, write_tuned
-    from martensite.show.figures.tuning import plot_tuning
-    from martensite.show.summaries.tuning import summarise_tuning
+    from martensite_control.tuning.tune_run import run_tuning, write_tuned
+    from martensite_control.tuning.tuning_figure import plot_tuning
+    from martensite_control.tuning.tuning_summary import summarise_tuning
 
     found = run_tuning(loaded, options, name_interrupted(save, source.file))
     outputs.answer(
