@@ -99,6 +99,17 @@ class AbstractController(AbstractDrive):
         """What `check` and a summary say of it, such as its anti-windup; sampled with a period [s]."""
         return ""
 
+    def describe_around(self) -> list[str]:
+        """What stands around it, in words."""
+        mode, shaping = self.manual, self.shaping
+        sure = f", its rate by `{shaping.confidence}`" if shaping is not None and shaping.confidence else ""
+        return [
+            *(["filtered readings"] if self.reading_filter is not None else []),
+            *([f"shaped reference{sure}"] if shaping is not None else []),
+            *([f"automatic {mode.describe_times()}"] if mode is not None else []),
+            *(["slew limit"] if self.slew is not None else []),
+        ]
+
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
         """What it remembers before the first sample."""
         return ()

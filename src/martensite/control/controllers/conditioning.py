@@ -88,9 +88,11 @@ class SignalSlew(Parametrised):
         if not (math.isfinite(self.rising) or math.isfinite(self.falling)):
             raise ParameterError("A slew limit needs a rate, `rising` or `falling`.")
 
+        self.__dict__["_layout"] = math.isfinite(self.rising), math.isfinite(self.falling)
+
     def layout(self) -> tuple[int, ...]:
         """Which of the two there are."""
-        return math.isfinite(self.rising), math.isfinite(self.falling)
+        return self.__dict__["_layout"]
 
     def limit(self, xp: Namespace, before: Scalar, wanted: Scalar, dt: Scalar) -> Scalar:
         """The signal nearest to what is wanted, `dt` [s] after the one before."""
@@ -110,6 +112,11 @@ class ManualMode(Parametrised):
         """Raise `ParameterError` if the controller never has the signal."""
         if not self.automatic_from < self.automatic_until:
             raise ParameterError("`automatic_from` must be before `automatic_until`.")
+
+    def describe_times(self) -> str:
+        """When the controller has the signal, in words."""
+        until = "" if math.isinf(self.automatic_until) else f" to {self.automatic_until:g} s"
+        return f"from {self.automatic_from:g} s{until}"
 
     @property
     def waveforms(self) -> tuple[AbstractWaveform, AbstractWaveform]:

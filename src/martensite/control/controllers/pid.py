@@ -74,8 +74,8 @@ def per_sample(Kp: float, Ki: float, Kd: float, interval: float) -> Gains:
 class PidLaw(SignalLimits):
     """What a PID controller does beside its gains: limits, set-point weights and filter."""
 
-    weight: float = param("1", "set-point weight b of the proportional part", default=1.0)
-    slope_weight: float = param("1", "set-point weight c of the derivative part", default=1.0)
+    weight: float = param("1", "set-point weight b of the proportional part", low=0.0, high=1.0, default=1.0)
+    slope_weight: float = param("1", "set-point weight c of the derivative part", low=0.0, high=1.0, default=1.0)
     N: float = param("1", "share of the derivative time that its filter takes: T_f = T_d/N", above=0.0, default=10.0)
     filter: float = param("s", "time constant T_f of the derivative's filter; by N if 0", low=0.0, default=0.0)
     anti_windup: str = option(

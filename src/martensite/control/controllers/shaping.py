@@ -61,9 +61,11 @@ class ReferenceShaping(Parametrised):
         if self.below == "safe" and not self.confidence:
             raise ParameterError('`below = "safe"` needs the name of a `confidence`, such as `estimated.confidence`.')
 
+        self.__dict__["_layout"] = math.isfinite(self.rate), math.isfinite(self.acceleration), self.lag > 0.0
+
     def layout(self) -> tuple[int, ...]:
         """Which of the three there are."""
-        return math.isfinite(self.rate), math.isfinite(self.acceleration), self.lag > 0.0
+        return self.__dict__["_layout"]
 
     def begin(self, value: Scalar) -> ShapedReference:
         """At rest at a value."""

@@ -46,11 +46,13 @@ def outside_references(bench: Bench, outside: Iterable[str]) -> dict[str, str]:
 
 
 def describe_controllers(bench: Bench) -> dict[str, str]:
-    """What controllers say of themselves, by drive, such as their anti-windup."""
-    rows = [
-        (name, one.registered_name, one.describe(bench.period)) for name, one in bench.controllers.members().items()
-    ]
-    return {name: f"`{kind}`: {words}" for name, kind, words in rows if words}
+    """What controllers say of themselves, by drive, such as their anti-windup, and of what stands around them."""
+    found: dict[str, str] = {}
+    for name, one in bench.controllers.members().items():
+        words = "; ".join(filter(None, (one.describe(bench.period), *one.describe_around())))
+        if words:
+            found[name] = f"`{one.registered_name}`: {words}"
+    return found
 
 
 def list_hands(bench: Bench) -> dict[str, tuple[str, str]]:
@@ -75,10 +77,10 @@ def list_drives(bench: Bench) -> list[DriveSignal]:
 def hand_drives(bench: Bench) -> list[DriveSignal]:
     """Signal and mode by hand, of every controller that has them."""
     units = {drive.name: drive.unit for drive in bench.plant.drives()}
-    rows = [
-        pair for drive, (signal, mode) in list_hands(bench).items() for pair in ((signal, units[drive]), (mode, "1"))
-    ]
-    return [DriveSignal(name, unit, False, True) for name, unit in rows]
+    found: list[DriveSignal] = []
+    for drive, (signal, mode) in list_hands(bench).items():
+        found += [DriveSignal(signal, units[drive], False, True), DriveSignal(mode, "1", False, True)]
+    return found
 
 
 def reference_units(bench: Bench) -> list[str]:
