@@ -23,7 +23,7 @@ from martensite.base.interfaces import make_missing_error, require_where
 from martensite.base.parameters import Parametrised, param, part, text
 from martensite.base.registry import Registry
 from martensite.control.controllers.conditioning import (
-    Hand,
+    ManualInput,
     ManualMode,
     ReadingFilter,
     SignalSlew,
@@ -40,6 +40,8 @@ Column: TypeAlias = Sequence[Scalar]
 Readings: TypeAlias = Mapping[str, Scalar]
 Answer: TypeAlias = tuple[Scalar, Column]
 """The signal of a sample, and what is remembered for the next."""
+AROUND = "reading_filter", "shaping", "manual", "slew"
+"""Parts of any controller that stand around it."""
 HAIR = 1e-9
 """Difference of times that is rounding [s]."""
 
@@ -99,17 +101,6 @@ class AbstractController(AbstractDrive):
         """What `check` and a summary say of it, such as its anti-windup; sampled with a period [s]."""
         return ""
 
-    def describe_around(self) -> list[str]:
-        """What stands around it, in words."""
-        mode, shaping = self.manual, self.shaping
-        sure = f", its rate by `{shaping.confidence}`" if shaping is not None and shaping.confidence else ""
-        return [
-            *(["filtered readings"] if self.reading_filter is not None else []),
-            *([f"shaped reference{sure}"] if shaping is not None else []),
-            *([f"automatic {mode.describe_times()}"] if mode is not None else []),
-            *(["slew limit"] if self.slew is not None else []),
-        ]
-
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
         """What it remembers before the first sample."""
         return ()
@@ -131,14 +122,20 @@ class AbstractController(AbstractDrive):
         """What it remembers after a sample in which the signal was another one: with an integral that gives it."""
         return memory
 
-    def begin(self, xp: Namespace, reference: Scalar, readings: Readings, hand: Hand | None = None) -> Answer:
+    def begin(self, xp: Namespace, reference: Scalar, readings: Readings, hand: ManualInput | None = None) -> Answer:
         """The signal of the first sample, and what is remembered, with what stands around the controller."""
         if not self.conditioned:
             return self.answer(xp, tuple(self.rest(xp, reference, readings)), reference, readings, 0.0)
         return begin_control(self, xp, reference, readings, hand)
 
     def proceed(
-        self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar, hand: Hand | None = None
+        self,
+        xp: Namespace,
+        memory: Column,
+        reference: Scalar,
+        readings: Readings,
+        dt: Scalar,
+        hand: ManualInput | None = None,
     ) -> Answer:
         """The signal of another sample, and what is remembered, with what stands around the controller."""
         if not self.conditioned:
@@ -148,7 +145,7 @@ class AbstractController(AbstractDrive):
     @property
     def conditioned(self) -> bool:
         """Whether something stands around it."""
-        return any(one is not None for one in (self.reading_filter, self.shaping, self.manual, self.slew))
+        return any(self.__dict__[name] is not None for name in AROUND)
 
     def init(self) -> Called | None:
         """Nothing measured."""
@@ -162,7 +159,7 @@ class AbstractController(AbstractDrive):
         """
         require_readings(self, measurement)
         wanted = self.reference.value(time)
-        hand = None if self.manual is None else Hand(*(one.value(time) for one in self.manual.waveforms))
+        hand = None if self.manual is None else ManualInput(*(one.value(time) for one in self.manual.waveforms))
         if memory is None:
             signal, after = self.begin(floats, wanted, measurement, hand)
         else:

@@ -16,7 +16,8 @@ Source: Åström and Hägglund (1995), chapter 3.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from itertools import islice
 from typing import TYPE_CHECKING, NamedTuple
 
 from martensite.base.errors import ParameterError
@@ -33,10 +34,9 @@ if TYPE_CHECKING:
 
 Column = Sequence[Scalar]
 Readings = Mapping[str, Scalar]
-SHAPED = len(ShapedReference._fields)
 
 
-class Hand(NamedTuple):
+class ManualInput(NamedTuple):
     """What is set by hand in a sample."""
 
     signal: Scalar
@@ -113,11 +113,6 @@ class ManualMode(Parametrised):
         if not self.automatic_from < self.automatic_until:
             raise ParameterError("`automatic_from` must be before `automatic_until`.")
 
-    def describe_times(self) -> str:
-        """When the controller has the signal, in words."""
-        until = "" if math.isinf(self.automatic_until) else f" to {self.automatic_until:g} s"
-        return f"from {self.automatic_from:g} s{until}"
-
     @property
     def waveforms(self) -> tuple[AbstractWaveform, AbstractWaveform]:
         """Signal by hand, and 1 while the controller has it."""
@@ -135,26 +130,20 @@ class Conditioned(NamedTuple):
 
     def flatten(self, one: AbstractController) -> Column:
         """All numbers."""
-        shaped = () if self.shaped is None else self.shaped
         last = () if one.slew is None else (self.signal,)
-        return (*(number for row in self.filters for number in row), *shaped, *last, *self.inner)
+        return (*(number for row in self.filters for number in row), *(self.shaped or ()), *last, *self.inner)
 
 
 def split_memory(one: AbstractController, memory: Column) -> Conditioned:
     """From all numbers of a controller."""
-    rest = iter(memory)
-    filters = tuple(tuple(_take(rest, one.reading_filter.kept)) for _ in one.filtered()) if one.reading_filter else ()
-    shaped = None if one.shaping is None else ShapedReference(*_take(rest, SHAPED))
-    signal = 0.0 if one.slew is None else next(rest)
-    return Conditioned(filters, shaped, signal, tuple(rest))
-
-
-def _take(rest: Iterator[Scalar], count: int) -> Iterator[Scalar]:
-    return (next(rest) for _ in range(count))
+    rest, shaped = iter(memory), one.shaping is not None
+    filters = tuple(tuple(islice(rest, one.reading_filter.kept)) for _ in one.filtered()) if one.reading_filter else ()
+    found = ShapedReference(*islice(rest, len(ShapedReference._fields))) if shaped else None
+    return Conditioned(filters, found, 0.0 if one.slew is None else next(rest), tuple(rest))
 
 
 def begin_control(
-    one: AbstractController, xp: Namespace, reference: Scalar, readings: Readings, hand: Hand | None
+    one: AbstractController, xp: Namespace, reference: Scalar, readings: Readings, hand: ManualInput | None
 ) -> tuple[Scalar, Column]:
     """Signal of the first sample, and all that is remembered: a shaped reference begins at the reading."""
     start = readings[one.measured] if one.follows_reading else reference
@@ -172,12 +161,15 @@ def continue_control(
     reference: Scalar,
     readings: Readings,
     dt: Scalar,
-    hand: Hand | None,
+    hand: ManualInput | None,
 ) -> tuple[Scalar, Column]:
     """Signal of another sample, `dt` [s] after the one before, and all that is remembered."""
     held = split_memory(one, memory)
-    filters = _filter_readings(one, xp, held.filters, readings, dt)
-    readings = {**readings, **{name: row[0] for name, row in zip(one.filtered(), filters, strict=True)}}
+    names, low_pass, filters = one.filtered(), one.reading_filter, held.filters
+    if low_pass is not None:
+        rows = zip(names, filters, strict=True)
+        filters = tuple(tuple(low_pass.filter(xp, memory, readings[name], dt)) for name, memory in rows)
+        readings = {**readings, **{name: row[0] for name, row in zip(names, filters, strict=True)}}
     shaped, target = held.shaped, reference
     if one.shaping is not None and shaped is not None:
         shaped = one.shaping.move(xp, shaped, reference, readings, dt)
@@ -196,17 +188,8 @@ def continue_control(
     return signal, Conditioned(filters, shaped, signal, tuple(after)).flatten(one)
 
 
-def _filter_readings(
-    one: AbstractController, xp: Namespace, held: Sequence[Column], readings: Readings, dt: Scalar
-) -> tuple[Column, ...]:
-    if one.reading_filter is None:
-        return ()
-    rows = zip(one.filtered(), held, strict=True)
-    return tuple(tuple(one.reading_filter.filter(xp, memory, readings[name], dt)) for name, memory in rows)
-
-
 def _override_signal(
-    one: AbstractController, xp: Namespace, wanted: Scalar, readings: Readings, hand: Hand | None
+    one: AbstractController, xp: Namespace, wanted: Scalar, readings: Readings, hand: ManualInput | None
 ) -> tuple[Scalar, Flag | None]:
     """The signal, and whether it is one that the controller does not have; None if it always has."""
     signal, taken = wanted, None

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from martensite.actuators.assembly.base import DriveSignal
 from martensite.actuators.mechanisms.base import Output
+from martensite.control.controllers.base import AROUND
 from martensite.control.loop.parts import MountedSensor
 from martensite.control.observers.base import ESTIMATED
 
@@ -49,7 +50,8 @@ def describe_controllers(bench: Bench) -> dict[str, str]:
     """What controllers say of themselves, by drive, such as their anti-windup, and of what stands around them."""
     found: dict[str, str] = {}
     for name, one in bench.controllers.members().items():
-        words = "; ".join(filter(None, (one.describe(bench.period), *one.describe_around())))
+        around = ", ".join(part.replace("_", " ") for part in AROUND if one.__dict__[part] is not None)
+        words = "; ".join(filter(None, (one.describe(bench.period), around and f"with {around}")))
         if words:
             found[name] = f"`{one.registered_name}`: {words}"
     return found

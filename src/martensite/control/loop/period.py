@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.assembly.systems import Piece
-from martensite.control.controllers.conditioning import Hand, split_memory
+from martensite.control.controllers.conditioning import ManualInput, split_memory
 from martensite.control.loop.names import AGE, AMBIENT
 from martensite.control.loop.parts import (
     BenchState,
@@ -41,10 +41,10 @@ def sorted_inputs(bench: Bench, drives: Sequence[Scalar]) -> Inputs:
     return Inputs(references, hands, free, numbers)
 
 
-def sort_hands(bench: Bench, rest: Iterator[Scalar]) -> tuple[Hand | None, ...]:
+def sort_hands(bench: Bench, rest: Iterator[Scalar]) -> tuple[ManualInput | None, ...]:
     """What is set by hand, by controller, from the numbers that come next."""
     members = bench.controllers.members().values()
-    return tuple(None if one.manual is None else Hand(next(rest), next(rest)) for one in members)
+    return tuple(None if one.manual is None else ManualInput(next(rest), next(rest)) for one in members)
 
 
 def apply_supervisor(bench: Bench, xp: Namespace, state: BenchState, given: Inputs) -> SupervisorVerdict:
