@@ -105,7 +105,7 @@ class ManualMode(Parametrised):
     """A signal by hand, and when the controller has it instead."""
 
     signal: AbstractWaveform = part("signal by hand", WAVEFORMS, default=Constant(level=0.0))
-    automatic_from: float = param("s", "time from which the controller has the signal", default=0.0)
+    automatic_from: float = param("s", "time from which the controller has the signal", low=0.0, default=0.0)
     automatic_until: float = param("s", "time until which it has", default=math.inf)
 
     def check(self) -> None:
