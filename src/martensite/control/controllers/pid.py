@@ -102,12 +102,12 @@ class PidLaw(SignalLimits):
         added = gains.Ki * (reference - measured) * length
         integral = memory.integral + added
         now = self.slope_weight * reference - measured
-        lag = self._sampled(xp, self.filter, dt) if sampled else self.filter_time(xp, gains, dt)
+        lag = count_samples(xp, self.filter, dt) if sampled else self.filter_time(xp, gains, dt)
         change = memory.change + (now - memory.before - length * memory.change) / (length + lag)
         wanted = gains.Kp * (self.weight * reference - measured) + integral + gains.Kd * change
         signal = xp.clip(wanted, self.low, self.high)
         if self.anti_windup == "back-calculation":
-            given = self._sampled(xp, self.tracking, dt) if sampled else self.tracking
+            given = count_samples(xp, self.tracking, dt) if sampled else self.tracking
             time = xp.maximum(xp.where(self.tracking > 0.0, given, integral_time(xp, gains)), length)
             kept = integral + (signal - wanted) * length / xp.maximum(time, SHORTEST)
             return signal, PidMemory(kept, now, change)
@@ -122,8 +122,7 @@ class PidLaw(SignalLimits):
 
     def filter_time(self, xp: Namespace, gains: Gains, dt: Scalar) -> Scalar:
         """Time constant T_f of the derivative's filter [s], in samples of `dt` [s]; one of them at least."""
-        some = xp.abs(gains.Kp) > 0.0
-        Td = xp.where(some, xp.abs(gains.Kd / xp.where(some, gains.Kp, 1.0)), 0.0)
+        Td = xp.abs(gains.Kd * gains.Kp) / xp.maximum(gains.Kp * gains.Kp, SLIGHT)  # 0 without K_p
         given = xp.where(self.filter > 0.0, self.filter, Td / self.N)
         return xp.maximum(xp.maximum(given, dt), SHORTEST)
 
@@ -138,25 +137,23 @@ class PidLaw(SignalLimits):
         derivative = f"derivative filtered with {lag:.4g} s" if lag else "derivative without a filter"
         return f"anti-windup by {said}" + (f"; {derivative}" if gains.Kd else "")
 
-    @staticmethod
-    def _sampled(xp: Namespace, time: Scalar, dt: Scalar) -> Scalar:
-        """A time [s] in samples; none in the first one."""
-        some = dt > 0.0
-        return xp.where(some, time / xp.where(some, dt, 1.0), 0.0)
-
 
 SHORTEST = 1e-12
 """Time constant that is none [s]."""
+SLIGHT = 1e-30
+"""Square of a gain that is none."""
+
+
+def count_samples(xp: Namespace, time: Scalar, dt: Scalar) -> Scalar:
+    """A time [s] in samples of `dt` [s]; beyond all of them if they take none."""
+    return time / xp.maximum(dt, SHORTEST)
 
 
 def integral_time(xp: Namespace, gains: Gains) -> Scalar:
     """T_i = K_p/K_i, in the time that K_i counts; without an integral it is beyond all times."""
-    some = xp.abs(gains.Ki) > 0.0
-    return xp.where(some, xp.abs(gains.Kp / xp.where(some, gains.Ki, 1.0)), NEVER)
+    return xp.abs(gains.Kp) / xp.maximum(xp.abs(gains.Ki), SHORTEST)
 
 
-NEVER = 1e12
-"""Integral time of what does not integrate."""
 IN_SECONDS, PER_SAMPLE = GAINS_ARE = "in-seconds", "per-sample"
 """What the integral and the derivative gain of a controller may be given for."""
 
