@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.assembly.systems import Piece
-from martensite.control.controllers.base import AbstractController
+from martensite.control.controllers.conditioning import ManualInput, split_memory
 from martensite.control.loop.names import AGE, AMBIENT
 from martensite.control.loop.parts import (
     BenchState,
@@ -35,9 +35,16 @@ def sorted_inputs(bench: Bench, drives: Sequence[Scalar]) -> Inputs:
     """What drives the bench, by where it goes."""
     taken, rest = bench.controllers.members(), iter(drives)
     references = tuple(next(rest) for _ in taken)
+    hands = sort_hands(bench, rest)
     free = {d.name: next(rest) for d in bench.plant.drives() if d.name not in taken}
     numbers = tuple((next(rest), next(rest)) for _ in bench.sensors.members())
-    return Inputs(references, free, numbers)
+    return Inputs(references, hands, free, numbers)
+
+
+def sort_hands(bench: Bench, rest: Iterator[Scalar]) -> tuple[ManualInput | None, ...]:
+    """What is set by hand, by controller, from the numbers that come next."""
+    members = bench.controllers.members().values()
+    return tuple(None if one.manual is None else ManualInput(next(rest), next(rest)) for one in members)
 
 
 def apply_supervisor(bench: Bench, xp: Namespace, state: BenchState, given: Inputs) -> SupervisorVerdict:
@@ -78,12 +85,21 @@ def begin_loop(
     first = [one.rest(xp, known, collect_idle(bench, given)) for one in bench.observers.members().values()]
     observers = tuple(ObserverState(tuple(guess), tuple(memory)) for guess, memory in first)
     known = known | collect_estimates(bench, observers)
+    rows = zip(bench.controllers.members().items(), given.references, given.hands, strict=True)
     controllers: tuple[Controlling, ...] = ()
-    for (drive, one), r in zip(bench.controllers.members().items(), given.references, strict=True):
-        signal, memory = one.answer(xp, tuple(one.rest(xp, r, known)), r, known, 0.0)
-        controllers += (obey_commands(bench, xp, (drive, one, r), Controlling(signal, tuple(memory)), known),)
+    for (drive, one), r, hand in rows:
+        signal, memory = one.begin(xp, r, known, hand)
+        answer = Controlling(signal, tuple(memory))
+        controllers += (obey_commands(bench, xp, drive, answer, tuple(memory), known),)
     held = () if bench.supervisor is None else tuple(bench.supervisor.rest(xp, known))
     return observers, controllers, held, known
+
+
+def collect_shaped(bench: Bench, controllers: Sequence[Controlling]) -> list[Scalar]:
+    """What controllers follow whose reference is shaped."""
+    rows = zip(bench.controllers.members().values(), controllers, strict=True)
+    found = [split_memory(one, held.memory).shaped for one, held in rows]
+    return [shaped.value for shaped in found if shaped is not None]
 
 
 def apply_faults(bench: Bench, xp: Namespace, time: Scalar) -> AbstractSystem:
@@ -164,25 +180,29 @@ def update_controllers(
     bench: Bench, xp: Namespace, before: Sequence[Controlling], known: Numbers, given: Inputs
 ) -> tuple[Controlling, ...]:
     """All controllers a period later."""
-    rows = zip(bench.controllers.members().items(), before, given.references, strict=True)
+    rows = zip(bench.controllers.members().items(), before, given.references, given.hands, strict=True)
     found: list[Controlling] = []
-    for (drive, one), held, r in rows:
-        signal, memory = one.answer(xp, held.memory, r, known, bench.period)
-        found.append(obey_commands(bench, xp, (drive, one, r), Controlling(signal, tuple(memory)), known))
+    for (drive, one), held, r, hand in rows:
+        signal, memory = one.proceed(xp, held.memory, r, known, bench.period, hand)
+        answer = Controlling(signal, tuple(memory))
+        if find_commands(bench, drive):
+            answer = obey_commands(bench, xp, drive, answer, tuple(one.begin(xp, r, known, hand)[1]), known)
+        found.append(answer)
     return tuple(found)
 
 
+def find_commands(bench: Bench, drive: str) -> list[tuple[str, str]]:
+    """Names of the estimates by which observers command a drive: whether they do, and the signal."""
+    rows = [(one.commands(), [own.name for own in one.model.drives()]) for one in bench.observers.members().values()]
+    return [names for names, drives in rows if names is not None and drive in drives]
+
+
 def obey_commands(
-    bench: Bench, xp: Namespace, held: tuple[str, AbstractController, Scalar], answer: Controlling, known: Numbers
+    bench: Bench, xp: Namespace, drive: str, answer: Controlling, rest: tuple[Scalar, ...], known: Numbers
 ) -> Controlling:
-    """What a controller (drive, itself, reference) answers, or what an observer commands; it then stays at rest."""
-    drive, one, reference = held
-    for observer in bench.observers.members().values():
-        names = observer.commands()
-        if names is None or drive not in [own.name for own in observer.model.drives()]:
-            continue
+    """What a controller answers, or what an observer commands; its memory then stays at rest."""
+    for names in find_commands(bench, drive):
         lasts, signal = (known[ESTIMATED + name] for name in names)
-        rest = one.rest(xp, reference, known)
         kept = tuple(xp.where(lasts > 0.5, x, y) for x, y in zip(rest, answer.memory, strict=True))
         answer = Controlling(xp.where(lasts > 0.5, signal, answer.wanted), kept)
     return answer
