@@ -100,7 +100,8 @@ def test_its_confidence_falls_where_the_wire_is_no_longer_the_one_it_calibrated(
 def test_the_same_loop_runs_sample_by_sample_in_real_time() -> None:
     """Without a plant: the signal of the calibration goes to the drive, and the controller waits."""
     step = RealtimeStep(BENCH)
-    signals = [step.step({"resistance": 13.0})[0] for _ in range(round(6.0 / PERIOD))]
+    ohms = 13.0 * (1.0 + 0.01 * np.random.default_rng(0).standard_normal(round(6.0 / PERIOD)))
+    signals = [step.step({"resistance": one})[0] for one in ohms]  # one that stays the same would be stuck
     assert signals[10:190] == [0.02] * 180
     assert signals[-1] == pytest.approx(0.08 * np.exp((6.0 - 4.0) / 15.0), rel=0.01)
     assert (step.estimates["estimated.calibrating"], step.estimates[CONFIDENCE]) == (1.0, 0.0)
