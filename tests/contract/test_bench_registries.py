@@ -107,10 +107,12 @@ WATCHED: dict[str, dict[str, Any]] = {
 """Checks as they are set on a bench on which all is well; the bound comes from the plant."""
 FAULTY: dict[str, dict[str, Any]] = {
     "ambient-step": {"by": 20.0},
+    "clamped": {},
     "draught": {"factor": 2.0},
     "drift": {"sensor": "felt", "bias": 1.0, "rate": 2.0},
     "drop-out": {"sensor": "felt"},
     "open-circuit": {},
+    "slack": {"length": 1e-3},
     "stuck": {"sensor": "felt"},
     "supply-sag": {"share": 0.5},
 }

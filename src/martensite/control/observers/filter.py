@@ -150,16 +150,20 @@ class AbstractFilter(AbstractObserver):
         """Estimates after the readings of this sample, and what is believed."""
         going = ObserverPeriod(list_required(self, signals), dt, turns)
         expected = self.forecast(xp, self._unflatten_memory(memory), going)
-        rows = self._readings(xp, expected.mean, readings, dt)
+        return self._list_estimates(xp, *self.correct(xp, expected, self._readings(xp, expected.mean, readings, dt), going))
+
+    def correct(
+        self, xp: Namespace, expected: Forecast, rows: Sequence[UnknownReading], going: ObserverPeriod
+    ) -> tuple[Forecast, Scalar]:
+        """What is believed after readings, and their NIS."""
         mean, matrix, nis = covariance.condition_on_readings(xp, expected.mean, expected.covariance, rows)
         for i in range(1, 2 * len(self.model.actuators()), 2):
             mean = covariance.put_unknown(xp, mean, matrix, i, xp.clip(mean[i], 0.0, 1.0))
         unknown, count = len(hidden_states.list_names(self.model)), self.unknowns()
         mean[unknown:count] = [xp.clip(x, LEAST, MOST) for x in mean[unknown:count]]
         model = self.model_at_factors(mean[unknown:count])
-        at = mean[:unknown]
-        state = hidden_states.place_hidden(xp, model, expected.state, at, going.signals)
-        return self._list_estimates(xp, Forecast(state, mean, matrix), nis)
+        state = hidden_states.place_hidden(xp, model, expected.state, mean[:unknown], going.signals)
+        return Forecast(state, mean, matrix), nis
 
     def _readings(self, xp: Namespace, mean: Sequence[Scalar], readings: Named, dt: Scalar) -> list[UnknownReading]:
         names, found = self._rows(), list[UnknownReading]()
