@@ -103,6 +103,7 @@ WATCHED: dict[str, dict[str, Any]] = {
     "sensor-stuck": {"reading": "felt", "longest": 0.12},
     "open-circuit": {"reading": "current", "longest": 0.12, "most": 0.01, "least": 0.01},
     "mismatch": {"reading": "felt", "other": "again", "limit": 0.5},
+    "low-confidence": {"reading": "trust", "limit": 0.5, "longest": 0.12},
 }
 """Checks as they are set on a bench on which all is well; the bound comes from the plant."""
 FAULTY: dict[str, dict[str, Any]] = {
@@ -126,6 +127,7 @@ UNGUARDED = {
     "sensor-stuck.longest": LATE,
     "open-circuit.longest": LATE,
     "mismatch.limit": 1e9,
+    "low-confidence.longest": LATE,
     "thermal-bound.limit": 1e9,
 }
 TRIPPED: dict[str, tuple[dict[str, float], str | None]] = {
@@ -137,6 +139,7 @@ TRIPPED: dict[str, tuple[dict[str, float], str | None]] = {
     "sensor-stuck": ({}, "stuck"),
     "open-circuit": ({}, "open-circuit"),
     "mismatch": ({}, "drift"),
+    "low-confidence": ({"limit": 0.999}, None),
     "thermal-bound": ({"limit": 330.0}, None),
 }
 """What makes each check trip: other numbers of its own, or a fault."""
@@ -149,7 +152,7 @@ def named(name: str) -> str:
 @cache
 def guarded() -> Bench:
     """A bench with every fault, none of which begins, and a guard with every check."""
-    sensors = {"felt": "temperature", "again": "temperature"} | {name: name for name in ("current", "stress", "force")}
+    sensors = {"felt": "temperature", "again": "temperature", "trust": "martensite_fraction"} | {name: name for name in ("current", "stress", "force")}
     bound = guard_for(PLANT, temperature_limit=430.0).checks.members()["bound_drive"]
     checks = {named(name): CHECKS[name](**given) for name, given in WATCHED.items()}
     return Bench(
@@ -218,7 +221,7 @@ def test_faults_and_guard_are_the_same_in_c(c_compiler: str) -> None:
         place = f"faults.{named(name)}"
         values |= {f"{place}.start": 0.3 * k + 0.1, f"{place}.end": 0.3 * k + 0.5}
     quiet = checks_at({"sensor-lost.timeout": LATE, "sensor-stuck.longest": LATE})
-    bench = guarded().with_values(values | quiet | checks_at({"open-circuit.longest": LATE}))
+    bench = guarded().with_values(values | quiet | checks_at({"open-circuit.longest": LATE, "low-confidence.longest": LATE}))
     plain = columns(bench, "floats")
     assert plain["alarm"].max() > 0.0
     agree(plain, columns(bench, "c"))

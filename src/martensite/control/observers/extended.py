@@ -40,13 +40,13 @@ class ExtendedKalman(AbstractFilter):
     def _predict_state(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> tuple[list[Scalar], Columns]:
         """The flat state at the end of the period, and its slopes: a column per unknown."""
         shape, count = NestedShape(before.state), self.unknowns()
-        model = self.model_at_factors(before.drift)
+        model = self.model_at_factors(xp, before.drift)
         at = [*hidden_states.read_hidden(xp, model, before.state, going.signals), *before.drift]
         unknown = len(at) - len(before.drift)
         size = len(flatten_numbers(before.state))
 
         def start(dual: Any, x: Sequence[Any]) -> list[Any]:
-            model = self.model_at_factors(x[unknown:])
+            model = self.model_at_factors(dual, x[unknown:])
             return flatten_numbers(hidden_states.place_hidden(dual, model, before.state, x[:unknown], going.signals))
 
         def turn(*numbers: Any) -> list[Any]:
@@ -54,7 +54,7 @@ class ExtendedKalman(AbstractFilter):
             after = list(flat)
             for k in range(count):
                 dual: Any = DualNamespace(xp)
-                model = self.model_at_factors(_seed_dual(dual, at, k)[unknown:])
+                model = self.model_at_factors(dual, _seed_dual(dual, at, k)[unknown:])
                 slopes = numbers[size * (k + 1) : size * (k + 2)]
                 now = shape.rebuild([dual.pair(x, t) for x, t in zip(flat, slopes, strict=True)])
                 then, _ = model.step(dual, now, *going.signals, dt=going.step)

@@ -142,30 +142,34 @@ class AbstractFilter(AbstractObserver):
         first += [self.first_drift] * len(drift)
         matrix = covariance.build_diagonal([x * x for x in first])
         mean, slopes = self.outlook(xp, state, drift, applied)
-        return self._list_estimates(xp, Forecast(state, mean, covariance.propagate_covariance(slopes, matrix)), 0.0)
+        return self.list_estimates(xp, Forecast(state, mean, covariance.propagate_covariance(slopes, matrix)), 0.0)
 
     def update(
         self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar, turns: int
     ) -> tuple[Column, Column]:
         """Estimates after the readings of this sample, and what is believed."""
         going = ObserverPeriod(list_required(self, signals), dt, turns)
-        expected = self.forecast(xp, self._unflatten_memory(memory), going)
-        return self._list_estimates(xp, *self.correct(xp, expected, self._readings(xp, expected.mean, readings, dt), going))
-
-    def correct(
-        self, xp: Namespace, expected: Forecast, rows: Sequence[UnknownReading], going: ObserverPeriod
-    ) -> tuple[Forecast, Scalar]:
-        """What is believed after readings, and their NIS."""
+        expected = self.forecast(xp, self.unflatten_memory(memory), going)
+        rows = self.pair_readings(xp, expected.mean, readings, dt)
         mean, matrix, nis = covariance.condition_on_readings(xp, expected.mean, expected.covariance, rows)
+        return self.list_estimates(xp, self.place_unknowns(xp, expected.state, mean, matrix, going), nis)
+
+    def place_unknowns(
+        self, xp: Namespace, state: Any, mean: list[Scalar], matrix: Matrix, going: ObserverPeriod
+    ) -> Forecast:
+        """Unknowns within their limits, and the state put there."""
         for i in range(1, 2 * len(self.model.actuators()), 2):
             mean = covariance.put_unknown(xp, mean, matrix, i, xp.clip(mean[i], 0.0, 1.0))
         unknown, count = len(hidden_states.list_names(self.model)), self.unknowns()
         mean[unknown:count] = [xp.clip(x, LEAST, MOST) for x in mean[unknown:count]]
-        model = self.model_at_factors(mean[unknown:count])
-        state = hidden_states.place_hidden(xp, model, expected.state, mean[:unknown], going.signals)
-        return Forecast(state, mean, matrix), nis
+        model = self.model_at_factors(xp, mean[unknown:count])
+        there = hidden_states.place_hidden(xp, model, state, mean[:unknown], going.signals)
+        return Forecast(there, mean, matrix)
 
-    def _readings(self, xp: Namespace, mean: Sequence[Scalar], readings: Named, dt: Scalar) -> list[UnknownReading]:
+    def pair_readings(
+        self, xp: Namespace, mean: Sequence[Scalar], readings: Named, dt: Scalar
+    ) -> list[UnknownReading]:
+        """Readings with what is expected of them."""
         names, found = self._rows(), list[UnknownReading]()
         for name in self.reads():
             i = names.index(name)
@@ -182,14 +186,14 @@ class AbstractFilter(AbstractObserver):
         """Number of hidden values and of drifting parameters."""
         return len(hidden_states.list_names(self.model)) + len(self._paths())
 
-    def model_at_factors(self, drift: Sequence[Scalar]) -> Any:
+    def model_at_factors(self, xp: Namespace, drift: Sequence[Scalar]) -> Any:
         """The model with drifting parameters at factors of their values."""
         pairs = zip(self._paths(), drift, strict=True)
         return self.model.rebuilt({path: x * self.model.value_of(path) for path, x in pairs})
 
     def read_model(self, xp: Namespace, state: Any, drift: Sequence[Scalar], signals: Column) -> list[Scalar]:
         """Hidden values, factors and outputs of a state."""
-        found = hidden_states.observe_model(xp, self.model_at_factors(drift), state, signals)
+        found = hidden_states.observe_model(xp, self.model_at_factors(xp, drift), state, signals)
         unknown = [found[name] for name in hidden_states.list_names(self.model)]
         return [*unknown, *drift, *(found[name] for name in self.shown_outputs())]
 
@@ -197,11 +201,11 @@ class AbstractFilter(AbstractObserver):
         self, xp: Namespace, state: Any, drift: Sequence[Scalar], signals: Column
     ) -> tuple[list[Scalar], Matrix]:
         """The same, and its slopes with respect to hidden values and factors."""
-        at = hidden_states.read_hidden(xp, self.model_at_factors(drift), state, signals)
+        at = hidden_states.read_hidden(xp, self.model_at_factors(xp, drift), state, signals)
         count = len(at)
 
         def from_unknowns(xp: Namespace, x: Sequence[Scalar]) -> Sequence[Scalar]:
-            model = self.model_at_factors(x[count:])
+            model = self.model_at_factors(xp, x[count:])
             there = hidden_states.place_hidden(xp, model, state, x[:count], signals)
             return [*x, *self.read_model(xp, there, x[count:], signals)[len(x) :]]
 
@@ -214,14 +218,16 @@ class AbstractFilter(AbstractObserver):
         _, slopes = self.outlook(xp, state, drift, going.signals)
         return covariance.propagate_covariance(slopes, covariance.build_diagonal([w * w * going.dt for w in walks]))
 
-    def _unflatten_memory(self, memory: Column) -> Believed:
+    def unflatten_memory(self, memory: Column) -> Believed:
+        """What was believed, of its numbers."""
         shape = NestedShape(self.__dict__["_example"])
         size = len(flatten_numbers(shape.example))
         drift = size + len(self._paths())
         matrix = covariance.unpack_matrix(memory[drift:])
         return Believed(shape.rebuild(memory[:size]), tuple(memory[size:drift]), matrix)
 
-    def _list_estimates(self, xp: Namespace, found: Forecast, nis: Scalar) -> tuple[Column, Column]:
+    def list_estimates(self, xp: Namespace, found: Forecast, nis: Scalar) -> tuple[Column, Column]:
+        """Estimates, and the numbers of what is believed."""
         state, mean, matrix = found
         unknown, count = len(hidden_states.list_names(self.model)), self.unknowns()
         drift = mean[unknown:count]

@@ -40,6 +40,7 @@ from martensite.control.observers.innovation_test import Innovation, RunningTest
 from martensite.control.observers.unscented import UnscentedKalman
 from martensite.control.observers.usual_models import (
     AS_MODELLED,
+    FAN,
     USUAL,
     UsualSizes,
     find_wrapped_path,
@@ -90,15 +91,17 @@ class ModelBank(AbstractFilter):
 
     cites = ("barshalom2001",)
 
+    temperature_noise: Scalar = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.1)
+    fraction_noise: Scalar = param("1/s^0.5", "random walk of the martensite fraction", low=0.0, default=0.003)
     models: Models = part("further models by name; those of `usual` if none", default=Models())
-    usual: tuple[str, ...] = text(f"further models that need no numbers, of {', '.join(USUAL)}", default=USUAL)
+    usual: tuple[str, ...] = text(f"further models that need no numbers, of {', '.join(USUAL)}", default=USUAL, typical=FAN)
     filter: str = option("the filter of every model", *FILTERS, default="extended-kalman")
     fan_factor: Scalar = param("1", "film coefficient of `fan` over that of the model", above=0.0, default=2.5)
     rphase_rise: Scalar = param(
         "1", "share by which R-phase resists more, of `r_phase`", low=-0.5, high=1.0, default=0.15
     )
     slack_strain: Scalar = param("1", "share of the length that is lost, of `slack`", above=0.0, default=0.015)
-    sound: Scalar = param("s", "mean time for which the first model holds", above=0.0, default=600.0)
+    sound: Scalar = param("s", "mean time for which the first model holds", above=0.0, default=1e5)
     fault: Scalar = param("s", "mean time for which another one then holds", above=0.0, default=60.0)
     window: Scalar = param("s", "time over which innovations are averaged", above=0.0, default=0.5)
     bound: Scalar = param("1", "chi-square above which innovations do not fit", above=0.0, default=30.0)
@@ -127,7 +130,7 @@ class ModelBank(AbstractFilter):
         """The filter of a model."""
         settings = {key: self.__dict__[key] for key in AbstractFilter.declarations}
         try:
-            drifting = tuple(find_wrapped_path(path, model) for path in self._paths())
+            drifting = tuple(find_wrapped_path(self.model.resolve(path), model) for path in list_several(self.drifting))
             made = FILTERS[self.filter](**(settings | {"model": model, "drifting": drifting}))
         except ParameterError as error:
             raise ParameterError(f"Model `{name}` of a bank does not fit: {error}") from None
@@ -185,7 +188,7 @@ class ModelBank(AbstractFilter):
         memories = tuple(tuple(one.rest(xp, readings, signals)[1]) for one in filters)
         starts = list[Forecast]()
         for one, memory in zip(filters, memories, strict=True):
-            state, drift, matrix = one._unflatten_memory(memory)
+            state, drift, matrix = one.unflatten_memory(memory)
             mean, slopes = one.outlook(xp, state, drift, applied)
             starts.append(Forecast(state, mean, covariance.propagate_covariance(slopes, matrix)))
         others = len(filters) - 1
@@ -227,12 +230,14 @@ class ModelBank(AbstractFilter):
         tests = tuple(test.add(xp, one, share) for test, one in zip(before.tests, news, strict=True))
         nis = sum_column([one.used * one.value * one.value / one.variance for one in news])
         kept = tuple(
-            tuple(one._list_estimates(xp, row.found, 0.0)[1]) for one, row in zip(filters, rows, strict=True)
+            tuple(one.list_estimates(xp, row.found, 0.0)[1]) for one, row in zip(filters, rows, strict=True)
         )
         misfit = find_misfit(xp, tests, share, self.bound)
         slow = 1.0 - xp.exp(-dt / self.regain)
         used = tuple(m + slow * (x - m) for x, m in zip(weights, before.usual_weights, strict=True))
-        now = before._replace(usual_weights=used, weights=weights, tests=tests, confidence=before.confidence + dt / self.regain)
+        heard = find_largest(xp, [one.used for one in news])  # trust comes back by evidence only
+        trust = before.confidence + heard * dt / self.regain
+        now = before._replace(usual_weights=used, weights=weights, tests=tests, confidence=trust)
         return self._answer(xp, now, [one.found for one in rows], nis, misfit, kept)
 
     def _switch(self, xp: Namespace, weights: Column, dt: Scalar) -> tuple[list[Scalar], list[list[Scalar]]]:
@@ -258,8 +263,8 @@ class ModelBank(AbstractFilter):
         going: ObserverPeriod,
     ) -> list[Believed]:
         """Where every filter goes on from."""
-        ends = [one._unflatten_memory(memory) for one, memory in zip(filters, before.filters, strict=True)]
-        models = [one.model_at_factors(end.drift) for one, end in zip(filters, ends, strict=True)]
+        ends = [one.unflatten_memory(memory) for one, memory in zip(filters, before.filters, strict=True)]
+        models = [one.model_at_factors(xp, end.drift) for one, end in zip(filters, ends, strict=True)]
         points = [
             [*hidden_states.read_hidden(xp, model, end.state, going.signals), *end.drift]
             for model, end in zip(models, ends, strict=True)
@@ -270,7 +275,7 @@ class ModelBank(AbstractFilter):
             weights = [share[i] for i in chosen]
             mean, matrix = _mix_moments(weights, [points[i] for i in chosen], [ends[i].covariance for i in chosen])
             state = end.state._replace(mechanism=_mix_memories(weights, [ends[i].state.mechanism for i in chosen], end))
-            model = one.model_at_factors(mean[count:])
+            model = one.model_at_factors(xp, mean[count:])
             state = hidden_states.place_hidden(xp, model, state, mean[:count], going.signals)
             found.append(Believed(state, tuple(mean[count:]), matrix))
         return found
@@ -280,14 +285,14 @@ class ModelBank(AbstractFilter):
     ) -> Weighed:
         """A period of a filter."""
         expected = one.forecast(xp, begun, going)
-        rows = one._readings(xp, expected.mean, readings, going.dt)
-        mean, matrix, weight = expected.mean, expected.covariance, 0.0
+        rows = one.pair_readings(xp, expected.mean, readings, going.dt)
+        mean, matrix, weight = list(expected.mean), expected.covariance, 0.0
         for row in rows:
             variance = xp.maximum(matrix[row.index][row.index] + row.variance, covariance.LEAST)
             short = row.value - mean[row.index]
             weight = weight - 0.5 * row.used * (short * short / variance + xp.log(variance))
             mean, matrix, _ = covariance.condition_on_readings(xp, mean, matrix, [row])
-        return Weighed(expected, rows, one.correct(xp, expected, rows, going)[0], weight)
+        return Weighed(expected, rows, one.place_unknowns(xp, expected.state, mean, matrix, going), weight)
 
     def _answer(
         self,
@@ -300,7 +305,7 @@ class ModelBank(AbstractFilter):
     ) -> tuple[Column, Column]:
         """Estimates of the mixture, and what is remembered."""
         mean, matrix = _mix_moments(now.weights, [one.mean for one in found], [one.covariance for one in found])
-        estimates, _ = self._list_estimates(xp, Forecast(found[0].state, mean, matrix), nis)
+        estimates, _ = self.list_estimates(xp, Forecast(found[0].state, mean, matrix), nis)
         k = self._controlled_row()
         wide = xp.sqrt(matrix[k][k]) / (self.spread * now.reach)
         moved = 0.5 * sum_column([xp.abs(x - m) for x, m in zip(now.weights, now.usual_weights, strict=True)])

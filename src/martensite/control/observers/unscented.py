@@ -46,7 +46,7 @@ class UnscentedKalman(AbstractFilter):
 
     def points(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Matrix:
         """Hidden values and factors of all points, the middle one first."""
-        model = self.model_at_factors(before.drift)
+        model = self.model_at_factors(xp, before.drift)
         middle = [*hidden_states.read_hidden(xp, model, before.state, going.signals), *before.drift]
         root, far = covariance.factor_cholesky(xp, before.covariance), xp.sqrt(self._square())
         found = [middle]
@@ -67,12 +67,12 @@ class UnscentedKalman(AbstractFilter):
         unknown = len(points[0]) - len(before.drift)
 
         def begin(*x: Scalar) -> list[Scalar]:
-            model = self.model_at_factors(x[unknown:])
+            model = self.model_at_factors(xp, x[unknown:])
             state = hidden_states.place_hidden(xp, model, before.state, x[:unknown], going.signals)
             return [*flatten_numbers(state), *x[unknown:]]
 
         def step(*row: Scalar) -> list[Scalar]:
-            model, now = self.model_at_factors(row[size:]), shape.rebuild(row[:size])
+            model, now = self.model_at_factors(xp, row[size:]), shape.rebuild(row[:size])
             then, _ = model.step(xp, now, *going.signals, dt=going.step)
             return [*flatten_numbers(then), *row[size:]]
 
