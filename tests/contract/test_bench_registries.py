@@ -152,7 +152,8 @@ def named(name: str) -> str:
 @cache
 def guarded() -> Bench:
     """A bench with every fault, none of which begins, and a guard with every check."""
-    sensors = {"felt": "temperature", "again": "temperature", "trust": "martensite_fraction"} | {name: name for name in ("current", "stress", "force")}
+    sensors = {"felt": "temperature", "again": "temperature", "trust": "martensite_fraction"}
+    sensors |= {name: name for name in ("current", "stress", "force")}
     bound = guard_for(PLANT, temperature_limit=430.0).checks.members()["bound_drive"]
     checks = {named(name): CHECKS[name](**given) for name, given in WATCHED.items()}
     return Bench(
@@ -221,7 +222,8 @@ def test_faults_and_guard_are_the_same_in_c(c_compiler: str) -> None:
         place = f"faults.{named(name)}"
         values |= {f"{place}.start": 0.3 * k + 0.1, f"{place}.end": 0.3 * k + 0.5}
     quiet = checks_at({"sensor-lost.timeout": LATE, "sensor-stuck.longest": LATE})
-    bench = guarded().with_values(values | quiet | checks_at({"open-circuit.longest": LATE, "low-confidence.longest": LATE}))
+    quiet |= checks_at({"open-circuit.longest": LATE, "low-confidence.longest": LATE})
+    bench = guarded().with_values(values | quiet)
     plain = columns(bench, "floats")
     assert plain["alarm"].max() > 0.0
     agree(plain, columns(bench, "c"))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 from martensite.base.errors import ParameterError
 from martensite.scenario.assemble import section_of

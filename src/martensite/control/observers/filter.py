@@ -166,9 +166,7 @@ class AbstractFilter(AbstractObserver):
         there = hidden_states.place_hidden(xp, model, state, mean[:unknown], going.signals)
         return Forecast(there, mean, matrix)
 
-    def pair_readings(
-        self, xp: Namespace, mean: Sequence[Scalar], readings: Named, dt: Scalar
-    ) -> list[UnknownReading]:
+    def pair_readings(self, xp: Namespace, mean: Sequence[Scalar], readings: Named, dt: Scalar) -> list[UnknownReading]:
         """Readings with what is expected of them."""
         names, found = self._rows(), list[UnknownReading]()
         for name in self.reads():

@@ -25,14 +25,7 @@ from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import option, param, part, text
 from martensite.control.observers import covariance, hidden_states
-from martensite.control.observers.base import (
-    OBSERVERS,
-    Column,
-    Named,
-    ObserverPeriod,
-    list_required,
-    list_several,
-)
+from martensite.control.observers.base import OBSERVERS, Column, Named, ObserverPeriod, list_required, list_several
 from martensite.control.observers.covariance import Matrix, UnknownReading
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.observers.filter import AbstractFilter, Believed, Forecast
@@ -94,7 +87,9 @@ class ModelBank(AbstractFilter):
     temperature_noise: Scalar = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.1)
     fraction_noise: Scalar = param("1/s^0.5", "random walk of the martensite fraction", low=0.0, default=0.003)
     models: Models = part("further models by name; those of `usual` if none", default=Models())
-    usual: tuple[str, ...] = text(f"further models that need no numbers, of {', '.join(USUAL)}", default=USUAL, typical=FAN)
+    usual: tuple[str, ...] = text(
+        f"further models that need no numbers, of {', '.join(USUAL)}", default=USUAL, typical=FAN
+    )
     filter: str = option("the filter of every model", *FILTERS, default="extended-kalman")
     fan_factor: Scalar = param("1", "film coefficient of `fan` over that of the model", above=0.0, default=2.5)
     rphase_rise: Scalar = param(
@@ -134,11 +129,9 @@ class ModelBank(AbstractFilter):
             made = FILTERS[self.filter](**(settings | {"model": model, "drifting": drifting}))
         except ParameterError as error:
             raise ParameterError(f"Model `{name}` of a bank does not fit: {error}") from None
-        ports, drives = list(model.actuators()), [one.name for one in model.drives()]
-        if ports != list(self.model.actuators()) or drives != [one.name for one in self.model.drives()]:
-            raise ParameterError(
-                f"Model `{name}` of a bank has the drives {', '.join(drives)}, not those of the first model."
-            )
+        own, first = ([f"{one.name} [{one.unit}]" for one in m.drives()] for m in (model, self.model))
+        if own != first:
+            raise ParameterError(f"Model `{name}` of a bank is driven by {', '.join(own)}, not by {', '.join(first)}.")
         missing = [row for row in self.shown_outputs() if row not in made.shown_outputs()]
         if missing:
             raise ParameterError(f"Model `{name}` of a bank has no output `{missing[0]}`, which the first one has.")
@@ -195,7 +188,9 @@ class ModelBank(AbstractFilter):
         share = self.fault / (self.sound + self.fault) / max(others, 1)
         weights = (1.0 - share * others, *(share for _ in range(others)))
         tests = tuple(RunningTest() for _ in self.reads())
-        return BankMemory(weights, tests, weights, 1.0, self._find_reach(xp, starts[0], filters[0], applied), memories), starts
+        return BankMemory(
+            weights, tests, weights, 1.0, self._find_reach(xp, starts[0], filters[0], applied), memories
+        ), starts
 
     def _find_reach(self, xp: Namespace, start: Forecast, one: AbstractFilter, applied: Column) -> Scalar:
         """How far what is controlled is between austenite and martensite."""
@@ -229,9 +224,7 @@ class ModelBank(AbstractFilter):
         news = _mix_innovations([1.0, *(0.0 for _ in rows[1:])], rows)
         tests = tuple(test.add(xp, one, share) for test, one in zip(before.tests, news, strict=True))
         nis = sum_column([one.used * one.value * one.value / one.variance for one in news])
-        kept = tuple(
-            tuple(one.list_estimates(xp, row.found, 0.0)[1]) for one, row in zip(filters, rows, strict=True)
-        )
+        kept = tuple(tuple(one.list_estimates(xp, row.found, 0.0)[1]) for one, row in zip(filters, rows, strict=True))
         misfit = find_misfit(xp, tests, share, self.bound)
         slow = 1.0 - xp.exp(-dt / self.regain)
         used = tuple(m + slow * (x - m) for x, m in zip(weights, before.usual_weights, strict=True))
@@ -337,7 +330,9 @@ def _mix_memories(weights: Sequence[Scalar], memories: Sequence[Any], own: Belie
     """Memory of a mechanism: mixed if all have the same, else its own."""
     mine = own.state.mechanism
     flat = [flatten_numbers(one) for one in memories]
-    if any(type(one) is not type(mine) or len(numbers) != len(flat[0]) for one, numbers in zip(memories, flat, strict=True)):
+    if any(
+        type(one) is not type(mine) or len(numbers) != len(flat[0]) for one, numbers in zip(memories, flat, strict=True)
+    ):
         return mine
     rows = zip(*flat, strict=True)
     return NestedShape(mine).rebuild([sum_column([w * x for w, x in zip(weights, row, strict=True)]) for row in rows])

@@ -68,10 +68,11 @@ def list_usual_models(
 ) -> dict[str, AbstractSystem]:
     """The model as it is believed, and those of the usual ones that it can be turned into, by name."""
     found, wanted = dict[str, AbstractSystem](), list(names)
-    held = isinstance(model.mechanism, AbstractLoadLine)
-    if held and {SLACK, CLAMPED} & set(wanted):  # all have the same memory, which then can be mixed
-        hindered = HinderedLoadLine(line=model.mechanism, slack=0.0, shut=0.0)
-        model = model.rebuilt({_find_place(model, model.mechanism): hindered})
+    line = model.mechanism
+    held = isinstance(line, AbstractLoadLine)
+    if isinstance(line, AbstractLoadLine) and {SLACK, CLAMPED} & set(wanted):  # one memory for all: it can be mixed
+        hindered = HinderedLoadLine(line=line, slack=0.0, shut=0.0)
+        model = model.rebuilt({_find_place(model, line): hindered})
     lengths = {leaf.path: leaf.value for leaf in model.leaves()}
     if FAN in wanted:
         fan = Draught(factor=1.0).rebuilt({"factor": sizes.fan_factor})
