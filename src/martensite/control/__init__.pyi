@@ -1,5 +1,6 @@
 from martensite.control.checks.base import Checks as Checks
 from martensite.control.checks.base import alarm_names as alarm_names
+from martensite.control.checks.confidence import LowConfidence as LowConfidence
 from martensite.control.checks.reading import Mismatch as Mismatch
 from martensite.control.checks.reading import NoCurrent as NoCurrent
 from martensite.control.checks.reading import OverCurrent as OverCurrent
@@ -32,6 +33,8 @@ from martensite.control.controllers.scheduled_pid import GainSchedule as GainSch
 from martensite.control.controllers.scheduled_pid import ScheduledPid as ScheduledPid
 from martensite.control.controllers.sliding_mode import SlidingMode as SlidingMode
 from martensite.control.controllers.state_feedback import StateFeedback as StateFeedback
+from martensite.control.faults.mechanism import Clamped as Clamped
+from martensite.control.faults.mechanism import Slack as Slack
 from martensite.control.faults.plant import AmbientStep as AmbientStep
 from martensite.control.faults.plant import Draught as Draught
 from martensite.control.faults.plant import OpenCircuit as OpenCircuit
@@ -51,6 +54,8 @@ from martensite.control.loop.run import simulate_bench as simulate_bench
 from martensite.control.observers.extended import ExtendedKalman as ExtendedKalman
 from martensite.control.observers.hidden_states import ProcessNoisePlant as ProcessNoisePlant
 from martensite.control.observers.inverse import InverseModel as InverseModel
+from martensite.control.observers.model_bank import ModelBank as ModelBank
+from martensite.control.observers.model_bank import Models as Models
 from martensite.control.observers.unscented import UnscentedKalman as UnscentedKalman
 from martensite.control.sensors.channel import CurrentSensor as CurrentSensor
 from martensite.control.sensors.channel import ForceSensor as ForceSensor

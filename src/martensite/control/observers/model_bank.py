@@ -10,9 +10,10 @@ which holds for `fault` and then gives way to the first again: without evidence 
 and no model is ever beyond return. What is mixed is what the filters estimate, and the memory of mechanisms that have
 the same; the history of a law stays its own.
 
-The best of the models may still be wrong. `confidence` is 1 where innovations of the mixture pass their test
-(`innovation_test`) and the standard deviation of what is controlled, with what sets the models apart counted, is
-small against its reach; it is 0 at twice the bound of either, falls at once, and comes back no faster than in `regain`.
+The best of the models may still be wrong. `confidence` is 1 where the innovations of the first model, which goes on
+from where the mixture is, pass their test (`innovation_test`), the standard deviation of what is controlled, with what
+sets the models apart counted, is small against its reach, and probabilities have not moved of late. It is 0 at twice
+the bound of any of these, falls at once, and comes back by readings, no faster than in `regain`.
 
 Source: Bar-Shalom, Li and Kirubarajan (2001), section 11.6: static and interacting multiple models.
 """
@@ -23,14 +24,13 @@ from typing import Any, NamedTuple
 from martensite.actuators.assembly import AbstractSystem, Members
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.base.parameters import option, param, part, text
+from martensite.base.parameters import param, part, text
 from martensite.control.observers import covariance, hidden_states
 from martensite.control.observers.base import OBSERVERS, Column, Named, ObserverPeriod, list_required, list_several
 from martensite.control.observers.covariance import Matrix, UnknownReading
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.observers.filter import AbstractFilter, Believed, Forecast
 from martensite.control.observers.innovation_test import Innovation, RunningTest, find_misfit
-from martensite.control.observers.unscented import UnscentedKalman
 from martensite.control.observers.usual_models import (
     AS_MODELLED,
     FAN,
@@ -44,7 +44,6 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, find_largest, flatten_numbers, sum_column
 
 CONFIDENCE, MISFIT, MOST_PROBABLE, PROBABILITY = "confidence", "misfit", "most_probable", "probability_"
-FILTERS: dict[str, type[AbstractFilter]] = {"extended-kalman": ExtendedKalman, "unscented-kalman": UnscentedKalman}
 
 
 class Models(Members[AbstractSystem], init=False):
@@ -79,8 +78,8 @@ class Weighed(NamedTuple):
 
 
 @OBSERVERS.register("model-bank")
-class ModelBank(AbstractFilter):
-    """Kalman filters of several models, weighed by how well each explains the readings."""
+class ModelBank(ExtendedKalman):
+    """Extended Kalman filters of several models, weighed by how well each explains the readings."""
 
     cites = ("barshalom2001",)
 
@@ -90,7 +89,6 @@ class ModelBank(AbstractFilter):
     usual: tuple[str, ...] = text(
         f"further models that need no numbers, of {', '.join(USUAL)}", default=USUAL, typical=FAN
     )
-    filter: str = option("the filter of every model", *FILTERS, default="extended-kalman")
     fan_factor: Scalar = param("1", "film coefficient of `fan` over that of the model", above=0.0, default=2.5)
     rphase_rise: Scalar = param(
         "1", "share by which R-phase resists more, of `r_phase`", low=-0.5, high=1.0, default=0.15
@@ -119,14 +117,14 @@ class ModelBank(AbstractFilter):
                 f"{suggest_name(self.controlled, self._rows())}"
             )
         self.__dict__["_members"] = {name: self._check_member(name, m) for name, m in self._list_models(floats).items()}
-        self.__dict__["_example"] = self._build_example()
+        self.__dict__["_memory"] = self._build_example()
 
-    def _check_member(self, name: str, model: AbstractSystem) -> AbstractFilter:
+    def _check_member(self, name: str, model: AbstractSystem) -> ExtendedKalman:
         """The filter of a model."""
         settings = {key: self.__dict__[key] for key in AbstractFilter.declarations}
         try:
             drifting = tuple(find_wrapped_path(self.model.resolve(path), model) for path in list_several(self.drifting))
-            made = FILTERS[self.filter](**(settings | {"model": model, "drifting": drifting}))
+            made = ExtendedKalman(**(settings | {"model": model, "drifting": drifting}))
         except ParameterError as error:
             raise ParameterError(f"Model `{name}` of a bank does not fit: {error}") from None
         own, first = ([f"{one.name} [{one.unit}]" for one in m.drives()] for m in (model, self.model))
@@ -152,11 +150,14 @@ class ModelBank(AbstractFilter):
         return list_usual_models(xp, self.model, list_several(self.usual), sizes)
 
     def _filters(self, xp: Namespace) -> list[AbstractFilter]:
-        """The filter of every model, with the numbers that it has now."""
-        made: Mapping[str, AbstractFilter] = self.__dict__["_members"]
-        skip = ("model", "drifting")
-        settings = {key: self.__dict__[key] for key in AbstractFilter.declarations if key not in skip}
-        return [made[name].rebuilt(settings | {"model": m}) for name, m in self._list_models(xp).items()]
+        """The filter of every model, with the numbers that it has now; the first is the bank itself as a filter."""
+        made: Mapping[str, ExtendedKalman] = self.__dict__["_members"]
+        settings = {key: self.__dict__[key] for key in AbstractFilter.declarations}
+        models, found = self._list_models(xp), list[AbstractFilter]()
+        for name, one in made.items():
+            own = {key: one.__dict__[key] for key in ("drifting", "_example")}
+            found.append((one if found else self).rebuilt({**settings, **own, "model": models[name]}))
+        return found
 
     def estimates(self) -> dict[str, Output]:
         """Those of a filter, probabilities, the index of the most probable model, misfit and confidence."""
@@ -167,10 +168,6 @@ class ModelBank(AbstractFilter):
         found[MISFIT] = Output("1", "test of the innovations over its bound", "m")
         return found | {CONFIDENCE: Output("1", "confidence in the estimates", "γ")}
 
-    def forecast(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Forecast:
-        """What the first model expects."""
-        return self._filters(xp)[0].forecast(xp, before, going)
-
     def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
         """All models at rest, the first by far the most probable."""
         memory, starts = self._begin(xp, readings, signals)
@@ -178,7 +175,7 @@ class ModelBank(AbstractFilter):
 
     def _begin(self, xp: Namespace, readings: Named, signals: Named) -> tuple[BankMemory, list[Forecast]]:
         applied, filters = list_required(self, signals), self._filters(xp)
-        memories = tuple(tuple(one.rest(xp, readings, signals)[1]) for one in filters)
+        memories = tuple(tuple(AbstractFilter.rest(one, xp, readings, signals)[1]) for one in filters)
         starts = list[Forecast]()
         for one, memory in zip(filters, memories, strict=True):
             state, drift, matrix = one.unflatten_memory(memory)
@@ -211,7 +208,7 @@ class ModelBank(AbstractFilter):
         self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar, turns: int
     ) -> tuple[Column, Column]:
         """Mixture of the models after the readings of this sample."""
-        before: BankMemory = NestedShape(self.__dict__["_example"]).rebuild(memory)
+        before: BankMemory = NestedShape(self.__dict__["_memory"]).rebuild(memory)
         going, filters = ObserverPeriod(list_required(self, signals), dt, turns), self._filters(xp)
         ahead, shares = self._switch(xp, before.weights, dt)
         begun = self._interact(xp, filters, before, shares, going)
@@ -221,7 +218,13 @@ class ModelBank(AbstractFilter):
         whole = sum_column(after)
         weights = tuple(xp.store(x / whole) for x in after)
         share = 1.0 - xp.exp(-dt / self.window)
-        news = _mix_innovations([1.0, *(0.0 for _ in rows[1:])], rows)
+        first = rows[0].expected
+        news = [
+            Innovation(
+                row.value - first.mean[row.index], first.covariance[row.index][row.index] + row.variance, row.used
+            )
+            for row in rows[0].rows
+        ]
         tests = tuple(test.add(xp, one, share) for test, one in zip(before.tests, news, strict=True))
         nis = sum_column([one.used * one.value * one.value / one.variance for one in news])
         kept = tuple(tuple(one.list_estimates(xp, row.found, 0.0)[1]) for one, row in zip(filters, rows, strict=True))
@@ -336,15 +339,3 @@ def _mix_memories(weights: Sequence[Scalar], memories: Sequence[Any], own: Belie
         return mine
     rows = zip(*flat, strict=True)
     return NestedShape(mine).rebuild([sum_column([w * x for w, x in zip(weights, row, strict=True)]) for row in rows])
-
-
-def _mix_innovations(weights: Sequence[Scalar], rows: Sequence[Weighed]) -> list[Innovation]:
-    """Innovation of the mixture in every reading, and its variance."""
-    found: list[Innovation] = []
-    for several in zip(*(one.rows for one in rows), strict=True):
-        i = several[0].index
-        expected = [one.expected.mean[i] for one in rows]
-        own = [one.expected.covariance[i][i] + row.variance for one, row in zip(rows, several, strict=True)]
-        (mean,), ((variance,),) = _mix_moments(weights, [[x] for x in expected], [[[s]] for s in own])
-        found.append(Innovation(several[0].value - mean, variance, several[0].used))
-    return found
