@@ -87,10 +87,9 @@ def strain() -> float:
 
 def test_probabilities_and_mixture_are_those_by_hand() -> None:
     still, windy = (linear_wire(film) for film in FILMS)
-    bank = ModelBank(
-        model=still, models=Models(windy=windy), reading_noise=0.0, reading_deviation=SIGMA, first_temperature=FIRST,
-        first_fraction=0.0, temperature_noise=WALK, fraction_noise=0.0, sound=SOUND, fault=FAULT,
-    )  # fmt: skip
+    walks = {"temperature_noise": WALK, "fraction_noise": 0.0, "first_temperature": FIRST, "first_fraction": 0.0}
+    noise = {"reading_noise": 0.0, "reading_deviation": SIGMA, "sound": SOUND, "fault": FAULT}
+    bank = ModelBank(model=still, models=Models(windy=windy), **walks, **noise)
     rng, drives, state = np.random.default_rng(5), {"drive": POWER}, still.init(floats, 0.0)
     readings, found = [], []
     _, memory = bank.rest(floats, {"resistance": 0.0, "resistance.age": 0.0}, {"drive": 0.0})
