@@ -16,9 +16,9 @@ class LowConfidence(AbstractReadingCheck):
 
     alarm, size = 9, 1
 
-    reading: str = text("name of the confidence", default="estimated.confidence", typical="temperature")
+    reading: str = text("name of the confidence", default="estimated.confidence", typical="current")
     limit: Scalar = param("1", "least confidence", above=0.0, high=1.0, default=0.3)
-    longest: Scalar = param("s", "time for which it may be lower", low=0.0, default=0.5)
+    longest: Scalar = param("s", "time for which it may be lower", low=0.0, default=0.5, typical="0.1 s")
 
     def rest(self, xp: Namespace, readings: Named) -> Column:
         """For how long it has been lower."""
