@@ -48,7 +48,9 @@ def build_bench(guarded: bool, observer: str = "model-bank") -> Bench:
     """The example with a bank of models, and faults that never begin."""
     faults: dict[str, Any] = {f"faults.{name}": {**given, "start": f"{LATE} s"} for name, given in FAULTS.items()}
     faults["faults.fan"]["factor"] = 2.0
-    bench = load(EXAMPLE, {"observer.kind": observer, **faults, **(LIMIT if guarded else {"supervisor.kind": "none"})}).bench
+    bench = load(
+        EXAMPLE, {"observer.kind": observer, **faults, **(LIMIT if guarded else {"supervisor.kind": "none"})}
+    ).bench
     assert bench is not None
     return bench
 

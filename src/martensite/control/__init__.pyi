@@ -56,11 +56,15 @@ from martensite.control.loop.parts import Sensors as Sensors
 from martensite.control.loop.realtime import RealtimeStep as RealtimeStep
 from martensite.control.loop.run import open_loop as _open_bench
 from martensite.control.loop.run import simulate_bench as simulate_bench
+from martensite.control.observers.calibration import Calibration as Calibration
 from martensite.control.observers.extended import ExtendedKalman as ExtendedKalman
 from martensite.control.observers.hidden_states import ProcessNoisePlant as ProcessNoisePlant
 from martensite.control.observers.inverse import InverseModel as InverseModel
 from martensite.control.observers.model_bank import ModelBank as ModelBank
 from martensite.control.observers.model_bank import Models as Models
+from martensite.control.observers.self_sensing import SelfSensing as SelfSensing
+from martensite.control.observers.self_sensing import SheetTolerances as SheetTolerances
+from martensite.control.observers.trust import Trust as Trust
 from martensite.control.observers.unscented import UnscentedKalman as UnscentedKalman
 from martensite.control.sensors.channel import CurrentSensor as CurrentSensor
 from martensite.control.sensors.channel import ForceSensor as ForceSensor

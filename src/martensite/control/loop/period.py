@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.assembly.systems import Piece
+from martensite.control.controllers.base import AbstractController
 from martensite.control.loop.names import AGE, AMBIENT
 from martensite.control.loop.parts import (
     BenchState,
@@ -77,9 +78,10 @@ def begin_loop(
     first = [one.rest(xp, known, collect_idle(bench, given)) for one in bench.observers.members().values()]
     observers = tuple(ObserverState(tuple(guess), tuple(memory)) for guess, memory in first)
     known = known | collect_estimates(bench, observers)
-    rows = zip(bench.controllers.members().values(), given.references, strict=True)
-    found = [one.answer(xp, tuple(one.rest(xp, r, known)), r, known, 0.0) for one, r in rows]
-    controllers = tuple(Controlling(signal, tuple(memory)) for signal, memory in found)
+    controllers: tuple[Controlling, ...] = ()
+    for (drive, one), r in zip(bench.controllers.members().items(), given.references, strict=True):
+        signal, memory = one.answer(xp, tuple(one.rest(xp, r, known)), r, known, 0.0)
+        controllers += (obey_commands(bench, xp, (drive, one, r), Controlling(signal, tuple(memory)), known),)
     held = () if bench.supervisor is None else tuple(bench.supervisor.rest(xp, known))
     return observers, controllers, held, known
 
@@ -162,9 +164,28 @@ def update_controllers(
     bench: Bench, xp: Namespace, before: Sequence[Controlling], known: Numbers, given: Inputs
 ) -> tuple[Controlling, ...]:
     """All controllers a period later."""
-    rows = zip(bench.controllers.members().values(), before, given.references, strict=True)
-    found = [one.answer(xp, held.memory, r, known, bench.period) for one, held, r in rows]
-    return tuple(Controlling(signal, tuple(memory)) for signal, memory in found)
+    rows = zip(bench.controllers.members().items(), before, given.references, strict=True)
+    found: list[Controlling] = []
+    for (drive, one), held, r in rows:
+        signal, memory = one.answer(xp, held.memory, r, known, bench.period)
+        found.append(obey_commands(bench, xp, (drive, one, r), Controlling(signal, tuple(memory)), known))
+    return tuple(found)
+
+
+def obey_commands(
+    bench: Bench, xp: Namespace, held: tuple[str, AbstractController, Scalar], answer: Controlling, known: Numbers
+) -> Controlling:
+    """What a controller (drive, itself, reference) answers, or what an observer commands; it then stays at rest."""
+    drive, one, reference = held
+    for observer in bench.observers.members().values():
+        names = observer.commands()
+        if names is None or drive not in [own.name for own in observer.model.drives()]:
+            continue
+        lasts, signal = (known[ESTIMATED + name] for name in names)
+        rest = one.rest(xp, reference, known)
+        kept = tuple(xp.where(lasts > 0.5, x, y) for x, y in zip(rest, answer.memory, strict=True))
+        answer = Controlling(xp.where(lasts > 0.5, signal, answer.wanted), kept)
+    return answer
 
 
 def collect_readings(bench: Bench, sensors: Sequence[Sensed], known: Signals) -> Numbers:

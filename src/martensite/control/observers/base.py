@@ -39,6 +39,10 @@ class AbstractObserver(Parametrised):
     def estimates(self) -> dict[str, Output]:
         """What it estimates, by name."""
 
+    def commands(self) -> tuple[str, str] | None:
+        """Names of two estimates of one that takes the drive of its model over for a while: whether, and the signal."""
+        return None
+
     @abstractmethod
     def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
         """Estimates and memory at the first sample, with the plant at rest."""
@@ -68,6 +72,8 @@ class ObserverPeriod(NamedTuple):
     """[s]"""
     turns: int
     """Steps of the model in it."""
+    learning: Scalar = 1.0
+    """By how much parameters may walk faster than usual."""
 
     @property
     def step(self) -> Scalar:

@@ -43,10 +43,60 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
 
 LEAST, MOST = 0.2, 5.0
-"""Limits of the factors of drifting parameters."""
+"""Limits of factors."""
+FAR = 4.0
+"""First deviations within which logarithms and offsets stay."""
 HAIR = 1e-9
 """Part of a period that is rounding."""
 CORRELATION = "correlation"
+
+
+class FreeParameter(NamedTuple):
+    """A parameter of the model that a filter estimates, or several of one kind that move together."""
+
+    paths: tuple[str, ...]
+    scale: str
+    """What is estimated: a `factor` f, v = v₀ f; a `logarithm` x, v = v₀ exp x; an `offset` x, v = v₀ + x."""
+    first: Scalar
+    """Standard deviation at the start, of f or x."""
+    walk: Scalar
+    """Density of its random walk [1/s^0.5]."""
+    opposite: tuple[str, ...] = ()
+    """Those that move the other way, by an offset."""
+
+    @property
+    def path(self) -> str:
+        """Of the one that is shown."""
+        return self.paths[0]
+
+    @property
+    def start(self) -> float:
+        """Of f or x."""
+        return 1.0 if self.scale == "factor" else 0.0
+
+    def limit(self, xp: Namespace, x: Scalar) -> Scalar:
+        """Within what is possible."""
+        if self.scale == "factor":
+            return xp.clip(x, LEAST, MOST)
+        far = FAR * self.first
+        return xp.clip(x, -far, far)
+
+    def values(self, xp: Namespace, known: Named, x: Scalar) -> list[tuple[str, Scalar]]:
+        """All its parameters by path, of those of the model."""
+        found = [(path, self._at(xp, known[path], x)) for path in self.paths]
+        return found + [(path, known[path] - x) for path in self.opposite]
+
+    def size(self, xp: Namespace, known: Named, x: Scalar) -> Scalar:
+        """How much that one changes with f or x."""
+        if self.scale == "offset":
+            return 1.0
+        value = known[self.path]
+        return xp.abs(value if self.scale == "factor" else self._at(xp, value, x))
+
+    def _at(self, xp: Namespace, value: Scalar, x: Scalar) -> Scalar:
+        if self.scale == "offset":
+            return value + x
+        return x * value if self.scale == "factor" else value * xp.exp(x)
 
 
 class Believed(NamedTuple):
@@ -97,10 +147,10 @@ class AbstractFilter(AbstractObserver):
                 raise ParameterError(
                     f"Observer `{self.registered_name}`: its model has no output `{name}`. {suggest_name(name, known)}"
                 )
-        for path in self._paths():
-            if self.model.value_of(path) == 0.0:
-                raise ParameterError(f"Parameter `{path}` cannot drift: it is 0, and drifts by a factor.")
         self.__dict__["_example"] = hidden_states.build_example(self.model)
+        for one in self.free_parameters():
+            if one.scale != "offset" and self.model.value_of(one.path) == 0.0:
+                raise ParameterError(f"Parameter `{one.path}` cannot drift: it is 0, and drifts by a factor.")
 
     def reads(self) -> tuple[str, ...]:
         """Readings that it uses."""
@@ -118,7 +168,8 @@ class AbstractFilter(AbstractObserver):
         known = self.model.outputs()
         leaves = {leaf.path: leaf.declared for leaf in self.model.leaves()}
         found = {name: known[name] for name in hidden_states.list_names(self.model)}
-        found |= {p: Output(leaves[p].unit, leaves[p].doc, p) for p in self._paths()}
+        free = [one.path for one in self.free_parameters()]
+        found |= {p: Output(leaves[p].unit, leaves[p].doc, p) for p in free}
         core = list(found)
         found |= {name: known[name] for name in self.shown_outputs()}
         found |= {f"{name}_std": _find_deviation(output) for name, output in list(found.items())}
@@ -126,8 +177,10 @@ class AbstractFilter(AbstractObserver):
             found[f"{CORRELATION}.{a}.{b}"] = Output("1", f"correlation of {a} and {b}", "ρ")
         return found | {"nis": Output("1", "normalised innovation squared", "NIS")}
 
-    def _paths(self) -> list[str]:
-        return [self.model.resolve(name) for name in list_several(self.drifting)]
+    def free_parameters(self) -> list[FreeParameter]:
+        """Parameters of the model that it estimates: those that drift, by factors."""
+        paths = [self.model.resolve(name) for name in list_several(self.drifting)]
+        return [FreeParameter((path,), "factor", self.first_drift, self.drift_noise) for path in paths]
 
     @abstractmethod
     def forecast(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Forecast:
@@ -135,14 +188,24 @@ class AbstractFilter(AbstractObserver):
 
     def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
         """The model at rest under the signals, as sure as the first deviations say."""
-        applied = list_required(self, signals)
-        state = self.model.init(xp, *applied)
-        drift = (1.0,) * len(self._paths())
-        first = [self.first_temperature, self.first_fraction] * len(self.model.actuators())
-        first += [self.first_drift] * len(drift)
-        matrix = covariance.build_diagonal([x * x for x in first])
-        mean, slopes = self.outlook(xp, state, drift, applied)
-        return self.list_estimates(xp, Forecast(state, mean, covariance.propagate_covariance(slopes, matrix)), 0.0)
+        return self.list_estimates(xp, self.first_forecast(xp, list_required(self, signals)), 0.0)
+
+    def first_forecast(self, xp: Namespace, signals: Column) -> Forecast:
+        """What is expected at rest."""
+        state = self.model.init(xp, *signals)
+        drift = tuple(one.start for one in self.free_parameters())
+        matrix = self.first_covariance(xp, [x * x for x in self.first_deviations()], signals)
+        mean, slopes = self.outlook(xp, state, drift, signals)
+        return Forecast(state, mean, covariance.propagate_covariance(slopes, matrix))
+
+    def first_deviations(self) -> list[Scalar]:
+        """Standard deviations of all unknowns at the start."""
+        own = [self.first_temperature, self.first_fraction] * len(self.model.actuators())
+        return [*own, *(one.first for one in self.free_parameters())]
+
+    def first_covariance(self, xp: Namespace, variances: Sequence[Scalar], signals: Column) -> Matrix:
+        """Covariance of the unknowns at rest: none depends on another."""
+        return covariance.build_diagonal(variances)
 
     def update(
         self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar, turns: int
@@ -161,7 +224,7 @@ class AbstractFilter(AbstractObserver):
         for i in range(1, 2 * len(self.model.actuators()), 2):
             mean = covariance.put_unknown(xp, mean, matrix, i, xp.clip(mean[i], 0.0, 1.0))
         unknown, count = len(hidden_states.list_names(self.model)), self.unknowns()
-        mean[unknown:count] = [xp.clip(x, LEAST, MOST) for x in mean[unknown:count]]
+        mean[unknown:count] = self.limit_factors(xp, mean[unknown:count])
         model = self.model_at_factors(xp, mean[unknown:count])
         there = hidden_states.place_hidden(xp, model, state, mean[:unknown], going.signals)
         return Forecast(there, mean, matrix)
@@ -178,16 +241,25 @@ class AbstractFilter(AbstractObserver):
         return found
 
     def _rows(self) -> list[str]:
-        return [*hidden_states.list_names(self.model), *self._paths(), *self.shown_outputs()]
+        free = [one.path for one in self.free_parameters()]
+        return [*hidden_states.list_names(self.model), *free, *self.shown_outputs()]
 
     def unknowns(self) -> int:
         """Number of hidden values and of drifting parameters."""
-        return len(hidden_states.list_names(self.model)) + len(self._paths())
+        return len(hidden_states.list_names(self.model)) + len(self.free_parameters())
 
     def model_at_factors(self, xp: Namespace, drift: Sequence[Scalar]) -> Any:
-        """The model with drifting parameters at factors of their values."""
-        pairs = zip(self._paths(), drift, strict=True)
-        return self.model.rebuilt({path: x * self.model.value_of(path) for path, x in pairs})
+        """The model with its free parameters at what is estimated of them."""
+        rows = zip(self.free_parameters(), drift, strict=True)
+        known = self._model_values()
+        return self.model.rebuilt({path: value for one, x in rows for path, value in one.values(xp, known, x)})
+
+    def _model_values(self) -> dict[str, Scalar]:
+        return {leaf.path: leaf.value for leaf in self.model.leaves()}
+
+    def limit_factors(self, xp: Namespace, drift: Sequence[Scalar]) -> list[Scalar]:
+        """Estimates of free parameters within their limits."""
+        return [one.limit(xp, x) for one, x in zip(self.free_parameters(), drift, strict=True)]
 
     def read_model(self, xp: Namespace, state: Any, drift: Sequence[Scalar], signals: Column) -> list[Scalar]:
         """Hidden values, factors and outputs of a state."""
@@ -211,16 +283,19 @@ class AbstractFilter(AbstractObserver):
 
     def noise_covariance(self, xp: Namespace, state: Any, drift: Sequence[Scalar], going: ObserverPeriod) -> Matrix:
         """Covariance that the noise of a period adds to everything."""
-        walks = [self.temperature_noise, self.fraction_noise] * len(self.model.actuators())
-        walks += [self.drift_noise] * len(drift)
-        _, slopes = self.outlook(xp, state, drift, going.signals)
+        mean, slopes = self.outlook(xp, state, drift, going.signals)
+        walks = [*self.hidden_walks(xp, mean), *(going.learning * one.walk for one in self.free_parameters())]
         return covariance.propagate_covariance(slopes, covariance.build_diagonal([w * w * going.dt for w in walks]))
+
+    def hidden_walks(self, xp: Namespace, at: Sequence[Scalar]) -> list[Scalar]:
+        """Densities of the random walks of temperature and fraction at every port, where these are."""
+        return [self.temperature_noise, self.fraction_noise] * len(self.model.actuators())
 
     def unflatten_memory(self, memory: Column) -> Believed:
         """What was believed, of its numbers."""
         shape = NestedShape(self.__dict__["_example"])
         size = len(flatten_numbers(shape.example))
-        drift = size + len(self._paths())
+        drift = size + len(self.free_parameters())
         matrix = covariance.unpack_matrix(memory[drift:])
         return Believed(shape.rebuild(memory[:size]), tuple(memory[size:drift]), matrix)
 
@@ -229,11 +304,11 @@ class AbstractFilter(AbstractObserver):
         state, mean, matrix = found
         unknown, count = len(hidden_states.list_names(self.model)), self.unknowns()
         drift = mean[unknown:count]
-        sizes = [self.model.value_of(path) for path in self._paths()]
-        scale = [*[1.0] * unknown, *sizes, *[1.0] * len(self.shown_outputs())]
         deviations = [xp.sqrt(matrix[i][i]) for i in range(len(mean))]
-        estimates = [x * s for x, s in zip(mean, scale, strict=True)]
-        estimates += [x * xp.abs(s) for x, s in zip(deviations, scale, strict=True)]
+        free, known = list(zip(self.free_parameters(), drift, strict=True)), self._model_values()
+        estimates = [*mean[:unknown], *(one.values(xp, known, x)[0][1] for one, x in free), *mean[count:]]
+        sizes = [*[1.0] * unknown, *(one.size(xp, known, x) for one, x in free), *[1.0] * len(mean[count:])]
+        estimates += [x * s for x, s in zip(deviations, sizes, strict=True)]
         for i, j in _list_pairs(range(count)):
             both = deviations[i] * deviations[j]
             some = both > 0.0

@@ -155,7 +155,7 @@ class ModelBank(ExtendedKalman):
         settings = {key: self.__dict__[key] for key in AbstractFilter.declarations}
         models, found = self._list_models(xp), list[AbstractFilter]()
         for name, one in made.items():
-            own = {key: one.__dict__[key] for key in ("drifting", "_example")}
+            own = {key: value for key, value in one.__dict__.items() if key == "drifting" or key.startswith("_")}
             found.append((one if found else self).rebuilt({**settings, **own, "model": models[name]}))
         return found
 

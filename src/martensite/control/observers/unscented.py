@@ -17,7 +17,7 @@ from martensite.base.parameters import param
 from martensite.control.observers import covariance, hidden_states
 from martensite.control.observers.base import OBSERVERS, ObserverPeriod
 from martensite.control.observers.covariance import Matrix
-from martensite.control.observers.filter import LEAST, MOST, AbstractFilter, Believed, Forecast
+from martensite.control.observers.filter import AbstractFilter, Believed, Forecast
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers, sum_column
 
@@ -55,10 +55,7 @@ class UnscentedKalman(AbstractFilter):
             found.append([x + d for x, d in zip(middle, way, strict=True)])
             found.append([x - d for x, d in zip(middle, way, strict=True)])
         count = len(middle) - len(before.drift)
-        return [
-            [*hidden_states.limit_fractions(xp, x[:count]), *(xp.clip(f, LEAST, MOST) for f in x[count:])]
-            for x in found
-        ]
+        return [[*hidden_states.limit_fractions(xp, x[:count]), *self.limit_factors(xp, x[count:])] for x in found]
 
     def _predict_points(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Matrix:
         """Flat state at the end of the period, and factors, of every point."""

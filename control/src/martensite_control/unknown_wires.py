@@ -1,0 +1,215 @@
+"""Self-sensing judged on wires that nobody measured: 200 of them, in one batch of loops in C.
+
+The task is that of `examples/self_sensing.toml`: a sine of 1 to 6 mm at 0.05 Hz, after the calibration and half a
+minute at 1 mm. Wires differ from the sheet by uniform draws: resistivities ±10 %, both by one factor or each by its
+own; transformation temperatures ±5 K, those on heating and those on cooling each by their own; diameter ±3 %;
+surroundings ±10 K; the film coefficient by a factor of 0.5 to 2, uniform in its logarithm. Readings have 1 % of noise.
+
+A wire holds if the rms of position less reference, over all of the sine, is within 5 % of the 5 mm asked for. What a
+filter says of that without knowing the position is its expected error, √(mean of (x̂ - r)² + s_x²): a run says that it
+misses if that is beyond 4 % of the span, or if its confidence was ever below a half.
+
+    python -m martensite_control.unknown_wires [--wires 200] [--own-resistivities] [--before]
+
+Observers were tuned on the wires of seed `TUNED_ON` alone, and are judged on those of `JUDGED_ON`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import typer
+from numpy.typing import NDArray
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.names import NOISE
+from martensite.control.loop.parts import Controllers, Observers, Sensors
+from martensite.control.observers.extended import ExtendedKalman
+from martensite.scenario.examples import EXAMPLES
+from martensite.scenario.scenario import load
+from martensite.simulate.lanes import Lanes
+
+Numbers = NDArray[np.float64]
+TUNED_ON, JUDGED_ON = 11, 5800
+LOW, HIGH = 1e-3, 6e-3
+"""Of the reference [m]."""
+HELD, PERIODS = 30.0, 3
+"""How long the reference stays low after the calibration [s], and periods of the sine that count."""
+WITHIN, EXPECTED, TRUSTED = 0.05, 0.04, 0.5
+CHUNK = 250
+"""Periods that are kept at once."""
+POSITION, CONFIDENCE = "estimated.position", "estimated.confidence"
+
+
+class Task(NamedTuple):
+    """What is asked of a wire."""
+
+    supply: float
+    """[V]"""
+    frequency: float
+    """Of the sine [Hz]."""
+
+
+FAIR, ORIGINAL = Task(7.0, 0.05), Task(5.0, 0.1)
+
+
+@dataclass(frozen=True)
+class UnknownWires:
+    """What became of every wire."""
+
+    error: Numbers
+    """Rms of position less reference, as a share of the span."""
+    estimate: Numbers
+    """Rms of estimate less position, as a share of the span."""
+    hottest: Numbers
+    """Highest temperature, calibration and all [K]."""
+    limit: float
+    """Highest temperature allowed [K]."""
+    expected: Numbers
+    """What the loop expects its own error to be, as a share of the span; without an observer, what it is."""
+    trusted: Numbers
+    """Its lowest confidence; 1 without one."""
+
+    @property
+    def holds(self) -> NDArray[np.bool_]:
+        """Whether the error is within 5 % of the span."""
+        return self.error <= WITHIN
+
+    @property
+    def says_missed(self) -> NDArray[np.bool_]:
+        """Whether it says that it misses, without knowing the position."""
+        return (self.expected > EXPECTED) | (self.trusted < TRUSTED)
+
+    def describe(self) -> str:
+        """One line."""
+        missed, count = ~self.holds, len(self.error)
+        said = f"{int(self.says_missed[missed].sum())} of {int(missed.sum())} that miss say so"
+        false = (
+            f"{100.0 * float(self.says_missed[~missed].mean()) if self.holds.any() else 0.0:.0f} % of the others too"
+        )
+        return (
+            f"{100.0 * self.holds.mean():5.1f} % of {count} within 5 % (median {100.0 * np.median(self.error):.1f} %, "
+            f"estimates {100.0 * np.median(self.estimate):.1f} %), {said}, {false}; "
+            f"hottest {self.hottest.max() - 273.15:.0f} °C, {int((self.hottest > self.limit).sum())} above the limit"
+        )
+
+
+def draw_wires(plant: AbstractSystem, count: int, seed: int, *, own_resistivities: bool = False) -> dict[str, Numbers]:
+    """Parameters of random wires, by path, each of shape (count,).
+
+    Args:
+        plant: the wire of the sheet.
+        count: how many.
+        seed: of the draws.
+        own_resistivities: each of the two phases has a factor of its own, else both have the same one.
+    """
+    rng = np.random.default_rng(seed)
+
+    def between(half: float) -> Numbers:
+        return rng.uniform(-half, half, count)
+
+    austenite, martensite, heating, cooling = between(0.1), between(0.1), between(5.0), between(5.0)
+    film, diameter, around = 2.0 ** between(1.0), between(0.03), between(10.0)
+    martensite = martensite if own_resistivities else austenite
+    factors = {"rho_A": 1.0 + austenite, "rho_M": 1.0 + martensite, "cooling.h": film, "diameter": 1.0 + diameter}
+    shifts = {"A_s": heating, "A_f": heating, "M_s": cooling, "M_f": cooling, "environment.temperature": around}
+    found = {plant.resolve(name): plant.value_of(name) * x for name, x in factors.items()}
+    return found | {plant.resolve(name): plant.value_of(name) + x for name, x in shifts.items()}
+
+
+def build_bench(observer: str = "self-sensing", task: Task = FAIR) -> Bench:
+    """The loop of the example at the values of the sheet.
+
+    Args:
+        observer: `self-sensing`; `extended` or `drifting`, as it was before; `none` for the position itself.
+        task: what is asked for.
+    """
+    scenario = load(EXAMPLES / "self_sensing.toml")
+    bench: Any = scenario.bench
+    (own,) = bench.observers.members().values()
+    plant = own.model.with_values({"supply": task.supply})
+    (drive,) = bench.controllers.members()
+    controller = bench.controllers.members()[drive]
+    if observer == "none":
+        loop = Controllers(**{drive: controller.with_parts(measured="position")})
+        return bench.with_parts(plant=plant, sensors=Sensors(), observers=Observers(), controllers=loop)
+    drifting = ("resistance.rho_A", "resistance.rho_M", "cooling.h") if observer == "drifting" else ()
+    filters = {
+        "self-sensing": own.with_parts(model=plant),
+        "extended": ExtendedKalman(model=plant),
+        "drifting": ExtendedKalman(model=plant, drifting=drifting, first_drift=0.05),
+    }
+    return bench.with_parts(plant=plant, observers=Observers(wire=filters[observer]))
+
+
+def run_unknown_wires(
+    bench: Bench,
+    wires: Mapping[str, Numbers],
+    *,
+    frequency: float = FAIR.frequency,
+    calibration: float = 60.0,
+    seed: int = 0,
+) -> UnknownWires:
+    """Run a loop on many wires side by side.
+
+    Args:
+        bench: with one controller, for the wire of the sheet.
+        wires: parameters of its plant by path, as of `draw_wires`.
+        frequency: of the sine [Hz].
+        calibration: how long the controller has nothing to say at first [s].
+        seed: of the noise.
+    """
+    begin, period = calibration + HELD, bench.period
+    times = period * np.arange(1, round((begin + PERIODS / frequency) / period) + 1)
+    reference = LOW + 0.5 * (HIGH - LOW) * (1.0 - np.cos(2.0 * np.pi * frequency * np.maximum(times - begin, 0.0)))
+    lanes = Lanes(bench, len(next(iter(wires.values()))), {f"plant.{path}": x for path, x in wires.items()})
+    names = [
+        name for name in ("position", "temperature", POSITION, POSITION + "_std", CONFIDENCE) if name in lanes.names
+    ]
+    rows = [lanes.names.index(name) for name in names]
+    rng, kept = np.random.default_rng(seed), list[Numbers]()
+    lanes.reset(np.where(np.array(lanes.drives) == "reference", LOW, 0.0)[:, None])
+    for first in range(0, len(times), CHUNK):
+        asked = reference[first : first + CHUNK]
+        signals = np.zeros((len(asked), len(lanes.drives), lanes.lanes))
+        for k, name in enumerate(lanes.drives):
+            if name.startswith(NOISE):
+                signals[:, k] = rng.standard_normal((len(asked), lanes.lanes))
+        signals[:, lanes.drives.index("reference")] = asked[:, None]
+        kept.append(lanes.advance(signals, period)[:, rows])
+    found = dict(zip(names, np.moveaxis(np.concatenate(kept), 1, 0), strict=True))
+    (limits,) = [one.element.limits for one in bench.plant.actuators().values()]
+    return _judge_wires(found, times > begin, reference[:, None], limits.temperature_limit)
+
+
+def _judge_wires(found: Mapping[str, Numbers], counts: Any, reference: Numbers, limit: float) -> UnknownWires:
+    span = HIGH - LOW
+
+    def measure(x: Numbers) -> Numbers:
+        return np.sqrt(np.mean(x[counts] ** 2, axis=0)) / span
+
+    position = found["position"]
+    guess = found.get(POSITION, position)
+    spread = measure(found[POSITION + "_std"]) if POSITION in found else 0.0
+    expected = np.sqrt(measure(guess - reference) ** 2 + spread**2)
+    trusted = found[CONFIDENCE][counts].min(axis=0) if CONFIDENCE in found else np.ones_like(expected)
+    hottest = found["temperature"].max(axis=0)
+    return UnknownWires(measure(position - reference), measure(guess - position), hottest, limit, expected, trusted)
+
+
+def main(wires: int = 200, own_resistivities: bool = False, before: bool = False, seed: int = JUDGED_ON) -> None:
+    """Judge the observers on random wires."""
+    for task in (FAIR, ORIGINAL):
+        for observer in ("none", *(("extended", "drifting") if before else ()), "self-sensing"):
+            bench = build_bench(observer, task)
+            drawn = draw_wires(bench.plant, wires, seed, own_resistivities=own_resistivities)
+            found = run_unknown_wires(bench, drawn, frequency=task.frequency)
+            typer.echo(f"{task.supply:g} V, {task.frequency:g} Hz, {observer:12} {found.describe()}")
+
+
+if __name__ == "__main__":
+    typer.run(main)

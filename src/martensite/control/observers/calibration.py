@@ -1,0 +1,153 @@
+"""Calibration in the loop: what the resistance of a wire is as martensite and as austenite, by one guarded heating.
+
+    cold     the probing signal, for `cold`                                R_M: mean of the readings
+    heat     the heating power grows e-fold in every `growth`              ends where R has changed and no longer does
+    soak     a share of the signal reached, for `soak`                     R_A: mean of the readings
+    settle   the probing signal, until `duration` is over                  the wire cools and transforms back
+    ready
+
+Power grows in proportion to itself, so that a wire that loses little heat is heated as slowly, for its size, as one
+that loses much: how far it is heated beyond the end of its transformation does not depend on its heat loss. Whether R
+changes is told by two running means, m₁ and m₂, with time constants of 0.3 s and 1.2 s: c = |m₁ - m₂|/R_M. The
+transformation is there once c has been above `seen`, and over when c is below both `flat` and a share of its peak. The
+soak is cooler than the end of the heating and hotter than the start of the way back: hysteresis leaves the room.
+
+A wire whose resistance hardly changes is not seen to transform: heating ends at the latest after `longest`, or at
+`largest`, and nothing is calibrated then. What bounds its temperature in that case is the guard of the loop.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import Parametrised, param
+from martensite.kernels.namespace import Flag, Namespace, Scalar
+from martensite.signals.base import DRIVE
+
+COLD, HEAT, SOAK, SETTLE, READY = range(5)
+FAST, SLOW = 0.3, 1.2
+"""Time constants of the running means [s]."""
+LEFT = 0.3
+"""Share of the peak of the change below which a transformation is over."""
+HOLDS = 0.4
+"""Time for which it must be below [s]."""
+
+
+class CalibrationState(NamedTuple):
+    """What a calibration remembers."""
+
+    phase: Scalar
+    elapsed: Scalar
+    """Time since the start [s]."""
+    clock: Scalar
+    """Time in the phase [s]."""
+    total: Scalar
+    """Sum of the readings of the phase."""
+    count: Scalar
+    fast: Scalar
+    slow: Scalar
+    peak: Scalar
+    """Largest change so far."""
+    flat: Scalar
+    """Time since the change is over [s]."""
+    signal: Scalar
+    """That it wants."""
+    martensite: Scalar
+    """R_M"""
+    austenite: Scalar
+    """R_A"""
+    done: Scalar
+    """1 once R_A is known."""
+
+
+class Calibration(Parametrised):
+    """How a wire is calibrated."""
+
+    probe: Scalar = param(DRIVE, "signal of a current that measures but hardly heats", above=0.0, default=0.02)
+    largest: Scalar = param(DRIVE, "largest signal of the heating", above=0.0, default=1.0)
+    begin: Scalar = param("1", "signal at which heating begins, over the probing one", above=1.0, default=4.0)
+    cold: Scalar = param("s", "time at the probing signal", above=0.0, default=4.0)
+    growth: Scalar = param("s", "time in which the signal grows e-fold", above=0.0, default=15.0)
+    longest: Scalar = param("s", "longest time of the heating", above=0.0, default=36.0)
+    beyond: Scalar = param("s", "time for which it grows on after the end", low=0.0, default=0.3)
+    share: Scalar = param("1", "signal of the soak, over the one reached", above=0.0, high=1.0, default=0.7)
+    soak: Scalar = param("s", "time in austenite", above=0.0, default=4.0)
+    duration: Scalar = param("s", "time of all of it", above=0.0, default=60.0)
+    seen: Scalar = param("1", "change of the resistance that is one", above=0.0, default=0.008)
+    flat: Scalar = param("1", "change of the resistance that is none", above=0.0, default=0.0035)
+
+    def check(self) -> None:
+        """Raise `ParameterError` unless there is time for all phases."""
+        if not self.cold + self.longest + self.soak < self.duration:
+            raise ParameterError(
+                f"A calibration of {self.duration:g} s has no time to cool: cold, longest heating and soak take "
+                f"{self.cold + self.longest + self.soak:g} s."
+            )
+
+    def rest(self, reading: Scalar) -> CalibrationState:
+        """Cold, with a first reading."""
+        means = (reading, reading)
+        return CalibrationState(float(COLD), 0.0, 0.0, 0.0, 0.0, *means, 0.0, 0.0, self.probe, *means, 0.0)
+
+    def advance(
+        self, xp: Namespace, before: CalibrationState, reading: Scalar, fresh: Scalar, dt: Scalar
+    ) -> CalibrationState:
+        """A sample later.
+
+        Args:
+            xp: namespace.
+            before: from the sample before.
+            reading: resistance [ohm].
+            fresh: 1 if it is new, else 0.
+            dt: time since then [s].
+        """
+        at = [xp.both(before.phase > k - 0.5, before.phase < k + 0.5) for k in range(READY + 1)]
+        found = self._average(
+            xp, before._replace(elapsed=before.elapsed + dt, clock=before.clock + dt), at, reading, fresh
+        )
+        found = self._watch_change(xp, found, at, reading, fresh * dt, dt)
+        grown = xp.minimum(before.signal * xp.exp(dt / self.growth), self.largest)
+        lost = xp.either(found.clock >= self.longest, before.signal >= self.largest)
+        seen = found.flat > HOLDS + self.beyond
+        ends = [
+            found.clock >= self.cold,
+            xp.either(seen, lost),
+            found.clock >= self.soak,
+            found.elapsed >= self.duration,
+        ]
+        phase, signal = before.phase, before.signal
+        signal = xp.where(at[HEAT], grown, signal)
+        for k, then in enumerate([self.begin * self.probe, self.share * signal, self.probe, self.probe]):
+            over = xp.both(at[k], ends[k])
+            phase, signal = xp.where(over, k + 1.0, phase), xp.where(over, then, signal)
+        failed = xp.both(at[HEAT], xp.both(lost, xp.negate(seen)))
+        phase, signal = xp.where(failed, float(SETTLE), phase), xp.where(failed, self.probe, signal)
+        moved = phase > before.phase + 0.5
+        total, count, clock = (xp.where(moved, 0.0, x) for x in (found.total, found.count, found.clock))
+        return found._replace(phase=phase, clock=clock, total=total, count=count, signal=signal)
+
+    def _average(
+        self, xp: Namespace, now: CalibrationState, at: list[Flag], reading: Scalar, fresh: Scalar
+    ) -> CalibrationState:
+        """Means of the readings while cold and while it soaks."""
+        total, count = now.total + fresh * reading, now.count + fresh
+        some = count > 0.0
+        mean = total / xp.where(some, count, 1.0)
+        martensite = xp.where(xp.both(at[COLD], some), mean, now.martensite)
+        soaked = xp.both(at[SOAK], some)
+        austenite, done = xp.where(soaked, mean, now.austenite), xp.where(soaked, 1.0, now.done)
+        return now._replace(total=total, count=count, martensite=martensite, austenite=austenite, done=done)
+
+    def _watch_change(
+        self, xp: Namespace, now: CalibrationState, at: list[Flag], reading: Scalar, step: Scalar, dt: Scalar
+    ) -> CalibrationState:
+        """Running means, and for how long they have been as one; while cold they are what has been measured."""
+        fast = now.fast + step / (FAST + dt) * (reading - now.fast)
+        slow = now.slow + step / (SLOW + dt) * (reading - now.slow)
+        fast, slow = (xp.where(at[COLD], now.martensite, x) for x in (fast, slow))
+        change = xp.abs(fast - slow) / xp.maximum(xp.abs(now.martensite), 1e-12)
+        peak = xp.where(at[HEAT], xp.maximum(now.peak, change), 0.0)
+        level = xp.both(peak > self.seen, change < xp.maximum(self.flat, LEFT * peak))
+        stays = xp.both(at[HEAT], xp.either(level, now.flat > HOLDS))
+        return now._replace(fast=fast, slow=slow, peak=peak, flat=xp.where(stays, now.flat + dt, 0.0))

@@ -1,0 +1,289 @@
+"""Self-sensing of a wire nobody measured: a Kalman filter that starts from a data sheet and calibrates itself.
+
+    x = (T, ξ, ln ρ_M/ρ_M⁰, ln ρ_A/ρ_A⁰, ln h/h⁰, T_a - T_a⁰, δ)
+
+Sigma points carry the model along as in `unscented-kalman`; δ shifts the temperatures of the transformation to
+austenite, and those of the way back against them. What these are known to at first are the tolerances of the sheet,
+taken as uniform, whose standard deviation is 1/√3 of the tolerance. A shift that all temperatures of the wire and its
+surroundings have in common cannot be seen: nothing but their differences acts. It is no unknown, for a filter that
+carries it along talks itself into knowing it; its deviation is counted in the spreads of all temperatures.
+
+A diameter that is not that of the model shows in the resistance as a resistivity and in the cooling as a film
+coefficient: both are estimated as they act, at the diameter of the model.
+
+It begins with a `Calibration`, during which it gives the signal of its drive itself. While the wire is cold, ξ = 1 and
+T = T_a. At the end of the soak ξ = 0, T = T_h within `hot_deviation`, and with the mean resistances R_M and R_A and the
+power P, that the wire then loses to the surroundings as fast as it is heated,
+
+    ln ρ_M = ln R_M - ln R(T_a, 1),   ln ρ_A = ln R_A - ln R(T_h, 0),   ln h = ln P - ln Q(T_h - T_a),
+
+each with the error of its mean and those of T_h and T_a in it. The filter goes on from there, through the cooling,
+with parameters that walk `learning` times as fast as later. Resistivities do not walk at all by default and keep the
+small spreads of their means: a filter that goes on fitting both to one reading gives way in the wrong one of them.
+
+In a pure phase nothing transforms without a change of temperature: the random walk of ξ is √(4 ξ (1 - ξ)) of
+`fraction_noise`. Its `beta` is 2, which is right for normal errors; sigma points at a kink of the hysteresis need it.
+
+Beside the estimates of a filter it says how far it can be trusted, its `confidence`: see `trust.py`.
+
+Source: joint estimation of states and parameters with sigma points, Julier and Uhlmann (2004); everything else is a
+choice of this project, judged on random wires (`martensite_control.unknown_wires`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from martensite.actuators.mechanisms.base import Output
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import Parametrised, option, param, part
+from martensite.base.units import DEGREES, DIFFERENCE
+from martensite.control.observers import covariance, hidden_states
+from martensite.control.observers.base import OBSERVERS, Column, Named, ObserverPeriod, list_required
+from martensite.control.observers.calibration import COLD, READY, SETTLE, SOAK, Calibration, CalibrationState
+from martensite.control.observers.covariance import Matrix
+from martensite.control.observers.filter import Forecast, FreeParameter
+from martensite.control.observers.trust import Trust, TrustState
+from martensite.control.observers.unscented import UnscentedKalman
+from martensite.kernels.dual import value_and_slope, values_and_slopes
+from martensite.kernels.namespace import Namespace, Scalar
+
+UNIFORM = 3.0**-0.5
+"""Standard deviation of a uniform distribution over its half width."""
+RESISTIVITIES, FILMS = (("rho_M", "r_M"), ("rho_A", "r_A")), ("h", "h0", "h1", "h2")
+AROUND = ("environment.temperature",)
+HALF = 0.5**0.5
+"""Share of the tolerance of two independent temperatures that their mean, and half of their difference, have."""
+ABOVE = 28.0
+"""How far the soak is above the end of the transformation without stress: 17 K for the stress [K]."""
+TINY = 1e-12
+"""Power below which nothing is heated [W]."""
+
+
+class SheetTolerances(Parametrised):
+    """How far a wire may be from its data sheet, either way."""
+
+    resistivity: Scalar = param(
+        "1", "of both resistivities over the section of the model, as a share; assumed", above=0.0, default=0.12
+    )
+    film: Scalar = param("1", "largest factor of the film coefficient, or its inverse; assumed", above=1.0, default=2.0)
+    ambient: Scalar = param(DEGREES, "of the temperature of the surroundings; assumed", above=0.0, default=10.0)
+    transformation: Scalar = param(DEGREES, "of the transformation temperatures; assumed", above=0.0, default=5.0)
+
+
+@OBSERVERS.register("self-sensing")
+class SelfSensing(UnscentedKalman):
+    """A filter for a wire nobody measured: it calibrates itself, and says how far it can be trusted."""
+
+    beta: Scalar = param("1", "weight of the middle in the covariance", low=0.0, default=2.0)
+    fraction_noise: Scalar = param("1/s^0.5", "random walk of ξ amid a transformation", low=0.0, default=0.01)
+    temperature_noise: Scalar = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.3)
+    first_fraction: Scalar = param("1", "standard deviation of a pure phase", low=0.0, default=0.001)
+    first_temperature: Scalar = param(DEGREES, "standard deviation of T - T_a at the start", low=0.0, default=0.5)
+    sheet: SheetTolerances = part("what is known of the wire", default=SheetTolerances())
+    start: str = option("whether it calibrates the wire at first", "calibration", "sheet", default="calibration")
+    calibration: Calibration = part("how", default=Calibration())
+    hot: Scalar = param("K", "T_h, the temperature of the soak; 0: 28 K above A_f", low=0.0, default=0.0)
+    hot_deviation: Scalar = param(DIFFERENCE, "its standard deviation", above=0.0, default=10.0)
+    loss_deviation: Scalar = param("1", "standard deviation of P - Q as a share of it", low=0.0, default=0.1)
+    learning: Scalar = param("1", "by how much parameters walk faster while it calibrates", low=1.0, default=8.0)
+    resistivity_walk: Scalar = param("1/s^0.5", "random walk of the resistivities", low=0.0, default=0.0)
+    film_walk: Scalar = param("1/s^0.5", "random walk of the film coefficient", low=0.0, default=0.005)
+    ambient_walk: Scalar = param("K/s^0.5", "random walk of the surroundings", low=0.0, default=0.02)
+    transformation_walk: Scalar = param(
+        "K/s^0.5", "random walk of the transformation temperatures", low=0.0, default=0.02
+    )
+    trust: Trust = part("how far it can be trusted", default=Trust())
+
+    def check(self) -> None:
+        """Raise `ParameterError` unless the model is one wire with a resistance and a film."""
+        self.__dict__["_known"] = tuple(leaf.path for leaf in self.model.leaves() if leaf.value != 0.0)
+        self.__dict__["_sought"] = dict[tuple[str, ...], tuple[str, ...]]()
+        super().check()
+        if len(self.model.actuators()) != 1 or len(self.model.drives()) != 1:
+            raise ParameterError("Observer `self-sensing` is for one element with one drive; take a Kalman filter.")
+        names = [path.rsplit(".", 1)[-1] for one in self.free_parameters() for path in one.paths]
+        for wanted, what in (*((n, "a resistivity") for n in RESISTIVITIES), (FILMS, "a film coefficient")):
+            if not set(wanted) & set(names):
+                raise ParameterError(f"Observer `self-sensing` estimates {what}, which its model does not have.")
+        if self.hot == 0.0 and "A_f" not in names:
+            raise ParameterError("Observer `self-sensing`: its law has no `A_f`; say how `hot` it soaks.")
+
+    def free_parameters(self) -> list[FreeParameter]:
+        """Those that drift, then those of which the sheet gives a tolerance."""
+        sheet = self.sheet
+        # sinh ln F for ln F: 0.75 for 0.69 at a factor of 2.
+        film = 0.5 * (sheet.film - 1.0 / sheet.film)
+        rows = [
+            *((names, "logarithm", sheet.resistivity, self.resistivity_walk) for names in RESISTIVITIES),
+            (FILMS, "logarithm", film, self.film_walk),
+        ]
+        found = super().free_parameters()
+        for names, scale, tolerance, walk in rows:
+            paths = self._paths(names)
+            found += [FreeParameter(paths, scale, UNIFORM * tolerance, walk)] if paths else []
+        # What both transformations are off by in common acts as surroundings that are off the other way.
+        common = HALF * sheet.transformation
+        around = sheet.ambient + 0.5 * common * common / sheet.ambient
+        found.append(FreeParameter(self._paths(AROUND), "offset", UNIFORM * around, self.ambient_walk))
+        heating, cooling = self._paths(("law.A_s", "law.A_f")), self._paths(("law.M_s", "law.M_f"))
+        if heating and cooling:
+            found.append(FreeParameter(heating, "offset", UNIFORM * common, self.transformation_walk, cooling))
+        return found
+
+    def _paths(self, names: tuple[str, ...]) -> tuple[str, ...]:
+        """Parameters of the model that are called so, or end so."""
+        sought = self.__dict__["_sought"]
+        if names not in sought:
+            endings = tuple(f".{name}" for name in names)
+            sought[names] = tuple(p for p in self.__dict__["_known"] if p in names or p.endswith(endings))
+        return sought[names]
+
+    def commands(self) -> tuple[str, str] | None:
+        """It gives the signal while it calibrates."""
+        return None if self.start == "sheet" else ("calibrating", "probing")
+
+    def estimates(self) -> dict[str, Output]:
+        """Those of a filter, the phase of the calibration, and the confidence."""
+        signal = self.model.drives()[0].unit
+        return super().estimates() | {
+            "calibrating": Output("1", "whether the wire is being calibrated", "c"),
+            "phase": Output("1", "phase of the calibration: cold, heat, soak, settle, ready", "p"),
+            "probing": Output(signal, "signal of the calibration", "u_c"),
+            "confidence": Output("1", "how far the estimates can be trusted", "q"),
+        }
+
+    def first_covariance(self, xp: Namespace, variances: Sequence[Scalar], signals: Column) -> Matrix:
+        """At rest the wire is as warm as its surroundings."""
+        matrix = covariance.build_diagonal(variances)
+        k = self._index(AROUND)
+        matrix[0][0] = matrix[0][0] + variances[k]
+        matrix[0][k] = matrix[k][0] = variances[k]
+        return matrix
+
+    def hidden_walks(self, xp: Namespace, at: Sequence[Scalar]) -> list[Scalar]:
+        """In a pure phase the fraction stays."""
+        room = xp.maximum(4.0 * at[1] * (1.0 - at[1]), 0.0)
+        return [self.temperature_noise, self.fraction_noise * xp.sqrt(room)]
+
+    def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
+        """Cold and not calibrated; without a calibration, as the sheet says."""
+        own = self.calibration.rest(readings[self.reads()[0]])
+        if self.start == "sheet":
+            own = own._replace(phase=float(READY), done=1.0)
+        first = self.first_forecast(xp, list_required(self, signals))
+        return self._list_all(xp, first, 0.0, own, TrustState(), 1.0)
+
+    def update(
+        self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar, turns: int
+    ) -> tuple[Column, Column]:
+        """Estimates after the reading of this sample, the calibration a sample further, and what is believed."""
+        sizes = len(CalibrationState._fields), len(TrustState._fields)
+        before, trust = CalibrationState(*memory[: sizes[0]]), TrustState(*memory[sizes[0] : sum(sizes)])
+        faster = xp.where(before.phase < READY - 0.5, self.learning, 1.0)
+        going = ObserverPeriod(list_required(self, signals), dt, turns, faster)
+        expected = self.forecast(xp, self.unflatten_memory(memory[sum(sizes) :]), going)
+        rows = self.pair_readings(xp, expected.mean, readings, dt)
+        mean, matrix, nis = covariance.condition_on_readings(xp, expected.mean, expected.covariance, rows)
+        i, value, variance, fresh = rows[0]
+        own = self.calibration.advance(xp, before, value, fresh, dt)
+        mean, matrix = self._restart(xp, (before, own), expected, (mean, matrix), going)
+        innovation = (value - expected.mean[i]) / xp.sqrt(expected.covariance[i][i] + variance)
+        watched = xp.where(own.phase > READY - 0.5, fresh, 0.0)
+        trust = self.trust.advance(xp, trust, innovation, watched, dt)
+        return self._list_all(xp, self.place_unknowns(xp, expected.state, mean, matrix, going), nis, own, trust, dt)
+
+    def _list_all(
+        self, xp: Namespace, found: Forecast, nis: Scalar, own: CalibrationState, trust: TrustState, dt: Scalar
+    ) -> tuple[Column, Column]:
+        estimates, memory = self.list_estimates(xp, found, nis)
+        estimates = self._count_common_shift(xp, estimates)
+        lasts = xp.where(own.phase < READY - 0.5, 1.0, 0.0)
+        spread = xp.sqrt(xp.maximum(found.covariance[1][1], 0.0))
+        confidence = (1.0 - lasts) * own.done * self.trust.confidence(xp, trust, spread, dt)
+        return [*estimates, lasts, own.phase, own.signal, confidence], [*own, *trust, *memory]
+
+    def _count_common_shift(self, xp: Namespace, estimates: Column) -> list[Scalar]:
+        """Estimates, with what all temperatures may be off by together in the spreads of every one."""
+        common, names = UNIFORM * HALF * self.sheet.transformation, list(super().estimates())
+        shifted = [hidden_states.list_names(self.model)[0], *self._paths((*AROUND, "law.A_s"))]
+        rows = {names.index(f"{name}_std") for name in shifted if f"{name}_std" in names}
+        return [xp.sqrt(x * x + common * common) if k in rows else x for k, x in enumerate(estimates)]
+
+    def _restart(
+        self,
+        xp: Namespace,
+        calibration: tuple[CalibrationState, CalibrationState],
+        expected: Forecast,
+        found: tuple[list[Scalar], Matrix],
+        going: ObserverPeriod,
+    ) -> tuple[list[Scalar], Matrix]:
+        """Unknowns, put to those of rest while the wire is cold, and to those of austenite after the soak."""
+        before, own = calibration
+        if self.start == "sheet":
+            return found
+        count = self.unknowns()
+        cold = own.phase < COLD + 0.5
+        # Put there all through the soak, so that the law has forgotten what a filter that knew nothing led it through.
+        ended = xp.both(before.phase < SOAK + 0.5, own.phase > SETTLE - 0.5)
+        soaks = xp.both(own.phase > SOAK - 0.5, own.phase < SOAK + 0.5)
+        soaked = xp.both(xp.either(soaks, ended), own.done > 0.5)
+        variances = [x * x for x in self.first_deviations()]
+        around = self.model.value_of("environment.temperature")
+        rest = (
+            [around, 1.0, *(one.start for one in self.free_parameters())],
+            self.first_covariance(xp, variances, going.signals),
+        )
+        hot = self._austenite(xp, own, expected, going)
+        mean, matrix = list(found[0]), [list(row) for row in found[1]]
+        for i in range(count):
+            mean[i] = xp.where(cold, rest[0][i], xp.where(soaked, hot[0][i], mean[i]))
+            for j in range(count):
+                matrix[i][j] = xp.where(cold, rest[1][i][j], xp.where(soaked, hot[1][i][j], matrix[i][j]))
+        return mean, matrix
+
+    def _austenite(
+        self, xp: Namespace, own: CalibrationState, expected: Forecast, going: ObserverPeriod
+    ) -> tuple[list[Scalar], Matrix]:
+        """Unknowns after the soak, and their covariance."""
+        around = self.model.value_of("environment.temperature")
+        hot = (
+            xp.where(self.hot > 0.0, self.hot, self.model.value_of("A_f") + ABOVE)
+            if self._paths(("law.A_f",))
+            else self.hot
+        )
+        (port,) = self.model.actuators()
+        ohm, loss, power = self.reads()[0], self.model.label(port, "heat_loss"), self.model.label(port, "power")
+
+        def seen(xp: Namespace, temperature: Scalar, fraction: Scalar) -> dict[str, Scalar]:
+            there = hidden_states.place_hidden(xp, self.model, expected.state, (temperature, fraction), going.signals)
+            return hidden_states.observe_model(xp, self.model, there, going.signals)
+
+        at_rest, rest_slope = value_and_slope(xp, lambda xp, t: seen(xp, t, 1.0)[ohm], around)
+        (warm, lost), (warm_slope, lost_slope) = values_and_slopes(
+            xp, lambda xp, t: [seen(xp, t, 0.0)[name] for name in (ohm, loss)], hot
+        )
+        # Readings may be absurd, and resistances are not: within a factor of ten of the model's.
+        martensite = xp.clip(own.martensite, 0.1 * at_rest, 10.0 * at_rest)
+        austenite = xp.clip(own.austenite, 0.1 * warm, 10.0 * warm)
+        heated = xp.maximum(seen(xp, hot, 0.0)[power] * warm / austenite, TINY)
+        mean = [hot, 0.0, *(one.start for one in self.free_parameters())]
+        variances = [x * x for x in self.first_deviations()]
+        k_M, k_A, k_h = (self._index(names) for names in (*RESISTIVITIES, FILMS))
+        k_a = self._index(AROUND)
+        mean[k_M], mean[k_A] = xp.log(martensite / at_rest), xp.log(austenite / warm)
+        lost = xp.maximum(lost, TINY)
+        mean[k_h] = xp.log(heated / lost)
+        rho = self.reading_noise * self.reading_noise * going.dt
+        variances[0], variances[1] = self.hot_deviation * self.hot_deviation, self.first_fraction * self.first_fraction
+        variances[k_M], variances[k_A] = rho / self.calibration.cold, rho / self.calibration.soak
+        variances[k_h] = self.loss_deviation * self.loss_deviation
+        rows = covariance.build_diagonal([1.0] * len(mean))
+        rows[k_M][k_a], rows[k_A][0] = -rest_slope / at_rest, -warm_slope / warm
+        rows[k_h][0], rows[k_h][k_a] = -lost_slope / lost, lost_slope / lost
+        return mean, covariance.propagate_covariance(rows, covariance.build_diagonal(variances))
+
+    def _index(self, names: tuple[str, ...]) -> int:
+        """Among the unknowns."""
+        count = len(hidden_states.list_names(self.model))
+        return count + [one.path for one in self.free_parameters()].index(self._paths(names)[0])

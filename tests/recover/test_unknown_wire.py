@@ -1,0 +1,113 @@
+"""Self-sensing of wires nobody measured: it calibrates them in the loop, follows a reference, and knows its errors.
+
+Source of truth: the simulated wires, whose numbers and whose position no part of the loop sees. The large study, on 200
+wires, is `martensite_control.unknown_wires`; here a few of its wires run side by side.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from martensite.base.errors import ParameterError
+from martensite.control.loop.realtime import RealtimeStep
+from martensite.control.observers.calibration import Calibration
+from martensite.control.observers.self_sensing import SelfSensing
+from martensite.simulate.lanes import Lanes
+from martensite_control.unknown_wires import CONFIDENCE, TUNED_ON, build_bench, draw_wires
+
+COUNT, PERIOD, LEVEL = 4, 0.02, 3e-3
+LATE = 20.0
+"""Of the level that is held after the calibration, what counts [s]."""
+BENCH = build_bench()
+WIRES = draw_wires(BENCH.plant, COUNT, TUNED_ON)
+
+
+def go_on(lanes: Lanes, seconds: float, rng: np.random.Generator) -> dict[str, np.ndarray]:
+    """Columns of some more time at the level, with noise."""
+    count = round(seconds / PERIOD)
+    signals = np.full((count, len(lanes.drives), lanes.lanes), LEVEL)
+    signals[:, 1:] = 0.0
+    signals[:, lanes.drives.index("noise.resistance")] = rng.standard_normal((count, lanes.lanes))
+    return dict(zip(lanes.names, np.moveaxis(lanes.advance(signals, PERIOD), 1, 0), strict=True))
+
+
+@cache
+def calibrated() -> tuple[Lanes, dict[str, np.ndarray], np.random.Generator]:
+    """Wires that have been calibrated and held at a level for a while."""
+    lanes, rng = Lanes(BENCH, COUNT, {f"plant.{path}": x for path, x in WIRES.items()}), np.random.default_rng(1)
+    lanes.reset(0.0)
+    return lanes, go_on(lanes, 90.0, rng), rng
+
+
+def test_none_gets_too_hot_and_all_go_through_all_phases() -> None:
+    _, run, _ = calibrated()
+    phases = run["estimated.phase"]
+    assert run["temperature"].max() < BENCH.plant.element.limits.temperature_limit
+    for column, fraction in zip(phases.T, run["martensite_fraction"].T, strict=True):
+        assert np.unique(column).tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
+        assert fraction[column == 2.0].max() < 0.01
+    assert (run[CONFIDENCE][phases < 4.0] == 0.0).all()
+
+
+def test_it_finds_the_numbers_of_the_wire_within_its_spreads() -> None:
+    """Resistivities as they act in the section of the sheet's diameter; the ratio of the phases tells the fraction."""
+    _, run, _ = calibrated()
+    last = {name.removeprefix("estimated."): column[-1] for name, column in run.items()}
+    section = (BENCH.plant.value_of("diameter") / WIRES["element.diameter"]) ** 2
+    ohms = ("element.resistance.rho_A", "element.resistance.rho_M")
+    rho_A, rho_M = (last[path] / (WIRES[path] * section) for path in ohms)
+    assert np.abs(rho_M - 1.0).max() < 4e-3
+    assert np.abs(rho_A / rho_M - 1.0).max() < 4e-3
+    # All temperatures of a wire may be shifted together, which no reading tells; the spreads know of that.
+    heating, cooling = (WIRES[path] - BENCH.plant.value_of(path) for path in ("element.law.A_s", "element.law.M_s"))
+    common, apart = 0.5 * (heating + cooling), 0.5 * (heating - cooling)
+    for path, true in (
+        ("environment.temperature", WIRES["environment.temperature"]),
+        ("element.law.A_s", BENCH.plant.value_of("element.law.A_s") + apart),
+    ):
+        shift = common if path == "environment.temperature" else 0.0
+        assert (np.abs(last[path] - true + shift) < 4.0 * last[f"{path}_std"]).all()
+    film = np.log(last["environment.cooling.h"] / WIRES["environment.cooling.h"])
+    assert np.abs(film).max() < 0.3
+    assert np.abs(np.log(WIRES["environment.cooling.h"] / BENCH.plant.value_of("cooling.h"))).max() > 0.4
+
+
+def test_it_holds_a_position_that_no_sensor_sees_and_says_how_well() -> None:
+    _, run, _ = calibrated()
+    late = slice(-round(LATE / PERIOD), None)
+    off = run["estimated.position"][late] - run["position"][late]
+    assert np.sqrt(np.mean(off**2, axis=0)).max() < 0.25e-3
+    assert np.abs(run["position"][late].mean(axis=0) - LEVEL).max() < 0.25e-3
+    assert np.mean(np.abs(off) < 3.0 * run["estimated.position_std"][late]) > 0.95
+    assert np.mean(run[CONFIDENCE][late]) > 0.9
+
+
+def test_its_confidence_falls_where_the_wire_is_no_longer_the_one_it_calibrated() -> None:
+    """A connector that gives way: 15 % more resistance from one moment to the next."""
+    lanes, _, rng = calibrated()
+    kept = lanes.state.copy()
+    names = ("element.resistance.rho_A", "element.resistance.rho_M")
+    lanes.set_values({f"plant.{name}": 1.15 * WIRES[name] for name in names})
+    run = go_on(lanes, 2.0, rng)
+    lanes.set_values({f"plant.{name}": WIRES[name] for name in names})
+    lanes.state = kept
+    assert run[CONFIDENCE].min(axis=0).max() < 0.1
+
+
+def test_the_same_loop_runs_sample_by_sample_in_real_time() -> None:
+    """Without a plant: the signal of the calibration goes to the drive, and the controller waits."""
+    step = RealtimeStep(BENCH)
+    signals = [step.step({"resistance": 13.0})[0] for _ in range(round(6.0 / PERIOD))]
+    assert signals[10:190] == [0.02] * 180
+    assert signals[-1] == pytest.approx(0.08 * np.exp((6.0 - 4.0) / 15.0), rel=0.01)
+    assert (step.estimates["estimated.calibrating"], step.estimates[CONFIDENCE]) == (1.0, 0.0)
+
+
+def test_what_it_cannot_do_is_refused() -> None:
+    with pytest.raises(ParameterError, match="no time to cool"):
+        Calibration(duration=30.0)
+    with pytest.raises(ParameterError, match="a film coefficient"):
+        SelfSensing(model=BENCH.plant.with_values({"cooling.h": 0.0}))
