@@ -287,9 +287,11 @@ def fault_effects(fault: Any, xp: Any, time: Any, u: Any, reading: Any, held: An
     loss = plant.element.heat_loss(xp, 350.0, plant.environment)
     grown = fault.fault_at(xp, time)
     fresh = fault.fresh(xp, name, reading > held, active)
+    memory = plant.mechanism.init(xp, [plant.element], [1e-3 * reading], [])
     return (
         plant.source.current(xp, u, 2.0),
         loss,
+        plant.mechanism.position(xp, memory, u, 1e-3 * held),
         fault.signal(xp, "drive", u, active),
         grown.disturb(xp, name, grown.reading(xp, name, reading, held, active), 1.5, active),
         fault.travel(xp, name, 0.1, active),

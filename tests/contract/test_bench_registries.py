@@ -103,10 +103,12 @@ WATCHED: dict[str, dict[str, Any]] = {
     "sensor-stuck": {"reading": "felt", "longest": 0.12},
     "open-circuit": {"reading": "current", "longest": 0.12, "most": 0.01, "least": 0.01},
     "mismatch": {"reading": "felt", "other": "again", "limit": 0.5},
+    "low-confidence": {"reading": "trust", "limit": 0.5, "longest": 0.12},
 }
 """Checks as they are set on a bench on which all is well; the bound comes from the plant."""
 FAULTY: dict[str, dict[str, Any]] = {
     "ambient-step": {"by": 20.0},
+    "clamped": {},
     "contact-resistance": {"resistance": 1.0},
     "draught": {"factor": 2.0},
     "drift": {"sensor": "felt", "bias": 1.0, "rate": 2.0},
@@ -114,6 +116,7 @@ FAULTY: dict[str, dict[str, Any]] = {
     "late-readings": {"sensor": "felt", "by": 0.1},
     "noise-burst": {"sensor": "felt", "deviation": 1.0},
     "open-circuit": {},
+    "slack": {"length": 1e-3},
     "stuck": {"sensor": "felt"},
     "stuck-on": {"level": 0.4},
     "supply-sag": {"share": 0.5},
@@ -129,6 +132,7 @@ UNGUARDED = {
     "sensor-stuck.longest": LATE,
     "open-circuit.longest": LATE,
     "mismatch.limit": 1e9,
+    "low-confidence.longest": LATE,
     "thermal-bound.limit": 1e9,
 }
 TRIPPED: dict[str, tuple[dict[str, float], str | None]] = {
@@ -140,6 +144,7 @@ TRIPPED: dict[str, tuple[dict[str, float], str | None]] = {
     "sensor-stuck": ({}, "stuck"),
     "open-circuit": ({}, "open-circuit"),
     "mismatch": ({}, "drift"),
+    "low-confidence": ({"limit": 0.999}, None),
     "thermal-bound": ({"limit": 330.0}, None),
 }
 """What makes each check trip: other numbers of its own, or a fault."""
@@ -152,7 +157,8 @@ def named(name: str) -> str:
 @cache
 def guarded() -> Bench:
     """A bench with every fault, none of which begins, and a guard with every check."""
-    sensors = {"felt": "temperature", "again": "temperature"} | {name: name for name in ("current", "stress", "force")}
+    sensors = {"felt": "temperature", "again": "temperature", "trust": "martensite_fraction"}
+    sensors |= {name: name for name in ("current", "stress", "force")}
     bound = guard_for(PLANT, temperature_limit=430.0).checks.members()["bound_drive"]
     checks = {named(name): CHECKS[name](**given) for name, given in WATCHED.items()}
     return Bench(
@@ -221,7 +227,8 @@ def test_faults_and_guard_are_the_same_in_c(c_compiler: str) -> None:
         place = f"faults.{named(name)}"
         values |= {f"{place}.start": 0.2 * k + 0.1, f"{place}.end": 0.2 * k + 0.5}
     quiet = checks_at({"sensor-lost.timeout": LATE, "sensor-stuck.longest": LATE})
-    bench = guarded().with_values(values | quiet | checks_at({"open-circuit.longest": LATE}))
+    quiet |= checks_at({"open-circuit.longest": LATE, "low-confidence.longest": LATE})
+    bench = guarded().with_values(values | quiet)
     plain = columns(bench, "floats")
     assert plain["alarm"].max() > 0.0
     agree(plain, columns(bench, "c"))

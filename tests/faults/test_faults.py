@@ -10,6 +10,7 @@ import pytest
 from builders import plain_system, problem_a
 
 from martensite.actuators.assembly import Actuator, Group, Machine
+from martensite.actuators.mechanisms.load_line import DeadWeight
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley
 from martensite.base.errors import ParameterError
 from martensite.control.faults.base import FAULTS
@@ -32,6 +33,7 @@ NUMBERS = {
     "supply-sag": {"share": 0.5},
     "ambient-step": {"by": 20.0},
     "draught": {"factor": 2.0},
+    "slack": {"length": 1e-3},
     "contact-resistance": {"resistance": 1.0},
     "stuck-on": {"level": 0.4},
     "supply-surge": {"share": 1.3},
@@ -62,7 +64,7 @@ def test_a_fault_changes_nothing_before_it_begins(name):
     found = run(one=fault(name))
     for column in ("temperature", "current", "measured.felt", "position"):
         assert found[column][:10].tolist() == HEALTHY[column][:10].tolist()
-    assert any(found.columns[c] != HEALTHY.columns[c] for c in ("temperature", "measured.felt"))
+    assert any(found.columns[c] != HEALTHY.columns[c] for c in ("temperature", "measured.felt", "position"))
 
 
 @pytest.mark.parametrize("name", ["supply-sag", "open-circuit"])
@@ -149,6 +151,29 @@ def test_a_sag_is_felt_behind_a_contact():
     assert ratio / HEALTHY.columns["resistance"][13] == pytest.approx(0.5, rel=1e-12)
 
 
+def test_slack_takes_its_length_of_a_lift_and_a_clamp_all_of_it():
+    """A weight hangs lower by the slack, and as before without it; what is clamped stays, whatever the element does."""
+    weight = problem_a(source=PwmVoltage(supply=6.0), mechanism=DeadWeight(mass=2.0))
+    free = run(plant=weight, level=0.6, seconds=2.0)
+    low = run(plant=weight, level=0.6, seconds=2.0, one=fault("slack", start=1.0, end=1.5))
+    lost = free["position"] - low["position"]
+    assert lost == pytest.approx([1e-3 if 20 <= k < 30 else 0.0 for k in range(41)], abs=1e-12)
+    spring = run(level=0.6, seconds=2.0)
+    held = run(level=0.6, seconds=2.0, one=fault("clamped", start=1.0, end=1.5))
+    assert held["position"][20:30] == pytest.approx([held["position"][20]] * 10, rel=1e-12)
+    assert held["strain"][21:30] == pytest.approx([held["strain"][21]] * 9, rel=1e-9)
+    assert held["force"][29] > spring["force"][29]
+    assert held["position"][40] > held["position"][29]
+
+
+def test_what_is_no_load_line_has_neither_slack_nor_clamp():
+    one = Actuator(element=PLANT.element, environment=PLANT.environment, source=PLANT.source)
+    pair = Group(protagonist=one, antagonist=one)
+    pulley = Machine(mechanism=AntagonisticPulley(radius=8e-3, preload=3.0), group=pair)
+    with pytest.raises(ParameterError, match="`clamped` is for a mechanism of one element on a load line"):
+        fault("clamped").plant(floats, pulley, True)
+
+
 def test_a_contact_is_in_a_row_with_the_element():
     """I = √D U/(R + R_c); a surge is a share of more than 1."""
     found = run(one=fault("contact-resistance"), two=fault("supply-surge", start=0.6))
@@ -229,7 +254,7 @@ def test_a_fault_must_end_after_it_begins():
         fault("draught", start=1.0, end=0.5)
 
 
-@pytest.mark.parametrize("name", FAULTS.names())
+@pytest.mark.parametrize("name", [n for n in FAULTS.names() if {"sensor", "drive"} & set(FAULTS[n].declarations)])
 def test_names_that_do_not_exist_are_refused(name):
     place = "sensor" if "sensor" in FAULTS[name].declarations else "drive"
     with pytest.raises(ParameterError, match=f"there is no {place} `nothing`"):

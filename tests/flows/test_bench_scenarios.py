@@ -18,8 +18,10 @@ from martensite.base.formats import write_quantity
 from martensite.control.controllers.mpc import Mpc
 from martensite.control.controllers.pid import Pid, PidLaw
 from martensite.control.controllers.scheduled_pid import ScheduledPid
+from martensite.control.loop.names import list_readings
 from martensite.control.loop.parts import MountedSensor
 from martensite.control.loop.run import simulate_bench
+from martensite.control.observers.usual_models import AS_MODELLED, USUAL
 from martensite.control.sensors.position import PositionSensor
 from martensite.scenario.overrides import as_toml, change_document
 from martensite.scenario.scenario import Scenario, load, read_scenario
@@ -242,6 +244,47 @@ def test_model_of_an_observer_is_the_system_or_differs_where_it_says() -> None:
     assert placed(again)["observer.model.element.length"].value == pytest.approx(0.24)
 
 
+SENSED = without(LOOP, SENSOR).replace('"position"', '"estimated.position"') + "[sensor]\nkind = 'resistance'\n"
+RPHASE = {"kind": "r-phase", "R_s": "55 degC", "R_f": "50 degC", "dT_R": "3 K", "C_R": "17 MPa/K", "E_R": "45 GPa"}
+
+
+def test_a_model_may_be_of_another_kind() -> None:
+    """Numbers that both laws have are those of the plant; parts of other kinds bring their own."""
+    changes = {
+        "observer": {"kind": "extended-kalman"},
+        "observer.model": {
+            "element.law": {**RPHASE, "eps_R": 0.005, "latent_R": 0.2, "A_s": "70 degC"},
+            "mechanism": {"kind": "dead-weight", "mass": "100 g"},
+            "environment": {"cooling": {"kind": "polynomial", "h0": "90 W/m^2/K"}},
+        },
+    }
+    scenario = read_scenario(SENSED, None, changes)
+    assert scenario.bench is not None
+    (found,) = scenario.bench.observers.members().values()
+    own, other = scenario.system, found.model
+    kinds = [other.element.law, other.mechanism, other.environment.cooling]
+    assert [one.registered_name for one in kinds] == ["r-phase", "dead-weight", "polynomial"]
+    assert (other.element.law.A_s, other.element.law.M_s) == (343.15, own.element.law.M_s)
+    assert other.element.diameter == own.element.diameter
+    again = read_scenario(scenario.text, None, {"observer.model.element.law.R_s": "56 degC"})
+    assert placed(again)["observer.model.element.law.R_s"].value == pytest.approx(329.15)
+
+
+def test_a_bank_has_models_of_its_own_or_the_usual_ones() -> None:
+    text = SENSED + "[observer]\nkind = 'model-bank'\n"
+    usual = read_scenario(text).bench
+    windy = "[observer.models.windy]\n'environment.cooling' = { kind = 'polynomial', h0 = '300 W/m^2/K' }\n"
+    own = read_scenario(text + "model = { 'element.diameter' = '0.14 mm' }\n" + windy)
+    assert usual is not None
+    assert own.bench is not None
+    names = [n for n in list_readings(usual) if n.startswith("estimated.probability_")]
+    assert [n.removeprefix("estimated.probability_") for n in names] == [AS_MODELLED, *USUAL]
+    (bank,) = own.bench.observers.members().values()
+    (model,) = bank.models.members().values()
+    assert (model.element.diameter, model.environment.cooling.h0) == (pytest.approx(0.14e-3), 300.0)
+    assert placed(own)["observer.models.windy.environment.cooling.h0"].value == 300.0
+
+
 def test_gains_by_points_and_components_of_components() -> None:
     rising = "rising = { low = { at = '0 mm', Kp = 100 }, high = { at = '4 mm', Kp = 200 } }"
     scenario = controlled(f"kind = 'scheduled-pid'\nmeasured = 'position'\n{rising}\n")
@@ -360,6 +403,9 @@ REFUSED = [
     ({"faults.one": {"kind": "stock"}}, "Did you mean `stuck`?"),
     ({"supervisor": {"kind": "gard"}}, "Did you mean `guard`?"),
     ({"observer": {"kind": "extended-kalman", "model": "wire"}}, "A model is a table"),
+    ({"observer": {"kind": "extended-kalman", "model": {"element": {"law": "mass"}}}}, "No law named `mass`. Did"),
+    ({"observer": {"kind": "model-bank", "models": "fan"}}, "`models` must be tables by name"),
+    ({"observer": {"kind": "model-bank", "models": {"a b": {}}}}, "letters, digits and underscores"),
 ]
 
 

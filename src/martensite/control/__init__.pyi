@@ -1,5 +1,6 @@
 from martensite.control.checks.base import Checks as Checks
 from martensite.control.checks.base import alarm_names as alarm_names
+from martensite.control.checks.confidence import LowConfidence as LowConfidence
 from martensite.control.checks.reading import Mismatch as Mismatch
 from martensite.control.checks.reading import NoCurrent as NoCurrent
 from martensite.control.checks.reading import OverCurrent as OverCurrent
@@ -36,6 +37,8 @@ from martensite.control.controllers.scheduled_pid import ScheduledPid as Schedul
 from martensite.control.controllers.shaping import ReferenceShaping as ReferenceShaping
 from martensite.control.controllers.sliding_mode import SlidingMode as SlidingMode
 from martensite.control.controllers.state_feedback import StateFeedback as StateFeedback
+from martensite.control.faults.mechanism import Clamped as Clamped
+from martensite.control.faults.mechanism import Slack as Slack
 from martensite.control.faults.plant import AmbientStep as AmbientStep
 from martensite.control.faults.plant import ContactResistance as ContactResistance
 from martensite.control.faults.plant import Draught as Draught
@@ -61,6 +64,8 @@ from martensite.control.observers.calibration import Calibration as Calibration
 from martensite.control.observers.extended import ExtendedKalman as ExtendedKalman
 from martensite.control.observers.hidden_states import ProcessNoisePlant as ProcessNoisePlant
 from martensite.control.observers.inverse import InverseModel as InverseModel
+from martensite.control.observers.model_bank import ModelBank as ModelBank
+from martensite.control.observers.model_bank import Models as Models
 from martensite.control.observers.self_sensing import SelfSensing as SelfSensing
 from martensite.control.observers.self_sensing import SheetTolerances as SheetTolerances
 from martensite.control.observers.trust import Trust as Trust

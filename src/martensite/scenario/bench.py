@@ -8,7 +8,8 @@
     [bench]                               period, steps, switching, seed
 
 The model of an observer, or of a controller that has one, is the system of the scenario itself; `model = {
-"element.diameter" = "0.37 mm" }` makes it another one. A controller that is no kernel runs outside of the bench.
+"element.diameter" = "0.37 mm" }` makes it another one (`model_changes`), and [observer.models.NAME] says what is
+different in a further model of a bank. A controller that is no kernel runs outside of the bench.
 """
 
 from __future__ import annotations
@@ -40,13 +41,14 @@ from martensite.scenario.assemble import Assembly, section_of
 from martensite.scenario.build import Builder, Table, choose_class, name_section
 from martensite.scenario.components import gather_nested
 from martensite.scenario.guard import GUARD, KIND, NONE, complete_guard
-from martensite.scenario.overrides import change_document
+from martensite.scenario.model_changes import change_parts, list_changes
 from martensite.scenario.place_units import PlaceUnits
 from martensite.scenario.places import Places
 from martensite.scenario.sections import (
     BENCH,
     FAULTS,
     MODEL,
+    MODELS,
     NAME,
     PAIRS,
     PERIOD,
@@ -56,7 +58,6 @@ from martensite.scenario.sections import (
     SUPERVISOR,
     Row,
     check_name,
-    flatten_changes,
     list_rows,
 )
 from martensite.signals.constant import Constant
@@ -193,23 +194,42 @@ class BenchBuilder:
         scales = PlaceUnits(readings=_list_units(bench))
         return name, self._component(cls, (where, table, path), scales, tuple(made), **made)
 
-    def _model(self, cls: type[Parametrised], table: Table, path: str, where: str) -> dict[str, AbstractSystem]:
-        """The model of a component that has one, as what is made elsewhere."""
+    def _model(self, cls: type[Parametrised], table: Table, path: str, where: str) -> dict[str, Any]:
+        """The model of a component that has one, and further ones by name, as what is made elsewhere."""
         declared = cls.declarations.get(MODEL)
         if declared is None or declared.kind != "part" or declared.registry is not None:
             return {}
-        self.places.note_system(f"{where}.{MODEL}", f"{path}.{MODEL}")
-        changes = dict(flatten_changes(table.get(MODEL, {})))
-        if not changes:
-            return {MODEL: self.plant}
-        origins = self.assembly.origins
-        origins.update(dict.fromkeys((f"{path}.{MODEL}.{key}" for key in changes), "scenario"))
-        with name_section(f"{path}.{MODEL}"):
-            document = self.assembly.document
-            plain = {name: own for name, own in document.items() if name not in SECTIONS}
-            own = change_document(plain, changes)
-            model = replace(self.assembly, document=own, origins={}, waveforms={}, follows={})
-            return {MODEL: model.system()}
+        own = table.get(MODEL, {})
+        made: dict[str, Any] = {MODEL: self._changed_plant((own,), f"{path}.{MODEL}", f"{where}.{MODEL}")}
+        several = cls.declarations.get(MODELS)
+        if several is not None and MODELS in table:
+            rows: Any = table[MODELS]
+            if not isinstance(rows, dict):
+                raise ParameterError(f"[{path}] `{MODELS}` must be tables by name, such as [{path}.{MODELS}.windy].")
+            made[MODELS] = type(several.default)(
+                **{
+                    check_name(name, path): self._changed_plant(
+                        (own, changes), f"{path}.{MODELS}.{name}", f"{where}.{MODELS}.{name}"
+                    )
+                    for name, changes in cast("Table", rows).items()
+                }
+            )
+        return made
+
+    def _changed_plant(self, changes: tuple[Any, ...], path: str, where: str) -> AbstractSystem:
+        """The plant with what is different in a model: all of these, the last of them written at a path."""
+        self.places.note_system(where, path)
+        if not any(changes):
+            return self.plant
+        with name_section(path):
+            plain = {name: own for name, own in self.assembly.document.items() if name not in SECTIONS}
+            for table in changes:
+                plain = change_parts(plain, table)
+            origins = self.assembly.origins
+            written = list_changes(changes[-1])
+            origins.update(dict.fromkeys((f"{path}.{key}" for key, _ in written), "scenario"))
+            model = replace(self.assembly, document=plain, origins={}, waveforms={}, follows={})
+            return model.system()
 
     def _fault(self, bench: Bench, row: Row) -> tuple[str, AbstractFault]:
         """What goes wrong on a bench, and its name; levels are in the unit of what it disturbs."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, cast
 
 from martensite.base.errors import ParameterError
 from martensite.scenario.assemble import section_of
@@ -16,7 +15,7 @@ SECTIONS = (*PAIRS, *PAIRS.values(), SUPERVISOR, FAULTS, BENCH)
 """What is around a system."""
 MAKING = tuple(name for name in SECTIONS if "reference" not in name and name != BENCH)
 """Sections that make a bench of a scenario."""
-PERIOD, NAME, MODEL, REFERENCE = "period", "name", "model", "reference"
+PERIOD, NAME, MODEL, MODELS, REFERENCE = "period", "name", "model", "models", "reference"
 Row = tuple[str, Table, str]
 """Name, table and path of a component."""
 
@@ -48,24 +47,6 @@ def list_rows(document: Table, one: str) -> Iterator[Row]:
     several = PAIRS.get(one, one)
     for name, table in section_of(document, several, {}).items():
         yield name, as_table(table, f"{several}.{name}"), f"{several}.{name}"
-
-
-def flatten_changes(table: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Dotted paths and values of what is different in a model.
-
-    Raises:
-        ParameterError: it is no table.
-    """
-    if not isinstance(table, dict):
-        raise ParameterError(
-            f"A model is a table of what is different, such as "
-            f'`{{ "element.diameter" = "0.37 mm" }}`, but is {table!r}.'
-        )
-    for key, value in cast("dict[str, Any]", table).items():
-        if isinstance(value, dict):
-            yield from flatten_changes(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}", value
 
 
 def check_name(name: str, path: str) -> str:

@@ -13,6 +13,7 @@ Every check has the number of its alarm. When several have cut, the lowest numbe
 | 6 | `open-circuit` | no current is measured, though a signal is on |
 | 7 | `mismatch` | two readings of the same thing differ |
 | 8 | `thermal-bound` | by its own bound the element may be too hot |
+| 9 | `low-confidence` | an observer has no trust in what it estimates |
 
 Damage that is seen comes first, then what is known of sensors and wires, last what is only possible. While a check
 only limits a signal (answer `limit` of a guard), and none has cut, its number is shown beyond 100: 108.

@@ -15,10 +15,11 @@ from martensite.physics.thermal.base import AbstractCooling, Cylinder
 from martensite.signals.base import DRIVE
 
 
-def _list_placed(part: Parametrised, prefix: str) -> Iterator[tuple[str, Parametrised]]:
+def list_placed(part: Parametrised, prefix: str) -> Iterator[tuple[str, Parametrised]]:
+    """What a path begins with, dot and all, and the part there; the whole first."""
     yield prefix, part
     for name, child in part.children():
-        yield from _list_placed(child, f"{prefix}{name}.")
+        yield from list_placed(child, f"{prefix}{name}.")
 
 
 class AbstractPlantFault(AbstractFault):
@@ -45,7 +46,7 @@ class AbstractPlantFault(AbstractFault):
             raise ParameterError(
                 f"A fault of an actuator needs the drive of one, not `{self.drive}`. {suggest_name(self.drive, at)}"
             )
-        places = {id(one): prefix for prefix, one in _list_placed(plant, "")}
+        places = {id(one): prefix for prefix, one in list_placed(plant, "")}
         found: dict[str, Any] = {}
         for name, one in at.items():
             if self.drive in ("", name):

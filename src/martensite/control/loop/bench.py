@@ -31,6 +31,7 @@ from martensite.control.loop.parts import (
     Observers,
     Sensors,
 )
+from martensite.control.observers.base import list_required
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import AbstractSwitch
 from martensite.physics.laws.coupling import StepReport
@@ -162,6 +163,7 @@ def _check_readings(bench: Bench) -> None:
     _check_estimates(bench)
     for name, observer in bench.observers.members().items():
         _require_names(f"Observer `{name}`", observer.reads(), readings)
+        list_required(observer, {drive.name: 0.0 for drive in bench.plant.drives()})
     for controller in bench.controllers.members().values():
         require_readings(controller, readings)
         if not controller.kernel:

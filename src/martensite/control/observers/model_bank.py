@@ -1,0 +1,341 @@
+r"""A bank of models: a Kalman filter for each, on the same readings, with the probability of each.
+
+    c_j = Σ_i π_ij μ_i                                           before the readings
+    x_0j = Σ_i w_ij x_i,  w_ij = π_ij μ_i/c_j                    where filter j goes on from (interaction)
+    μ_j ∝ c_j Λ_j,  ln Λ_j = -½ Σ (ν²/S + ln S)                  after them
+    x = Σ μ_j x_j,  P = Σ μ_j [P_j + (x_j - x)(x_j - x)ᵀ]        what is estimated
+
+The first model is the one that is believed. It holds for a mean time `sound` and then gives way to one of the others,
+which holds for `fault` and then gives way to the first again: without evidence the first is by far the most probable,
+and no model is ever beyond return. What is mixed is what the filters estimate, and the memory of mechanisms that have
+the same; the history of a law stays its own.
+
+The best of the models may still be wrong. `confidence` is 1 where the innovations of the first model, which goes on
+from where the mixture is, pass their test (`innovation_test`), the standard deviation of what is controlled, with what
+sets the models apart counted, is small against its reach, and probabilities have not moved of late. It is 0 at twice
+the bound of any of these, falls at once, and comes back by readings, no faster than in `regain`.
+
+Source: Bar-Shalom, Li and Kirubarajan (2001), section 11.6: static and interacting multiple models.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+from martensite.actuators.assembly import AbstractSystem, Members
+from martensite.actuators.mechanisms.base import Output
+from martensite.base.errors import ParameterError, suggest_name
+from martensite.base.parameters import param, part, text
+from martensite.control.observers import covariance, hidden_states
+from martensite.control.observers.base import OBSERVERS, Column, Named, ObserverPeriod, list_required, list_several
+from martensite.control.observers.covariance import Matrix, UnknownReading
+from martensite.control.observers.extended import ExtendedKalman
+from martensite.control.observers.filter import AbstractFilter, Believed, Forecast
+from martensite.control.observers.innovation_test import Innovation, RunningTest, find_misfit
+from martensite.control.observers.usual_models import (
+    AS_MODELLED,
+    FAN,
+    USUAL,
+    UsualSizes,
+    find_wrapped_path,
+    list_usual_models,
+)
+from martensite.kernels import floats
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import NestedShape, find_largest, flatten_numbers, sum_column
+
+CONFIDENCE, MISFIT, MOST_PROBABLE, PROBABILITY = "confidence", "misfit", "most_probable", "probability_"
+
+
+class Models(Members[AbstractSystem], init=False):
+    """Systems by names of the user's own."""
+
+    noun, kind = "model", AbstractSystem
+
+
+class BankMemory(NamedTuple):
+    """What a bank remembers."""
+
+    weights: tuple[Scalar, ...]
+    """Probabilities."""
+    tests: tuple[RunningTest, ...]
+    """Of every reading."""
+    usual_weights: tuple[Scalar, ...]
+    """Probabilities as they have been for a while."""
+    confidence: Scalar
+    reach: Scalar
+    """Of what is controlled, from austenite to martensite."""
+    filters: tuple[tuple[Scalar, ...], ...]
+
+
+class Weighed(NamedTuple):
+    """A filter before and after readings."""
+
+    expected: Forecast
+    rows: list[UnknownReading]
+    found: Forecast
+    likelihood: Scalar
+    """Logarithm of it, but for a constant."""
+
+
+@OBSERVERS.register("model-bank")
+class ModelBank(ExtendedKalman):
+    """Extended Kalman filters of several models, weighed by how well each explains the readings."""
+
+    cites = ("barshalom2001",)
+
+    temperature_noise: Scalar = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.1)
+    fraction_noise: Scalar = param("1/s^0.5", "random walk of the martensite fraction", low=0.0, default=0.003)
+    models: Models = part("further models by name; those of `usual` if none", default=Models())
+    usual: tuple[str, ...] = text(
+        f"further models that need no numbers, of {', '.join(USUAL)}", default=USUAL, typical=FAN
+    )
+    fan_factor: Scalar = param("1", "film coefficient of `fan` over that of the model", above=0.0, default=2.5)
+    rphase_rise: Scalar = param(
+        "1", "share by which R-phase resists more, of `r_phase`", low=-0.5, high=1.0, default=0.15
+    )
+    slack_strain: Scalar = param("1", "share of the length that is lost, of `slack`", above=0.0, default=0.015)
+    sound: Scalar = param("s", "mean time for which the first model holds", above=0.0, default=1e5)
+    fault: Scalar = param("s", "mean time for which another one then holds", above=0.0, default=60.0)
+    window: Scalar = param("s", "time over which innovations are averaged", above=0.0, default=0.5)
+    bound: Scalar = param("1", "chi-square above which innovations do not fit", above=0.0, default=30.0)
+    controlled: str = text("estimate whose spread counts; by default the first of the mechanism", default="")
+    spread: Scalar = param(
+        "1", "standard deviation of it, as a share of its reach, above which trust is lost", above=0.0, default=0.1
+    )
+    change: Scalar = param("1", "change of probabilities above which trust is lost", above=0.0, default=0.25)
+    regain: Scalar = param("s", "time in which trust comes back", above=0.0, default=5.0)
+
+    def check(self) -> None:
+        """Raise `ParameterError` where models do not fit each other, or a name is not known."""
+        super().check()
+        for name in list_several(self.usual):
+            if name not in USUAL:
+                raise ParameterError(f"`usual` knows no model `{name}`. {suggest_name(name, USUAL)}")
+        if self.controlled and self.controlled not in self._rows():
+            raise ParameterError(
+                f"`controlled` is `{self.controlled}`, which is not estimated. "
+                f"{suggest_name(self.controlled, self._rows())}"
+            )
+        self.__dict__["_members"] = {name: self._check_member(name, m) for name, m in self._list_models(floats).items()}
+        self.__dict__["_memory"] = self._build_example()
+
+    def _check_member(self, name: str, model: AbstractSystem) -> ExtendedKalman:
+        """The filter of a model."""
+        settings = {key: self.__dict__[key] for key in AbstractFilter.declarations}
+        try:
+            drifting = tuple(find_wrapped_path(self.model.resolve(path), model) for path in list_several(self.drifting))
+            made = ExtendedKalman(**(settings | {"model": model, "drifting": drifting}))
+        except ParameterError as error:
+            raise ParameterError(f"Model `{name}` of a bank does not fit: {error}") from None
+        own, first = ([f"{one.name} [{one.unit}]" for one in m.drives()] for m in (model, self.model))
+        if own != first:
+            raise ParameterError(f"Model `{name}` of a bank is driven by {', '.join(own)}, not by {', '.join(first)}.")
+        missing = [row for row in self.shown_outputs() if row not in made.shown_outputs()]
+        if missing:
+            raise ParameterError(f"Model `{name}` of a bank has no output `{missing[0]}`, which the first one has.")
+        return made
+
+    def _build_example(self) -> BankMemory:
+        """A memory: the shape of all of them."""
+        signals = {one.name: hidden_states.REST if one.unit == "K" else 0.0 for one in self.model.drives()}
+        state = self.model.init(floats, *signals.values())
+        seen = hidden_states.observe_model(floats, self.model, state, list(signals.values()))
+        return self._begin(floats, seen | {f"{name}.age": 0.0 for name in self.reads()}, signals)[0]
+
+    def _list_models(self, xp: Namespace) -> dict[str, AbstractSystem]:
+        own = self.models.members()
+        if own:
+            return {AS_MODELLED: self.model, **own}
+        sizes = UsualSizes(self.fan_factor, self.rphase_rise, self.slack_strain)
+        return list_usual_models(xp, self.model, list_several(self.usual), sizes)
+
+    def _filters(self, xp: Namespace) -> list[AbstractFilter]:
+        """The filter of every model, with the numbers that it has now; the first is the bank itself as a filter."""
+        made: Mapping[str, ExtendedKalman] = self.__dict__["_members"]
+        settings = {key: self.__dict__[key] for key in AbstractFilter.declarations}
+        models, found = self._list_models(xp), list[AbstractFilter]()
+        for name, one in made.items():
+            own = {key: value for key, value in one.__dict__.items() if key == "drifting" or key.startswith("_")}
+            found.append((one if found else self).rebuilt({**settings, **own, "model": models[name]}))
+        return found
+
+    def estimates(self) -> dict[str, Output]:
+        """Those of a filter, probabilities, the index of the most probable model, misfit and confidence."""
+        found = super().estimates()
+        for name in self.__dict__["_members"]:
+            found[PROBABILITY + name] = Output("1", f"probability of model {name}", "μ")
+        found[MOST_PROBABLE] = Output("1", "index of the most probable model", "j")
+        found[MISFIT] = Output("1", "test of the innovations over its bound", "m")
+        return found | {CONFIDENCE: Output("1", "confidence in the estimates", "γ")}
+
+    def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
+        """All models at rest, the first by far the most probable."""
+        memory, starts = self._begin(xp, readings, signals)
+        return self._answer(xp, memory, starts, 0.0, 0.0, memory.filters)
+
+    def _begin(self, xp: Namespace, readings: Named, signals: Named) -> tuple[BankMemory, list[Forecast]]:
+        applied, filters = list_required(self, signals), self._filters(xp)
+        memories = tuple(tuple(AbstractFilter.rest(one, xp, readings, signals)[1]) for one in filters)
+        starts = list[Forecast]()
+        for one, memory in zip(filters, memories, strict=True):
+            state, drift, matrix = one.unflatten_memory(memory)
+            mean, slopes = one.outlook(xp, state, drift, applied)
+            starts.append(Forecast(state, mean, covariance.propagate_covariance(slopes, matrix)))
+        others = len(filters) - 1
+        share = self.fault / (self.sound + self.fault) / max(others, 1)
+        weights = (1.0 - share * others, *(share for _ in range(others)))
+        tests = tuple(RunningTest() for _ in self.reads())
+        return BankMemory(
+            weights, tests, weights, 1.0, self._find_reach(xp, starts[0], filters[0], applied), memories
+        ), starts
+
+    def _find_reach(self, xp: Namespace, start: Forecast, one: AbstractFilter, applied: Column) -> Scalar:
+        """How far what is controlled is between austenite and martensite."""
+        at, row, count = start.mean, self._controlled_row(), len(hidden_states.list_names(self.model))
+        ends: list[Scalar] = []
+        for fraction in (0.0, 1.0):
+            hidden = [fraction if k % 2 else x for k, x in enumerate(at[:count])]
+            state = hidden_states.place_hidden(xp, one.model, start.state, hidden, applied)
+            ends.append(one.read_model(xp, state, at[count : one.unknowns()], applied)[row])
+        return xp.maximum(xp.abs(ends[1] - ends[0]), covariance.LEAST)
+
+    def _controlled_row(self) -> int:
+        rows, first = self._rows(), next(iter(self.model.mechanism.outputs()), "")
+        name = self.controlled or (first if first in rows else hidden_states.list_names(self.model)[1])
+        return rows.index(name)
+
+    def update(
+        self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar, turns: int
+    ) -> tuple[Column, Column]:
+        """Mixture of the models after the readings of this sample."""
+        before: BankMemory = NestedShape(self.__dict__["_memory"]).rebuild(memory)
+        going, filters = ObserverPeriod(list_required(self, signals), dt, turns), self._filters(xp)
+        ahead, shares = self._switch(xp, before.weights, dt)
+        begun = self._interact(xp, filters, before, shares, going)
+        rows = [self._weigh(xp, one, at, readings, going) for one, at in zip(filters, begun, strict=True)]
+        best = find_largest(xp, [one.likelihood for one in rows])
+        after = [c * xp.exp(one.likelihood - best) for c, one in zip(ahead, rows, strict=True)]
+        whole = sum_column(after)
+        weights = tuple(xp.store(x / whole) for x in after)
+        share = 1.0 - xp.exp(-dt / self.window)
+        first = rows[0].expected
+        news = [
+            Innovation(
+                row.value - first.mean[row.index], first.covariance[row.index][row.index] + row.variance, row.used
+            )
+            for row in rows[0].rows
+        ]
+        tests = tuple(test.add(xp, one, share) for test, one in zip(before.tests, news, strict=True))
+        nis = sum_column([one.used * one.value * one.value / one.variance for one in news])
+        kept = tuple(tuple(one.list_estimates(xp, row.found, 0.0)[1]) for one, row in zip(filters, rows, strict=True))
+        misfit = find_misfit(xp, tests, share, self.bound)
+        slow = 1.0 - xp.exp(-dt / self.regain)
+        used = tuple(m + slow * (x - m) for x, m in zip(weights, before.usual_weights, strict=True))
+        heard = find_largest(xp, [one.used for one in news])  # trust comes back by evidence only
+        trust = before.confidence + heard * dt / self.regain
+        now = before._replace(usual_weights=used, weights=weights, tests=tests, confidence=trust)
+        return self._answer(xp, now, [one.found for one in rows], nis, misfit, kept)
+
+    def _switch(self, xp: Namespace, weights: Column, dt: Scalar) -> tuple[list[Scalar], list[list[Scalar]]]:
+        """Probabilities before the readings, and the shares of which every filter goes on."""
+        others = len(weights) - 1
+        if not others:
+            return [weights[0]], [[1.0]]
+        leave, back = (1.0 - xp.exp(-dt / time) for time in (self.sound, self.fault))
+        into = [[(1.0 - leave) * weights[0], *(back * x for x in weights[1:])]]
+        for k in range(1, others + 1):
+            row: list[Scalar] = [0.0] * (others + 1)
+            row[0], row[k] = leave / others * weights[0], (1.0 - back) * weights[k]
+            into.append(row)
+        sums = [xp.store(sum_column(row)) for row in into]
+        return sums, [[x / total for x in row] for row, total in zip(into, sums, strict=True)]
+
+    def _interact(
+        self,
+        xp: Namespace,
+        filters: Sequence[AbstractFilter],
+        before: BankMemory,
+        shares: Sequence[Sequence[Scalar]],
+        going: ObserverPeriod,
+    ) -> list[Believed]:
+        """Where every filter goes on from."""
+        ends = [one.unflatten_memory(memory) for one, memory in zip(filters, before.filters, strict=True)]
+        models = [one.model_at_factors(xp, end.drift) for one, end in zip(filters, ends, strict=True)]
+        points = [
+            [*hidden_states.read_hidden(xp, model, end.state, going.signals), *end.drift]
+            for model, end in zip(models, ends, strict=True)
+        ]
+        count, found = len(points[0]) - len(ends[0].drift), list[Believed]()
+        for k, (one, end, share) in enumerate(zip(filters, ends, shares, strict=True)):
+            chosen = [i for i in range(len(ends)) if k in (0, i) or i == 0]
+            weights = [share[i] for i in chosen]
+            mean, matrix = _mix_moments(weights, [points[i] for i in chosen], [ends[i].covariance for i in chosen])
+            state = end.state._replace(mechanism=_mix_memories(weights, [ends[i].state.mechanism for i in chosen], end))
+            model = one.model_at_factors(xp, mean[count:])
+            state = hidden_states.place_hidden(xp, model, state, mean[:count], going.signals)
+            found.append(Believed(state, tuple(mean[count:]), matrix))
+        return found
+
+    def _weigh(
+        self, xp: Namespace, one: AbstractFilter, begun: Believed, readings: Named, going: ObserverPeriod
+    ) -> Weighed:
+        """A period of a filter."""
+        expected = one.forecast(xp, begun, going)
+        rows = one.pair_readings(xp, expected.mean, readings, going.dt)
+        mean, matrix, weight = list(expected.mean), expected.covariance, 0.0
+        for row in rows:
+            variance = xp.maximum(matrix[row.index][row.index] + row.variance, covariance.LEAST)
+            short = row.value - mean[row.index]
+            weight = weight - 0.5 * row.used * (short * short / variance + xp.log(variance))
+            mean, matrix, _ = covariance.condition_on_readings(xp, mean, matrix, [row])
+        return Weighed(expected, rows, one.place_unknowns(xp, expected.state, mean, matrix, going), weight)
+
+    def _answer(
+        self,
+        xp: Namespace,
+        now: BankMemory,
+        found: Sequence[Forecast],
+        nis: Scalar,
+        misfit: Scalar,
+        kept: tuple[tuple[Scalar, ...], ...],
+    ) -> tuple[Column, Column]:
+        """Estimates of the mixture, and what is remembered."""
+        mean, matrix = _mix_moments(now.weights, [one.mean for one in found], [one.covariance for one in found])
+        estimates, _ = self.list_estimates(xp, Forecast(found[0].state, mean, matrix), nis)
+        k = self._controlled_row()
+        wide = xp.sqrt(matrix[k][k]) / (self.spread * now.reach)
+        moved = 0.5 * sum_column([xp.abs(x - m) for x, m in zip(now.weights, now.usual_weights, strict=True)])
+        doubt = find_largest(xp, [misfit, wide, moved / self.change])
+        allowed = xp.clip(2.0 - doubt, 0.0, 1.0)
+        confidence = xp.store(xp.minimum(allowed, now.confidence))
+        best, largest = 0.0, now.weights[0]
+        for j, weight in enumerate(now.weights[1:], start=1):
+            best, largest = xp.where(weight > largest, float(j), best), xp.maximum(weight, largest)
+        memory = now._replace(confidence=confidence, filters=kept)
+        return [*estimates, *now.weights, best, misfit, confidence], flatten_numbers(memory)
+
+
+def _mix_moments(
+    weights: Sequence[Scalar], means: Sequence[Sequence[Scalar]], matrices: Sequence[Matrix]
+) -> tuple[list[Scalar], Matrix]:
+    """Mean and covariance of a mixture."""
+    mean = [sum_column([w * x for w, x in zip(weights, column, strict=True)]) for column in zip(*means, strict=True)]
+    below: list[Scalar] = []
+    apart = [[x - m for x, m in zip(one, mean, strict=True)] for one in means]
+    for i in range(len(mean)):
+        for j in range(i + 1):
+            rows = zip(weights, matrices, apart, strict=True)
+            below.append(sum_column([w * (p[i][j] + d[i] * d[j]) for w, p, d in rows]))
+    return mean, covariance.unpack_matrix(below)
+
+
+def _mix_memories(weights: Sequence[Scalar], memories: Sequence[Any], own: Believed) -> Any:
+    """Memory of a mechanism: mixed if all have the same, else its own."""
+    mine = own.state.mechanism
+    flat = [flatten_numbers(one) for one in memories]
+    if any(
+        type(one) is not type(mine) or len(numbers) != len(flat[0]) for one, numbers in zip(memories, flat, strict=True)
+    ):
+        return mine
+    rows = zip(*flat, strict=True)
+    return NestedShape(mine).rebuild([sum_column([w * x for w, x in zip(weights, row, strict=True)]) for row in rows])
