@@ -73,7 +73,7 @@ class Older(AbstractController):
 
 
 def pid(measured: str = "position") -> Pid:
-    return Pid(measured=measured, reference=COURSE, Kp=150.0, Ki=6.0, Kd=20.0)
+    return Pid(measured=measured, reference=COURSE, Kp=150.0, Ki=6.0 / PERIOD, Kd=20.0 * PERIOD)
 
 
 def bench(controller: AbstractController, delay: float = 0.0, **parts: object) -> Bench:
@@ -158,7 +158,7 @@ def test_references_may_be_given() -> None:
     loop = RealtimeStep(loops()["pid"])
     assert loop.step([0.0], references=[0.0]) == (0.0,)
     loop.reset()
-    assert loop.step([0.0], references=[1 * MM])[0] == pytest.approx(150.0 * MM + 6.0 * MM)
+    assert loop.step([0.0], references=[1 * MM])[0] == pytest.approx(150.0 * MM)
     assert (loop.readings, loop.drives, loop.free) == (("position",), ("drive",), ())
 
 

@@ -165,14 +165,14 @@ def test_every_number_is_reached_by_its_path() -> None:
         "sensor.noise": "2 um",
         "sensor.jitter": "1 ms",
         "controller.Kp": 99,
-        "controller.law.filter": 2,
+        "controller.law.filter": "40 ms",
         "reference.high": "5 mm",
         "driver.supply": "6 V",
         "controller.high": 0.5,
     }
     leaves = placed(read_scenario(LOOP, None, settings))
     shown = {path: leaves[path].value for path in settings}
-    assert list(shown.values()) == pytest.approx([2e-6, 1e-3, 99.0, 2.0, 5e-3, 6.0, 0.5])
+    assert list(shown.values()) == pytest.approx([2e-6, 1e-3, 99.0, 0.04, 5e-3, 6.0, 0.5])
 
 
 def test_changed_scenario_is_written_out_and_read_again() -> None:

@@ -63,6 +63,10 @@ class AbstractController(AbstractDrive):
         """
         return readings[self.measured]
 
+    def describe(self, period: float) -> str:
+        """What `check` and a summary say of it, such as its anti-windup; sampled with a period [s]."""
+        return ""
+
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
         """What it remembers before the first sample."""
         return ()

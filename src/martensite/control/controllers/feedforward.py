@@ -100,6 +100,10 @@ class Feedforward(AbstractController):
         """Output of the model that follows the reference."""
         return self.output or self.measured
 
+    def describe(self, period: float) -> str:
+        """Anti-windup of the feedback, in words."""
+        return self.feedback.describe(period)
+
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
         """The model at rest under the idle signal."""
         idle = self.feedback.limit_signal(xp, 0.0)

@@ -68,6 +68,10 @@ class InversePlay(AbstractController):
                 f"more, with sums a_0 + … + a_i above 0, but have thresholds {r[1:]} and weights {a}."
             )
 
+    def describe(self, period: float) -> str:
+        """Anti-windup of the feedback, in words."""
+        return self.feedback.describe(period)
+
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
         """At rest under the idle signal: all plays there."""
         idle = self.feedback.limit_signal(xp, 0.0)

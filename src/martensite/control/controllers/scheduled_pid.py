@@ -12,15 +12,17 @@ The integral is a signal, not a sum of errors, so that nothing jumps with K_i. E
 and anti-windup are those of `martensite.control.controllers.pid`.
 """
 
+import math
 from itertools import pairwise
 from typing import NamedTuple
 
 from martensite.actuators.assembly import Members
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Parametrised, option, param, part, text
-from martensite.base.units import LEVEL
+from martensite.base.units import DERIVATIVE_GAIN, GAIN, INTEGRAL_GAIN, LEVEL
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
-from martensite.control.controllers.pid import GAINS_ARE, Gains, PidLaw, PidMemory, sample_gains
+from martensite.control.controllers.pid import GAINS_ARE, IN_SECONDS, PER_SAMPLE, Gains, PidLaw, PidMemory
+from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.signals.levels import HIGH
 
@@ -29,9 +31,9 @@ class GainsAt(Parametrised):
     """Gains at a point of the schedule."""
 
     at: Scalar = param(LEVEL, "where: value of the reference or of the reading", typical=HIGH)
-    Kp: Scalar = param("1", "proportional gain, in signal per SI unit of what is measured", typical=100.0)
-    Ki: Scalar = param("1", "integral gain", default=0.0)
-    Kd: Scalar = param("1", "derivative gain", default=0.0)
+    Kp: Scalar = param(GAIN, "proportional gain", typical=100.0)
+    Ki: Scalar = param(INTEGRAL_GAIN, "integral gain", default=0.0)
+    Kd: Scalar = param(DERIVATIVE_GAIN, "derivative gain", default=0.0)
 
 
 class GainSchedule(Members[GainsAt], init=False):
@@ -88,11 +90,14 @@ class ScheduledPid(AbstractController):
     )
     falling: GainSchedule | None = part("gains since it fell; as rising if none", default=None)
     gains_are: str = option(
-        "integral and derivative gains: K_i and K_d of C(z), or those of K_p + K_i/s + K_d s",
-        *GAINS_ARE,
-        default="per-sample",
+        "gains of K_p + K_i/s + K_d s, or K_i and K_d of the discrete form C(z)", *GAINS_ARE, default=IN_SECONDS
     )
-    law: PidLaw = part("limits, set-point weights and filter", default=PidLaw())
+    law: PidLaw = part("limits, set-point weights, filter and anti-windup", default=PidLaw())
+
+    def describe(self, period: float) -> str:
+        """Anti-windup, and filter for the gains of the first point, in words."""
+        first = self.rising.gains(floats, -math.inf)
+        return self.law.describe(first, period, self.gains_are == PER_SAMPLE)
 
     def reads(self) -> tuple[str, ...]:
         """What is controlled, and what decides about the gains."""
@@ -110,9 +115,9 @@ class ScheduledPid(AbstractController):
         kept = xp.where(reference < before.reference, -1.0, before.direction)
         direction = xp.where(reference > before.reference, 1.0, kept)
         at = readings[self.over] if self.over else reference
-        gains = sample_gains(xp, self._gains(xp, at, direction), self.gains_are, dt)
+        gains, sampled = self._gains(xp, at, direction), self.gains_are == PER_SAMPLE
         value, held = readings[self.measured], PidMemory(*before[:3])
-        signal, after = self.law.answer(xp, gains, held, reference, value)
+        signal, after = self.law.answer(xp, gains, held, reference, value, dt, sampled)
         return signal, ScheduledMemory(*after, reference, direction)
 
     def _gains(self, xp: Namespace, at: Scalar, direction: Scalar) -> Gains:

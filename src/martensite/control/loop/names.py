@@ -44,6 +44,14 @@ def outside_references(bench: Bench, outside: Iterable[str]) -> dict[str, str]:
     return {name: REFERENCE if alone else f"{REFERENCE}.{name}" for name in found}
 
 
+def describe_controllers(bench: Bench) -> dict[str, str]:
+    """What controllers say of themselves, by drive, such as their anti-windup."""
+    rows = [
+        (name, one.registered_name, one.describe(bench.period)) for name, one in bench.controllers.members().items()
+    ]
+    return {name: f"`{kind}`: {words}" for name, kind, words in rows if words}
+
+
 def list_drives(bench: Bench) -> list[DriveSignal]:
     """References, drives of the plant that are free, noise and jitter."""
     taken = bench.controllers.members()
