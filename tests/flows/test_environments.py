@@ -123,11 +123,31 @@ def test_burning_the_wire_never_pays(name: str, low: bool) -> None:
     length = round(TASKS[name.lower()].duration / load_bench(name.lower()).period)
     assert np.all(full < -0.5 * length)
     assert np.all(full < idle) and np.all(full <= held) and full.mean() < held.mean()
+    kept = held > -length  # the PI of some hands burns a wire, and then has less than who idles
+    assert np.all(held[~kept] < idle[~kept])
     if not low:
-        assert held.mean() > idle.mean()
+        assert kept.any() and held[kept].mean() > idle[kept].mean()
     begun = iter(range(length))
     late, _ = score(envs, lambda _: np.full(size, 1.0 if next(begun) > length // 2 else -1.0))
     assert np.all(late < idle)
+
+
+def test_nobody_gains_by_burning_a_wire_that_has_gone_too_far() -> None:
+    """From beyond the range, where every period costs most: heating on must lose to idling from 6 K below the limit."""
+    envs, length = SmaVectorEnv("wire", {"duration": 6.0}, 8, autoreset_mode="Disabled"), 300
+    limit = min(envs._episodes.temperature_limits) - 6.0  # pyright: ignore[reportPrivateUsage]
+    for begin in (100, 200):
+        sums = np.zeros((2, 8))
+        for careful in (0, 1):
+            envs.reset(seed=5)
+            running, cut = np.ones(8, bool), np.zeros(8, bool)
+            for k in range(length):
+                action = np.where(cut | (k < begin), -1.0, 1.0)[:, None]
+                _, reward, over, _, info = envs.step(action)
+                sums[careful] += np.where(running, reward, 0.0)
+                running, cut = running & ~over, cut | (info["hottest"] > limit) & bool(careful)
+            assert running.all() == bool(careful)
+        assert np.all(sums[0] < sums[1] - 1.0)
 
 
 def test_a_task_is_changed_by_its_fields() -> None:
