@@ -1,4 +1,4 @@
-"""Commands that distributions bring: those of `martensite-sweep` and of `martensite-control`."""
+"""Commands that distributions bring: `martensite-sweep`, `martensite-control`, `martensite-hardware`."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ SWEEPS = {
     "steady": "Find the rest, the limit cycle or the folds of a scenario.",
 }
 """What the help text says of each where the distribution is absent."""
+BOARDS = {"hardware": "Boards: log, run, calibrate, replay, the plant in the loop."}
 CONTROLS = {
     "tune": "Tune the controller of a scenario, and show its loop.",
     "benchmark": "Compare what controls, on fixed tasks, wires and faults.",
@@ -43,3 +44,4 @@ def _make_refusal(error: InputError) -> Callable[[], None]:
 
 add_commands("sweep", "sweeps", SWEEPS)
 add_commands("control", "controls", CONTROLS)
+add_commands("hardware", "boards", BOARDS)
