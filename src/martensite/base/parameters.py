@@ -94,8 +94,8 @@ class Declared:
 
     def _sort(self) -> str:
         """What is taken, in words."""
-        if self.unit in units.OF_GAINS:
-            return "a number in the SI unit of the signal over that of the reading"
+        if self.unit in units.OF_LOOPS:
+            return f"a number in SI, in {self.unit}"
         if self.unit in units.OF_READINGS:
             return "a number in the SI unit of the reading"
         return f"a number in {self.unit} or a text with a unit"

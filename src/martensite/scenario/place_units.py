@@ -62,9 +62,10 @@ class PlaceUnits:
         """The SI unit of a number, if there is the reading that it needs."""
         if declared.unit == DRIVE:
             return self.drive
-        if declared.unit in units.OF_GAINS:
-            unit = units.GAIN if self.sampled else declared.unit
-            return units.of_gain(unit, self.drive, self.controlled) if self.controlled else None
+        if declared.unit in units.OF_LOOPS:
+            unit = units.GAIN if self.sampled and declared.unit in units.OF_GAINS else declared.unit
+            known = self.controlled or unit == units.SIGNAL_RATE
+            return units.of_loop(unit, self.drive, self.controlled) if known else None
         if declared.unit not in units.OF_READINGS:
             return declared.unit
         if not self.named or any(name not in self.readings for name in self.named):

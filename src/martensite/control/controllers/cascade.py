@@ -57,6 +57,7 @@ class Cascade(AbstractController):
     """PID control of a position by PID control of a temperature."""
 
     cites = ("copaci2019",)
+    integrals = (0, 3)
 
     temperature: str = text("name of the reading of the temperature", default="temperature")
     start: Scalar = param("K", "temperature T_0 to which the outer controller adds", typical="60 degC")
@@ -87,3 +88,12 @@ class Cascade(AbstractController):
         under = xp.both(signal <= limits.low, gained < 0.0)
         integral = xp.where(xp.either(over, under), before.outer.integral, outer.integral)
         return signal, CascadeMemory(outer._replace(integral=integral), inner).flat()
+
+    def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> Column:
+        """With an inner integral that gives the signal, and an outer one that asks for the temperature there is."""
+        before, position, T = CascadeMemory.of(memory), readings[self.measured], readings[self.temperature]
+        outer, inner = self.outer, self.inner
+        above = xp.clip(T - self.start, outer.law.low, outer.law.high)
+        asked = outer.law.track(xp, outer.gains, before.outer, above, reference, position)
+        held = inner.law.track(xp, inner.gains, before.inner, signal, self.start + above, T)
+        return CascadeMemory(asked, held).flat()

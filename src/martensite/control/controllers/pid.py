@@ -74,8 +74,8 @@ def per_sample(Kp: float, Ki: float, Kd: float, interval: float) -> Gains:
 class PidLaw(SignalLimits):
     """What a PID controller does beside its gains: limits, set-point weights and filter."""
 
-    weight: float = param("1", "set-point weight b of the proportional part", default=1.0)
-    slope_weight: float = param("1", "set-point weight c of the derivative part", default=1.0)
+    weight: float = param("1", "set-point weight b of the proportional part", low=0.0, high=1.0, default=1.0)
+    slope_weight: float = param("1", "set-point weight c of the derivative part", low=0.0, high=1.0, default=1.0)
     N: float = param("1", "share of the derivative time that its filter takes: T_f = T_d/N", above=0.0, default=10.0)
     filter: float = param("s", "time constant T_f of the derivative's filter; by N if 0", low=0.0, default=0.0)
     anti_windup: str = option(
@@ -112,6 +112,13 @@ class PidLaw(SignalLimits):
             kept = integral + (signal - wanted) * length / xp.maximum(time, SHORTEST)
             return signal, PidMemory(kept, now, change)
         return signal, PidMemory(self.hold_integral(xp, wanted, added, memory.integral, integral), now, change)
+
+    def track(
+        self, xp: Namespace, gains: Gains, memory: PidMemory, signal: Scalar, reference: Scalar, measured: Scalar
+    ) -> PidMemory:
+        """What is remembered with an integral, if there is one, that gives a signal in this sample."""
+        rest = gains.Kp * (self.weight * reference - measured) + gains.Kd * memory.change
+        return memory._replace(integral=xp.where(xp.abs(gains.Ki) > 0.0, signal - rest, memory.integral))
 
     def filter_time(self, xp: Namespace, gains: Gains, dt: Scalar) -> Scalar:
         """Time constant T_f of the derivative's filter [s], in samples of `dt` [s]; one of them at least."""
@@ -204,6 +211,7 @@ class Pid(PidGains, AbstractController):
     """A PID controller that keeps a measured output on a waveform."""
 
     cites = ("copaci2019", "astrom1995")
+    integrals = (0,)
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> PidMemory:
         """Nothing integrated."""
@@ -212,6 +220,11 @@ class Pid(PidGains, AbstractController):
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """Signal of this sample, and what is remembered for the next."""
         return self.respond(xp, PidMemory(*memory), reference, readings[self.measured], dt)
+
+    def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> PidMemory:
+        """With the integral that gives the signal."""
+        held, found = PidMemory(*memory), readings[self.measured]
+        return self.law.track(xp, self.gains, held, signal, reference, found)
 
 
 KEPT = len(PidMemory._fields)
@@ -251,3 +264,10 @@ class Correction(Parametrised):
         gains, left = Gains(self.Kp, self.Ki, self.Kd), {"low": self.law.low - feed, "high": self.law.high - feed}
         added, after = self.law.rebuilt(left).answer(xp, gains, memory, reference, measured, dt)
         return feed + added, after
+
+    def track(
+        self, xp: Namespace, memory: PidMemory, feed: Scalar, signal: Scalar, reference: Scalar, measured: Scalar
+    ) -> PidMemory:
+        """With the integral, if there is one, that gives the signal with a feed-forward."""
+        gains = Gains(self.Kp, self.Ki, self.Kd)
+        return self.law.track(xp, gains, memory, signal - feed, reference, measured)

@@ -8,8 +8,12 @@ rose and `falling` from where it last fell; before it has ever moved, the sign o
 reference that decides and not the error, whose sign changes with every noise about the target. If the signal raises
 what is measured, rising is heating and falling is cooling, whose rate no signal can help.
 
-The integral is a signal, not a sum of errors, so that nothing jumps with K_i. Equation, limits
-and anti-windup are those of `martensite.control.controllers.pid`.
+The integral is a signal, not a sum of errors, so that nothing jumps with K_i. With `gain_change = "bumpless"` nothing
+jumps with K_p and K_d either: the integral, if there is one, takes the step that other gains would make,
+
+    I = I_k-1 + (K_p' - K_p) (b r_k-1 - y_k-1) + (K_d' - K_d) D_k-1,        gains of the last sample with a prime
+
+Equation, limits and anti-windup are those of `martensite.control.controllers.pid`.
 """
 
 import math
@@ -77,12 +81,25 @@ class ScheduledMemory(NamedTuple):
     """1 since the reference rose, -1 since it fell."""
 
 
+SCHEDULED = len(ScheduledMemory._fields)
+
+
+class BumplessMemory(NamedTuple):
+    """What is remembered beside it where a change of gains does not step the signal."""
+
+    Kp: Scalar
+    Kd: Scalar
+    proportional: Scalar
+    """b r - y of the last sample."""
+
+
 @CONTROLLERS.register("scheduled-pid")
 class ScheduledPid(AbstractController):
     """A PID controller with gains over a reading or the reference, rising and falling."""
 
     cites = ("copaci2019",)
     names_reading = ("over", "measured")
+    integrals = (0,)
 
     over: str = text("name of the reading that decides; the reference if none", default="")
     rising: GainSchedule = part(
@@ -91,6 +108,12 @@ class ScheduledPid(AbstractController):
     falling: GainSchedule | None = part("gains since it fell; as rising if none", default=None)
     gains_are: str = option(
         "gains of K_p + K_i/s + K_d s, or K_i and K_d of the discrete form C(z)", *GAINS_ARE, default=IN_SECONDS
+    )
+    gain_change: str = option(
+        "whether a change of gains steps the signal, or the integral takes the step",
+        "direct",
+        "bumpless",
+        default="direct",
     )
     law: PidLaw = part("limits, set-point weights, filter and anti-windup", default=PidLaw())
 
@@ -103,22 +126,43 @@ class ScheduledPid(AbstractController):
         """What is controlled, and what decides about the gains."""
         return (self.measured, self.over) if self.over else (self.measured,)
 
-    def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> ScheduledMemory:
+    def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
         """Nothing integrated, in the direction of the error."""
         value = readings[self.measured]
         direction = xp.where(reference < value, -1.0, 1.0)
-        return ScheduledMemory(*self.law.rest(xp, reference, value), reference, direction)
+        held = ScheduledMemory(*self.law.rest(xp, reference, value), reference, direction)
+        if self.gain_change == "direct":
+            return held
+        gains = self._gains(xp, readings[self.over] if self.over else reference, direction)
+        return (*held, *BumplessMemory(gains.Kp, gains.Kd, self.law.weight * reference - value))
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """Signal of this sample, and what is remembered for the next."""
-        before = ScheduledMemory(*memory)
+        before = ScheduledMemory(*memory[:SCHEDULED])
         kept = xp.where(reference < before.reference, -1.0, before.direction)
         direction = xp.where(reference > before.reference, 1.0, kept)
         at = readings[self.over] if self.over else reference
         gains, sampled = self._gains(xp, at, direction), self.gains_are == PER_SAMPLE
         value, held = readings[self.measured], PidMemory(*before[:3])
+        if self.gain_change == "bumpless":
+            held = self._take_step(xp, gains, held, BumplessMemory(*memory[SCHEDULED:]))
         signal, after = self.law.answer(xp, gains, held, reference, value, dt, sampled)
-        return signal, ScheduledMemory(*after, reference, direction)
+        found = ScheduledMemory(*after, reference, direction)
+        if self.gain_change == "direct":
+            return signal, found
+        return signal, (*found, *BumplessMemory(gains.Kp, gains.Kd, self.law.weight * reference - value))
+
+    def _take_step(self, xp: Namespace, gains: Gains, held: PidMemory, last: BumplessMemory) -> PidMemory:
+        """With an integral, if there is one, that takes up what other gains change in the signal of the last sample."""
+        step = (last.Kp - gains.Kp) * last.proportional + (last.Kd - gains.Kd) * held.change
+        return held._replace(integral=held.integral + xp.where(xp.abs(gains.Ki) > 0.0, step, 0.0))
+
+    def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> Column:
+        """With the integral that gives the signal."""
+        held = ScheduledMemory(*memory[:SCHEDULED])
+        gains = self._gains(xp, readings[self.over] if self.over else reference, held.direction)
+        pid = self.law.track(xp, gains, PidMemory(*memory[:3]), signal, reference, readings[self.measured])
+        return (*held._replace(integral=pid.integral), *memory[SCHEDULED:])
 
     def _gains(self, xp: Namespace, at: Scalar, direction: Scalar) -> Gains:
         """As they were given, for a direction."""

@@ -8,9 +8,9 @@ so that what a run shows at t_k belongs together: state, readings made then, the
 once per period; the plant goes in `substeps` steps meanwhile. The whole is one kernel: a bench is a system, and runs
 wherever a system runs, on floats, in C, in batches and with derivatives.
 
-What drives a bench, by name: `reference` of its controller (`reference.DRIVE` of several), the
-drives of the plant that no controller has, and for every sensor `noise.NAME` and `jitter.NAME`,
-standard normal numbers; what is not given is 0, so that a run without them is one without noise.
+What drives a bench, by name: `reference` of its controller (`reference.DRIVE` of several), `manual` and `automatic` of
+one that has a manual mode, the drives of the plant that no controller has, and for every sensor `noise.NAME` and
+`jitter.NAME`, standard normal numbers; what is not given is 0, so that a run without them is one without noise.
 """
 
 from collections.abc import Mapping
@@ -137,7 +137,7 @@ class Bench(AbstractSystemAround, init=False):
         held = [one.wanted for one in state.controllers]
         loops = [value for pair in zip(given.references, held, strict=True) for value in pair]
         alarm = [] if self.supervisor is None else [allowed.alarm]
-        return [*seen, *readings, *guesses, *loops, *alarm]
+        return [*seen, *readings, *guesses, *loops, *period.collect_shaped(self, state.controllers), *alarm]
 
 
 def check_bench(bench: Bench) -> None:
