@@ -314,6 +314,7 @@ def check_course(check: Any, xp: Any, u: Any, v: Any, x: Any, y: Any, dt: Any) -
     for wanted, share in (({"drive": u}, x), ({"drive": v}, y)):
         looked = check.look(xp, memory, wanted, known(share), dt)
         found += [xp.where(looked.trips, 1.0, 0.0), xp.where(looked.clears, 1.0, 0.0)]
+        found += [*check.find_most(xp, looked.memory, dt).values()]
         memory = check.remember_allowed(xp, looked.memory, wanted, dt)
     return *found, *memory, check.on(xp, {"drive": u}, 0.5)
 

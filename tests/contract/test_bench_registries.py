@@ -353,7 +353,7 @@ def test_a_broken_fault_is_noticed() -> None:
 
 def test_a_broken_check_or_guard_is_noticed() -> None:
     free = small()
-    nervous = small(supervisor=Guard(checks=Checks(one=Nervous(reading="felt")), safe=SAFE))
+    nervous = small(supervisor=Guard(checks=Checks(one=Nervous(reading="felt", limit=1e9)), safe=SAFE))
     with pytest.raises(AssertionError):
         is_silent(nervous, free)
     hot = Checks(one=Overheat(reading="felt", limit=310.0))

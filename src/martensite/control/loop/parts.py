@@ -185,6 +185,10 @@ class AbstractSupervisor(Parametrised):
         """Names of the drives that it speaks of."""
         return ()
 
+    def name_checks(self) -> dict[int, list[str]]:
+        """Number of an alarm -> names of what raises it."""
+        return {}
+
     def rest(self, xp: Namespace, readings: Named) -> Column:
         """What it remembers before the first sample."""
         return ()
