@@ -7,7 +7,9 @@ weight w; the error is the mean over the outputs if there are several. None coun
 that to idle costs 1 in a period at most, wherever the output is. Where a limit is exceeded the episode ends, and the
 last reward is less by the penalty and by 1 for every period that is left. With the penalty of an episode of N periods
 that is N to begin with, the sum is below -N, less than that of idling, whatever was earned before; and an early end
-never pays, for to idle from there on would cost less. Every episode draws its own references and, within declared spreads, its own plant:
+never pays, for to idle from there on would cost less.
+
+Every episode draws its own references and, within declared spreads, its own plant:
 
     p = p₀ (1 + s z),    temperatures p = p₀ + s z,    z evenly spread in [-1, 1]
 

@@ -27,16 +27,19 @@ class BenchmarkOptions:
     """What takes part."""
 
     shown: Annotated[bool, Option("--list", help="Show tasks, entries and faults, and run nothing.")] = False
-    entry: Annotated[Texts, Option(help="Entry of the package; repeatable [default: all, or none beside strangers].")] = (
-        None
-    )
+    entry: Annotated[
+        Texts, Option(help="Entry of the package; repeatable [default: all, or none beside strangers].")
+    ] = None
     controller: Annotated[
         Texts,
         Option(metavar="FILE[:NAME]", help="Controller of your own: FILE.py:NAME, FILE.c, FILE.toml; repeatable."),
     ] = None
     task: Annotated[Texts, Option(help="Task; repeatable [default: all].")] = None
-    fault: Annotated[Texts, Option(help="Fault besides none at all; repeatable; or all, or none [default: all].")] = None
+    fault: Annotated[Texts, Option(help="Fault besides none at all; repeatable; or all, or none [default: all].")] = (
+        None
+    )
     wires: Annotated[int, Option(min=1, max=64, help="The first so many wires; a power of 2.")] = 64
+    read: Annotated[Path | None, Option(help="Show a table that was saved as .json, and run nothing.")] = None
     quick: Annotated[bool, Option("--quick", help="8 wires, one task, no faults, three entries.")] = False
     workers: Annotated[int, Option(min=1, help="Threads.")] = 2
 
@@ -50,17 +53,17 @@ def control(
 ) -> None:
     """Run the benchmark of control, and rank who takes part.
 
-    Entries of the package run if none is named and no controller of your own is given; exit code 1 if a run has no
-    result.
+    Entries of the package run if none is named and no controller of your own is given. Exit code 1 if a run without a
+    fault has no result.
     """
     outputs = answer.check_files(save, ".csv", ".json", ".nc")
     if options.shown:
         refuse_idle("--save", save is not None, "--list runs nothing")
         outputs.answer(_list_parts(), answer.json)
         return
-    table = _run(options)
+    table = _run(options) if options.read is None else _read(options.read)
     _answer(table, outputs, answer.json)
-    lost = [f"{one.entry} on {one.task}" for one in table.rows if one.failed > 0.0]
+    lost = [f"{one.entry} on {one.task}" for one in table.select(fault="none") if one.failed > 0.0]
     if lost:
         raise SolveError(f"Runs without a result: {', '.join(dict.fromkeys(lost))}.")
 
@@ -81,6 +84,12 @@ def _run(options: BenchmarkOptions) -> BenchmarkTable:
     wires = min(options.wires, 8) if quick else options.wires
     with show_progress("benchmark of control") as tell:
         return run_benchmark(competitors, tasks, faults, wires, workers=options.workers, tell=tell)
+
+
+def _read(path: Path) -> BenchmarkTable:
+    from martensite_control.benchmark.competition import read_table
+
+    return read_table(path)
 
 
 def _choose_faults(given: list[str], known: list[str]) -> list[str]:

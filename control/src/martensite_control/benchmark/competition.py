@@ -14,15 +14,25 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from martensite.base.errors import DataError
 from martensite.control.loop.bench import Bench
 from martensite_control.benchmark.entries import BenchmarkEntry, convert_reference
-from martensite_control.benchmark.faults import FAULT_CASES
+from martensite_control.benchmark.faults import BEGIN, FAULT_CASES, OVER
+from martensite_control.benchmark.guards import MARGIN
 from martensite_control.benchmark.runs import MEASURES, NO_FAULT, PlantRuns
 from martensite_control.benchmark.tasks import FOLDER, ORDER, BenchmarkTask
-from martensite_control.benchmark.wires import COUNT, draw_wires
+from martensite_control.benchmark.wires import (
+    AMBIENT,
+    COUNT,
+    DIAMETER,
+    FILM,
+    RESISTIVITY,
+    SEED,
+    TEMPERATURES,
+    draw_wires,
+)
 
 Numbers = NDArray[np.float64]
-QUICK_WIRES = 8
 MEDIAN, MOST = 50.0, 90.0
 """Percentiles of the table."""
 
@@ -97,18 +107,21 @@ class BenchmarkTable:
 
 
 def read_table(path: Path) -> BenchmarkTable:
-    """A table that `to_json` has given."""
-    given = json.loads(path.read_text(encoding="utf-8"))
-    rows = tuple(TableRow(**{**row, "error_90": float(row["error_90"])}) for row in given["rows"])
-    return BenchmarkTable(rows, {}, given["version"], given["digest"])
+    """A table that was saved as JSON; `DataError` if it is none."""
+    try:
+        given = json.loads(path.read_text(encoding="utf-8"))
+        rows = tuple(TableRow(**row) for row in given["rows"])
+        return BenchmarkTable(rows, {}, given["version"], given["digest"])
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise DataError(f"`{path}` is no table of the benchmark: {error}.") from None
 
 
 def make_digest() -> str:
-    """A digest of plants, tasks, entries, gains, wires and faults: who has the same ran the same benchmark."""
-    found = hashlib.sha256()
-    for path in sorted((*FOLDER.rglob("*.toml"), FOLDER / "wires.py", FOLDER / "faults.py", FOLDER / "guards.py")):
-        found.update(path.relative_to(FOLDER).as_posix().encode())
-        found.update(path.read_bytes())
+    """A digest of plants, tasks, wires, faults and guard: who has the same ran the same benchmark."""
+    drawn = (COUNT, SEED, RESISTIVITY, TEMPERATURES, FILM, DIAMETER, AMBIENT)
+    found = hashlib.sha256(repr((drawn, BEGIN, OVER, sorted(FAULT_CASES.items()), MARGIN)).encode())
+    for path in sorted((*FOLDER.glob("plants/*.toml"), *FOLDER.glob("tasks/*.toml"))):
+        found.update(path.name.encode() + path.read_bytes())
     return found.hexdigest()[:12]
 
 
@@ -163,7 +176,9 @@ def run_benchmark(
     return BenchmarkTable(rows, found, version("martensite"), make_digest())
 
 
-def _run_heat(heat: Heat, faults: Sequence[str], wires: int) -> Iterator[tuple[tuple[str, str, str], dict[str, Numbers]]]:
+def _run_heat(
+    heat: Heat, faults: Sequence[str], wires: int
+) -> Iterator[tuple[tuple[str, str, str], dict[str, Numbers]]]:
     runs = heat.competitor.prepare_runs(heat.tasks, wires, len(faults) > 1)
     for fault in faults:
         found = runs.run(fault)

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -36,23 +35,15 @@ CHUNK = 200
 NO_FAULT = "none"
 MEASURES = ("error", "settling", "overshoot", "energy", "hottest", "above", "alarm", "failed")
 """What is kept of a run: shares of the span, s, shares, J, K, and 1 where it is so."""
-COLUMNS = ("output", "hottest", "excess", "power", "alarm", "worst")
-"""What is kept of a period."""
-
-
-@dataclass(frozen=True, eq=False)
-class TaskRuns:
-    """What was measured of one entry on one task, shape (faults, wires) each."""
-
-    task: str
-    measures: dict[str, Numbers]
 
 
 def add_faults(bench: Bench, tasks: Sequence[BenchmarkTask]) -> Bench:
     """The bench with every fault, none of which begins, and with what disturbs its tasks."""
     span, duration = max(one.span for one in tasks), tasks[0].duration
     found: dict[str, Any] = dict(build_faults(bench, duration, sensor=FOLLOWED, span=span))
-    found |= {DISTURBANCE: one.build_disturbance() for one in tasks if one.disturbance}
+    for one in tasks:
+        if one.disturbance:
+            found[DISTURBANCE] = one.build_disturbance()
     return bench.with_parts(faults=FaultTable(**found))
 
 
@@ -60,7 +51,9 @@ def start_faults(bench: Bench, tasks: Sequence[BenchmarkTask], active: str, wire
     """When faults begin in every lane [s], by path: that which is `active` when it says, the others never."""
     found: dict[str, Numbers] = {}
     for name, one in bench.faults.members().items():
-        begins = [one.start if name == active or (name == DISTURBANCE and task.disturbance) else NEVER for task in tasks]
+        begins = [
+            one.start if name == active or (name == DISTURBANCE and task.disturbance) else NEVER for task in tasks
+        ]
         ends = [max(one.end, begin + 1.0) for begin in begins]
         found[f"faults.{name}.start"] = np.repeat(np.array(begins, float), wires)
         if any(math.isfinite(end) for end in ends):
@@ -132,7 +125,7 @@ class PlantRuns:
         """Outcomes of every lane under a fault, by measure."""
         self.begin(fault)
         parts = [
-            self._keep(self.lanes.advance(self.signals[k : k + CHUNK], self.bench.period))
+            self.keep(self.lanes.advance(self.signals[k : k + CHUNK], self.bench.period))
             for k in range(1, self.steps + 1, CHUNK)
         ]
         return self.judge({name: np.concatenate([one[name] for one in parts]) for name in parts[0]})
@@ -145,9 +138,6 @@ class PlantRuns:
 
     def keep(self, rows: Numbers) -> dict[str, Numbers]:
         """What is judged of outputs, shape (periods, lanes) each."""
-        return self._keep(rows)
-
-    def _keep(self, rows: Numbers) -> dict[str, Numbers]:
         alarm = np.zeros_like(rows[:, 0]) if self._alarm is None else rows[:, self._alarm]
         hot = rows[:, self._hottest]
         return {

@@ -6,8 +6,8 @@
     --controller mine.c                     a function
         void control_step(double *memory, double reference, const double *readings, double dt, double *signals);
 
-Readings of a function come in the order of the sensors of the plant (`list_readings`), `memory` has `MEMORY` numbers that
-are 0 at first, `signals` is one duty per drive. It is compiled, and called once per period and wire.
+Readings of a function come in the order of the sensors of the plant (`list_readings`), `memory` has `MEMORY` numbers
+that are 0 at first, `signals` is one duty per drive. It is compiled, and called once per period and wire.
 
 Observations of an agent are `[reading, reference, reference in 0.5 s]`, with -1 at the lower and 1 at the upper end of
 what is asked for on the plant, cut at ±2; actions from -1 to 1 are duties from 0 to 1, one per drive. That is what
@@ -31,8 +31,8 @@ from martensite.control.controllers.base import AbstractController
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import MEASURED
 from martensite.kernels.compiler import load_library
-from martensite_control.benchmark.entries import BenchmarkEntry, read_entry
 from martensite_control.benchmark.competition import EntryRuns
+from martensite_control.benchmark.entries import read_entry
 from martensite_control.benchmark.runs import NO_FAULT, PlantRuns
 from martensite_control.benchmark.tasks import FOLLOWED, ORDER, BenchmarkTask, list_plant_drives, load_plant, load_tasks
 from martensite_control.benchmark.wires import draw_wires
@@ -240,6 +240,3 @@ def build_learning_bench(plant: str = "wire") -> tuple[Bench, Any]:
         spreads={"element.diameter": 0.02, "environment.temperature": 5.0} if plant != "pair" else {},
     )
     return load_plant(plant), task
-
-
-__all__ = ["BenchmarkEntry", "build_learning_bench", "list_readings", "read_stranger"]

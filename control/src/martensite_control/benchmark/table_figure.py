@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 LEAST, MOST = 0.05, 100.0
 """Errors that are shown, in % of the span."""
+HEAD_HEIGHT = 0.9
+"""Room for headings and scales [inch]."""
 HOT = 140.0
 """Temperature limit of the wires [degC]."""
 
@@ -27,8 +29,8 @@ def plot_benchmark(table: BenchmarkTable) -> Figure:
     tasks, names = list(dict.fromkeys(one.task for one in sound)), table.entries
     faults = [name for name in dict.fromkeys(one.fault for one in table.rows) if name != NO_FAULT]
     with use_style():
-        figure = make_figure(10.0, 1.6 + 0.26 * len(names) * (2 if faults else 1))
-        grid = figure.add_gridspec(2 if faults else 1, len(tasks), hspace=0.42)
+        figure = make_figure(10.0, HEAD_HEIGHT + (HEAD_HEIGHT + 0.26 * len(names)) * (2 if faults else 1))
+        grid = figure.add_gridspec(2 if faults else 1, len(tasks), hspace=0.36)
         for k, task in enumerate(tasks):
             panel = figure.add_subplot(grid[0, k])
             _draw_errors(panel, table, task, names)
@@ -44,7 +46,8 @@ def plot_benchmark(table: BenchmarkTable) -> Figure:
             fontsize=10.0,
             color=INK,
         )
-        figure.subplots_adjust(left=0.13, right=0.98, top=0.86 if not faults else 0.91, bottom=0.1)
+        height = figure.get_figheight()
+        figure.subplots_adjust(left=0.13, right=0.98, top=1.0 - 0.75 / height, bottom=0.75 / height)
     return figure
 
 
@@ -73,7 +76,9 @@ def _draw_faults(figure: Any, panel: Any, table: BenchmarkTable, names: Sequence
     for (row, column), value in np.ndenumerate(heat):
         if np.isfinite(value):
             weight = "bold" if value > HOT else "normal"
-            panel.text(column, row, f"{value:.0f}", ha="center", va="center", fontsize=7.0, fontweight=weight, color=INK)
+            panel.text(
+                column, row, f"{value:.0f}", ha="center", va="center", fontsize=7.0, fontweight=weight, color=INK
+            )
     panel.grid(visible=False)
     panel.set_xticks(range(len(faults)), faults, rotation=20, ha="right")
     panel.set_yticks(range(len(names)), names)

@@ -18,8 +18,16 @@ UNITS = {"settling": "s", "energy": "J", "hottest": "K"}
 def format_table(table: BenchmarkTable, ending: str) -> Any:
     """What a file with an ending `.csv`, `.json` or `.nc` holds."""
     if ending == ".json":
-        return json.dumps(_round_numbers(table.to_json()), indent=1) + "\n"
+        return _format_json(_round_numbers(table.to_json()))
     return _format_netcdf(table) if ending == ".nc" else format_csv(table)
+
+
+def _format_json(given: dict[str, Any]) -> str:
+    """JSON with a line for every row, so that two tables can be laid beside each other."""
+    parts = {key: json.dumps(value) for key, value in given.items() if not isinstance(value, list)}
+    lists = {key: value for key, value in given.items() if isinstance(value, list)}
+    parts |= {key: "[\n" + ",\n".join(map(json.dumps, rows)) + "\n]" for key, rows in lists.items()}
+    return "{\n" + ",\n".join(f"{json.dumps(key)}: {text}" for key, text in parts.items()) + "\n}\n"
 
 
 def format_csv(table: BenchmarkTable) -> str:

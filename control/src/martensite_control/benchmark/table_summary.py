@@ -79,7 +79,13 @@ def _make_fault_table(table: BenchmarkTable) -> DataTable:
         runs = sum(one.wires for one in own)
         above, alarms = (sum(one.wires * value for one, value in rows_) for rows_ in _pair_shares(own))
         rows.append(
-            [fault, f"{worst.hottest - KELVIN:.0f}", worst.entry, f"{100 * above / runs:.1f}", f"{100 * alarms / runs:.0f}"]
+            [
+                fault,
+                f"{worst.hottest - KELVIN:.0f}",
+                worst.entry,
+                f"{100 * above / runs:.1f}",
+                f"{100 * alarms / runs:.0f}",
+            ]
         )
     return DataTable(("fault", "hottest", "of", "% above", "% alarms"), rows, right=(1, 3, 4))
 

@@ -157,7 +157,7 @@ def _read_task(path: Path) -> BenchmarkTask:
 
 
 def draw_noise(bench: Bench, task: str, wires: int, steps: int) -> tuple[list[str], Numbers]:
-    """Standard normal numbers of all sensors of a bench, shape (steps, drives, wires), and the drives that they are for.
+    """Drives of a bench that are noise, and standard normal numbers for them, shape (steps, drives, wires).
 
     Those of a wire are the same however many there are, and whoever controls it.
     """
