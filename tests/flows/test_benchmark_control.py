@@ -15,9 +15,9 @@ from typer.testing import CliRunner
 
 from martensite.cli.app import app
 from martensite_control.benchmark.competition import (
+    BenchmarkRow,
     BenchmarkTable,
     EntryRuns,
-    TableRow,
     make_digest,
     rank_entries,
     read_table,
@@ -95,10 +95,10 @@ def test_strangers_of_three_kinds_do_the_same(tmp_path: Path) -> None:
 
 def test_a_wire_above_its_limit_puts_an_entry_last() -> None:
     rows = [
-        TableRow(name, "hold", "none", 4, 0.0, error, 0.0, 0.0, 0.0, 300.0, above, 0.0, 0.0)
+        BenchmarkRow(name, "hold", "none", 4, 0.0, error, 0.0, 0.0, 0.0, 300.0, above, 0.0, 0.0)
         for name, error, above in (("burner", 0.01, 0.25), ("slow", 0.5, 0.0), ("lost", 3.0, 0.0))
     ]
-    rows += [TableRow("slow", "sine", "none", 4, 0.0, 0.3, 0.0, 0.0, 0.0, 300.0, 0.0, 0.0, 0.0)]
+    rows += [BenchmarkRow("slow", "sine", "none", 4, 0.0, 0.3, 0.0, 0.0, 0.0, 300.0, 0.0, 0.0, 0.0)]
     ranked = rank_entries(BenchmarkTable(tuple(rows), {}, "0", "0"))
     assert [name for name, _ in ranked] == ["slow", "lost", "burner"]
     assert dict(ranked)["slow"] == pytest.approx(0.4) and dict(ranked)["lost"] == 1.0

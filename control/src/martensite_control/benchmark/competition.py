@@ -50,7 +50,7 @@ class Competitor(Protocol):
 
 
 @dataclass(frozen=True)
-class TableRow:
+class BenchmarkRow:
     """What one entry did on one task under one fault: over all wires."""
 
     entry: str
@@ -80,7 +80,7 @@ class TableRow:
 class BenchmarkTable:
     """All that was measured, and the rows made of it."""
 
-    rows: tuple[TableRow, ...]
+    rows: tuple[BenchmarkRow, ...]
     measures: Mapping[tuple[str, str, str], Mapping[str, Numbers]]
     """Of every wire, by entry, task and fault; empty for a table that was read."""
     version: str
@@ -92,7 +92,7 @@ class BenchmarkTable:
         """Names of entries, the best first."""
         return [name for name, _ in rank_entries(self)]
 
-    def select(self, **names: str) -> list[TableRow]:
+    def select(self, **names: str) -> list[BenchmarkRow]:
         """Rows by `entry`, `task` or `fault`."""
         return [one for one in self.rows if all(getattr(one, key) == name for key, name in names.items())]
 
@@ -110,7 +110,7 @@ def read_table(path: Path) -> BenchmarkTable:
     """A table that was saved as JSON; `DataError` if it is none."""
     try:
         given = json.loads(path.read_text(encoding="utf-8"))
-        rows = tuple(TableRow(**row) for row in given["rows"])
+        rows = tuple(BenchmarkRow(**row) for row in given["rows"])
         return BenchmarkTable(rows, {}, given["version"], given["digest"])
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise DataError(f"`{path}` is no table of the benchmark: {error}.") from None
@@ -126,21 +126,21 @@ def make_digest() -> str:
 
 
 @dataclass(frozen=True)
-class Heat:
+class BenchmarkHeat:
     """The tasks of one plant for one competitor."""
 
     competitor: Any
     tasks: tuple[BenchmarkTask, ...]
 
 
-def list_heats(competitors: Sequence[Any], tasks: Sequence[BenchmarkTask]) -> list[Heat]:
+def list_heats(competitors: Sequence[Any], tasks: Sequence[BenchmarkTask]) -> list[BenchmarkHeat]:
     """What there is to run."""
-    found: list[Heat] = []
+    found: list[BenchmarkHeat] = []
     for one in competitors:
         for plant in ORDER:
             own = tuple(task for task in tasks if task.plant == plant)
             if own and plant in one.plants:
-                found.append(Heat(one, own))
+                found.append(BenchmarkHeat(one, own))
     return found
 
 
@@ -177,7 +177,7 @@ def run_benchmark(
 
 
 def _run_heat(
-    heat: Heat, faults: Sequence[str], wires: int
+    heat: BenchmarkHeat, faults: Sequence[str], wires: int
 ) -> Iterator[tuple[tuple[str, str, str], dict[str, Numbers]]]:
     runs = heat.competitor.prepare_runs(heat.tasks, wires, len(faults) > 1)
     for fault in faults:
@@ -187,10 +187,10 @@ def _run_heat(
             yield (heat.competitor.name, task.name, fault), {name: found[name][own] for name in MEASURES}
 
 
-def _make_row(key: tuple[str, str, str], one: Mapping[str, Numbers]) -> TableRow:
+def _make_row(key: tuple[str, str, str], one: Mapping[str, Numbers]) -> BenchmarkRow:
     error = one["error"]
     ninety = float(np.percentile(error, MOST, method="higher"))
-    return TableRow(
+    return BenchmarkRow(
         *key,
         wires=len(error),
         error_median=float(np.percentile(error, MEDIAN, method="higher")),
@@ -243,4 +243,4 @@ def list_faults() -> list[str]:
     return list(FAULT_CASES)
 
 
-COLUMNS = tuple(one.name for one in fields(TableRow))
+COLUMNS = tuple(one.name for one in fields(BenchmarkRow))

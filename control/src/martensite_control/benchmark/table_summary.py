@@ -6,7 +6,13 @@ from collections.abc import Iterator, Sequence
 
 from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
 from martensite.control.controllers.base import CONTROLLERS
-from martensite_control.benchmark.competition import BenchmarkTable, TableRow, list_faults, make_digest, rank_entries
+from martensite_control.benchmark.competition import (
+    BenchmarkRow,
+    BenchmarkTable,
+    list_faults,
+    make_digest,
+    rank_entries,
+)
 from martensite_control.benchmark.entries import list_missing, load_entries
 from martensite_control.benchmark.runs import NO_FAULT
 from martensite_control.benchmark.tasks import load_tasks
@@ -47,7 +53,7 @@ def _make_ranking(table: BenchmarkTable, tasks: Sequence[str]) -> DataTable:
     return DataTable(("entry", "score", *tasks), rows, right=range(1, 2 + len(tasks)))
 
 
-def _write_error(row: TableRow | None) -> str:
+def _write_error(row: BenchmarkRow | None) -> str:
     return "–" if row is None else _write_share(row.error_90)
 
 
@@ -55,7 +61,7 @@ def _write_share(share: float) -> str:
     return f"{100.0 * share:.1f}" if share < 10.0 else "lost"
 
 
-def _write_row(one: TableRow) -> list[str]:
+def _write_row(one: BenchmarkRow) -> list[str]:
     return [
         one.entry,
         one.task,
@@ -90,7 +96,9 @@ def _make_fault_table(table: BenchmarkTable) -> DataTable:
     return DataTable(("fault", "hottest", "of", "% above", "% alarms"), rows, right=(1, 3, 4))
 
 
-def _pair_shares(rows: Sequence[TableRow]) -> tuple[list[tuple[TableRow, float]], list[tuple[TableRow, float]]]:
+def _pair_shares(
+    rows: Sequence[BenchmarkRow],
+) -> tuple[list[tuple[BenchmarkRow, float]], list[tuple[BenchmarkRow, float]]]:
     return [(one, one.above) for one in rows], [(one, one.alarms) for one in rows]
 
 
