@@ -36,7 +36,7 @@ def plot_benchmark(table: BenchmarkTable) -> Figure:
             _draw_errors(panel, table, task, names)
             panel.set_yticks(range(len(names)), names if k == 0 else [""] * len(names))
         if faults:
-            _draw_faults(figure, figure.add_subplot(grid[1, :]), table, names, faults)
+            _draw_faults(figure.add_subplot(grid[1, :]), table, names, faults)
         scores = dict(rank_entries(table))
         figure.suptitle(
             f"Rms error on {sound[0].wires} wires that nobody measured, % of the span: median (dot) to 90 % (bar). "
@@ -66,13 +66,13 @@ def _draw_errors(panel: Any, table: BenchmarkTable, task: str, names: Sequence[s
     panel.set_title(task if task not in known else f"{task}\n{known[task].plant}", fontsize=8.5)
 
 
-def _draw_faults(figure: Any, panel: Any, table: BenchmarkTable, names: Sequence[str], faults: Sequence[str]) -> None:
+def _draw_faults(panel: Any, table: BenchmarkTable, names: Sequence[str], faults: Sequence[str]) -> None:
     heat = np.full((len(names), len(faults)), np.nan)
     for one in table.rows:
         if one.fault != NO_FAULT:
             place = names.index(one.entry), faults.index(one.fault)
             heat[place] = np.nanmax([heat[place], one.hottest - 273.15])
-    image = panel.imshow(heat, aspect="auto", cmap="YlOrRd", vmin=80.0, vmax=2.0 * HOT - 80.0)
+    panel.imshow(heat, aspect="auto", cmap="YlOrRd", vmin=80.0, vmax=2.0 * HOT - 80.0)
     for (row, column), value in np.ndenumerate(heat):
         if np.isfinite(value):
             weight = "bold" if value > HOT else "normal"
@@ -83,4 +83,3 @@ def _draw_faults(figure: Any, panel: Any, table: BenchmarkTable, names: Sequence
     panel.set_xticks(range(len(faults)), faults, rotation=20, ha="right")
     panel.set_yticks(range(len(names)), names)
     panel.set_title(f"Highest temperature with a fault, °C (bold: above the limit of {HOT:.0f} °C)")
-    figure.colorbar(image, ax=panel, fraction=0.02, pad=0.01)

@@ -83,23 +83,11 @@ def _make_fault_table(table: BenchmarkTable) -> DataTable:
         own = table.select(fault=fault)
         worst = max(own, key=lambda one: one.hottest)
         runs = sum(one.wires for one in own)
-        above, alarms = (sum(one.wires * value for one, value in rows_) for rows_ in _pair_shares(own))
-        rows.append(
-            [
-                fault,
-                f"{worst.hottest - KELVIN:.0f}",
-                worst.entry,
-                f"{100 * above / runs:.1f}",
-                f"{100 * alarms / runs:.0f}",
-            ]
+        above, alarms = (
+            100.0 * sum(one.wires * getattr(one, name) for one in own) / runs for name in ("above", "alarms")
         )
+        rows.append([fault, f"{worst.hottest - KELVIN:.0f}", worst.entry, f"{above:.1f}", f"{alarms:.0f}"])
     return DataTable(("fault", "hottest", "of", "% above", "% alarms"), rows, right=(1, 3, 4))
-
-
-def _pair_shares(
-    rows: Sequence[BenchmarkRow],
-) -> tuple[list[tuple[BenchmarkRow, float]], list[tuple[BenchmarkRow, float]]]:
-    return [(one, one.above) for one in rows], [(one, one.alarms) for one in rows]
 
 
 def summarise_parts() -> Summary:
