@@ -43,6 +43,12 @@ def _list_blocks(table: BenchmarkTable) -> Iterator[Block]:
         yield Heading("With a fault")
         yield _make_fault_table(table)
         yield Sentence("By fault, over all tasks: highest temperature [°C], and the share of runs above the limit.")
+    lost = [one for one in table.rows if one.failed > 0.0]
+    if lost:
+        count = round(sum(one.wires * one.failed for one in lost))
+        names = ", ".join(dict.fromkeys(f"{one.task} ({one.fault})" for one in lost))
+        total = sum(one.wires for one in table.rows)
+        yield Sentence(f"No result, and not counted as hot: {count} of {total} runs, on {names}.", "caution")
 
 
 def _make_ranking(table: BenchmarkTable, tasks: Sequence[str]) -> DataTable:
