@@ -10,7 +10,7 @@ import typer
 from typer import Option
 
 from martensite.base.errors import SolveError, require_known
-from martensite.cli.options import Texts, refuse_idle, spread_options
+from martensite.cli.options import Json, Texts, refuse_idle, spread_options
 from martensite.cli.outputs import AnswerOptions, Outputs
 from martensite.cli.progress import show_progress
 
@@ -122,10 +122,12 @@ def tune(
     save: Annotated[Path, Option(help="File of gains to write, or to go on with: .toml.")],
     entry: Annotated[Texts, Option(help="Entry; repeatable [default: all].")] = None,
     plant: Annotated[Texts, Option(help="Plant; repeatable [default: all].")] = None,
+    json: Json = False,
 ) -> None:
     """Search the numbers of the entries anew, on the nominal wires; minutes. What a file holds already is kept."""
+    from martensite.show.terminal import print_summary
     from martensite_control.benchmark.entries import find_entry, load_entries
-    from martensite_control.benchmark.search import format_gains, read_found, search_gains
+    from martensite_control.benchmark.search import format_gains, read_found, search_gains, summarise_gains
     from martensite_control.benchmark.tasks import ORDER
 
     for name in plant or []:
@@ -140,3 +142,4 @@ def tune(
                 save.write_text(format_gains(found), encoding="utf-8")
             if tell is not None:
                 tell(k + 1, len(wanted))
+    print_summary(summarise_gains(found), json, [save])

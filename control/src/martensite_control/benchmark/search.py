@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from martensite.base.summary import DataTable, Summary
 from martensite.search.starts import draw_points
 from martensite_control.benchmark.entries import BenchmarkEntry, convert_reference, find_span
 from martensite_control.benchmark.runs import PlantRuns
@@ -122,3 +123,10 @@ def read_found(path: Path) -> dict[tuple[str, str], FoundGains]:
         for entry, plants in given.items()
         for plant, one in plants.items()
     }
+
+
+def summarise_gains(found: Mapping[tuple[str, str], FoundGains]) -> Summary:
+    """Costs of numbers by entry and plant; the numbers themselves are for programs."""
+    rows = [(entry, plant, f"{one.cost:.4g}") for (entry, plant), one in sorted(found.items())]
+    data = [{"entry": e, "plant": p, "cost": one.cost, "numbers": one.numbers} for (e, p), one in found.items()]
+    return Summary("", [DataTable(("entry", "plant", "cost"), rows, right=(2,))], data)
