@@ -81,6 +81,15 @@ def test_a_limit_that_the_material_knows_is_taken() -> None:
         change_guarded(**{"supervisor.checks.hot": {"kind": "over-force", "reading": "heat"}})
 
 
+def test_a_check_may_read_what_an_observer_believes() -> None:
+    """Beside the guard by default, which limits; this one cuts for good."""
+    believed = {"kind": "overheat", "reading": "estimated.temperature"}
+    found = collect_guard(load(EXAMPLES / "closed_loop_sensorless.toml", {"supervisor.checks.believed": believed}))
+    rows = {row["check"]: (row["trips"], row["then"]) for row in (found or {})["checks"]}
+    assert rows["believed"] == ("overheat: estimated.temperature 140 degC", "cuts drive for good")
+    assert rows["bound_drive"][1] == "limits drive"
+
+
 # ---------------------------------------------------------------- the guard by default
 
 
@@ -110,9 +119,9 @@ def test_its_numbers_can_be_changed() -> None:
     (bound,) = scenario.bench.supervisor.checks.members().values()  # type: ignore[union-attr]
     assert (bound.limit, bound.ambient) == (pytest.approx(333.15), pytest.approx(303.15))
     result = scenario.run()
-    assert set(result["alarm"]) == {0.0, -8.0}
+    assert set(result["alarm"]) == {0.0, 108.0}
     assert max(result["temperature"]) < 333.15
-    words = "limited a signal by `bound_drive` (alarm -8), first at t = "
+    words = "limited a signal by `bound_drive` (alarm 108), first at t = "
     assert any(words in one for one in result.warnings)
 
 
@@ -152,7 +161,7 @@ def test_a_sensor_that_is_lost_does_not_burn_a_guarded_loop() -> None:
         lost = {f"{name}__start": 8.0}
         guarded, free = run_fault(True, **lost), run_fault(False, **lost)
         assert max(guarded["temperature"]) < LIMIT < max(free["temperature"]) - 20.0
-        assert set(guarded["alarm"]) == {0.0, -8.0}
+        assert set(guarded["alarm"]) == {0.0, 108.0}
 
 
 def test_no_guard_acts_on_a_driver_that_does_not_obey() -> None:
@@ -184,10 +193,10 @@ def test_a_signal_is_lowered_and_keeps_its_direction() -> None:
     for wanted, expected in ((1.0, most), (-1.0, -most), (0.5 * most, 0.5 * most), (math.nan, 0.0)):
         found = guard.judge(floats, (0.0, 0.0, 400.0), {"drive": wanted}, {}, 0.2)
         assert found.signals["drive"] == pytest.approx(expected, rel=1e-12)
-        assert found.alarm == (0.0 if wanted == 0.5 * most else -8.0)
+        assert found.alarm == (0.0 if wanted == 0.5 * most else 108.0)
     both = Guard(checks=Checks(one=bound(), hot=CHECK["overheat"](reading="T", limit=390.0)), answer="limit")
     memory = both.rest(floats, {"T": 300.0})
-    for reading, expected in ((380.0, -8.0), (395.0, 1.0), (380.0, 1.0)):
+    for reading, expected in ((380.0, 108.0), (395.0, 1.0), (380.0, 1.0)):
         found = both.judge(floats, (*memory[:2], 400.0, *memory[3:]), {"drive": 1.0}, {"T": reading}, 0.2)
         memory = found.memory
         assert found.alarm == expected

@@ -70,7 +70,7 @@ def describe_guard(found: Mapping[str, Any]) -> Iterator[Block]:
 
 
 def _write_temperature(kelvin: float) -> str:
-    return "melting" if kelvin > MELTING else write_quantity(kelvin, "K")
+    return "melting" if kelvin > MELTING else write_quantity(kelvin, "K", 4)
 
 
 def _collect_check(scenario: Scenario, bench: Bench, name: str, check: AbstractCheck) -> dict[str, Any]:

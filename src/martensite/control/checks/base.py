@@ -15,7 +15,7 @@ Every check has the number of its alarm. When several have cut, the lowest numbe
 | 8 | `thermal-bound` | by its own bound the element may be too hot |
 
 Damage that is seen comes first, then what is known of sensors and wires, last what is only possible. While a check
-only limits a signal (answer `limit` of a guard), and none has cut, its number is shown with a minus: -8.
+only limits a signal (answer `limit` of a guard), and none has cut, its number is shown beyond 100: 108.
 """
 
 from __future__ import annotations
@@ -30,6 +30,8 @@ from martensite.base.registry import Registry
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 
 CHECKS: Registry[AbstractCheck] = Registry("check", "martensite.control.checks", typical="overheat")
+LIMITED = 100
+"""What is added to the number of an alarm while a signal is limited and not cut."""
 Column: TypeAlias = Sequence[Scalar]
 Named: TypeAlias = Mapping[str, Scalar]
 

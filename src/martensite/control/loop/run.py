@@ -15,6 +15,7 @@ import numpy as np
 
 from martensite.base.errors import InputError
 from martensite.base.parameters import part
+from martensite.control.checks.base import LIMITED
 from martensite.control.controllers.base import AbstractController
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import (
@@ -103,11 +104,11 @@ def warn_of_guard(result: Result, bench: Bench) -> Result:
     raised = result.columns.get(ALARM, [])
     checks = bench.supervisor.name_checks() if bench.supervisor is not None else {}
     said: list[str] = []
-    for number in sorted({value for value in raised if value}, key=abs):
+    for number in sorted({value for value in raised if value}):
         first = next(time for time, value in zip(result.times, raised, strict=False) if value == number)
         length = bench.period * sum(value == number for value in raised)
-        names = ", ".join(f"`{name}`" for name in checks.get(abs(int(number)), ["supervisor"]))
-        acted = "limited" if number < 0 else "cut"
+        names = ", ".join(f"`{name}`" for name in checks.get(int(number) % LIMITED, ["supervisor"]))
+        acted = "limited" if number > LIMITED else "cut"
         said.append(
             f"Warning: The guard {acted} a signal by {names} (alarm {number:.0f}), first at t = {first:.4g} s, "
             f"for {length:.3g} s in all."

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param, part
-from martensite.control.checks.base import AbstractCheck, Checks
+from martensite.control.checks.base import LIMITED, AbstractCheck, Checks
 from martensite.control.checks.thermal_bound import ThermalBound
 from martensite.control.loop.parts import SUPERVISORS, AbstractSupervisor, Column, Named, SupervisorVerdict
 from martensite.kernels.namespace import Flag, Namespace, Scalar
@@ -132,11 +132,11 @@ def _lower_signal(xp: Namespace, signal: Scalar, size: Scalar, safe: Scalar) -> 
 
 
 def _find_alarm(xp: Namespace, rows: Sequence[JudgedCheck]) -> Scalar:
-    """The lowest number of all checks that cut; else of those that limit, with a minus; else 0."""
+    """The lowest number of all checks that cut; else of those that limit, beyond 100; else 0."""
     alarm: Scalar = 0.0
     ordered = sorted(rows, key=lambda row: -row.check.alarm)
     for row in ordered:
-        alarm = alarm if row.lowers is None else xp.where(row.lowers, -float(row.check.alarm), alarm)
+        alarm = alarm if row.lowers is None else xp.where(row.lowers, float(LIMITED + row.check.alarm), alarm)
     for row in ordered:
         alarm = alarm if row.cut is None else xp.where(row.cut, float(row.check.alarm), alarm)
     return alarm

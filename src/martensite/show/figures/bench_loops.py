@@ -107,7 +107,7 @@ def list_estimates(result: Result, found: Sequence[Loop]) -> list[str]:
 
 def find_alarmed_spans(result: Result) -> list[tuple[float, float]]:
     """Times between which the supervisor raised an alarm [s]."""
-    raised = [abs(value) > 0.5 for value in result.columns.get(ALARM, ())]
+    raised = [value > 0.5 for value in result.columns.get(ALARM, ())]
     found: list[tuple[float, float]] = []
     begin: float | None = None
     for time, on in zip(result.times, raised, strict=False):
