@@ -100,14 +100,15 @@ class Pi:
 
 
 def score(envs: Any, policy: Any) -> Any:
-    """Sum of rewards of the first episode of every environment."""
+    """Sum of rewards of the first episode of every environment, and where a limit ended it."""
     seen, _ = envs.reset(seed=5)
-    total, running = np.zeros(envs.num_envs), np.ones(envs.num_envs, bool)
+    total, running, burnt = np.zeros(envs.num_envs), np.ones(envs.num_envs, bool), np.zeros(envs.num_envs, bool)
     while running.any():
         seen, reward, terminated, truncated, _ = envs.step(policy(seen))
         total += np.where(running, reward, 0.0)
+        burnt |= running & terminated
         running &= ~(terminated | truncated)
-    return total, envs
+    return total, burnt
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -117,17 +118,37 @@ def test_burning_the_wire_never_pays(name: str, low: bool) -> None:
     drives, changes = DRIVES[name.lower()], {"temperature_limit": 335.0} if low else {}
     envs = SmaVectorEnv(name.lower(), changes, 4, autoreset_mode="Disabled")
     size = envs.action_space.shape
-    full, _ = score(envs, lambda _: np.ones(size))
+    full, burnt = score(envs, lambda _: np.ones(size))
     idle, _ = score(envs, lambda _: -np.ones(size))
-    held, _ = score(envs, Pi(drives))
+    held, lost = score(envs, Pi(drives))
     length = round(TASKS[name.lower()].duration / load_bench(name.lower()).period)
-    assert np.all(full < -0.5 * length)
-    assert np.all(full < idle) and np.all(full <= held) and full.mean() < held.mean()
+    assert burnt.all() and np.all(full < -length) and np.all(idle >= -length)
+    assert np.all(full <= held) and full.mean() < held.mean()
+    assert np.all(held[lost] < idle[lost])  # the PI of some hands burns a wire as well
     if not low:
-        assert held.mean() > idle.mean()
+        assert not lost.all() and held[~lost].mean() > idle[~lost].mean()
     begun = iter(range(length))
-    late, _ = score(envs, lambda _: np.full(size, 1.0 if next(begun) > length // 2 else -1.0))
-    assert np.all(late < idle)
+    late, burnt = score(envs, lambda _: np.full(size, 1.0 if next(begun) > length // 2 else -1.0))
+    assert burnt.any() and np.all(late[burnt] < -length)
+
+
+def test_nobody_gains_by_burning_a_wire_that_has_gone_too_far() -> None:
+    """From beyond the range, where every period costs most: heating on must lose to idling from 6 K below the limit."""
+    envs, length = SmaVectorEnv("wire", {}, 4, autoreset_mode="Disabled"), 600
+    limit = min(envs._episodes.temperature_limits) - 6.0  # pyright: ignore[reportPrivateUsage]
+    for begin in (100, 250):
+        sums, burnt = np.zeros((2, 4)), np.zeros((2, 4), bool)
+        for careful in (0, 1):
+            envs.reset(seed=5)
+            cut = np.zeros(4, bool)
+            for k in range(length):
+                action = np.where(cut | (k < begin), -1.0, 1.0)[:, None]
+                _, reward, over, _, info = envs.step(action)
+                sums[careful] += np.where(burnt[careful], 0.0, reward)
+                burnt[careful] |= over
+                cut |= (info["hottest"] > limit) & bool(careful)
+        assert burnt[0].any() and not burnt[1].any()
+        assert np.all(sums[0, burnt[0]] < sums[1, burnt[0]] - 1.0)
 
 
 def test_a_task_is_changed_by_its_fields() -> None:

@@ -1,4 +1,4 @@
-"""`tune`: gains of the controller of a scenario, by rules, by a relay, or downhill on the bench."""
+"""`tune`: gains of the controller of a scenario, by rules, by a relay, or downhill on the bench; and `benchmark`."""
 
 from __future__ import annotations
 
@@ -12,8 +12,10 @@ from typer import Option
 from martensite.base.errors import InputError, UnknownNameError
 from martensite.cli.options import ScenarioSource, Text, Texts, spread_options
 from martensite.cli.outputs import AnswerOptions, name_interrupted
+from martensite_control.benchmark.commands import benchmark
 
 controls = typer.Typer()
+controls.add_typer(benchmark, name="benchmark")
 METHODS = ("rules", "relay", "gradient")
 
 

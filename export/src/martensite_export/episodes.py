@@ -73,6 +73,7 @@ class Episodes:
             raise InputError(f"There must be an environment at least, but there are {count}.")
         self.bench, self.task, self.count = bench, task, count
         self.length = max(1, round(task.duration / bench.period))
+        self._penalty = self.length if task.penalty is None else task.penalty
         self._ahead = [0, *(round(time / bench.period) for time in task.preview)]
         self._drives: list[DriveSignal] = bench.drives()
         self.signals = free_signals(bench, task)
@@ -205,9 +206,10 @@ class Episodes:
         hot = (rows[self._hottest] > self._most_heat).any(axis=0)
         strained = (np.abs(rows[self._stress]) > self._most_stress).any(axis=0)
         over = hot | strained | ~solved
-        error = np.abs(self._wanted() - rows[self._output]).mean(axis=0) / (self.task.high - self.task.low)
+        apart = np.abs(self._wanted() - rows[self._output]) / (self.task.high - self.task.low)
+        error = np.minimum(apart, 1.0).mean(axis=0)
         cost = self.task.energy_weight * self.bench.period * shown["power"]
-        lost = self.task.penalty + (self.length - self._at)
+        lost = self._penalty + (self.length - self._at)
         rewards = np.where(solved, -error - cost, -1.0) - lost * over
         return Outcome(self._observation(rows), rewards, over, self._at >= self.length, shown)
 

@@ -1,12 +1,15 @@
 """What a learner shall do on a bench: what follows which references, between which bounds.
 
-    r = −|y* − y| / (high − low) − w P T
+    r = −min(|y* − y| / (high − low), 1) − w P T
 
 is the reward of a period T, with the true output y, its reference y*, the electrical power P of all elements and the
-weight w; the error is the mean over the outputs if there are several. Where a limit is exceeded the episode ends, and
-the last reward is less by the penalty and by 1, the error of the whole range, for every period that is left. So an
-early end never pays: to idle from there on would cost no more. Every episode draws its own references and, within
-declared spreads, its own plant:
+weight w; the error is the mean over the outputs if there are several. None counts as more than the whole range, so
+that to idle costs 1 in a period at most, wherever the output is. Where a limit is exceeded the episode ends, and the
+last reward is less by the penalty and by 1 for every period that is left. With the penalty of an episode of N periods
+that is N to begin with, the sum is below -N, less than that of idling, whatever was earned before; and an early end
+never pays, for to idle from there on would cost less.
+
+Every episode draws its own references and, within declared spreads, its own plant:
 
     p = p₀ (1 + s z),    temperatures p = p₀ + s z,    z evenly spread in [-1, 1]
 
@@ -64,8 +67,9 @@ class LearningTask:
     in K for temperatures."""
     energy_weight: float = 0.0
     """What an electrical joule costs."""
-    penalty: float = 10.0
-    """What it costs to exceed a limit, which ends the episode, besides 1 for every period that is left."""
+    penalty: float | None = None
+    """What it costs to exceed a limit, which ends the episode, besides 1 for every period that is left; by default the
+    number of periods of an episode, so that whoever burns a wire has less than whoever never heats it."""
     temperature_limit: float | None = None
     """Highest temperature of any element [K]; by default that of the limits of each."""
     stress_limit: float | None = None

@@ -71,7 +71,7 @@ TASKS: dict[str, LearningTask] = {
 
 
 def load_bench(name: str) -> Bench:
-    """The bench of a packaged task, with no controller.
+    """The bench of a packaged task, with no controller and no guard: that a wire can burn is part of the task.
 
     Raises:
         InputError: there is no task of this name.
@@ -79,7 +79,7 @@ def load_bench(name: str) -> Bench:
     if name not in TASKS:
         raise InputError(f"There is no packaged task `{name}`. {suggest_name(name, TASKS)}")
     bench = cast(Bench, load(FOLDER / f"{name}.toml").bench)
-    return bench.with_parts(controllers=Controllers())
+    return bench.with_parts(controllers=Controllers(), supervisor=None)
 
 
 def find_bench(bench: Bench | str, task: LearningTask | Mapping[str, Any] | None) -> tuple[Bench, LearningTask]:

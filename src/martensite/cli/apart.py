@@ -17,7 +17,10 @@ SWEEPS = {
 }
 """What the help text says of each where the distribution is absent."""
 BOARDS = {"hardware": "Boards: log, run, calibrate, replay, the plant in the loop."}
-CONTROLS = {"tune": "Tune the controller of a scenario, and show its loop."}
+CONTROLS = {
+    "tune": "Tune the controller of a scenario, and show its loop.",
+    "benchmark": "Compare what controls, on fixed tasks, wires and faults.",
+}
 WHATEVER = {"ignore_unknown_options": True, "allow_extra_args": True}
 """Settings of a command that takes all words, to answer them with one sentence."""
 

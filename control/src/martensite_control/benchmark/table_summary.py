@@ -1,0 +1,112 @@
+"""The benchmark in words and tables; units are chosen here, at the edge."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
+from martensite.control.controllers.base import CONTROLLERS
+from martensite_control.benchmark.competition import (
+    BenchmarkRow,
+    BenchmarkTable,
+    list_faults,
+    make_digest,
+    rank_entries,
+)
+from martensite_control.benchmark.entries import list_missing, load_entries
+from martensite_control.benchmark.runs import NO_FAULT
+from martensite_control.benchmark.tasks import load_tasks
+
+KELVIN = 273.15
+HEAD = ("entry", "task", "median", "90 %", "settling", "overshoot", "energy", "hottest", "above", "alarms")
+
+
+def summarise_benchmark(table: BenchmarkTable, title: str = "Benchmark of control") -> Summary:
+    """The ranking, every entry on every task, and what faults do."""
+    return Summary(title, list(_list_blocks(table)), table.to_json())
+
+
+def _list_blocks(table: BenchmarkTable) -> Iterator[Block]:
+    sound = table.select(fault=NO_FAULT)
+    tasks, wires = list(dict.fromkeys(one.task for one in sound)), sound[0].wires
+    yield Sentence(f"martensite {table.version}, benchmark {table.digest}, {wires} wires.")
+    yield _make_ranking(table, tasks)
+    yield Sentence(
+        "Ranked by the score: the mean over the tasks of the rms error that 90 % of the wires keep, in % of the span "
+        "asked for; a task that an entry does not run counts as 100 %, and a wire above its limit puts it last."
+    )
+    yield Heading("Without a fault", detail=True)
+    order = {name: k for k, name in enumerate(table.entries)}
+    rows = sorted(sound, key=lambda one: (tasks.index(one.task), order[one.entry]))
+    yield DataTable(HEAD, [_write_row(one) for one in rows], right=range(2, len(HEAD)))
+    if len(sound) < len(table.rows):
+        yield Heading("With a fault")
+        yield _make_fault_table(table)
+        yield Sentence("By fault, over all tasks: highest temperature [°C], and the share of runs above the limit.")
+    lost = [one for one in table.rows if one.failed > 0.0]
+    if lost:
+        count = round(sum(one.wires * one.failed for one in lost))
+        names = ", ".join(dict.fromkeys(f"{one.task} ({one.fault})" for one in lost))
+        total = sum(one.wires for one in table.rows)
+        yield Sentence(f"No result, and not counted as hot: {count} of {total} runs, on {names}.", "caution")
+
+
+def _make_ranking(table: BenchmarkTable, tasks: Sequence[str]) -> DataTable:
+    rows: list[list[str]] = []
+    for name, score in rank_entries(table):
+        own = {one.task: one for one in table.select(entry=name, fault=NO_FAULT)}
+        rows.append([name, f"{100.0 * score:.1f}", *(_write_error(own.get(task)) for task in tasks)])
+    return DataTable(("entry", "score", *tasks), rows, right=range(1, 2 + len(tasks)))
+
+
+def _write_error(row: BenchmarkRow | None) -> str:
+    return "–" if row is None else _write_share(row.error_90)
+
+
+def _write_share(share: float) -> str:
+    return f"{100.0 * share:.1f}" if share < 10.0 else "lost"
+
+
+def _write_row(one: BenchmarkRow) -> list[str]:
+    return [
+        one.entry,
+        one.task,
+        _write_share(one.error_median),
+        _write_share(one.error_90),
+        f"{one.settling:.2f} s",
+        f"{100.0 * one.overshoot:.1f}",
+        f"{one.energy:.1f} J",
+        f"{one.hottest - KELVIN:.0f} °C",
+        f"{100.0 * one.above:.0f} %",
+        f"{100.0 * one.alarms:.0f} %",
+    ]
+
+
+def _make_fault_table(table: BenchmarkTable) -> DataTable:
+    faults = [name for name in dict.fromkeys(one.fault for one in table.rows) if name != NO_FAULT]
+    rows: list[list[str]] = []
+    for fault in faults:
+        own = table.select(fault=fault)
+        worst = max(own, key=lambda one: one.hottest)
+        runs = sum(one.wires for one in own)
+        above, alarms = (
+            100.0 * sum(one.wires * getattr(one, name) for one in own) / runs for name in ("above", "alarms")
+        )
+        rows.append([fault, f"{worst.hottest - KELVIN:.0f}", worst.entry, f"{above:.1f}", f"{alarms:.0f}"])
+    return DataTable(("fault", "hottest", "of", "% above", "% alarms"), rows, right=(1, 3, 4))
+
+
+def summarise_parts() -> Summary:
+    """Tasks, entries and faults of the benchmark."""
+    tasks, entries = load_tasks(), load_entries()
+    rows = [(one.name, one.plant, one.title) for one in tasks.values()]
+    who = [(one.name, ", ".join(one.plants), one.title) for one in entries.values()]
+    missing = list_missing(entries, CONTROLLERS.names())
+    blocks: list[Block] = [
+        DataTable(("task", "plant", "what is asked for"), rows),
+        DataTable(("entry", "plants", "what it is"), who),
+        Sentence(f"Faults: {', '.join(list_faults())}."),
+        Sentence(f"Controllers of the package without an entry: {'; '.join(f'{n} ({w})' for n, w in missing)}."),
+    ]
+    data = {"tasks": list(tasks), "entries": list(entries), "faults": list_faults(), "digest": make_digest()}
+    return Summary("", blocks, data)

@@ -1,0 +1,124 @@
+"""`martensite benchmark control`: rows of the stored table recomputed, controllers of strangers, ranking, refusals.
+
+Source of truth: the table on the docs page, a proportional law written three ways, and rows made up for the ranking.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from martensite.cli.app import app
+from martensite_control.benchmark.competition import (
+    BenchmarkRow,
+    BenchmarkTable,
+    EntryRuns,
+    make_digest,
+    rank_entries,
+    read_table,
+    run_benchmark,
+)
+from martensite_control.benchmark.entries import find_entry, load_entries, load_gains
+from martensite_control.benchmark.strangers import read_stranger
+from martensite_control.benchmark.tasks import find_task, load_plant, load_tasks
+from martensite_control.benchmark.wires import draw_wires
+
+STORED = Path(__file__).parents[2] / "docs" / "reference" / "benchmarks" / "control.json"
+STRANGERS = {
+    "law.c": """
+void control_step(double *memory, double reference, const double *readings, double dt, double *signals) {
+  double duty = 400.0 * (reference - readings[0]);
+  signals[0] = duty < 0.0 ? 0.0 : duty > 1.0 ? 1.0 : duty;
+}
+""",
+    "law.py": """
+from martensite.base.parameters import param
+from martensite.control.controllers.base import AbstractController
+
+class Proportional(AbstractController):
+    gain = param("1", "gain", default=400.0)
+
+    def answer(self, xp, memory, reference, readings, dt):
+        return xp.clip(self.gain * (reference - readings[self.measured]), 0.0, 1.0), ()
+
+class Agent:
+    plants = ("wire",)
+
+    def predict(self, seen):  # a duty of 400 (r - y), for a range of 6 mm
+        return 2.0 * 400.0 * 0.5 * 6e-3 * (seen[:, 1:2] - seen[:, 0:1]) - 1.0
+""",
+}
+
+
+def invoke(words: Sequence[str]) -> tuple[int, str]:
+    found = CliRunner().invoke(app, ["benchmark", *words])
+    return found.exit_code, found.output
+
+
+def test_rows_of_the_stored_table_are_computed_anew() -> None:
+    """Open loop to rounding; under feedback wires swing at other times with another compiler, and only many agree."""
+    stored = read_table(STORED)
+    assert stored.digest == make_digest()
+    for name, task, tolerance in (("direct", "hold", 1e-3), ("pid", "sine", 0.15)):
+        for one in run_benchmark([EntryRuns(find_entry(name))], [find_task(task)]).rows:
+            (row,) = stored.select(entry=name, task=one.task, fault="none")
+            for key in ("error_median", "error_90", "hottest", "energy"):
+                assert getattr(one, key) == pytest.approx(getattr(row, key), rel=tolerance, abs=1e-3), key
+            assert (one.above, one.failed, one.alarms) == pytest.approx((row.above, row.failed, row.alarms), abs=0.02)
+
+
+def test_entries_have_numbers_for_every_plant_and_rows_for_every_task_and_fault() -> None:
+    stored = read_table(STORED)
+    for one in load_entries().values():
+        tasks = [task.name for task in load_tasks().values() if task.plant in one.plants]
+        for plant in one.plants:
+            assert set(load_gains(one.name, plant)) == {free.name for free in one.free}
+        rows = stored.select(entry=one.name)
+        assert len(rows) == 13 * len(tasks) and {row.task for row in rows} == set(tasks)
+    assert all(row.above == 0.0 and row.failed == 0.0 for row in stored.select(fault="none"))
+
+
+def test_strangers_of_three_kinds_do_the_same(tmp_path: Path) -> None:
+    for name, text in STRANGERS.items():
+        (tmp_path / name).write_text(text)
+    found = [read_stranger(str(tmp_path / name)) for name in ("law.c", "law.py:Proportional", "law.py:Agent")]
+    table = run_benchmark(found, [find_task("sine")], [], 2)
+    in_c, kernel, agent = (one["error"] for one in table.measures.values())
+    np.testing.assert_allclose(in_c, kernel, rtol=2e-3)
+    np.testing.assert_allclose(in_c, agent, rtol=2e-3)
+
+
+def test_a_wire_above_its_limit_puts_an_entry_last() -> None:
+    rows = [
+        BenchmarkRow(name, "hold", "none", 4, 0.0, error, 0.0, 0.0, 0.0, 300.0, above, 0.0, 0.0)
+        for name, error, above in (("burner", 0.01, 0.25), ("slow", 0.5, 0.0), ("lost", 3.0, 0.0))
+    ]
+    rows += [BenchmarkRow("slow", "sine", "none", 4, 0.0, 0.3, 0.0, 0.0, 0.0, 300.0, 0.0, 0.0, 0.0)]
+    ranked = rank_entries(BenchmarkTable(tuple(rows), {}, "0", "0"))
+    assert [name for name, _ in ranked] == ["slow", "lost", "burner"]
+    assert dict(ranked)["slow"] == pytest.approx(0.4) and dict(ranked)["lost"] == 1.0
+
+
+def test_fewer_wires_are_the_first_of_all() -> None:
+    few, many = (draw_wires(load_plant("pair"), count) for count in (4, 64))
+    for path, row in many.items():
+        np.testing.assert_array_equal(few[path], row[:4])
+    film = many["plant.group.antagonist.environment.cooling.h"] / 120.0
+    assert 0.5 <= film.min() < 0.55 and 1.85 < film.max() <= 2.0
+
+
+def test_the_command_lists_runs_and_refuses(tmp_path: Path) -> None:
+    code, said = invoke(["control", "--list", "--json"])
+    assert code == 0 and json.loads(said)["tasks"] == list(load_tasks())
+    words = ["control", "--entry", "direct", "--task", "hold", "--fault", "stuck-on", "--wires", "2"]
+    code, said = invoke([*words, "--save", str(tmp_path / "table.csv"), "--figure", str(tmp_path / "table.svg")])
+    assert code == 0 and "stuck-on" in said and (tmp_path / "table.svg").stat().st_size > 1000
+    assert len((tmp_path / "table.csv").read_text().splitlines()) == 4
+    for wrong, valid in (("--entry", "pid"), ("--task", "hold"), ("--fault", "drift"), ("--controller", "FILE.py")):
+        found = CliRunner().invoke(app, ["benchmark", "control", wrong, "nothing"])
+        assert found.exit_code == 2 or valid in str(found.exception)
