@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.assembly.systems import Piece
-from martensite.control.loop.names import AGE, AMBIENT
+from martensite.control.loop.names import AGE, AMBIENT, list_controller_outputs
 from martensite.control.loop.parts import (
     BenchState,
     Controlling,
@@ -183,3 +183,10 @@ def collect_estimates(bench: Bench, observers: Sequence[ObserverState]) -> Numbe
         for one, held in rows
         for name, value in zip(one.estimates(), held.estimates, strict=True)
     }
+
+
+def collect_controller_outputs(bench: Bench, xp: Namespace, controllers: Sequence[Controlling]) -> Numbers:
+    """What controllers say of themselves, by name."""
+    rows = zip(bench.controllers.members().values(), controllers, strict=True)
+    values = [value for one, held in rows for value in one.observe(xp, held.memory)]
+    return dict(zip(list_controller_outputs(bench), values, strict=True))

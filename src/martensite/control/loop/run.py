@@ -25,6 +25,7 @@ from martensite.control.loop.names import (
     list_drives,
     list_readings,
     list_references,
+    name_controller_outputs,
     outside_references,
     reference_output,
     wanted_name,
@@ -86,13 +87,22 @@ def simulate_bench(
         periods = round(duration / bench.period)
         length = periods * bench.period
         found = simulate_controlled(bench, played | seeing, length, bench.period, watch=watch)
-        return warn_of_end(_with_loops(found, bench, outside), duration, bench.period)
+        return warn_of_end(_with_doubts(_with_loops(found, bench, outside), bench), duration, bench.period)
     chosen = runtime or ("c" if find_compiler() is not None else "floats")
     samples = int(duration / bench.period + 1e-6) + 1
     found = simulate(
         bench, played, duration, samples=max(samples, 2), runtime=chosen, start=start, restart_at=restart_at
     )
-    return warn_of_end(found, duration, bench.period)
+    return warn_of_end(_with_doubts(found, bench), duration, bench.period)
+
+
+def _with_doubts(result: Result, bench: Bench) -> Result:
+    """A result with what controllers failed to do."""
+    said: list[str] = []
+    for drive, one in bench.controllers.members().items():
+        names = name_controller_outputs(bench, drive)
+        said += one.describe_doubts({own: result[name][-1] for own, name in names.items()})
+    return replace(result, warnings=[*result.warnings, *said]) if said else result
 
 
 def warn_of_end(result: Result, duration: float, period: float) -> Result:

@@ -1,0 +1,257 @@
+r"""What a controller learns along a task that repeats: a memory of one repetition.
+
+    w_j(k) = v_j(k) + g e_j(k + λ)
+    v_j+1(k) = (1 - φ) Σ_i c_i w_j(k + i),       c_i = C(2 h, h + i)/4^h,   i = -h … h
+
+v_j(k) is what was learned by the repetition j, at the point k = 0 … N - 1 of the task, and e the error. The lead λ
+makes up for how late the plant answers. The weights c are those of a binomial: a filter Q of no phase, which keeps what
+repeats slowly and forgets what the plant cannot follow; it passes cos^2h(ω/2) at ω per point. The share φ is forgotten
+in every repetition. Between points v is linear in time; errors count where they are at a point.
+
+The memory is a line that moves on by one place at every point: values to come, those of the last points, and those
+that wait for their neighbours to be smoothed. One repetition follows the other without a gap.
+
+It stops learning when it diverges: when the rms error of a repetition has risen `PATIENCE` times in a row, by more than
+the factor `growth` in all. A plant that changes does not do that: its error jumps once and is learned away.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import ClassVar, NamedTuple, TypeAlias
+
+from martensite.actuators.mechanisms.base import Output
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import Parametrised, param, part
+from martensite.kernels.namespace import Flag, Namespace, Scalar
+
+PATIENCE = 3
+"""Repetitions in a row, each worse than the one before, after which it may have diverged."""
+SLIGHT = 1e-6
+"""Part of the time between two points that is rounding."""
+Line: TypeAlias = tuple[Scalar, ...]
+
+
+class TaskScore(NamedTuple):
+    """How well a task is repeated."""
+
+    squares: Scalar
+    """Squared error of this repetition so far, integrated over time."""
+    repetition: Scalar
+    """Whole ones so far."""
+    error: Scalar
+    """Rms of the last whole one."""
+    streak: Scalar
+    """Repetitions in a row that were worse than the one before."""
+    start: Scalar
+    """Error before they began."""
+    least: Scalar
+    """Least error of all."""
+    learning: Scalar
+    """1, or 0 since it has diverged."""
+
+
+class TaskMemory(NamedTuple):
+    """What is remembered of a task."""
+
+    elapsed: Scalar
+    """Time since the last point [s]."""
+    place: Scalar
+    """The last point, from 0."""
+    ahead: Line
+    """v of this point and of those to come."""
+    past: Line
+    """v of the points before, latest first."""
+    waiting: Line
+    """w, not smoothed yet, latest first."""
+    best: Line
+    """v of the best repetition, from its first point on; nothing where it is not kept."""
+    score: TaskScore
+
+
+class TaskMoment(NamedTuple):
+    """Where in its task a controller is."""
+
+    due: Flag
+    """Whether a point has come."""
+    begins: Flag
+    """Whether it is the first one of a repetition."""
+    learned: Scalar
+    """v at this time."""
+    memory: TaskMemory
+    """With everything moved on, nothing learned yet."""
+
+
+class RepeatedTask(Parametrised):
+    """How a task repeats, and how it is learned."""
+
+    keeps_best: ClassVar[bool] = False
+    """Whether the best repetition comes back when it diverges; else nothing that was learned."""
+
+    period: Scalar = param("s", "time from one sample to the next", above=0.0, typical="20 ms")
+    task: Scalar = param("s", "time from one repetition to the next", above=0.0, typical="10 s")
+    points: int = part("points of a repetition that are remembered", default=100)
+    lead: Scalar = param("s", "λ, how much later than the signal the plant answers", low=0.0, default=0.0)
+    smoothing: int = part("h, half the width of the filter, in points", default=1)
+    forgetting: Scalar = param("1", "φ, share that is forgotten in a repetition", low=0.0, high=1.0, default=0.0)
+    growth: Scalar = param("1", "factor by which a diverging error may rise", low=1.0, default=1.2)
+
+    def check(self) -> None:
+        """Raise `ParameterError` where a task has no such points; fix what decides the program's size."""
+        for name, least in (("points", 4), ("smoothing", 0)):
+            count = self.__dict__[name]
+            if not isinstance(count, int) or count < least:
+                raise ParameterError(
+                    f"`{name}` of a repeated task must be a whole number from {least} on, not {count!r}."
+                )
+        if not self.spacing >= (1.0 - SLIGHT) * self.period:
+            raise ParameterError(
+                f"A task of {self.task:g} s has {self.task / self.period:.4g} samples of {self.period:g} s, but "
+                f"`points` asks for {self.points}; try {math.floor(self.task / self.period + SLIGHT)}."
+            )
+        lead = round(self.lead / self.spacing)
+        if lead + self.smoothing > self.points - 2:
+            raise ParameterError(
+                f"A lead of {self.lead:g} s and a smoothing of {self.smoothing} points do not fit into a task of "
+                f"{self.points} points, one every {self.spacing:g} s."
+            )
+        self.__dict__["_layout"] = (self.points, lead, self.smoothing)
+
+    def layout(self) -> tuple[int, ...]:
+        """Points of a repetition, of the lead and of half the filter."""
+        return self.__dict__["_layout"]
+
+    @property
+    def spacing(self) -> Scalar:
+        """Time between two points [s]."""
+        return self.task / self.points
+
+    def begin_task(self) -> TaskMemory:
+        """Before the first point: nothing learned."""
+        points, lead, half = self.layout()
+        kept = points if self.keeps_best else lead + half
+        best = (0.0,) * (points if self.keeps_best else 0)
+        ahead, past, waiting = ((0.0,) * count for count in (points - lead - half + 1, kept, 2 * half))
+        score = TaskScore(0.0, 0.0, 0.0, 0.0, 0.0, math.inf, 1.0)
+        return TaskMemory(self.spacing, -1.0, ahead, past, waiting, best, score)
+
+    def advance_task(self, xp: Namespace, before: TaskMemory, dt: Scalar) -> TaskMoment:
+        """The moment a time later [s]."""
+        elapsed = before.elapsed + dt
+        due = elapsed >= (1.0 - SLIGHT) * self.spacing
+        place = before.place + 1.0
+        begins = xp.both(due, place > self.layout()[0] - 0.5)
+        place = xp.where(due, xp.where(begins, 0.0, place), before.place)
+        elapsed = xp.where(due, elapsed - self.spacing, elapsed)
+        past = (before.ahead[0], *before.past)[: len(before.past)]
+        ahead = (*before.ahead[1:], before.ahead[-1])
+        moved = before._replace(
+            elapsed=elapsed,
+            place=place,
+            ahead=_choose(xp, due, ahead, before.ahead),
+            past=_choose(xp, due, past, before.past),
+        )
+        one, other = moved.ahead[:2]
+        return TaskMoment(due, begins, one + elapsed / self.spacing * (other - one), moved)
+
+    def learn_error(
+        self,
+        xp: Namespace,
+        now: TaskMoment,
+        gain: Scalar,
+        error: Scalar,
+        counted: Scalar,
+        dt: Scalar,
+        *,
+        seam: bool = True,
+    ) -> TaskMemory:
+        """What is remembered of a sample.
+
+        Args:
+            xp: namespace.
+            now: the moment.
+            gain: g.
+            error: as it is.
+            counted: what of it shall be learned.
+            dt: time since the sample before [s].
+            seam: whether the first errors of a repetition come from the end of the one before.
+        """
+        score = self._judge(xp, now, error, dt)
+        _, lead, half = self.layout()
+        memory = now.memory
+        own = memory.place > lead - 0.5
+        own = xp.either(own, score.repetition > 0.5) if seam else own
+        counted = xp.where(own, counted, 0.0)
+        known = (memory.ahead[0], *memory.past)
+        waiting = (known[lead] + gain * counted, *memory.waiting)
+        smooth = (1.0 - self.forgetting) * sum(c * w for c, w in zip(find_weights(half), waiting, strict=True))
+        last = xp.where(score.learning > 0.5, smooth, known[lead + half])
+        found = memory._replace(
+            ahead=(*memory.ahead[:-1], xp.where(now.due, last, memory.ahead[-1])),
+            waiting=_choose(xp, now.due, waiting[: 2 * half], memory.waiting),
+            score=score,
+        )
+        return self._keep_best(xp, now, found)
+
+    def _judge(self, xp: Namespace, now: TaskMoment, error: Scalar, dt: Scalar) -> TaskScore:
+        """The score with one more sample, and at the end of a repetition with that."""
+        before = now.memory.score
+        squares = before.squares + error**2 * dt
+        rms = xp.sqrt(squares / self.task)
+        worse = xp.both(rms > before.error, before.repetition > 0.5)
+        streak = xp.where(worse, before.streak + 1.0, 0.0)
+        start = xp.where(worse, before.start, rms)
+        diverged = xp.both(streak > PATIENCE - 0.5, rms > self.growth * start)
+        least, learning = xp.minimum(rms, before.least), xp.where(diverged, 0.0, before.learning)
+        after = TaskScore(0.0, before.repetition + 1.0, rms, streak, start, least, learning)
+        return TaskScore(*_choose(xp, now.begins, after, before._replace(squares=squares)))
+
+    def _keep_best(self, xp: Namespace, now: TaskMoment, found: TaskMemory) -> TaskMemory:
+        """The best repetition in its place, and back where it diverges."""
+        before = now.memory.score
+        stops = xp.both(before.learning > 0.5, found.score.learning < 0.5)
+        best, count = found.best, self.layout()[0]
+        if self.keeps_best:
+            better = xp.both(now.begins, found.score.error < before.least)
+            best = _choose(xp, better, found.past[::-1], best)
+        back = best or (0.0,) * count
+        ahead = tuple(back[k % count] for k in range(len(found.ahead)))
+        past = back[::-1][: len(found.past)]
+        return found._replace(
+            ahead=_choose(xp, stops, ahead, found.ahead), past=_choose(xp, stops, past, found.past), best=best
+        )
+
+
+def find_weights(half: int) -> list[float]:
+    """c, the weights of a binomial filter."""
+    return [math.comb(2 * half, i) / 4.0**half for i in range(2 * half + 1)]
+
+
+def list_task_outputs(unit: str) -> dict[str, Output]:
+    """What is said of a task, in the order of `observe_task`."""
+    return {
+        "repetition": Output("1", "whole repetitions of the task", "j"),
+        "error": Output(unit, "rms error of the last repetition", "e_rms"),
+        "learning": Output("1", "whether it learns (1) or has stopped, for it diverged (0)", "l"),
+    }
+
+
+def observe_task(score: TaskScore) -> list[Scalar]:
+    """Their values."""
+    return [score.repetition, score.error, score.learning]
+
+
+def describe_divergence(last: Mapping[str, float]) -> list[str]:
+    """A sentence if learning has stopped, from the last values of what is said of a task."""
+    if last["learning"] > 0.5:
+        return []
+    return [
+        "Warning: Learning has stopped, for the error grew from repetition to repetition. Try half the learning gain, "
+        "a lead as long as the loop is late, or more smoothing."
+    ]
+
+
+def _choose(xp: Namespace, flag: Flag, one: Sequence[Scalar], other: Sequence[Scalar]) -> Line:
+    """One of two lines, place by place."""
+    return tuple(xp.where(flag, a, b) for a, b in zip(one, other, strict=True))
