@@ -20,6 +20,7 @@ from martensite.base.errors import ParameterError
 from martensite.control.controllers.base import CONTROLLERS, AbstractController
 from martensite.control.controllers.cascade import Cascade
 from martensite.control.controllers.constant_power import ConstantPower
+from martensite.control.controllers.disturbance_observer import DisturbanceObserver
 from martensite.control.controllers.feedforward import Feedforward
 from martensite.control.controllers.inverse_play import InversePlay
 from martensite.control.controllers.iterative_learning import IterativeLearning
@@ -28,6 +29,7 @@ from martensite.control.controllers.mpc import Mpc
 from martensite.control.controllers.pid import Correction, Pid, PidGains, PidLaw
 from martensite.control.controllers.planning import PlanSearch, Price
 from martensite.control.controllers.relay import Direct, OnOff, TwoLevel
+from martensite.control.controllers.relay_tuning import RelayTuning
 from martensite.control.controllers.repetitive import Repetitive
 from martensite.control.controllers.scheduled_pid import GainsAt, GainSchedule, ScheduledPid
 from martensite.control.controllers.sliding_mode import SlidingMode
@@ -88,6 +90,17 @@ CASES: dict[str, Case] = {
     "cascade": Case(position(Cascade, start=293.15, outer=OUTER, inner=INNER)),
     "constant-power": Case(lambda reference: ConstantPower(reference=reference), course(2.0, 6.0, 0.0, 3.0)),
     "direct": Case(lambda reference: Direct(reference=reference, gain=0.1), course(0.0, 4.0, 1.0, 2.5)),
+    "disturbance-observer": Case(
+        position(
+            DisturbanceObserver,
+            period=PERIOD,
+            model_gain=0.02,
+            time_constant=1.0,
+            dead_time=0.1,
+            filter_time=0.3,
+            Kp=300.0,
+        )
+    ),
     "feedforward": Case(
         position(Feedforward, model=plant(), lookahead=0.5, slope_weight=0.0, iterations=2), samples=40
     ),
@@ -118,6 +131,7 @@ CASES: dict[str, Case] = {
     ),
     "on-off": Case(position(OnOff, band=0.2 * MM, high=0.9, low=0.1), limits=(0.1, 0.9)),
     "pid": Case(position(Pid, Kp=400.0, Ki=4.0, Kd=90.0, law=PidLaw(filter=2.0, weight=0.8))),
+    "relay-tuning": Case(position(RelayTuning, level=2.0 * MM, skipped=1.0, cycles=1.0, form="pid")),
     "repetitive": Case(position(Repetitive, **TASK)),
     "scheduled-pid": Case(position(ScheduledPid, over="temperature", rising=UP, falling=DOWN)),
     "sliding-mode": Case(
