@@ -12,12 +12,15 @@ import pytest
 from tuning_cases import DT, linear_bench, wire_bench
 
 from martensite.base.errors import ParameterError
+from martensite.control.checks.base import Checks
+from martensite.control.checks.reading import Overheat
 from martensite.control.controllers.pid import PidLaw
 from martensite.control.controllers.relay_tuning import RelayTuning
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers
 from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.loop.run import simulate_bench
+from martensite.control.supervisors.guard import Guard
 from martensite.signals.constant import Constant
 from martensite_control.rules.relay import gains_by_relay, run_relay_test
 
@@ -99,6 +102,17 @@ def test_without_a_cycle_it_gives_up_and_says_so(c_compiler: str) -> None:
     assert any("no steady limit cycle in 8 s" in said for said in run.warnings)
     short = simulate_bench(tune(linear_bench()), 2.0)
     assert any("not over yet" in said for said in short.warnings)
+
+
+def test_the_guard_has_the_last_word(c_compiler: str) -> None:
+    """What it cuts for good makes no cycle: the test ends without one, and the wire stays cool."""
+    limit = 340.0
+    guard = Guard(checks=Checks(hot=Overheat(reading="temperature", limit=limit)))
+    hot = tune(wire_bench(False), level=4e-3, bias=0.5, amplitude=0.5, timeout=20.0)
+    run, free = (simulate_bench(one, 25.0) for one in (hot.with_parts(supervisor=guard), hot))
+    assert max(free["temperature"]) > limit + 10.0 and free["controller.tuning"][-1] == 0.0
+    assert max(run["temperature"]) < limit + 5.0 and run["controller.tuning"][-1] == -1.0
+    assert run["alarm"][-1] == Overheat.alarm
 
 
 @pytest.mark.parametrize("native", [True, False])

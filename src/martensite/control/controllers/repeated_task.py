@@ -11,8 +11,9 @@ in every repetition. Between points v is linear in time; errors count where they
 The memory is a line that moves on by one place at every point: values to come, those of the last points, and those
 that wait for their neighbours to be smoothed. One repetition follows the other without a gap.
 
-It stops learning when it diverges: when the rms error of a repetition has risen `PATIENCE` times in a row, by more than
-the factor `growth` in all. A plant that changes does not do that: its error jumps once and is learned away.
+It stops learning when it diverges: when the rms error of a repetition has risen by more than 2 % `PATIENCE` times in a
+row, and by more than the factor `growth` in all. A plant that changes does not do that: its error jumps once and is
+learned away.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ from martensite.kernels.namespace import Flag, Namespace, Scalar
 
 PATIENCE = 3
 """Repetitions in a row, each worse than the one before, after which it may have diverged."""
+RISE = 0.02
+"""Share by which an error must rise to be worse than the one before, and no scatter."""
 SLIGHT = 1e-6
 """Part of the time between two points that is rounding."""
 Line: TypeAlias = tuple[Scalar, ...]
@@ -95,7 +98,7 @@ class RepeatedTask(Parametrised):
     lead: Scalar = param("s", "λ, how much later than the signal the plant answers", low=0.0, default=0.0)
     smoothing: int = part("h, half the width of the filter, in points", default=1)
     forgetting: Scalar = param("1", "φ, share that is forgotten in a repetition", low=0.0, high=1.0, default=0.0)
-    growth: Scalar = param("1", "factor by which a diverging error may rise", low=1.0, default=1.2)
+    growth: Scalar = param("1", "factor by which an error rises that diverges", low=1.0, default=2.0)
 
     def check(self) -> None:
         """Raise `ParameterError` where a task has no such points; fix what decides the program's size."""
@@ -199,7 +202,7 @@ class RepeatedTask(Parametrised):
         before = now.memory.score
         squares = before.squares + error**2 * dt
         rms = xp.sqrt(squares / self.task)
-        worse = xp.both(rms > before.error, before.repetition > 0.5)
+        worse = xp.both(rms > (1.0 + RISE) * before.error, before.repetition > 0.5)
         streak = xp.where(worse, before.streak + 1.0, 0.0)
         start = xp.where(worse, before.start, rms)
         diverged = xp.both(streak > PATIENCE - 0.5, rms > self.growth * start)
