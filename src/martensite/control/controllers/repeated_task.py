@@ -136,7 +136,7 @@ class RepeatedTask(Parametrised):
         kept = points if self.keeps_best else lead + half
         best = (0.0,) * (points if self.keeps_best else 0)
         ahead, past, waiting = ((0.0,) * count for count in (points - lead - half + 1, kept, 2 * half))
-        score = TaskScore(0.0, 0.0, 0.0, 0.0, 0.0, math.inf, 1.0)
+        score = TaskScore(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
         return TaskMemory(self.spacing, -1.0, ahead, past, waiting, best, score)
 
     def advance_task(self, xp: Namespace, before: TaskMemory, dt: Scalar) -> TaskMoment:
@@ -202,11 +202,13 @@ class RepeatedTask(Parametrised):
         before = now.memory.score
         squares = before.squares + error**2 * dt
         rms = xp.sqrt(squares / self.task)
-        worse = xp.both(rms > (1.0 + RISE) * before.error, before.repetition > 0.5)
+        any_before = before.repetition > 0.5
+        worse = xp.both(rms > (1.0 + RISE) * before.error, any_before)
         streak = xp.where(worse, before.streak + 1.0, 0.0)
         start = xp.where(worse, before.start, rms)
         diverged = xp.both(streak > PATIENCE - 0.5, rms > self.growth * start)
-        least, learning = xp.minimum(rms, before.least), xp.where(diverged, 0.0, before.learning)
+        least = xp.where(any_before, xp.minimum(rms, before.least), rms)
+        learning = xp.where(diverged, 0.0, before.learning)
         after = TaskScore(0.0, before.repetition + 1.0, rms, streak, start, least, learning)
         return TaskScore(*_choose(xp, now.begins, after, before._replace(squares=squares)))
 
@@ -216,7 +218,7 @@ class RepeatedTask(Parametrised):
         stops = xp.both(before.learning > 0.5, found.score.learning < 0.5)
         best, count = found.best, self.layout()[0]
         if self.keeps_best:
-            better = xp.both(now.begins, found.score.error < before.least)
+            better = xp.both(now.begins, found.score.error <= found.score.least)
             best = _choose(xp, better, found.past[::-1], best)
         back = best or (0.0,) * count
         ahead = tuple(back[k % count] for k in range(len(found.ahead)))
