@@ -12,7 +12,7 @@ and it converges where that holds; what remains is due to Q, which is 1 at rest 
 the learning gain g, and for the lead the time by which the closed loop is late.
 
 Nothing is learned where the signal is at a limit and the error would drive it further. When the error grows from
-repetition to repetition it stops learning, goes on with the signal of the best repetition, and `learning` is 0.
+repetition to repetition it stops, uses v no more, and `learning` is 0: what is left is the PID controller.
 
 Sources: Arimoto, Kawamura and Miyazaki (1984); Bristow, Tharayil and Alleyne (2006), parallel architecture.
 """
@@ -79,7 +79,6 @@ class IterativeLearning(AbstractLearning):
     """A PID controller with a feed-forward that is learned from repetition to repetition."""
 
     cites = ("arimoto1984", "bristow2006")
-    keeps_best = True
 
     learning_gain: Scalar = param("1", "g, in signal per SI unit of what is measured", typical=50.0)
     between: str = option(

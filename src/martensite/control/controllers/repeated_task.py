@@ -12,15 +12,15 @@ The memory is a line that moves on by one place at every point: values to come, 
 that wait for their neighbours to be smoothed. One repetition follows the other without a gap.
 
 It stops learning when it diverges: when the rms error of a repetition has risen by more than 2 % `PATIENCE` times in a
-row, and by more than the factor `growth` in all. A plant that changes does not do that: its error jumps once and is
-learned away.
+row, and by more than the factor `growth` in all. What was learned is used no more then. A plant that changes does not
+do that: its error jumps once and is learned away.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import ClassVar, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import ParameterError
@@ -49,8 +49,6 @@ class TaskScore(NamedTuple):
     """Repetitions in a row that were worse than the one before."""
     start: Scalar
     """Error before they began."""
-    least: Scalar
-    """Least error of all."""
     learning: Scalar
     """1, or 0 since it has diverged."""
 
@@ -68,8 +66,6 @@ class TaskMemory(NamedTuple):
     """v of the points before, latest first."""
     waiting: Line
     """w, not smoothed yet, latest first."""
-    best: Line
-    """v of the best repetition, from its first point on; nothing where it is not kept."""
     score: TaskScore
 
 
@@ -88,9 +84,6 @@ class TaskMoment(NamedTuple):
 
 class RepeatedTask(Parametrised):
     """How a task repeats, and how it is learned."""
-
-    keeps_best: ClassVar[bool] = False
-    """Whether the best repetition comes back when it diverges; else nothing that was learned."""
 
     period: Scalar = param("s", "time from one sample to the next", above=0.0, typical="20 ms")
     task: Scalar = param("s", "time from one repetition to the next", above=0.0, typical="10 s")
@@ -133,11 +126,9 @@ class RepeatedTask(Parametrised):
     def begin_task(self) -> TaskMemory:
         """Before the first point: nothing learned."""
         points, lead, half = self.layout()
-        kept = points if self.keeps_best else lead + half
-        best = (0.0,) * (points if self.keeps_best else 0)
-        ahead, past, waiting = ((0.0,) * count for count in (points - lead - half + 1, kept, 2 * half))
-        score = TaskScore(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
-        return TaskMemory(self.spacing, -1.0, ahead, past, waiting, best, score)
+        ahead, past, waiting = ((0.0,) * count for count in (points - lead - half + 1, lead + half, 2 * half))
+        score = TaskScore(0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+        return TaskMemory(self.spacing, -1.0, ahead, past, waiting, score)
 
     def advance_task(self, xp: Namespace, before: TaskMemory, dt: Scalar) -> TaskMoment:
         """The moment a time later [s]."""
@@ -156,7 +147,8 @@ class RepeatedTask(Parametrised):
             past=_choose(xp, due, past, before.past),
         )
         one, other = moved.ahead[:2]
-        return TaskMoment(due, begins, one + elapsed / self.spacing * (other - one), moved)
+        learned = one + elapsed / self.spacing * (other - one)
+        return TaskMoment(due, begins, before.score.learning * learned, moved)
 
     def learn_error(
         self,
@@ -185,47 +177,28 @@ class RepeatedTask(Parametrised):
         memory = now.memory
         own = memory.place > lead - 0.5
         own = xp.either(own, score.repetition > 0.5) if seam else own
-        counted = xp.where(own, counted, 0.0)
+        counted = xp.where(own, score.learning * counted, 0.0)
         known = (memory.ahead[0], *memory.past)
         waiting = (known[lead] + gain * counted, *memory.waiting)
         smooth = (1.0 - self.forgetting) * sum(c * w for c, w in zip(find_weights(half), waiting, strict=True))
-        last = xp.where(score.learning > 0.5, smooth, known[lead + half])
-        found = memory._replace(
-            ahead=(*memory.ahead[:-1], xp.where(now.due, last, memory.ahead[-1])),
+        return memory._replace(
+            ahead=(*memory.ahead[:-1], xp.where(now.due, smooth, memory.ahead[-1])),
             waiting=_choose(xp, now.due, waiting[: 2 * half], memory.waiting),
             score=score,
         )
-        return self._keep_best(xp, now, found)
 
     def _judge(self, xp: Namespace, now: TaskMoment, error: Scalar, dt: Scalar) -> TaskScore:
         """The score with one more sample, and at the end of a repetition with that."""
         before = now.memory.score
         squares = before.squares + error**2 * dt
         rms = xp.sqrt(squares / self.task)
-        any_before = before.repetition > 0.5
-        worse = xp.both(rms > (1.0 + RISE) * before.error, any_before)
+        worse = xp.both(rms > (1.0 + RISE) * before.error, before.repetition > 0.5)
         streak = xp.where(worse, before.streak + 1.0, 0.0)
         start = xp.where(worse, before.start, rms)
         diverged = xp.both(streak > PATIENCE - 0.5, rms > self.growth * start)
-        least = xp.where(any_before, xp.minimum(rms, before.least), rms)
         learning = xp.where(diverged, 0.0, before.learning)
-        after = TaskScore(0.0, before.repetition + 1.0, rms, streak, start, least, learning)
+        after = TaskScore(0.0, before.repetition + 1.0, rms, streak, start, learning)
         return TaskScore(*_choose(xp, now.begins, after, before._replace(squares=squares)))
-
-    def _keep_best(self, xp: Namespace, now: TaskMoment, found: TaskMemory) -> TaskMemory:
-        """The best repetition in its place, and back where it diverges."""
-        before = now.memory.score
-        stops = xp.both(before.learning > 0.5, found.score.learning < 0.5)
-        best, count = found.best, self.layout()[0]
-        if self.keeps_best:
-            better = xp.both(now.begins, found.score.error <= found.score.least)
-            best = _choose(xp, better, found.past[::-1], best)
-        back = best or (0.0,) * count
-        ahead = tuple(back[k % count] for k in range(len(found.ahead)))
-        past = back[::-1][: len(found.past)]
-        return found._replace(
-            ahead=_choose(xp, stops, ahead, found.ahead), past=_choose(xp, stops, past, found.past), best=best
-        )
 
 
 def find_weights(half: int) -> list[float]:
@@ -258,5 +231,9 @@ def describe_divergence(last: Mapping[str, float]) -> list[str]:
 
 
 def _choose(xp: Namespace, flag: Flag, one: Sequence[Scalar], other: Sequence[Scalar]) -> Line:
-    """One of two lines, place by place."""
-    return tuple(xp.where(flag, a, b) for a, b in zip(one, other, strict=True))
+    """One of two lines, place by place; a long one in a loop, which a C compiler reads sooner."""
+
+    def choose(a: Scalar, b: Scalar) -> tuple[Scalar]:
+        return (xp.where(flag, a, b),)
+
+    return tuple(xp.each(choose, one, other)[0]) if other else ()

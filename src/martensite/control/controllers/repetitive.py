@@ -9,11 +9,11 @@ stable if
 
     |Q(ω) (1 - g e^{iωλ} T(ω))| < 1         at all ω
 
-so that g is a share: 0.5 is a good start, with the time by which T is late for the lead. Iterative learning keeps a
-signal for every repetition and can be put back between them; this one learns on without an end.
+so that g is a share: 0.5 is a good start, with the time by which T is late for the lead. Iterative learning adds to
+the signal and can be put back between repetitions; this one adds to the error, and PID gains count for what it learns.
 
 Nothing is learned where the signal is at a limit and the error would drive it further. When the error grows from
-repetition to repetition it stops, forgets v, and `learning` is 0: what is left is the PID controller.
+repetition to repetition it stops, uses v no more, and `learning` is 0: what is left is the PID controller.
 
 Source: Hara, Yamamoto, Omata and Nakano (1988), modified repetitive control.
 """
