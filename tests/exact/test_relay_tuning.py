@@ -25,7 +25,7 @@ from martensite.signals.constant import Constant
 from martensite_control.rules.relay import gains_by_relay, run_relay_test
 
 LEVEL, BIAS, SWING = 1.3, 0.4, 0.25
-GIVEN: dict[str, Any] = {"level": LEVEL, "bias": BIAS, "amplitude": SWING}
+GIVEN: dict[str, Any] = {"level": LEVEL, "bias": BIAS, "amplitude": SWING, "form": "pi"}
 
 
 def tune(bench: Bench, **given: Any) -> Bench:

@@ -109,7 +109,7 @@ class RelayTuning(AbstractController):
     action: str = option("what is measured rises with the signal, or falls", "rising", "falling", default="rising")
     balance: str = option("whether the bias moves until both signals last as long", "off", "on", default="off")
     rule: str = option("which gains", *RELAY_RULES, default="tyreus-luyben")
-    form: str = option("with a derivative part or without", "pi", "pid", default="pi")
+    form: str = option("with a derivative part or without", "pi", "pid", default="pid")
     skipped: Scalar = param("1", "cycles that are not counted", low=1.0, default=3.0)
     cycles: Scalar = param("1", "cycles that are", low=1.0, default=6.0)
     timeout: Scalar = param("s", "time after which it gives up", above=0.0, default=120.0)
