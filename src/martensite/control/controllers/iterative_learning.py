@@ -18,19 +18,13 @@ Sources: Arimoto, Kawamura and Miyazaki (1984); Bristow, Tharayil and Alleyne (2
 """
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.parameters import option, param
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
 from martensite.control.controllers.pid import PidGains, PidMemory
-from martensite.control.controllers.repeated_task import (
-    RepeatedTask,
-    TaskMemory,
-    describe_divergence,
-    list_task_outputs,
-    observe_task,
-)
+from martensite.control.controllers.repeated_task import RepeatedTask, TaskMemory
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
 
@@ -47,19 +41,37 @@ class LearningMemory(NamedTuple):
 class AbstractLearning(AbstractController, PidGains, RepeatedTask):
     """A PID controller with something that it learns along a task."""
 
+    adds_error: ClassVar[bool] = False
+    """Whether it is an error that it learns; else a signal."""
+
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
         """Nothing learned, nothing integrated."""
         pid = self.law.rest(xp, reference, readings[self.measured])
         return flatten_numbers(LearningMemory(self.begin_task(), pid, 0.0))
 
+    def list_outputs(self, unit: str, signal: str) -> dict[str, Output]:
+        """How it learns, and what it has learned."""
+        return {
+            "repetition": Output("1", "whole repetitions of the task", "j"),
+            "error": Output(unit, "rms error of the last repetition", "e_rms"),
+            "learning": Output("1", "whether it learns (1) or has stopped, for it diverged (0)", "l"),
+            "learned": Output(unit if self.adds_error else signal, "what was learned", "v"),
+        }
+
     def observe(self, xp: Namespace, memory: Column) -> Column:
         """How it learns, and what it has learned."""
         held = self.rebuild_memory(memory)
-        return [*observe_task(held.task.score), held.learned]
+        score = held.task.score
+        return [score.repetition, score.error, score.learning, held.learned]
 
     def describe_doubts(self, last: Mapping[str, float]) -> list[str]:
         """Whether it has stopped learning."""
-        return describe_divergence(last)
+        if last["learning"] > 0.5:
+            return []
+        return [
+            "Warning: Learning has stopped, for the error grew from repetition to repetition. Try half the learning "
+            "gain, a lead as long as the loop is late, or more smoothing."
+        ]
 
     def rebuild_memory(self, memory: Column) -> LearningMemory:
         """What is remembered, by name."""
@@ -87,10 +99,6 @@ class IterativeLearning(AbstractLearning):
         "reset",
         default="continuous",
     )
-
-    def list_outputs(self, unit: str, signal: str) -> dict[str, Output]:
-        """How it learns, and the signal that it has learned."""
-        return list_task_outputs(unit) | {"learned": Output(signal, "learned feed-forward", "v")}
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """Signal of this sample, and what is remembered for the next."""

@@ -19,10 +19,9 @@ do that: its error jumps once and is learned away.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple, TypeAlias
 
-from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Parametrised, param, part
 from martensite.kernels.namespace import Flag, Namespace, Scalar
@@ -204,30 +203,6 @@ class RepeatedTask(Parametrised):
 def find_weights(half: int) -> list[float]:
     """c, the weights of a binomial filter."""
     return [math.comb(2 * half, i) / 4.0**half for i in range(2 * half + 1)]
-
-
-def list_task_outputs(unit: str) -> dict[str, Output]:
-    """What is said of a task, in the order of `observe_task`."""
-    return {
-        "repetition": Output("1", "whole repetitions of the task", "j"),
-        "error": Output(unit, "rms error of the last repetition", "e_rms"),
-        "learning": Output("1", "whether it learns (1) or has stopped, for it diverged (0)", "l"),
-    }
-
-
-def observe_task(score: TaskScore) -> list[Scalar]:
-    """Their values."""
-    return [score.repetition, score.error, score.learning]
-
-
-def describe_divergence(last: Mapping[str, float]) -> list[str]:
-    """A sentence if learning has stopped, from the last values of what is said of a task."""
-    if last["learning"] > 0.5:
-        return []
-    return [
-        "Warning: Learning has stopped, for the error grew from repetition to repetition. Try half the learning gain, "
-        "a lead as long as the loop is late, or more smoothing."
-    ]
 
 
 def _choose(xp: Namespace, flag: Flag, one: Sequence[Scalar], other: Sequence[Scalar]) -> Line:

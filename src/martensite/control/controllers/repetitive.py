@@ -18,11 +18,9 @@ repetition to repetition it stops, uses v no more, and `learning` is 0: what is 
 Source: Hara, Yamamoto, Omata and Nakano (1988), modified repetitive control.
 """
 
-from martensite.actuators.mechanisms.base import Output
 from martensite.base.parameters import param
 from martensite.control.controllers.base import CONTROLLERS, Answer, Column, Readings
 from martensite.control.controllers.iterative_learning import AbstractLearning, LearningMemory
-from martensite.control.controllers.repeated_task import list_task_outputs
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import flatten_numbers
 
@@ -32,12 +30,9 @@ class Repetitive(AbstractLearning):
     """A PID controller with the internal model of a period plugged in."""
 
     cites = ("hara1988",)
+    adds_error = True
 
     learning_gain: Scalar = param("1", "g, share of an error that is learned in a repetition", low=0.0, default=0.5)
-
-    def list_outputs(self, unit: str, signal: str) -> dict[str, Output]:
-        """How it learns, and the error that it expects."""
-        return list_task_outputs(unit) | {"learned": Output(unit, "what is added to the error", "v")}
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """Signal of this sample, and what is remembered for the next."""
