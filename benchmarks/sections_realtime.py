@@ -53,7 +53,7 @@ def bench(observed: bool) -> Bench:
     if observed:
         found = Observers(filter=ExtendedKalman(model=plant(), measured=("position",)))
     name = "estimated.position" if observed else "position"
-    pid = Pid(measured=name, reference=COURSE, Kp=300.0, Ki=2.0, Kd=100.0)
+    pid = Pid(measured=name, reference=COURSE, Kp=300.0, Ki=100.0, Kd=2.0)
     return Bench(
         plant=plant(),
         period=PERIOD,

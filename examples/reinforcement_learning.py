@@ -32,7 +32,7 @@ NUMBERS = {
 
 
 class Pid:
-    """That of the library: u = Kp e + I + Kd (e - e'), the integral held while the duty is at a bound."""
+    """That of the library per sample: u = Kp e + I + Kd (e - e'), the integral held while the duty is at a bound."""
 
     start, spread = (7.0, 3.5, 5.7), (1.0, 1.0, 1.0)  # logarithms
 

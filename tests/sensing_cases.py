@@ -58,7 +58,7 @@ def sensing_bench(
         parts["observers"] = Observers(wire=observer)
     if reference is not None:
         law = PidLaw(low=LEAST_DUTY)
-        loop = Pid(measured="estimated.position", reference=reference, Kp=400.0, Ki=4.0, law=law)
+        loop = Pid(measured="estimated.position", reference=reference, Kp=400.0, Ki=200.0, law=law)
         parts["controllers"] = Controllers(drive=loop)
     return Bench(**(parts | changes))
 

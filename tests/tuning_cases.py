@@ -42,7 +42,7 @@ def wire_bench(sensed: bool = True) -> Bench:
         source=PwmVoltage(supply=1.8),
     )
     levels = Staircase(first=0.003, increment=0.002, hold=4.0, count=2)
-    pid = Pid(measured="position", reference=levels, Kp=300.0, Ki=200.0, Kd=80.0, gains_are="in-seconds")
+    pid = Pid(measured="position", reference=levels, Kp=300.0, Ki=200.0, Kd=80.0)
     encoder = Sensors(position=MountedSensor(sensor=PositionSensor(), delay=0.1))
     return Bench(
         plant=system,

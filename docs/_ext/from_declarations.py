@@ -20,6 +20,7 @@ import parts
 import sources
 
 from martensite.actuators.elements.limits import ElementLimits
+from martensite.control import ManualMode, PidLaw, ReadingFilter, ReferenceShaping, SignalSlew
 from martensite.control.loop.parts import MountedSensor
 from martensite.physics.laws.base import LAWS
 from martensite.physics.laws.wear import Wear
@@ -40,6 +41,14 @@ SOURCES = {
     "finger-paper": ("finger", "finger-calibration"),
 }
 """Works that have a page of their own, with the studies of each."""
+AROUND = {
+    "law": PidLaw,
+    "reading-filter": ReadingFilter,
+    "shaping": ReferenceShaping,
+    "manual": ManualMode,
+    "slew": SignalSlew,
+}
+"""Tables of a controller that are in no registry."""
 REBUILT = [name for studies in SOURCES.values() for name in studies]
 SECTIONS: dict[str, Callable[[], str]] = {
     "parts": parts.all_parts,
@@ -63,6 +72,7 @@ SECTIONS: dict[str, Callable[[], str]] = {
     "run": lambda: parts.parameters_of(Run),
     "bench": lambda: parts.parameters_of(BenchSettings),
     "from-plant": lambda: parts.parameters_of(FromPlant),
+    **{f"controller-{name}": partial(parts.parameters_of, cls) for name, cls in AROUND.items()},
     "mounted": lambda: parts.parameters_of(MountedSensor),
     "environment": lambda: parts.parameters_of(Environment),
     "limits": lambda: parts.parameters_of(ElementLimits),

@@ -18,7 +18,7 @@ from builders import problem_a
 from martensite.actuators.assembly import System
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.base import CONTROLLERS, AbstractController
-from martensite.control.controllers.cascade import Cascade
+from martensite.control.controllers.cascade import Cascade, InnerPid, OuterPid
 from martensite.control.controllers.constant_power import ConstantPower
 from martensite.control.controllers.disturbance_observer import DisturbanceObserver
 from martensite.control.controllers.feedforward import Feedforward
@@ -26,7 +26,7 @@ from martensite.control.controllers.inverse_play import InversePlay
 from martensite.control.controllers.iterative_learning import IterativeLearning
 from martensite.control.controllers.latched_on_off import LatchedOnOff
 from martensite.control.controllers.mpc import Mpc
-from martensite.control.controllers.pid import Correction, Pid, PidGains, PidLaw
+from martensite.control.controllers.pid import Correction, Pid, PidLaw
 from martensite.control.controllers.planning import PlanSearch, Price
 from martensite.control.controllers.relay import Direct, OnOff, TwoLevel
 from martensite.control.controllers.relay_tuning import RelayTuning
@@ -81,11 +81,11 @@ def position(cls: Any, **given: Any) -> Callable[[AbstractWaveform], AbstractCon
     return lambda reference: cls(measured="position", reference=reference, **given)
 
 
-UP = GainSchedule(low=GainsAt(at=290.0, Kp=400.0, Ki=4.0, Kd=90.0), high=GainsAt(at=HOT, Kp=250.0, Ki=2.0))
-DOWN = GainSchedule(all=GainsAt(at=0.0, Kp=800.0, Ki=1.0))
-OUTER = PidGains(Kp=2e4, Ki=50.0, law=PidLaw(low=0.0, high=80.0))
-INNER = PidGains(Kp=0.05, Ki=0.4, gains_are="in-seconds")
-TASK: dict[str, Any] = {"Kp": 400.0, "Ki": 4.0, "period": PERIOD, "task": 0.7, "points": 20, "lead": 0.1}
+UP = GainSchedule(low=GainsAt(at=290.0, Kp=400.0, Ki=200.0, Kd=1.8), high=GainsAt(at=HOT, Kp=250.0, Ki=100.0))
+DOWN = GainSchedule(all=GainsAt(at=0.0, Kp=800.0, Ki=50.0))
+OUTER = OuterPid(Kp=2e4, Ki=2500.0, law=PidLaw(low=0.0, high=80.0))
+INNER = InnerPid(Kp=0.05, Ki=0.4)
+TASK: dict[str, Any] = {"Kp": 400.0, "Ki": 200.0, "period": PERIOD, "task": 0.7, "points": 20, "lead": 0.1}
 CASES: dict[str, Case] = {
     "cascade": Case(position(Cascade, start=293.15, outer=OUTER, inner=INNER)),
     "constant-power": Case(lambda reference: ConstantPower(reference=reference), course(2.0, 6.0, 0.0, 3.0)),
@@ -130,7 +130,7 @@ CASES: dict[str, Case] = {
         )
     ),
     "on-off": Case(position(OnOff, band=0.2 * MM, high=0.9, low=0.1), limits=(0.1, 0.9)),
-    "pid": Case(position(Pid, Kp=400.0, Ki=4.0, Kd=90.0, law=PidLaw(filter=2.0, weight=0.8))),
+    "pid": Case(position(Pid, Kp=400.0, Ki=200.0, Kd=1.8, law=PidLaw(filter=0.04, weight=0.8))),
     "relay-tuning": Case(position(RelayTuning, level=2.0 * MM, skipped=1.0, cycles=1.0, form="pid")),
     "repetitive": Case(position(Repetitive, **TASK)),
     "scheduled-pid": Case(position(ScheduledPid, over="temperature", rising=UP, falling=DOWN)),

@@ -15,7 +15,9 @@ from builders import problem_a
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
 from martensite.control.controllers.base import AbstractController, Readings
+from martensite.control.controllers.conditioning import ManualMode, ReadingFilter, SignalSlew
 from martensite.control.controllers.pid import Pid
+from martensite.control.controllers.shaping import ReferenceShaping
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import (
     AbstractSupervisor,
@@ -34,6 +36,7 @@ from martensite.control.sensors.position import PositionSensor
 from martensite.kernels.compiler import find_compiler
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.switches import PwmVoltage
+from martensite.signals.constant import Constant
 from martensite.signals.sine import Sine
 from martensite.simulate.result import Result
 
@@ -73,7 +76,7 @@ class Older(AbstractController):
 
 
 def pid(measured: str = "position") -> Pid:
-    return Pid(measured=measured, reference=COURSE, Kp=150.0, Ki=6.0, Kd=20.0)
+    return Pid(measured=measured, reference=COURSE, Kp=150.0, Ki=6.0 / PERIOD, Kd=20.0 * PERIOD)
 
 
 def bench(controller: AbstractController, delay: float = 0.0, **parts: object) -> Bench:
@@ -91,7 +94,14 @@ def bench(controller: AbstractController, delay: float = 0.0, **parts: object) -
 @cache
 def loops() -> dict[str, Bench]:
     observers = Observers(ekf=ExtendedKalman(model=SYSTEM, measured=("position",), reading_deviation=0.02 * MM))
+    around = {
+        "reading_filter": ReadingFilter(time_constant=0.1, order="2", median="of-three"),
+        "shaping": ReferenceShaping(rate=2 * MM, acceleration=8 * MM),
+        "manual": ManualMode(signal=Constant(level=0.3), automatic_from=0.52, automatic_until=2.4),
+        "slew": SignalSlew(rising=1.0),
+    }
     return {
+        "conditioned": bench(pid().with_parts(**around)),
         "pid": bench(pid()),
         "supervised": bench(pid(), supervisor=Ceiling(ceiling=4 * MM)),
         "observer": bench(pid("estimated.position"), observers=observers),
@@ -108,13 +118,40 @@ def played(loop: RealtimeStep, readings: Any) -> np.ndarray:
 
 
 @pytest.mark.parametrize("native", NATIVE)
-@pytest.mark.parametrize("name", ["pid", "supervised", "observer"])
+@pytest.mark.parametrize("name", ["pid", "supervised", "observer", "conditioned"])
 def test_it_does_what_the_bench_does(name: str, native: bool) -> None:
     found = run(name)
     signals = played(RealtimeStep(loops()[name], native), found["measured.position"])
     wanted = np.array(found["drive"])
     assert np.ptp(wanted) > 0.1
     np.testing.assert_allclose(signals, wanted, rtol=0.0, atol=1e-7)
+
+
+def test_what_stands_around_a_controller_runs_in_c_as_on_floats() -> None:
+    """By hand, then shaped and slewed, then by hand again; `shaped` is what is followed."""
+    one, other = run("conditioned"), simulate_bench(loops()["conditioned"], DURATION, seed=3, runtime="c")
+    for name in ("position", "drive", "shaped"):
+        span = np.ptp(one[name])
+        assert span > 0.0
+        np.testing.assert_allclose(one[name], other[name], rtol=0.0, atol=1e-9 * span)
+    signals = np.array(one["drive"])
+    assert signals[8:10].tolist() == signals[-3:].tolist()[:2] == [0.3, 0.3]
+    assert abs(signals[11] - 0.3) < 0.02 and np.diff(signals).max() <= PERIOD * (1.0 + 1e-9)
+
+
+@pytest.mark.parametrize("native", NATIVE)
+def test_a_hand_takes_the_signal_and_gives_it_back_without_a_bump(native: bool) -> None:
+    loop = RealtimeStep(bench(pid().with_parts(manual=ManualMode())), native)
+    found = [loop.step([1 * MM], references=[2 * MM])[0] for _ in range(5)]
+    loop.set_manual()
+    assert [loop.step([1 * MM], references=[2 * MM])[0] for _ in range(3)] == [found[-1]] * 3
+    loop.set_manual(0.05)
+    assert [loop.step([1 * MM], references=[2 * MM])[0] for _ in range(3)] == [0.05] * 3
+    loop.set_automatic()
+    after = [loop.step([1 * MM], references=[2 * MM])[0] for _ in range(2)]
+    assert after == pytest.approx([0.05 + k * 6.0 * MM for k in (1, 2)]), "Ki h e a sample, from the signal by hand"
+    with pytest.raises(ParameterError, match="`manual` part"):
+        RealtimeStep(loops()["pid"], native).set_manual(0.1)
 
 
 def test_readings_of_another_run_give_other_signals() -> None:
@@ -158,7 +195,7 @@ def test_references_may_be_given() -> None:
     loop = RealtimeStep(loops()["pid"])
     assert loop.step([0.0], references=[0.0]) == (0.0,)
     loop.reset()
-    assert loop.step([0.0], references=[1 * MM])[0] == pytest.approx(150.0 * MM + 6.0 * MM)
+    assert loop.step([0.0], references=[1 * MM])[0] == pytest.approx(150.0 * MM)
     assert (loop.readings, loop.drives, loop.free) == (("position",), ("drive",), ())
 
 

@@ -144,7 +144,7 @@ waveform = { kind = "constant", level = "3 W" }
 kind = "pid"
 measured = "temperature"
 Kp = -0.1
-Ki = -0.05
+Ki = -2.5
 low = "0 m/s"
 high = "20 m/s"
 [references.fan]

@@ -58,7 +58,7 @@ def test_a_linear_loop_has_its_transfer_function(c_compiler: str) -> None:
 
 @pytest.mark.parametrize("gain", [2.0, -2.0])
 def test_with_limits_it_is_the_loop_sample_by_sample(gain: float, c_compiler: str) -> None:
-    law = PidLaw(low=-0.2, high=0.6, weight=0.7, filter=2.0)
+    law = PidLaw(low=-0.2, high=0.6, weight=0.7, filter=2.0 * DT)
     gains = Gains(*(math.copysign(g, gain) for g in GAINS))
     found = loop(law, gain, 0.3).run(gains, REFERENCE)
     chain = model(gain, 0.3)
@@ -67,7 +67,7 @@ def test_with_limits_it_is_the_loop_sample_by_sample(gain: float, c_compiler: st
     for k, wanted in enumerate(REFERENCE.tolist()):
         seen = chain.engine.simulate(chain.theta, np.array([[signal]]), state.copy())[0, 0] - rest
         memory = memory or law.rest(floats, wanted, seen)
-        signal, memory = law.answer(floats, gains, memory, wanted, seen)
+        signal, memory = law.answer(floats, gains, memory, wanted, seen, DT, sampled=True)
         chain.engine.simulate(chain.theta, np.array([[signal]]), state)
         assert found.output[k] == pytest.approx(seen, abs=1e-12)
         assert found.signal[k] == pytest.approx(signal, abs=1e-12)

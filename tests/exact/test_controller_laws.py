@@ -15,8 +15,8 @@ from builders import problem_a
 
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.base import AbstractController
-from martensite.control.controllers.cascade import Cascade
-from martensite.control.controllers.pid import Pid, PidGains, PidLaw
+from martensite.control.controllers.cascade import Cascade, InnerPid, OuterPid
+from martensite.control.controllers.pid import Pid, PidLaw
 from martensite.control.controllers.relay import Direct, TwoLevel
 from martensite.control.controllers.scheduled_pid import GainsAt, GainSchedule, ScheduledPid
 from martensite.control.controllers.sliding_mode import SlidingMode
@@ -80,7 +80,7 @@ def test_with_one_point_it_is_a_pid_controller(kind: str) -> None:
         "measured": "y",
         "reference": held(*reversed(values)),
         "gains_are": kind,
-        "law": PidLaw(low=-9.0, high=9.0, filter=1.0),
+        "law": PidLaw(low=-9.0, high=9.0, filter=DT),
     }
     one = GainSchedule(all=GainsAt(at=0.0, Kp=2.0, Ki=0.3, Kd=0.4))
     scheduled = ScheduledPid(rising=one, **rest)
@@ -204,13 +204,13 @@ def test_direct_is_a_straight_line() -> None:
 
 
 def cascade(start: float = 300.0, most: float = 60.0, **inner: Any) -> Cascade:
-    numbers: dict[str, Any] = {"Kp": 0.5, "Ki": 0.004, "law": PidLaw(high=12.0)}
+    numbers: dict[str, Any] = {"Kp": 0.5, "Ki": 0.4, "law": PidLaw(high=12.0)}
     return Cascade(
         measured="position",
         reference=Constant(level=0.002),
         start=start,
-        outer=PidGains(Kp=2e4, Ki=300.0, law=PidLaw(high=most)),
-        inner=PidGains(**numbers | inner),
+        outer=OuterPid(Kp=2e4, Ki=3e4, law=PidLaw(high=most)),
+        inner=InnerPid(**numbers | inner),
     )
 
 
@@ -224,9 +224,9 @@ def test_a_cascade_is_one_pid_behind_another() -> None:
     for k in range(40):
         signal, memory = whole(k * DT, {"position": y[k], "temperature": T[k]}, memory)
         found.append(signal)
-    outer = Pid(measured="y", reference=whole.reference, Kp=2e4, Ki=300.0, law=PidLaw(high=60.0))
+    outer = Pid(measured="y", reference=whole.reference, Kp=2e4, Ki=3e4, law=PidLaw(high=60.0))
     target = held(*(300.0 + added for added in played(outer, y.tolist())))
-    inner = Pid(measured="y", reference=target, Kp=0.5, Ki=0.004, law=WIDE)
+    inner = Pid(measured="y", reference=target, Kp=0.5, Ki=0.4, law=WIDE)
     assert found == pytest.approx(played(inner, T.tolist()), rel=1e-12)
 
 

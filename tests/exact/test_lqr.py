@@ -240,7 +240,7 @@ def test_a_regulator_holds_a_plant_on_both_branches():
     for second in (9.9, 19.9, 29.9):
         k = round(second / PERIOD)
         assert y[k] == pytest.approx(r[k], abs=0.15e-3)
-    slow = Pid(measured="position", reference=STEPS, Kp=300.0, Ki=2.0, law=PidLaw(high=6.0))
+    slow = Pid(measured="position", reference=STEPS, Kp=300.0, Ki=100.0, law=PidLaw(high=6.0))
     other = np.array(run(slow)["position"])
     assert np.mean(np.abs(y - r)[300:]) < 0.5 * np.mean(np.abs(other - r)[300:])
 

@@ -238,7 +238,7 @@ def marks(found: Result) -> Marks:
 
 
 GAINS = ("Kp", "Ki", "Kd", "law.filter", "law.weight")
-LOW, HIGH = np.array([1.0, -1.0, 0.0, 0.0, 0.0]), np.array([4.0, 3.0, 4.5, 8.0, 1.0])
+LOW, HIGH = np.array([1.0, 0.7, -1.7, 0.02, 0.0]), np.array([4.0, 4.7, 2.8, 0.16, 1.0])
 SEEDS, EACH = (11, 12), 48
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from builders import ZERO, hanging_wire
-from scipy.signal import lfilter
+from scipy.signal import lfilter, step
 
 from martensite.base.errors import InputError, ParameterError
 from martensite.control.controllers.pid import Gains, Pid, PidLaw, PidMemory, per_sample
@@ -25,13 +25,15 @@ from martensite_control.tuning.measures import build_steps, measure_steps
 
 WIDE: dict[str, Any] = {"low": -1e9, "high": 1e9}
 GAINS = Gains(1.7, 0.05, 3.0)
+DT = 0.1
+"""Interval [s] of gains per sample."""
 
 
 def played(law: PidLaw, gains: Gains, reference: np.ndarray, measured: np.ndarray) -> np.ndarray:
     memory = law.rest(floats, reference[0], measured[0])
     found = []
     for r, y in zip(reference.tolist(), measured.tolist(), strict=True):
-        signal, memory = law.answer(floats, gains, memory, r, y)
+        signal, memory = law.answer(floats, gains, memory, r, y, DT, sampled=True)
         found.append(signal)
     return np.array(found)
 
@@ -60,7 +62,7 @@ def test_a_filtered_derivative_is_a_first_order_lag_of_it() -> None:
     reference, measured = walks()
     lag = 4.0
     expected = lfilter([1.0 / (1 + lag), -1.0 / (1 + lag)], [1.0, -lag / (1 + lag)], reference - measured)
-    found = played(PidLaw(filter=lag, **WIDE), Gains(0.0, 0.0, 1.0), reference, measured)
+    found = played(PidLaw(filter=lag * DT, **WIDE), Gains(0.0, 0.0, 1.0), reference, measured)
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12)
 
 
@@ -74,7 +76,7 @@ def test_weights_act_on_the_reference_alone() -> None:
 
 def test_switching_on_gives_no_kick() -> None:
     law = PidLaw(**WIDE)
-    signal, _ = law.answer(floats, Gains(0.0, 0.0, 100.0), law.rest(floats, 5.0, 1.0), 5.0, 1.0)
+    signal, _ = law.answer(floats, Gains(0.0, 0.0, 100.0), law.rest(floats, 5.0, 1.0), 5.0, 1.0, 0.0)
     assert signal == 0.0
 
 
@@ -97,13 +99,13 @@ def test_signals_stay_within_their_limits() -> None:
 )
 def test_the_integral_moves_unless_it_would_wind_up(error: float, integral: float, expected: float) -> None:
     law = PidLaw(low=-1.0, high=1.0)
-    _, memory = law.answer(floats, Gains(0.0, 0.1, 0.0), PidMemory(integral, 0.0, 0.0), error, 0.0)
+    _, memory = law.answer(floats, Gains(0.0, 0.1, 0.0), PidMemory(integral, 0.0, 0.0), error, 0.0, 1.0)
     assert memory.integral == pytest.approx(expected)
 
 
 def test_negative_gains_do_not_wind_up_either() -> None:
     law = PidLaw(low=0.0, high=1.0)
-    _, memory = law.answer(floats, Gains(-1.0, -0.1, 0.0), PidMemory(0.5, 0.0, 0.0), -2.0, 0.0)
+    _, memory = law.answer(floats, Gains(-1.0, -0.1, 0.0), PidMemory(0.5, 0.0, 0.0), -2.0, 0.0, 1.0)
     assert memory.integral == 0.5
 
 
@@ -116,11 +118,11 @@ def test_without_windup_it_leaves_the_limit_at_once() -> None:
 
 
 def test_back_calculation_takes_a_share_of_what_is_beyond_the_limits() -> None:
-    """Held beyond a limit, I settles where it loses what it gains: u_H - K_p e + (N_t - 1) K_i e.
+    """Held beyond a limit, I settles where it loses what it gains: u_H - K_p e + (N_t - 1) K_i e, T_t = N_t h.
 
     From there the sample that follows is that of an integral of this height.
     """
-    law = PidLaw(low=-10.0, high=1.0, anti_windup="back-calculation", tracking=4.0)
+    law = PidLaw(low=-10.0, high=1.0, anti_windup="back-calculation", tracking=4.0 * DT)
     error = np.array([1.0] * 80 + [-0.5])
     found = played(law, Gains(2.0, 0.5, 0.0), error, np.zeros_like(error))
     assert found[:80].tolist() == [1.0] * 80
@@ -129,9 +131,9 @@ def test_back_calculation_takes_a_share_of_what_is_beyond_the_limits() -> None:
 
 
 def test_back_calculation_in_one_sample_keeps_the_signal_at_its_limit() -> None:
-    """N_t = 1: I is what makes the signal just reach the limit."""
-    law = PidLaw(high=1.0, anti_windup="back-calculation", tracking=1.0)
-    _, memory = law.answer(floats, Gains(2.0, 0.5, 0.0), PidMemory(3.0, 0.0, 0.0), 1.0, 0.0)
+    """T_t = h: I is what makes the signal just reach the limit."""
+    law = PidLaw(high=1.0, anti_windup="back-calculation", tracking=DT)
+    _, memory = law.answer(floats, Gains(2.0, 0.5, 0.0), PidMemory(3.0, 0.0, 0.0), 1.0, 0.0, DT)
     assert memory.integral == pytest.approx(1.0 - 2.0)
 
 
@@ -158,7 +160,9 @@ def test_limits_must_leave_room() -> None:
 
 def test_a_drive_answers_as_the_law_does() -> None:
     reference, measured = walks()
-    drive = Pid(measured="y", reference=Constant(level=1.0), Kp=1.7, Ki=0.05, Kd=3.0, law=PidLaw(low=-5.0, high=5.0))
+    law = PidLaw(low=-5.0, high=5.0)
+    gains: dict[str, Any] = GAINS._asdict() | {"gains_are": "per-sample"}
+    drive = Pid(measured="y", reference=Constant(level=1.0), law=law, **gains)
     memory, found = drive.init(), []
     for k, y in enumerate(measured.tolist()):
         signal, memory = drive(0.1 * k, {"y": y}, memory)
@@ -166,14 +170,95 @@ def test_a_drive_answers_as_the_law_does() -> None:
     np.testing.assert_array_equal(found, played(drive.law, GAINS, np.ones_like(reference), measured))
 
 
+PLANT = [1.0], [0.5, 1.0]
+"""1/(1 + 0.5 s)."""
+FILTERED: dict[str, Any] = {"Kp": 3.0, "Ki": 5.0, "Kd": 0.4, "law": PidLaw(slope_weight=0.0, weight=0.6, N=2.0, **WIDE)}
+LAG = 0.4 / 3.0 / 2.0
+"""T_f = T_d/N [s]."""
+
+
+def close_loop(interval: float, numbers: dict[str, Any], end: float = 4.0) -> np.ndarray:
+    """Output of the plant under a controller whose signal is held for an interval; a step of 1 at the second sample."""
+    drive = Pid(measured="y", reference=Step(low=0.0, high=1.0, at=0.5 * interval), **numbers)
+    keep = math.exp(-interval / 0.5)
+    y, memory, found = 0.0, drive.init(), []
+    for k in range(round(end / interval) + 1):
+        signal, memory = drive(k * interval, {"y": y}, memory)
+        found.append(y)
+        y = keep * y + (1.0 - keep) * signal
+    return np.array(found)
+
+
+def test_it_is_the_textbook_controller_as_samples_get_short() -> None:
+    """u = Kp (b r - y) + Ki/s (r - y) - Kd s/(1 + T_f s) y around the plant, by SciPy.
+
+    The error is of first order in the interval: a change of the period does not change the loop.
+    """
+    Kp, Ki, Kd, b = 3.0, 5.0, 0.4, 0.6
+    lag = [LAG, 1.0]
+    back = np.polyadd(np.polymul([Kp, Ki], lag), [Kd, 0.0, 0.0])
+    loop = np.polyadd(np.polymul(np.polymul([1.0, 0.0], lag), PLANT[1]), back)
+    times = np.linspace(0.0, 4.0, 801)
+    _, expected = step((np.polymul([b * Kp, Ki], lag), loop), T=times)
+    errors = []
+    for every in (4, 2, 1):
+        found = close_loop(5e-3 * every, FILTERED)
+        errors.append(np.abs(found[1:] - expected[::every][:-1]).max())
+    assert errors[2] < 0.01 < errors[0]
+    assert np.array(errors[:2]) / errors[1:] == pytest.approx(2.0, rel=0.15)
+    isa = {"Kp": Kp, "Ti": Kp / Ki, "Td": Kd / Kp, "law": FILTERED["law"]}
+    np.testing.assert_allclose(close_loop(0.02, isa), close_loop(0.02, FILTERED), rtol=0.0, atol=1e-12)
+
+
+def test_its_transfer_function_is_that_of_python_control() -> None:
+    """Backward differences are s = (1 - z⁻¹)/h: the response of `control` to a walk is its signal."""
+    control = pytest.importorskip("control")
+    h, (Kp, Ki, Kd), walk = 0.02, (3.0, 5.0, 0.4), walks()[0]
+    z = control.tf([1.0, 0.0], [1.0], h)
+    s = (z - 1) / (h * z)
+    _, expected = control.forced_response(control.minreal(Kp + Ki / s + Kd * s / (1 + LAG * s), verbose=False), U=walk)
+    drive = Pid(measured="y", reference=Constant(level=0.0), **FILTERED)
+    memory, found = drive.init(), []
+    for k, e in enumerate(walk.tolist()):
+        signal, memory = drive(k * h, {"y": -e}, memory)
+        found.append(signal)
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-9 * np.abs(expected).max())
+
+
+def test_without_windup_a_step_back_is_at_once() -> None:
+    """Limited to 0.6 the plant cannot reach 1: an integral that went on would hold the limit long after."""
+    times, left = 0.02 * np.arange(401), []
+    for law in ({}, {"anti_windup": "back-calculation"}, {"anti_windup": "back-calculation", "tracking": 1e9}):
+        limits: Any = {"high": 0.6, "N": 2.0} | law
+        numbers = FILTERED | {"law": PidLaw(**limits)}
+        drive = Pid(measured="y", reference=Step(low=1.0, high=0.3, at=3.999), **numbers)
+        y, memory, signals = 0.0, drive.init(), []
+        for time in times.tolist():
+            signal, memory = drive(time, {"y": y}, memory)
+            signals.append(signal)
+            y += (1.0 - math.exp(-0.02 / 0.5)) * (signal - y)
+        left.append(times[np.flatnonzero(np.array(signals) >= 0.6)[-1]] - 4.0)
+    assert max(left[:2]) < 0.0, "it leaves the limit with the reference"
+    assert left[2] > 1.0, "which an integral that goes on does not"
+
+
+@pytest.mark.parametrize(("interval", "lag"), [(0.1, 0.1), (0.001, LAG)])
+def test_a_derivative_is_never_without_a_filter(interval: float, lag: float) -> None:
+    """A step gives K_d/(T_f + h): T_f = T_d/N, and no less than a sample; Kd/h grew with every shorter sample."""
+    drive = Pid(measured="y", reference=Constant(level=0.0), **FILTERED | {"Ki": 0.0})
+    _, memory = drive(0.0, {"y": 0.0}, drive.init())
+    signal, _ = drive(interval, {"y": -1.0}, memory)
+    assert signal == pytest.approx(3.0 + 0.4 / (lag + interval))
+
+
 @pytest.mark.parametrize("interval", [0.02, 0.5])
 def test_gains_in_seconds_are_those_per_sample(interval: float) -> None:
     """From an error of 0: a first sample has no time behind it to integrate."""
     _, measured = walks()
-    rest = {"measured": "y", "reference": Constant(level=0.0), "law": PidLaw(low=-5.0, high=5.0, filter=2.0)}
-    per_second = Pid(Kp=1.7, Ki=0.4, Kd=0.3, gains_are="in-seconds", **rest)
+    rest = {"measured": "y", "reference": Constant(level=0.0), "law": PidLaw(low=-5.0, high=5.0, filter=2.0 * interval)}
+    per_second = Pid(Kp=1.7, Ki=0.4, Kd=0.3, **rest)
     Kp, Ki, Kd = per_sample(1.7, 0.4, 0.3, interval)
-    counted = Pid(Kp=Kp, Ki=Ki, Kd=Kd, **rest)
+    counted = Pid(Kp=Kp, Ki=Ki, Kd=Kd, gains_are="per-sample", **rest)
     signals = []
     for drive in (per_second, counted):
         memory, found = drive.init(), []
@@ -197,7 +282,7 @@ def test_it_holds_a_wire_at_a_temperature() -> None:
     level = 40.0 + ZERO
     start = system.environment.temperature
     drive = Pid(
-        measured="temperature", reference=Step(low=start, high=level, at=0.5), Kp=0.5, Ki=0.005, law=PidLaw(high=20.0)
+        measured="temperature", reference=Step(low=start, high=level, at=0.5), Kp=0.5, Ki=0.25, law=PidLaw(high=20.0)
     )
     result = simulate_controlled(system, {"drive": drive}, 20.0, 0.02)
     assert result["temperature"][-1] == pytest.approx(level, abs=0.01)

@@ -101,7 +101,7 @@ def test_an_error_shrinks_by_the_factor_of_theory(cls: type[AbstractLearning], g
 
 def test_between_resets_each_repetition_begins_like_the_first() -> None:
     g, lead, Ki = 3.0, 1, 0.3
-    learning = make(IterativeLearning, learning_gain=g, lead=lead * DT, Ki=Ki, between="reset")
+    learning = make(IterativeLearning, learning_gain=g, lead=lead * DT, Ki=Ki / DT, between="reset")
     errors, _, _ = play(learning, 6, again=True)
     v = np.zeros(N)
     for j in range(6):

@@ -122,7 +122,7 @@ def bench(answer: str = "resume") -> Bench:
         checks=WATCHED,
     )
     ramp = Ramp(low=0.0, high=3e-3, start=0.5, end=2.5)
-    pid = Pid(measured="position", reference=ramp, Kp=150.0, Ki=3.0)
+    pid = Pid(measured="position", reference=ramp, Kp=150.0, Ki=150.0)
     return Bench(
         plant=WIRE,
         period=PERIOD,

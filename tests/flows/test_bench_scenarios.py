@@ -14,6 +14,7 @@ import pytest
 from thin_wire import THIN_WIRE
 
 from martensite.base.errors import InputError, ParameterError, UnitError
+from martensite.base.formats import write_quantity
 from martensite.control.controllers.mpc import Mpc
 from martensite.control.controllers.pid import Pid, PidLaw
 from martensite.control.controllers.scheduled_pid import ScheduledPid
@@ -165,14 +166,42 @@ def test_every_number_is_reached_by_its_path() -> None:
         "sensor.noise": "2 um",
         "sensor.jitter": "1 ms",
         "controller.Kp": 99,
-        "controller.law.filter": 2,
+        "controller.law.filter": "40 ms",
         "reference.high": "5 mm",
         "driver.supply": "6 V",
         "controller.high": 0.5,
     }
     leaves = placed(read_scenario(LOOP, None, settings))
     shown = {path: leaves[path].value for path in settings}
-    assert list(shown.values()) == pytest.approx([2e-6, 1e-3, 99.0, 2.0, 5e-3, 6.0, 0.5])
+    assert list(shown.values()) == pytest.approx([2e-6, 1e-3, 99.0, 0.04, 5e-3, 6.0, 0.5])
+
+
+def test_gains_and_limits_are_taken_as_they_are_printed() -> None:
+    """Of a loop of a duty and a position, and of the two halves of a cascade."""
+    gains = "Kp = '0.15 1/mm'\nKi = '0.75 1/m/s'\nKd = '30 ms/m'\n"
+    around = "shaping = { rate = '2 mm/s', acceleration = '4 mm/s^2' }\nslew = { falling = '3 1/s' }\n"
+    text = LOOP.replace("Kp = 150", gains + around)
+    scenario = read_scenario(text)
+    pid = scenario.bench.controllers.members()["drive"]
+    assert (pid.Kp, pid.Ki, pid.Kd) == pytest.approx((150.0, 0.75, 0.03))
+    assert (pid.shaping.rate, pid.shaping.acceleration, pid.slew.falling) == pytest.approx((2e-3, 4e-3, 3.0))
+    leaves = {scenario.places.path(leaf.path): leaf for leaf in scenario.leaves()}
+    paths = [
+        f"controller.{name}" for name in ("Kp", "Ki", "Kd", "shaping.rate", "shaping.acceleration", "slew.falling")
+    ]
+    shown = {path: write_quantity(leaves[path].value, scenario.places.unit(leaves[path])) for path in paths}
+    assert list(shown.values()) == ["150 1/m", "0.75 1/m/s", "0.03 s/m", "0.002 m/s", "0.004 m/s^2", "3 1/s"]
+    assert read_scenario(text, None, shown).bench == scenario.bench
+    counted = {"controller.gains_are": "per-sample", "controller.Ki": "0.75 1/m", "controller.Kd": "3 1/m"}
+    sampled = read_scenario(text, None, counted)
+    assert sampled.bench.value_of("controllers.drive.Ki") == 0.75
+    with pytest.raises(InputError, match="cannot be converted to `1/m/s`"):
+        read_scenario(text, None, {"controller.Ki": "0.75 1/m"})
+    halves = "measured = 'position'\nperiod = '20 ms'\nstart = '60 degC'\n[controller.outer]\nKp = '20 K/mm'\n"
+    halves += "law = { high = '80 K' }\n[controller.inner]\nKp = '0.05 1/K'\nKi = '2 %/K/s'\n"
+    plain = PLANT + DRIVER + f"[controller]\nkind = 'cascade'\n{halves}" + REFERENCE
+    outer, inner = (read_scenario(plain).bench.controllers.members()["drive"].__dict__[n] for n in ("outer", "inner"))
+    assert (outer.Kp, outer.law.high, inner.Kp, inner.Ki) == pytest.approx((2e4, 80.0, 0.05, 0.02))
 
 
 def test_changed_scenario_is_written_out_and_read_again() -> None:

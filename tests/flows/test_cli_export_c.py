@@ -36,7 +36,7 @@ kind = "pid"
 measured = "position"
 period = "20 ms"
 Kp = 150.0
-Ki = 1.5
+Ki = 75.0
 reference = {{ kind = "step", high = "3 mm", at = "0.1 s" }}
 
 [run]
@@ -60,7 +60,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     Path("held.toml").write_text(HELD, encoding="utf-8")
     Path("driven.toml").write_text(DRIVEN, encoding="utf-8")
-    gains = "Kp = 150.0\nKi = 1.5\n"
+    gains = "Kp = 150.0\nKi = 75.0\n"
     predictive = HELD.replace('"pid"', '"mpc"').replace(gains, 'horizon = "1 s"\nerror = "1 mm"\n')
     Path("predictive.toml").write_text(predictive, encoding="utf-8")
     return tmp_path

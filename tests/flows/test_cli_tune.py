@@ -27,7 +27,7 @@ kind = "pid"
 measured = "position"
 period = "50 ms"
 Kp = 100
-Ki = 0.5
+Ki = 10
 [bench]
 substeps = 2
 [reference]
@@ -60,7 +60,7 @@ def test_rules_are_saved_as_they_are_shown(scenario: Path, c_compiler: str) -> N
     for name in ("Kp", "Ki", "Kd"):
         number = shown["parameters"][f"controller.{name}"]
         assert again.value_of(f"controllers.drive.{name}") == number["after"]
-        assert number["unit"] == "1/m"
+        assert number["unit"] == {"Kp": "1/m", "Ki": "1/m/s", "Kd": "s/m"}[name]
     assert shown["parameters"]["controller.Kp"]["before"] == 100.0
     assert shown["parameters"]["controller.Kd"]["after"] == 0.0
     assert shown["step_test"]["heating"]["gain"] > 0.0

@@ -50,7 +50,7 @@ def test_a_plant_answers_as_in_simulate():
 
 def test_a_bench_answers_as_in_simulate():
     """Its reference is read at the end of a sample: given one sample earlier."""
-    pid = Pid(measured="position", reference=Constant(level=0.0), Kp=300.0, Ki=2.0, law=PidLaw(high=6.0))
+    pid = Pid(measured="position", reference=Constant(level=0.0), Kp=300.0, Ki=100.0, law=PidLaw(high=6.0))
     bench = Bench(
         plant=PLANT,
         period=PERIOD,

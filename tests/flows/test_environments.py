@@ -160,7 +160,8 @@ def test_outputs_have_references_of_their_own() -> None:
 def test_the_pid_of_the_example_is_that_of_the_library() -> None:
     gains = EXAMPLE["NUMBERS"]["PID, as martensite tune finds it"]
     steps = Staircase(first=1e-3, increment=1.5e-3, hold=1.0, count=2)
-    pid = Pid(measured="position", reference=steps, **dict(zip(("Kp", "Ki", "Kd"), gains, strict=True)))
+    numbers: dict[str, Any] = dict(zip(("Kp", "Ki", "Kd"), gains, strict=True))
+    pid = Pid(measured="position", reference=steps, gains_are="per-sample", **numbers)
     pid = pid.with_values({"law.high": 0.9})
     bench = load_bench("wire").with_values({"sensors.position.sensor.noise": 0.0})
     loop = bench.with_parts(controllers=type(bench.controllers)(drive=pid))

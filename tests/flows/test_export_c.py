@@ -55,7 +55,7 @@ BENCH = Bench(
     period=PERIOD,
     substeps=2,
     sensors=Sensors(position=MountedSensor(sensor=PositionSensor(noise=0.02 * MM), delay=2 * PERIOD, jitter=PERIOD)),
-    controllers=Controllers(drive=Pid(measured="position", reference=COURSE, Kp=150.0, Ki=6.0, Kd=20.0)),
+    controllers=Controllers(drive=Pid(measured="position", reference=COURSE, Kp=150.0, Ki=300.0, Kd=0.4)),
 )
 WATCHED = BENCH.with_parts(
     observers=Observers(ekf=ExtendedKalman(model=PLANT, measured=("position",), reading_deviation=0.02 * MM))

@@ -61,7 +61,7 @@ kind = "pid"
 measured = "position"
 period = "20 ms"
 Kp = 150
-Ki = 1.5
+Ki = 75
 
 [reference]
 kind = "constant"

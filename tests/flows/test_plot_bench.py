@@ -41,7 +41,7 @@ REFERENCE = Constant(level=3e-3)
 
 def bench(**parts: Any) -> Bench:
     """The benchmark wire behind a switch, with an encoder and PID control, or other parts."""
-    pid = Pid(measured="position", reference=REFERENCE, Kp=300.0, Ki=20.0)
+    pid = Pid(measured="position", reference=REFERENCE, Kp=300.0, Ki=200.0)
     known: dict[str, Any] = {
         "plant": problem_a().with_parts(source=PwmVoltage(supply=5.0)),
         "period": PERIOD,

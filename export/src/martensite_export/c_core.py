@@ -22,8 +22,11 @@ from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import (
     AGE,
     ALARM,
+    AUTOMATIC,
     JITTER,
+    MANUAL,
     NOISE,
+    hand_drives,
     list_controller_outputs,
     list_readings,
     list_references,
@@ -214,7 +217,8 @@ def describe_drives(system: AbstractSystem) -> Rows:
 def _describe_drive(drive: str) -> str:
     if drive.startswith((NOISE, JITTER)):
         return "standard normal number, or 0"
-    return f"signal of {drive}"
+    mode = {MANUAL: "signal by hand", AUTOMATIC: "1 while the controller has the signal, 0 while the hand has"}
+    return mode.get(drive.partition(".")[0], f"signal of {drive}")
 
 
 def list_outputs(system: AbstractSystem, names: Sequence[str]) -> Rows:
@@ -263,6 +267,7 @@ def _loop_inputs(bench: Bench) -> Rows:
     rows += [(name, unit, "what the controller shall follow") for name, unit in followed]
     taken = bench.controllers.members()
     free = [drive for drive in bench.plant.drives() if drive.name not in taken]
+    rows += [(one.name, one.unit, _describe_drive(one.name)) for one in hand_drives(bench)]
     return rows + [(drive.name, drive.unit, f"signal of {drive.name}") for drive in free]
 
 

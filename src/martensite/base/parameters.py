@@ -94,6 +94,8 @@ class Declared:
 
     def _sort(self) -> str:
         """What is taken, in words."""
+        if self.unit in units.OF_LOOPS:
+            return f"a number in SI, in {self.unit}"
         if self.unit in units.OF_READINGS:
             return "a number in the SI unit of the reading"
         return f"a number in {self.unit} or a text with a unit"
@@ -190,6 +192,10 @@ class Parametrised:
     names_reading: ClassVar[tuple[str, ...]] = ()
     """Texts of its own that may name a reading; in the unit of the first that does, its levels and
     differences of a reading are given, and those of its components."""
+    unit_of_signal: ClassVar[str] = ""
+    """SI unit of the signal in what belongs to it, where that is not the one of the drive."""
+    unit_of_reading: ClassVar[str] = ""
+    """SI unit of what is measured in what belongs to it, where that is not the one of the reading named."""
 
     def __init_subclass__(cls, *, init: bool = True) -> None:
         """File declarations; `init=False` tells type checkers not to derive arguments from them."""

@@ -59,7 +59,13 @@ DIFFERENCE = "reading difference"
 """Declared unit of a difference of two readings; of two temperatures it has no zero."""
 RATE = "reading difference/s"
 """Declared unit of a rate of a reading."""
-OF_READINGS = (LEVEL, DIFFERENCE, RATE)
+GAIN, INTEGRAL_GAIN, DERIVATIVE_GAIN = "signal/reading", "signal/reading/s", "signal*s/reading"
+"""Declared units of gains: of a signal over a difference of readings, which depend on the place."""
+OF_GAINS = (GAIN, INTEGRAL_GAIN, DERIVATIVE_GAIN)
+SIGNAL_RATE, REFERENCE_RATE, REFERENCE_ACCELERATION = "signal/s", "reference/s", "reference/s^2"
+"""Declared units of rates of a signal and of what a controller follows, which depend on the place."""
+OF_LOOPS = (*OF_GAINS, SIGNAL_RATE, REFERENCE_RATE, REFERENCE_ACCELERATION)
+OF_READINGS = (LEVEL, DIFFERENCE, RATE, *OF_LOOPS)
 
 # declared SI unit -> unit a person would rather read
 READABLE = {
@@ -159,6 +165,16 @@ def of_reading(unit: str, reading: str) -> str:
     if unit == DIFFERENCE:
         return DEGREES if reading == "K" else reading
     return reading if unit == LEVEL else unit
+
+
+def of_loop(unit: str, signal: str, reading: str) -> str:
+    """The SI unit of a gain or a rate declared in `unit`, of a signal and a reading in these SI units."""
+    if unit not in OF_GAINS:
+        return f"{signal if unit == SIGNAL_RATE else reading}/{unit.partition('/')[2]}"
+    above = f"{'' if signal == '1' else signal + '*'}s" if unit == DERIVATIVE_GAIN else signal
+    below = f"({reading})" if re.search(r"[*/]", reading) else reading
+    found = above if reading == "1" else f"{above}/{below}"
+    return f"{found}/s" if unit == INTEGRAL_GAIN else found
 
 
 _BASES = {

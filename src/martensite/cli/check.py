@@ -67,6 +67,7 @@ def _describe_report(report: dict[str, Any]) -> Iterator[Block]:
     for end in report["end_states"]:
         yield Sentence(f"Held at {end['words']}")
         yield from (Sentence(f"  {warning}", "caution") for warning in end["warnings"])
+    yield from (Sentence(f"Controller of {name}, {words}") for name, words in report["controllers"].items())
     if report["follows"]:
         followed = ", ".join(f"`{drive}` column `{column}`" for drive, column in report["follows"].items())
         yield Sentence(f"Follows a log: {followed}. Where its drives lead is seen with it: `run --log`, or `fit`.")
@@ -130,6 +131,7 @@ def _tell_steps(report: dict[str, Any]) -> str:
 
 
 def _collect_report(scenario: Scenario) -> dict[str, Any]:
+    from martensite.control.loop.names import describe_controllers
     from martensite.physics.materials.base import DOUBTFUL
     from martensite.simulate.api import first_step
 
@@ -148,6 +150,7 @@ def _collect_report(scenario: Scenario) -> dict[str, Any]:
         "period": period,
         "tolerance": scenario.tolerance,
         "follows": scenario.follows,
+        "controllers": {} if scenario.bench is None else describe_controllers(scenario.bench),
     }
 
 

@@ -10,6 +10,9 @@ from martensite.control.checks.reading import SensorLost as SensorLost
 from martensite.control.checks.reading import SensorStuck as SensorStuck
 from martensite.control.checks.thermal_bound import ThermalBound as ThermalBound
 from martensite.control.controllers.cascade import Cascade as Cascade
+from martensite.control.controllers.conditioning import ManualMode as ManualMode
+from martensite.control.controllers.conditioning import ReadingFilter as ReadingFilter
+from martensite.control.controllers.conditioning import SignalSlew as SignalSlew
 from martensite.control.controllers.constant_power import ConstantPower as ConstantPower
 from martensite.control.controllers.disturbance_observer import DisturbanceObserver as DisturbanceObserver
 from martensite.control.controllers.feedforward import Feedforward as Feedforward
@@ -34,6 +37,7 @@ from martensite.control.controllers.repetitive import Repetitive as Repetitive
 from martensite.control.controllers.scheduled_pid import GainsAt as GainsAt
 from martensite.control.controllers.scheduled_pid import GainSchedule as GainSchedule
 from martensite.control.controllers.scheduled_pid import ScheduledPid as ScheduledPid
+from martensite.control.controllers.shaping import ReferenceShaping as ReferenceShaping
 from martensite.control.controllers.sliding_mode import SlidingMode as SlidingMode
 from martensite.control.controllers.state_feedback import StateFeedback as StateFeedback
 from martensite.control.faults.plant import AmbientStep as AmbientStep

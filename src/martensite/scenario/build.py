@@ -155,6 +155,8 @@ class Builder:
         """The value as the constructor takes it; text keeps its unit for the messages."""
         if declared.kind in ("option", "text"):
             return value
+        if declared.unit in units.OF_GAINS and not isinstance(value, str):
+            return _convert_plain(value, name, "1", path)  # signal per SI unit
         with name_section(path):
             unit = self.scales.unit(declared)
         if not isinstance(value, str):

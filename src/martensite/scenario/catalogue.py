@@ -14,7 +14,7 @@ from martensite.base.errors import UnknownNameError
 from martensite.base.formats import spell_symbol, spell_title
 from martensite.base.parameters import REQUIRED, Declared, Parametrised
 from martensite.base.registry import Registry
-from martensite.base.units import OF_READINGS
+from martensite.base.units import OF_LOOPS, OF_READINGS
 from martensite.signals.base import DRIVE
 
 
@@ -196,6 +196,8 @@ def describe_entry(name: str, declared: Declared) -> EntryDescription:
 def _describe_allowed(declared: Declared) -> str:
     if declared.unit == DRIVE:
         return "any level in the unit of the source"
+    if declared.unit in OF_LOOPS:
+        return f"{declared.allowed()}, in units of signal and reading"
     if declared.unit in OF_READINGS:
         return f"{declared.allowed()}, in the unit of the reading"
     if declared.kind == "parameter":
@@ -205,5 +207,5 @@ def _describe_allowed(declared: Declared) -> str:
     if declared.kind == "text":
         return "text, or a list of texts" if isinstance(declared.default, tuple) else "text"
     if declared.registry is None:
-        return "table" if isinstance(declared.default, Parametrised) else "list"
+        return "table" if declared.default is None or isinstance(declared.default, Parametrised) else "list"
     return " | ".join(declared.registry.names())

@@ -26,11 +26,23 @@ class PlaceUnits:
     """SI units of all readings, by name."""
     named: tuple[str, ...] = ()
     """Names of the readings that are meant."""
+    controlled: str = ""
+    """SI unit of the reading that a controller controls."""
+    sampled: bool = False
+    """Whether gains are per sample."""
 
     def within(self, cls: type[Parametrised], texts: Mapping[str, Any]) -> PlaceUnits:
         """Those of the numbers of a component with these texts."""
-        named = named_readings(cls, texts)
-        return replace(self, named=named) if named not in ((), self.named) else self
+        measured, kind = texts.get("measured"), texts.get("gains_are")
+        controlled = self.readings.get(measured, "") if isinstance(measured, str) else ""
+        found = replace(
+            self,
+            named=named_readings(cls, texts) or self.named,
+            drive=cls.unit_of_signal or self.drive,
+            controlled=cls.unit_of_reading or controlled or self.controlled,
+            sampled=self.sampled if kind is None else kind == "per-sample",
+        )
+        return self if found == self else found
 
     def unit(self, declared: Declared) -> str:
         """The SI unit of a number; 1, a number in SI, for readings of several units.
@@ -50,6 +62,10 @@ class PlaceUnits:
         """The SI unit of a number, if there is the reading that it needs."""
         if declared.unit == DRIVE:
             return self.drive
+        if declared.unit in units.OF_LOOPS:
+            unit = units.GAIN if self.sampled and declared.unit in units.OF_GAINS else declared.unit
+            known = self.controlled or unit == units.SIGNAL_RATE
+            return units.of_loop(unit, self.drive, self.controlled) if known else None
         if declared.unit not in units.OF_READINGS:
             return declared.unit
         if not self.named or any(name not in self.readings for name in self.named):

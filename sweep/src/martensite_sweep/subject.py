@@ -16,6 +16,9 @@ from martensite.simulate.drive_waveforms import by_name
 from martensite.simulate.variants import ACCELERATED, VariantSetup
 from martensite_sweep.cuda.device import open_device
 
+SWITCHES = "automatic_from", "automatic_until"
+"""Numbers of a bench that no program has: they are in what is played."""
+
 if TYPE_CHECKING:
     from martensite.control.loop.bench import Bench
     from martensite.scenario.scenario import Scenario
@@ -93,6 +96,8 @@ def _list_system_targets(scenario: Scenario, references: Mapping[str, str]) -> I
         name, unit = scenario.places.path(leaf.path), scenario.places.unit(leaf)
         if scenario.places.is_copy(leaf.path) or not math.isfinite(leaf.value):
             continue
+        if name.rpartition(".")[2] in SWITCHES:
+            continue
         begin = next((b for b in references if leaf.path.startswith(b)), None)
         drive = None if begin is None else references[begin]
         path = leaf.path.removeprefix(begin or "")
@@ -101,12 +106,11 @@ def _list_system_targets(scenario: Scenario, references: Mapping[str, str]) -> I
 
 def _list_references(bench: Bench) -> dict[str, str]:
     """Beginning of a path in a bench -> the name under which its waveform is played."""
-    from martensite.control.loop.names import list_references
+    from martensite.control.loop.names import list_hands, list_references
 
     members = bench.controllers.members()
-    return {
-        f"controllers.{member}.reference.": name for member, name in zip(members, list_references(bench), strict=True)
-    }
+    found = {f"controllers.{one}.reference.": name for one, name in zip(members, list_references(bench), strict=True)}
+    return found | {f"controllers.{one}.manual.signal.": name for one, (name, _) in list_hands(bench).items()}
 
 
 def _list_waveform_targets(scenario: Scenario) -> Iterator[Target]:

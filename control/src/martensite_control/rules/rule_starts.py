@@ -8,6 +8,7 @@ controller.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -53,9 +54,11 @@ def find_pid(bench: Bench, drive: str | None = None) -> tuple[str, Pid]:
 def convert_to_pid(bench: Bench, gains: IdealGains, drive: str | None = None) -> dict[str, float]:
     """Gains as numbers of the PID controller of a loop, by path in the bench."""
     name, controller = find_pid(bench, drive)
-    sampled = controller.gains_are == "per-sample"
-    found = gains.per_sample(bench.period) if sampled else gains.per_second()
-    return {f"controllers.{name}.{key}": float(v) for key, v in found._asdict().items()}
+    found = gains.per_sample(bench.period) if controller.sampled else gains.per_second()
+    numbers = found._asdict()
+    if math.isfinite(controller.Ti) or controller.Td != 0.0:
+        numbers = {"Kp": gains.Kp, "Ti": gains.Ti, "Td": gains.Td}
+    return {f"controllers.{name}.{key}": float(v) for key, v in numbers.items()}
 
 
 def run_loop_tests(

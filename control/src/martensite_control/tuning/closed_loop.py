@@ -94,7 +94,7 @@ class ClosedLoop(AbstractBlock):
         memory, before, inner = PidMemory(*state[:3]), state[3], state[KEPT:]
         measured, _ = self._model(xp, inner, before, dt)
         gains = Gains(*(self.sign * xp.exp(number) for number in theta))
-        signal, memory = self.law.answer(xp, gains, memory, x[0], measured)
+        signal, memory = self.law.answer(xp, gains, memory, x[0], measured, dt, sampled=True)
         _, inner = self._model(xp, inner, signal, dt)
         return (measured, signal), [*memory, signal, *inner]
 

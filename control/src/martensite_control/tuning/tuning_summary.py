@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.base.formats import choose_difference_unit, write_quantity
 from martensite.base.summary import Block, DataTable, Sentence, Summary
-from martensite.control.loop.names import list_readings
 from martensite_control.tuning.loop_runs import find_judged_output
 from martensite_control.tuning.measures import UNITS
 
@@ -20,8 +19,6 @@ if TYPE_CHECKING:
     from martensite_control.tuning.plant_spread import Ratio
 
 HEAD = ("", "before", "after")
-PER_TIME = {"Ki": "/s", "Kd": "*s"}
-"""What gains in seconds have beside the unit of Kp."""
 SHARES = ("overshoot",)
 
 
@@ -150,14 +147,4 @@ def _list_gains(found: TuningOutcome) -> list[tuple[str, float, str]]:
     """Path, number and unit of what was tuned."""
     bench, places = found.found.bench, found.scenario.places
     leaves = {leaf.path: leaf for leaf in bench.leaves()}
-    controller = bench.controllers.members()[found.drive]
-    drives = {drive.name: drive.unit for drive in bench.plant.drives()}
-    base = f"{drives[found.drive]}/{list_readings(bench)[controller.measured].unit}"
-    seconds = getattr(controller, "gains_are", "") == "in-seconds"
-    rows: list[tuple[str, float, str]] = []
-    for path, value in found.found.after.items():
-        name = path.rpartition(".")[2]
-        gain = name in ("Kp", "Ki", "Kd")
-        unit = base + (PER_TIME.get(name, "") if seconds else "")
-        rows.append((path, value, unit if gain else places.unit(leaves[path])))
-    return rows
+    return [(path, value, places.unit(leaves[path])) for path, value in found.found.after.items()]

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from martensite.base.errors import InputError
 from martensite.base.files import make_folder, replace_together, write_file
 from martensite.control.loop.names import list_references
+from martensite.control.loop.run import reference_waveforms
 from martensite_hardware.firmware.boards import Board, find_board
 from martensite_hardware.firmware.channels import plan_inputs
 from martensite_hardware.firmware.settings import TOLD, FirmwarePlan, Limits, list_settings, print_settings
@@ -85,7 +86,9 @@ def build_firmware(scenario: Scenario, board: str, *, name: str = "firmware", li
     if drives > len(chosen.drive_pins):
         raise InputError(f"{chosen.title} drives {len(chosen.drive_pins)} switches here, but the loop has {drives}.")
     others = core.inputs[2 * readings :]
-    first = [float(run.columns[one.name][0]) if one.name in list_references(bench) else 0.0 for one in others]
+    known = {name: wave.value(0.0) for name, wave in reference_waveforms(bench).items()}
+    known |= {name: float(run.columns[name][0]) for name in list_references(bench)}
+    first = [known.get(one.name, 0.0) for one in others]
     settings = list_settings(inputs, given, [(one.name, one.unit) for one in others], first)
     room = TOLD - readings - drives - len(inputs.told_channels())
     told = tuple(range(drives, len(core.outputs)))[: max(room, 0)]

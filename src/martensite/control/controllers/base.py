@@ -8,6 +8,9 @@ in a program of one's own.
 
 Readings come by name: those of sensors, `estimated.NAME` of observers, and the age of each,
 `NAME.age` [s]. Without sensors they are the outputs of the system themselves.
+
+Filters of readings, the shaping of the reference, a manual mode and a slew limit stand around any controller
+(`martensite.control.controllers.conditioning`); whoever runs one calls `begin` and `proceed`.
 """
 
 from __future__ import annotations
@@ -20,6 +23,15 @@ from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.interfaces import make_missing_error, require_where
 from martensite.base.parameters import Parametrised, param, part, text
 from martensite.base.registry import Registry
+from martensite.control.controllers.conditioning import (
+    ManualInput,
+    ManualMode,
+    ReadingFilter,
+    SignalSlew,
+    begin_control,
+    continue_control,
+)
+from martensite.control.controllers.shaping import ReferenceShaping
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractDrive, AbstractWaveform
@@ -29,6 +41,8 @@ Column: TypeAlias = Sequence[Scalar]
 Readings: TypeAlias = Mapping[str, Scalar]
 Answer: TypeAlias = tuple[Scalar, Column]
 """The signal of a sample, and what is remembered for the next."""
+AROUND = "reading_filter", "shaping", "manual", "slew"
+"""Parts of any controller that stand around it."""
 HAIR = 1e-9
 """Difference of times that is rounding [s]."""
 
@@ -50,10 +64,30 @@ class AbstractController(AbstractDrive):
 
     measured: str = text("name of the reading that shall follow the reference", typical="position")
     reference: AbstractWaveform = part("what it shall follow, in its SI unit", WAVEFORMS)
+    reading_filter: ReadingFilter | None = part("low pass of what it reads", default=None)
+    shaping: ReferenceShaping | None = part("limits of the rate of the reference, by a confidence too", default=None)
+    manual: ManualMode | None = part("a signal by hand, and when", default=None)
+    slew: SignalSlew | None = part("largest rates of the signal", default=None)
+    integrals: ClassVar[tuple[int, ...]] = ()
+    """Places in its memory of integrals that a slew limit holds."""
 
     def reads(self) -> tuple[str, ...]:
         """Names of all readings it needs."""
         return (self.measured,)
+
+    def needs(self) -> tuple[str, ...]:
+        """Names of all readings that it or what stands around it needs."""
+        confidence = (self.shaping.confidence,) if self.shaping is not None and self.shaping.confidence else ()
+        return tuple(dict.fromkeys((*self.reads(), *self.filtered(), *confidence)))
+
+    def filtered(self) -> tuple[str, ...]:
+        """Names of the readings that are filtered."""
+        return () if self.reading_filter is None else self.reading_filter.readings or (self.measured,)
+
+    @property
+    def follows_reading(self) -> bool:
+        """Whether what is measured shall be as the reference."""
+        return type(self).reference_unit is AbstractController.reference_unit
 
     def reference_unit(self, readings: Mapping[str, str], signal: str) -> str:
         """SI unit of the reference: that of the reading that shall follow it.
@@ -63,6 +97,10 @@ class AbstractController(AbstractDrive):
             signal: SI unit of the signal.
         """
         return readings[self.measured]
+
+    def describe(self, period: float) -> str:
+        """What `check` and a summary say of it, such as its anti-windup; sampled with a period [s]."""
+        return ""
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
         """What it remembers before the first sample."""
@@ -98,6 +136,35 @@ class AbstractController(AbstractDrive):
         """Sentences about what it failed to do in a run, by the last values of its `list_outputs`."""
         return []
 
+    def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> Column:
+        """What it remembers after a sample in which the signal was another one: with an integral that gives it."""
+        return memory
+
+    def begin(self, xp: Namespace, reference: Scalar, readings: Readings, hand: ManualInput | None = None) -> Answer:
+        """The signal of the first sample, and what is remembered, with what stands around the controller."""
+        if not self.conditioned:
+            return self.answer(xp, tuple(self.rest(xp, reference, readings)), reference, readings, 0.0)
+        return begin_control(self, xp, reference, readings, hand)
+
+    def proceed(
+        self,
+        xp: Namespace,
+        memory: Column,
+        reference: Scalar,
+        readings: Readings,
+        dt: Scalar,
+        hand: ManualInput | None = None,
+    ) -> Answer:
+        """The signal of another sample, and what is remembered, with what stands around the controller."""
+        if not self.conditioned:
+            return self.answer(xp, memory, reference, readings, dt)
+        return continue_control(self, xp, memory, reference, readings, dt, hand)
+
+    @property
+    def conditioned(self) -> bool:
+        """Whether something stands around it."""
+        return any(self.__dict__[name] is not None for name in AROUND)
+
     def init(self) -> Called | None:
         """Nothing measured."""
         return None
@@ -110,10 +177,11 @@ class AbstractController(AbstractDrive):
         """
         require_readings(self, measurement)
         wanted = self.reference.value(time)
+        hand = None if self.manual is None else ManualInput(*(one.value(time) for one in self.manual.waveforms))
         if memory is None:
-            memory = Called(time, self.rest(floats, wanted, measurement))
-        dt = time - memory.time
-        signal, after = self.answer(floats, memory.memory, wanted, measurement, dt)
+            signal, after = self.begin(floats, wanted, measurement, hand)
+        else:
+            signal, after = self.proceed(floats, memory.memory, wanted, measurement, time - memory.time, hand)
         return signal, Called(time, after)
 
 
@@ -144,7 +212,7 @@ class SignalLimits(Parametrised):
 
 def require_readings(controller: AbstractController, known: Mapping[str, Any]) -> None:
     """Raise `ParameterError` if a controller reads what is not known."""
-    for name in controller.reads():
+    for name in controller.needs():
         if name not in known:
             title = controller.registered_name or type(controller).__name__
             raise ParameterError(

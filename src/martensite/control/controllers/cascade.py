@@ -18,6 +18,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from martensite.base.parameters import param, part, text
+from martensite.base.units import DEGREES
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
 from martensite.control.controllers.pid import PidGains, PidMemory
 from martensite.kernels.namespace import Namespace, Scalar
@@ -39,16 +40,33 @@ class CascadeMemory(NamedTuple):
         return (*self.outer, *self.inner)
 
 
+class OuterPid(PidGains):
+    """PID controller whose signal is a temperature to be added."""
+
+    unit_of_signal = DEGREES
+
+
+class InnerPid(PidGains):
+    """PID controller of a temperature."""
+
+    unit_of_reading = "K"
+
+
 @CONTROLLERS.register("cascade")
 class Cascade(AbstractController):
     """PID control of a position by PID control of a temperature."""
 
     cites = ("copaci2019",)
+    integrals = (0, 3)
 
     temperature: str = text("name of the reading of the temperature", default="temperature")
     start: Scalar = param("K", "temperature T_0 to which the outer controller adds", typical="60 degC")
-    outer: PidGains = part("of the position: gains in kelvin per SI unit, limits in kelvin")
-    inner: PidGains = part("of the temperature: gains in signal per kelvin, limits of the signal")
+    outer: OuterPid = part("of the position: gains in kelvin per SI unit, limits in kelvin")
+    inner: InnerPid = part("of the temperature: gains in signal per kelvin, limits of the signal")
+
+    def describe(self, period: float) -> str:
+        """Anti-windup and filters, in words."""
+        return f"outer: {self.outer.describe(period)}; inner: {self.inner.describe(period)}"
 
     def reads(self) -> tuple[str, ...]:
         """Position and temperature."""
@@ -63,12 +81,19 @@ class Cascade(AbstractController):
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """Signal of this sample, and what is remembered for the next."""
         before, position = CascadeMemory.of(memory), readings[self.measured]
-        added, outer = self.outer.law.answer(xp, self.outer.gains(xp, dt), before.outer, reference, position)
-        signal, inner = self.inner.law.answer(
-            xp, self.inner.gains(xp, dt), before.inner, self.start + added, readings[self.temperature]
-        )
+        added, outer = self.outer.respond(xp, before.outer, reference, position, dt)
+        signal, inner = self.inner.respond(xp, before.inner, self.start + added, readings[self.temperature], dt)
         limits, gained = self.inner.law, outer.integral - before.outer.integral
         over = xp.both(signal >= limits.high, gained > 0.0)
         under = xp.both(signal <= limits.low, gained < 0.0)
         integral = xp.where(xp.either(over, under), before.outer.integral, outer.integral)
         return signal, CascadeMemory(outer._replace(integral=integral), inner).flat()
+
+    def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> Column:
+        """With an inner integral that gives the signal, and an outer one that asks for the temperature there is."""
+        before, position, T = CascadeMemory.of(memory), readings[self.measured], readings[self.temperature]
+        outer, inner = self.outer, self.inner
+        above = xp.clip(T - self.start, outer.law.low, outer.law.high)
+        asked = outer.law.track(xp, outer.gains, before.outer, above, reference, position)
+        held = inner.law.track(xp, inner.gains, before.inner, signal, self.start + above, T)
+        return CascadeMemory(asked, held).flat()

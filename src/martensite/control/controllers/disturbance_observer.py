@@ -43,10 +43,11 @@ class DisturbanceMemory(NamedTuple):
 
 
 @CONTROLLERS.register("disturbance-observer")
-class DisturbanceObserver(AbstractController, PidGains):
+class DisturbanceObserver(PidGains, AbstractController):
     """A PID controller that is helped by an observer of the disturbance."""
 
     cites = ("ohnishi1987", "chen2016")
+    integrals = (-3,)
 
     period: Scalar = param("s", "time from one sample to the next", above=0.0, typical="20 ms")
     model_gain: Scalar = param("1", "K, SI units of what is measured per signal", typical=0.01)
@@ -56,6 +57,7 @@ class DisturbanceObserver(AbstractController, PidGains):
 
     def check(self) -> None:
         """Raise `ParameterError` for a model that does nothing; fix what decides the program's size."""
+        PidGains.check(self)
         if self.model_gain == 0.0:
             raise ParameterError("`model_gain` of `disturbance-observer` must not be 0.")
         self.__dict__["_layout"] = (1 + round(self.dead_time / self.period),)
@@ -80,14 +82,22 @@ class DisturbanceObserver(AbstractController, PidGains):
     def _begin(self, origin: Scalar, pid: PidMemory) -> DisturbanceMemory:
         return DisturbanceMemory(0.0, 0.0, origin, (0.0,) * self.layout()[0], pid)
 
+    def _name_memory(self, memory: Column) -> DisturbanceMemory:
+        return NestedShape(self._begin(0.0, PidMemory(*[0.0] * len(PidMemory._fields)))).rebuild(memory)
+
+    def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> Column:
+        """With the signal that there was, and the integral that gives it."""
+        held, found = self._name_memory(memory), readings[self.measured]
+        pid = self.law.track(xp, self.gains, held.pid, signal + held.disturbance, reference, found)
+        return flatten_numbers(held._replace(signals=(signal, *held.signals[1:]), pid=pid))
+
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """Signal of this sample, and what is remembered for the next."""
-        example = self._begin(0.0, PidMemory(*[0.0] * len(PidMemory._fields)))
-        before, found = NestedShape(example).rebuild(memory), readings[self.measured]
+        before, found = self._name_memory(memory), readings[self.measured]
         away = found - before.origin
         disturbance = self._estimate(xp, before, away, dt)
         left = {"low": self.law.low + disturbance, "high": self.law.high + disturbance}
-        wanted, pid = self.law.rebuilt(left).answer(xp, self.gains(xp, dt), before.pid, reference, found)
+        wanted, pid = self.law.rebuilt(left).answer(xp, self.gains, before.pid, reference, found, dt, self.sampled)
         signal = xp.clip(wanted - disturbance, self.law.low, self.law.high)
         signals = (signal, *before.signals[:-1])
         return signal, flatten_numbers(DisturbanceMemory(disturbance, away, before.origin, signals, pid))

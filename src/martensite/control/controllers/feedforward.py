@@ -59,6 +59,7 @@ class Feedforward(AbstractController):
     """The signal with which a model follows the reference, and feedback for what it misses."""
 
     cites = ("devasia1996",)
+    integrals = (-KEPT,)
 
     model: AbstractSystem = part("the plant as it is believed to be, with one drive")
     output: str = text("output of the model that follows; empty: named as measured", default="")
@@ -100,6 +101,10 @@ class Feedforward(AbstractController):
         """Output of the model that follows the reference."""
         return self.output or self.measured
 
+    def describe(self, period: float) -> str:
+        """Anti-windup of the feedback, in words."""
+        return self.feedback.describe(period)
+
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
         """The model at rest under the idle signal."""
         idle = self.feedback.limit_signal(xp, 0.0)
@@ -122,6 +127,11 @@ class Feedforward(AbstractController):
         correct = self.feedback.answer
         signal, correction = correct(xp, held.correction, feed, reference, found, dt)
         return signal, flatten_numbers((state, Following(feed, reference, rate, correction)))
+
+    def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> Column:
+        """With the integral of the feedback that gives the signal."""
+        held, found = self._nest_memory.rebuild(memory)[1], readings[self.measured]
+        return [*memory[:-KEPT], *self.feedback.track(xp, held.correction, held.feed, signal, reference, found)]
 
     @property
     def _nest_memory(self) -> NestedShape:

@@ -35,6 +35,7 @@ class InversePlay(AbstractController):
     """The signal at which a hysteresis of plays and a curve gives the reference, and feedback."""
 
     cites = ("kuhnen2003", "krasnoselskii1989")
+    integrals = (0,)
 
     thresholds: Any = part("thresholds r_1 < r_2 < … of the plays, in the unit of the signal", default=())
     weights: Any = part("weights a_0, a_1, …, one more than thresholds", default=(1.0,))
@@ -68,6 +69,10 @@ class InversePlay(AbstractController):
                 f"more, with sums a_0 + … + a_i above 0, but have thresholds {r[1:]} and weights {a}."
             )
 
+    def describe(self, period: float) -> str:
+        """Anti-windup of the feedback, in words."""
+        return self.feedback.describe(period)
+
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
         """At rest under the idle signal: all plays there."""
         idle = self.feedback.limit_signal(xp, 0.0)
@@ -82,14 +87,25 @@ class InversePlay(AbstractController):
         """Signal of this sample, and what is remembered for the next."""
         correction, plays = PidMemory(*memory[:KEPT]), memory[KEPT:]
         level = self._level(xp, reference)
-        first, rows = _invert_plays(self.thresholds, self.weights)
+        _, rows = _invert_plays(self.thresholds, self.weights)
         after = [xp.maximum(level - r, xp.minimum(level + r, q)) for (r, _), q in zip(rows, plays, strict=True)]
-        signal = first * level
-        for (_, b), q in zip(rows, after, strict=True):
-            signal = signal + b * q
-        feed, found = self.feedback.limit_signal(xp, signal), readings[self.measured]
+        feed, found = self._feed(xp, level, after), readings[self.measured]
         signal, correction = self.feedback.answer(xp, correction, feed, reference, found, dt)
         return signal, [*correction, *after]
+
+    def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> Column:
+        """With the integral of the feedback that gives the signal."""
+        held, plays = PidMemory(*memory[:KEPT]), memory[KEPT:]
+        feed = self._feed(xp, self._level(xp, reference), plays)
+        return [*self.feedback.track(xp, held, feed, signal, reference, readings[self.measured]), *plays]
+
+    def _feed(self, xp: Namespace, level: Scalar, plays: Column) -> Scalar:
+        """The signal of the inverse, within the limits."""
+        first, rows = _invert_plays(self.thresholds, self.weights)
+        signal = first * level
+        for (_, b), q in zip(rows, plays, strict=True):
+            signal = signal + b * q
+        return self.feedback.limit_signal(xp, signal)
 
     def _level(self, xp: Namespace, output: Scalar) -> Scalar:
         """N⁻¹: the level of the sum of plays at which the curve has an output."""

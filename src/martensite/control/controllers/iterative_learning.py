@@ -22,6 +22,7 @@ from typing import ClassVar, NamedTuple
 
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.parameters import option, param
+from martensite.base.units import GAIN
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
 from martensite.control.controllers.pid import PidGains, PidMemory
 from martensite.control.controllers.repeated_task import RepeatedTask, TaskMemory
@@ -38,11 +39,17 @@ class LearningMemory(NamedTuple):
     """v of the last sample."""
 
 
-class AbstractLearning(AbstractController, PidGains, RepeatedTask):
+class AbstractLearning(PidGains, RepeatedTask, AbstractController):
     """A PID controller with something that it learns along a task."""
 
     adds_error: ClassVar[bool] = False
     """Whether it is an error that it learns; else a signal."""
+    integrals = (-4,)
+
+    def check(self) -> None:
+        """Raise `ParameterError` for gains said twice, or a task that cannot be."""
+        PidGains.check(self)
+        RepeatedTask.check(self)
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
         """Nothing learned, nothing integrated."""
@@ -92,7 +99,7 @@ class IterativeLearning(AbstractLearning):
 
     cites = ("arimoto1984", "bristow2006")
 
-    learning_gain: Scalar = param("1", "g, in signal per SI unit of what is measured", typical=50.0)
+    learning_gain: Scalar = param(GAIN, "g, learned from an error in a repetition", typical=50.0)
     between: str = option(
         "from one repetition to the next: the plant goes on, or it was put back to where it began",
         "continuous",
@@ -109,9 +116,15 @@ class IterativeLearning(AbstractLearning):
             pid = PidMemory(*(xp.where(now.begins, a, b) for a, b in zip(first, pid, strict=True)))
         feed = now.learned
         left = {"low": self.law.low - feed, "high": self.law.high - feed}
-        added, pid = self.law.rebuilt(left).answer(xp, self.gains(xp, dt), pid, reference, found)
+        added, pid = self.law.rebuilt(left).answer(xp, self.gains, pid, reference, found, dt, self.sampled)
         signal, error = xp.clip(feed + added, self.law.low, self.law.high), reference - found
         learned = self.limit_learning(xp, signal, error, self.learning_gain)
         seam = self.between == "continuous"
         task = self.learn_error(xp, now, self.learning_gain, error, learned, dt, seam=seam)
         return signal, flatten_numbers(LearningMemory(task, pid, feed))
+
+    def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> Column:
+        """With the integral that gives the signal beside what is learned."""
+        held, found = self.rebuild_memory(memory), readings[self.measured]
+        pid = self.law.track(xp, self.gains, held.pid, signal - held.learned, reference, found)
+        return flatten_numbers(held._replace(pid=pid))

@@ -1,34 +1,47 @@
-"""Discrete PID control with limits: one kernel for runs in a loop and for loops in C.
+r"""PID control with limits, in gains of time units: one kernel for runs in a loop and for loops in C.
 
-    C(z) = K_p + K_i/(1 - z⁻¹) + K_d (1 - z⁻¹),      e = r - y
+    C(s) = K_p + K_i/s + K_d s/(1 + T_f s)        K_i = K_p/T_i,  K_d = K_p T_d,      e = r - y
+
+in every sample, h after the one before, by backward differences:
 
     u_k = K_p (b r_k - y_k) + I_k + K_d D_k,                limited to [low, high]
-    I_k = I_k-1 + K_i e_k
-    D_k = D_k-1 + (x_k - x_k-1 - D_k-1)/(1 + N),            x = c r - y
+    I_k = I_k-1 + K_i h e_k
+    D_k = D_k-1 + (x_k - x_k-1 - h D_k-1)/(T_f + h),        x = c r - y
 
-With set-point weights b = c = 1 and no filter, N = 0, this is C(z). All gains are per sample, as
-in that equation: K_i = K_i' T_s and K_d = K_d'/T_s of gains in seconds, which `per_sample`
-converts. The derivative begins with the second sample, so switching on gives no kick.
+Gains do not depend on the sample time: K_i is per second, K_d in seconds. The derivative is always filtered, with T_f
+= T_d/N, N = 10, or with the time `filter` if there is one; never with less than one sample, which is none. The first
+sample has nothing to integrate, and the derivative begins with the second, so switching on gives no kick.
+
+`gains_are = "per-sample"` is the discrete form of published controllers, whose time is counted in samples, h = 1, and
+whose derivative has no filter unless `filter` says so:
+
+    C(z) = K_p + K_i/(1 - z⁻¹) + K_d (1 - z⁻¹)
 
 Anti-windup is conditional integration: I stays as it is where the output is beyond a limit and the error drives it
 further. The sign of an error counts with that of K_i, so that negative gains control what falls when the signal rises.
-The choice `back-calculation` takes from I, in every sample, a share 1/N_t of what is beyond the limits instead:
+The choice `back-calculation` takes from I what is beyond the limits instead, with the tracking time T_t:
 
-    I_k = I_k-1 + K_i e_k + (u_k - v_k)/N_t,      v the signal before it is limited
+    I_k = I_k-1 + K_i h e_k + (u_k - v_k) h/T_t,        v the signal before it is limited,      T_t = T_i by default
 
-Source of C(z): Copaci, Moreno and Blanco (2019), equation (1); of back-calculation: Åström and
-Hägglund (1995), section 3.5.
+Source of C(z): Copaci, Moreno and Blanco (2019), equation (1); of the rest: Åström and Hägglund (1995), chapter 3.
 """
 
+import math
 from typing import NamedTuple
 
+from martensite.base.errors import ParameterError
 from martensite.base.parameters import Parametrised, option, param, part
+from martensite.base.units import DERIVATIVE_GAIN, GAIN, INTEGRAL_GAIN
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings, SignalLimits
+from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 
 
 class Gains(NamedTuple):
-    """Gains of a PID controller, per sample, in signal per unit of what is measured."""
+    """Gains of a PID controller, in signal per unit of what is measured: K_i per second, K_d in seconds.
+
+    Of the discrete form C(z): both per sample.
+    """
 
     Kp: Scalar
     Ki: Scalar
@@ -43,7 +56,7 @@ class PidMemory(NamedTuple):
     before: Scalar
     """x = c r - y of the last sample."""
     change: Scalar
-    """D, the filtered change of x."""
+    """D, the filtered change of x per second."""
 
 
 def per_sample(Kp: float, Ki: float, Kd: float, interval: float) -> Gains:
@@ -61,70 +74,141 @@ def per_sample(Kp: float, Ki: float, Kd: float, interval: float) -> Gains:
 class PidLaw(SignalLimits):
     """What a PID controller does beside its gains: limits, set-point weights and filter."""
 
-    weight: float = param("1", "set-point weight b of the proportional part", default=1.0)
-    slope_weight: float = param("1", "set-point weight c of the derivative part", default=1.0)
-    filter: float = param("1", "time constant N of the derivative's filter, in samples", low=0.0, default=0.0)
+    weight: float = param("1", "set-point weight b of the proportional part", low=0.0, high=1.0, default=1.0)
+    slope_weight: float = param("1", "set-point weight c of the derivative part", low=0.0, high=1.0, default=1.0)
+    N: float = param("1", "share of the derivative time that its filter takes: T_f = T_d/N", above=0.0, default=10.0)
+    filter: float = param("s", "time constant T_f of the derivative's filter; by N if 0", low=0.0, default=0.0)
     anti_windup: str = option(
         "what the integral does where the signal is limited", "conditional", "back-calculation", default="conditional"
     )
-    tracking: float = param("1", "time constant N_t of back-calculation, in samples", low=1.0, default=10.0)
+    tracking: float = param("s", "tracking time T_t of back-calculation; T_i if 0", low=0.0, default=0.0)
 
     def rest(self, xp: Namespace, reference: Scalar, measured: Scalar) -> PidMemory:
         """What is remembered before the first sample."""
         return PidMemory(0.0, self.slope_weight * reference - measured, 0.0)
 
     def answer(
-        self, xp: Namespace, gains: Gains, memory: PidMemory, reference: Scalar, measured: Scalar
+        self,
+        xp: Namespace,
+        gains: Gains,
+        memory: PidMemory,
+        reference: Scalar,
+        measured: Scalar,
+        dt: Scalar,
+        sampled: bool = False,
     ) -> tuple[Scalar, PidMemory]:
-        """Signal of this sample, and what is remembered for the next."""
-        added = gains.Ki * (reference - measured)
+        """Signal of this sample, `dt` [s] after the one before, and what is remembered; `sampled`: gains of C(z)."""
+        length = 1.0 if sampled else dt
+        added = gains.Ki * (reference - measured) * length
         integral = memory.integral + added
         now = self.slope_weight * reference - measured
-        change = memory.change + (now - memory.before - memory.change) / (1.0 + self.filter)
+        lag = count_samples(xp, self.filter, dt) if sampled else self.filter_time(xp, gains, dt)
+        change = memory.change + (now - memory.before - length * memory.change) / (length + lag)
         wanted = gains.Kp * (self.weight * reference - measured) + integral + gains.Kd * change
         signal = xp.clip(wanted, self.low, self.high)
         if self.anti_windup == "back-calculation":
-            kept = integral + (signal - wanted) / self.tracking
+            given = count_samples(xp, self.tracking, dt) if sampled else self.tracking
+            time = xp.maximum(xp.where(self.tracking > 0.0, given, integral_time(xp, gains)), length)
+            kept = integral + (signal - wanted) * length / xp.maximum(time, SHORTEST)
             return signal, PidMemory(kept, now, change)
         return signal, PidMemory(self.hold_integral(xp, wanted, added, memory.integral, integral), now, change)
 
+    def track(
+        self, xp: Namespace, gains: Gains, memory: PidMemory, signal: Scalar, reference: Scalar, measured: Scalar
+    ) -> PidMemory:
+        """What is remembered with an integral, if there is one, that gives a signal in this sample."""
+        rest = gains.Kp * (self.weight * reference - measured) + gains.Kd * memory.change
+        return memory._replace(integral=xp.where(xp.abs(gains.Ki) > 0.0, signal - rest, memory.integral))
 
-GAINS_ARE = "per-sample", "in-seconds"
+    def filter_time(self, xp: Namespace, gains: Gains, dt: Scalar) -> Scalar:
+        """Time constant T_f of the derivative's filter [s], in samples of `dt` [s]; one of them at least."""
+        Td = xp.abs(gains.Kd * gains.Kp) / xp.maximum(gains.Kp * gains.Kp, SLIGHT)  # 0 without K_p
+        given = xp.where(self.filter > 0.0, self.filter, Td / self.N)
+        return xp.maximum(xp.maximum(given, dt), SHORTEST)
+
+    def describe(self, gains: Gains, period: float, sampled: bool = False) -> str:
+        """Anti-windup and filter, in words."""
+        said = "conditional integration (the integral waits at a limit)"
+        if self.anti_windup == "back-calculation":
+            unit = period if sampled else 1.0
+            time = max(self.tracking or unit * integral_time(floats, gains), period)
+            said = f"back-calculation, tracking time {time:.4g} s"
+        lag = self.filter if sampled else self.filter_time(floats, gains, period)
+        derivative = f"derivative filtered with {lag:.4g} s" if lag else "derivative without a filter"
+        return f"anti-windup by {said}" + (f"; {derivative}" if gains.Kd else "")
+
+
+SHORTEST = 1e-12
+"""Time constant that is none [s]."""
+SLIGHT = 1e-30
+"""Square of a gain that is none."""
+
+
+def count_samples(xp: Namespace, time: Scalar, dt: Scalar) -> Scalar:
+    """A time [s] in samples of `dt` [s]; beyond all of them if they take none."""
+    return time / xp.maximum(dt, SHORTEST)
+
+
+def integral_time(xp: Namespace, gains: Gains) -> Scalar:
+    """T_i = K_p/K_i, in the time that K_i counts; without an integral it is beyond all times."""
+    return xp.abs(gains.Kp) / xp.maximum(xp.abs(gains.Ki), SHORTEST)
+
+
+IN_SECONDS, PER_SAMPLE = GAINS_ARE = "in-seconds", "per-sample"
 """What the integral and the derivative gain of a controller may be given for."""
-
-
-def sample_gains(xp: Namespace, gains: Gains, kind: str, dt: Scalar) -> Gains:
-    """Gains per sample, of gains of a kind of `GAINS_ARE`; the first sample, dt = 0 s, has nothing to integrate."""
-    if kind == "per-sample":
-        return gains
-    some = dt > 0.0
-    share = xp.where(some, 1.0 / xp.where(some, dt, 1.0), 0.0)
-    return Gains(gains.Kp, gains.Ki * dt, gains.Kd * share)
 
 
 class PidGains(Parametrised):
     """What any PID controller is given: gains and limits."""
 
-    Kp: Scalar = param("1", "proportional gain, in signal per SI unit of what is measured", typical=100.0)
-    Ki: Scalar = param("1", "integral gain", default=0.0)
-    Kd: Scalar = param("1", "derivative gain", default=0.0)
+    Kp: Scalar = param(GAIN, "proportional gain", typical=100.0)
+    Ki: Scalar = param(INTEGRAL_GAIN, "integral gain", default=0.0)
+    Kd: Scalar = param(DERIVATIVE_GAIN, "derivative gain", default=0.0)
+    Ti: Scalar = param("s", "integral time T_i, instead of K_i = K_p/T_i", above=0.0, default=math.inf)
+    Td: Scalar = param("s", "derivative time T_d, instead of K_d = K_p T_d", low=0.0, default=0.0)
     gains_are: str = option(
-        "integral and derivative gain: K_i and K_d of C(z), or those of K_p + K_i/s + K_d s",
-        *GAINS_ARE,
-        default="per-sample",
+        "gains of K_p + K_i/s + K_d s, or K_i and K_d of the discrete form C(z)", *GAINS_ARE, default=IN_SECONDS
     )
-    law: PidLaw = part("limits, set-point weights and filter", default=PidLaw())
+    law: PidLaw = part("limits, set-point weights, filter and anti-windup", default=PidLaw())
 
-    def gains(self, xp: Namespace, dt: Scalar) -> Gains:
-        """All gains per sample."""
-        return sample_gains(xp, Gains(self.Kp, self.Ki, self.Kd), self.gains_are, dt)
+    def check(self) -> None:
+        """Raise `ParameterError` if something is said twice."""
+        if (self.Ki != 0.0 and math.isfinite(self.Ti)) or (self.Kd != 0.0 and self.Td != 0.0):
+            raise ParameterError("A PID controller has `Ki` or `Ti`, and `Kd` or `Td`, not both.")
+        if self.sampled and (math.isfinite(self.Ti) or self.Td != 0.0):
+            raise ParameterError(
+                "`Ti` and `Td` are for gains in seconds: give `Ki` and `Kd`, or leave out `gains_are`."
+            )
+
+    @property
+    def sampled(self) -> bool:
+        """Whether integral and derivative gain are those of C(z), per sample."""
+        return self.gains_are == PER_SAMPLE
+
+    @property
+    def gains(self) -> Gains:
+        """All gains, as they are given or by T_i and T_d."""
+        if self.sampled:
+            return Gains(self.Kp, self.Ki, self.Kd)
+        return Gains(self.Kp, self.Ki + self.Kp / self.Ti, self.Kd + self.Kp * self.Td)
+
+    def describe(self, period: float) -> str:
+        """Anti-windup and filter, in words."""
+        return self.law.describe(self.gains, period, self.sampled)
+
+    def respond(
+        self, xp: Namespace, memory: PidMemory, reference: Scalar, measured: Scalar, dt: Scalar
+    ) -> tuple[Scalar, PidMemory]:
+        """Signal of this sample, and what is remembered for the next."""
+        return self.law.answer(xp, self.gains, memory, reference, measured, dt, self.sampled)
 
 
 @CONTROLLERS.register("pid")
-class Pid(AbstractController, PidGains):
+class Pid(PidGains, AbstractController):
     """A PID controller that keeps a measured output on a waveform."""
 
     cites = ("copaci2019", "astrom1995")
+    integrals = (0,)
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> PidMemory:
         """Nothing integrated."""
@@ -132,8 +216,12 @@ class Pid(AbstractController, PidGains):
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """Signal of this sample, and what is remembered for the next."""
-        gains, found = self.gains(xp, dt), readings[self.measured]
-        return self.law.answer(xp, gains, PidMemory(*memory), reference, found)
+        return self.respond(xp, PidMemory(*memory), reference, readings[self.measured], dt)
+
+    def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> PidMemory:
+        """With the integral that gives the signal."""
+        held, found = PidMemory(*memory), readings[self.measured]
+        return self.law.track(xp, self.gains, held, signal, reference, found)
 
 
 KEPT = len(PidMemory._fields)
@@ -149,10 +237,14 @@ class Correction(Parametrised):
     integral stops where the sum is at a limit. All gains are 0 to begin with: feed-forward alone.
     """
 
-    Kp: Scalar = param("1", "proportional gain, in signal per SI unit measured", default=0.0)
-    Ki: Scalar = param("1/s", "integral gain", default=0.0)
-    Kd: Scalar = param("s", "derivative gain, over the unit of the proportional one", default=0.0)
-    law: PidLaw = part("limits of the whole signal, weights and filter", default=PidLaw())
+    Kp: Scalar = param(GAIN, "proportional gain", default=0.0)
+    Ki: Scalar = param(INTEGRAL_GAIN, "integral gain", default=0.0)
+    Kd: Scalar = param(DERIVATIVE_GAIN, "derivative gain", default=0.0)
+    law: PidLaw = part("limits of the whole signal, weights, filter and anti-windup", default=PidLaw())
+
+    def describe(self, period: float) -> str:
+        """Anti-windup and filter, in words."""
+        return self.law.describe(Gains(self.Kp, self.Ki, self.Kd), period) if self.Kp or self.Ki or self.Kd else ""
 
     def limit_signal(self, xp: Namespace, signal: Scalar) -> Scalar:
         """A signal within the limits."""
@@ -166,7 +258,13 @@ class Correction(Parametrised):
         self, xp: Namespace, memory: PidMemory, feed: Scalar, reference: Scalar, measured: Scalar, dt: Scalar
     ) -> tuple[Scalar, PidMemory]:
         """Signal of this sample with a feed-forward within the limits, and the new memory."""
-        gains = sample_gains(xp, Gains(self.Kp, self.Ki, self.Kd), "in-seconds", dt)
-        left = {"low": self.law.low - feed, "high": self.law.high - feed}
-        added, after = self.law.rebuilt(left).answer(xp, gains, memory, reference, measured)
+        gains, left = Gains(self.Kp, self.Ki, self.Kd), {"low": self.law.low - feed, "high": self.law.high - feed}
+        added, after = self.law.rebuilt(left).answer(xp, gains, memory, reference, measured, dt)
         return feed + added, after
+
+    def track(
+        self, xp: Namespace, memory: PidMemory, feed: Scalar, signal: Scalar, reference: Scalar, measured: Scalar
+    ) -> PidMemory:
+        """With the integral, if there is one, that gives the signal with a feed-forward."""
+        gains = Gains(self.Kp, self.Ki, self.Kd)
+        return self.law.track(xp, gains, memory, signal - feed, reference, measured)

@@ -26,7 +26,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param, part
 from martensite.base.units import DIFFERENCE, LEVEL
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
-from martensite.control.controllers.pid import Gains, PidLaw, PidMemory, sample_gains
+from martensite.control.controllers.pid import Gains, PidLaw, PidMemory
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
 from martensite.signals.base import DRIVE
@@ -99,6 +99,7 @@ class RelayTuning(AbstractController):
     """A PID controller that finds its gains by a relay test in the loop."""
 
     cites = ("astrom1984", "ziegler1942", "tyreus1992", "seborg2011")
+    integrals = (-3,)
 
     level: Scalar = param(LEVEL, "r_0, what the reading swings around during the test", typical=HIGH)
     bias: Scalar = param(DRIVE, "mean of the two signals of the relay", default=0.5)
@@ -173,10 +174,16 @@ class RelayTuning(AbstractController):
         fresh = self.law.rest(xp, reference, found)
         fresh = fresh._replace(integral=mean - gains.Kp * (self.law.weight * reference - found))
         pid = PidMemory(*(xp.where(begins, a, b) for a, b in zip(fresh, before.pid, strict=True)))
-        signal, pid = self.law.answer(xp, sample_gains(xp, gains, "in-seconds", dt), pid, reference, found)
+        signal, pid = self.law.answer(xp, gains, pid, reference, found, dt)
         relay = after.bias + self.amplitude * (2.0 * after.cycle.on - 1.0)
         signal = xp.where(after.stage > -0.5, signal, xp.clip(0.0, self.law.low, self.law.high))
         return xp.where(after.stage > 0.5, relay, signal), flatten_numbers(after._replace(pid=pid))
+
+    def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> Column:
+        """With the integral that gives the signal; a relay test goes on."""
+        held, found = self._name_memory(memory), readings[self.measured]
+        pid = self.law.track(xp, self._find_gains(xp, held), held.pid, signal, reference, found)
+        return flatten_numbers(held._replace(pid=pid))
 
     def _place(self, found: Scalar) -> Scalar:
         """How far a reading is beyond the level, in the direction of the signal."""

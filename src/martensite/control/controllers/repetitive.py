@@ -38,7 +38,13 @@ class Repetitive(AbstractLearning):
         """Signal of this sample, and what is remembered for the next."""
         before, found = self.rebuild_memory(memory), readings[self.measured]
         now, error = self.advance_task(xp, before.task, dt), reference - found
-        signal, pid = self.law.answer(xp, self.gains(xp, dt), before.pid, reference, found - now.learned)
-        learned = self.limit_learning(xp, signal, error, self.Kp + self.Ki)
+        signal, pid = self.respond(xp, before.pid, reference, found - now.learned, dt)
+        learned = self.limit_learning(xp, signal, error, self.gains.Kp + self.gains.Ki)
         task = self.learn_error(xp, now, self.learning_gain, error, learned, dt)
         return signal, flatten_numbers(LearningMemory(task, pid, now.learned))
+
+    def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> Column:
+        """With the integral that gives the signal."""
+        held, found = self.rebuild_memory(memory), readings[self.measured]
+        pid = self.law.track(xp, self.gains, held.pid, signal, reference, found - held.learned)
+        return flatten_numbers(held._replace(pid=pid))

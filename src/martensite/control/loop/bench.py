@@ -8,9 +8,9 @@ so that what a run shows at t_k belongs together: state, readings made then, the
 once per period; the plant goes in `substeps` steps meanwhile. The whole is one kernel: a bench is a system, and runs
 wherever a system runs, on floats, in C, in batches and with derivatives.
 
-What drives a bench, by name: `reference` of its controller (`reference.DRIVE` of several), the
-drives of the plant that no controller has, and for every sensor `noise.NAME` and `jitter.NAME`,
-standard normal numbers; what is not given is 0, so that a run without them is one without noise.
+What drives a bench, by name: `reference` of its controller (`reference.DRIVE` of several), `manual` and `automatic` of
+one that has a manual mode, the drives of the plant that no controller has, and for every sensor `noise.NAME` and
+`jitter.NAME`, standard normal numbers; what is not given is 0, so that a run without them is one without noise.
 """
 
 import math
@@ -135,7 +135,8 @@ class Bench(AbstractSystemAround, init=False):
         loops = [value for pair in zip(given.references, held, strict=True) for value in pair]
         said = period.collect_controller_outputs(self, xp, state.controllers).values()
         alarm = [] if self.supervisor is None else [allowed.alarm]
-        return [*seen, *readings, *guesses, *loops, *said, *alarm]
+        shaped = period.collect_shaped(self, state.controllers)
+        return [*seen, *readings, *guesses, *loops, *shaped, *said, *alarm]
 
 
 def check_bench(bench: Bench) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from martensite.actuators.assembly.base import DriveSignal
 from martensite.actuators.mechanisms.base import Output
+from martensite.control.controllers.base import AROUND
 from martensite.control.loop.parts import MountedSensor
 from martensite.control.observers.base import ESTIMATED
 
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from martensite.control.loop.bench import Bench
 
 MEASURED, REFERENCE, WANTED, NOISE, JITTER = "measured.", "reference", "wanted", "noise.", "jitter."
+MANUAL, AUTOMATIC, SHAPED = "manual", "automatic", "shaped"
 ALARM, CONTROLLER = "alarm", "controller"
 AGE = ".age"
 AMBIENT = "ambient"
@@ -44,6 +46,24 @@ def outside_references(bench: Bench, outside: Iterable[str]) -> dict[str, str]:
     return {name: REFERENCE if alone else f"{REFERENCE}.{name}" for name in found}
 
 
+def describe_controllers(bench: Bench) -> dict[str, str]:
+    """What controllers say of themselves, by drive, such as their anti-windup, and of what stands around them."""
+    found: dict[str, str] = {}
+    for name, one in bench.controllers.members().items():
+        around = ", ".join(part.replace("_", " ") for part in AROUND if one.__dict__[part] is not None)
+        words = "; ".join(filter(None, (one.describe(bench.period), around and f"with {around}")))
+        if words:
+            found[name] = f"`{one.registered_name}`: {words}"
+    return found
+
+
+def list_hands(bench: Bench) -> dict[str, tuple[str, str]]:
+    """Names of what is set by hand, signal and mode, by the drive of the controllers that have a manual mode."""
+    rows = zip(bench.controllers.members().items(), list_references(bench), strict=True)
+    ends = {drive: name.removeprefix(REFERENCE) for (drive, one), name in rows if one.manual is not None}
+    return {drive: (MANUAL + end, AUTOMATIC + end) for drive, end in ends.items()}
+
+
 def list_drives(bench: Bench) -> list[DriveSignal]:
     """References, drives of the plant that are free, noise and jitter."""
     taken = bench.controllers.members()
@@ -53,7 +73,16 @@ def list_drives(bench: Bench) -> list[DriveSignal]:
     numbers = [
         DriveSignal(kind + name, "1", False, True) for name in bench.sensors.members() for kind in (NOISE, JITTER)
     ]
-    return [*followed, *free, *numbers]
+    return [*followed, *hand_drives(bench), *free, *numbers]
+
+
+def hand_drives(bench: Bench) -> list[DriveSignal]:
+    """Signal and mode by hand, of every controller that has them."""
+    units = {drive.name: drive.unit for drive in bench.plant.drives()}
+    found: list[DriveSignal] = []
+    for drive, (signal, mode) in list_hands(bench).items():
+        found += [DriveSignal(signal, units[drive], False, True), DriveSignal(mode, "1", False, True)]
+    return found
 
 
 def reference_units(bench: Bench) -> list[str]:
@@ -95,6 +124,7 @@ def list_outputs(bench: Bench) -> dict[str, Output]:
     for name, unit, (drive, one) in rows:
         found[name] = reference_output(unit, one.measured or drive)
         found[wanted_name(name)] = wanted_output(signals[drive], drive)
+    found |= list_shaped(bench)
     found |= list_controller_outputs(bench)
     if bench.supervisor is not None:
         found[ALARM] = Output("1", "alarm of the supervisor", "a")
@@ -121,6 +151,17 @@ def _list_own(bench: Bench, drive: str) -> dict[str, Output]:
     unit = reference_units(bench)[list(members).index(drive)]
     signal = next(one.unit for one in bench.plant.drives() if one.name == drive)
     return members[drive].list_outputs(unit, signal)
+
+
+def list_shaped(bench: Bench) -> dict[str, Output]:
+    """What controllers follow whose reference is shaped: `shaped`, or `shaped.DRIVE` of several."""
+    members = bench.controllers.members().items()
+    rows = zip(list_references(bench), reference_units(bench), members, strict=True)
+    return {
+        SHAPED + name.removeprefix(REFERENCE): Output(unit, f"shaped reference of {one.measured or drive}", "s")
+        for name, unit, (drive, one) in rows
+        if one.shaping is not None
+    }
 
 
 def reference_output(unit: str, followed: str) -> Output:

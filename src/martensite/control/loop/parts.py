@@ -12,6 +12,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import Parametrised, param, part, text
 from martensite.base.registry import Registry
 from martensite.control.controllers.base import AbstractController
+from martensite.control.controllers.conditioning import ManualInput
 from martensite.control.faults.base import AbstractFault
 from martensite.control.observers.base import AbstractObserver
 from martensite.control.sensors.base import SENSORS, AbstractSensor, Column
@@ -247,6 +248,8 @@ class Inputs(NamedTuple):
     """What drives a bench, by where it goes."""
 
     references: tuple[Scalar, ...]
+    hands: tuple[ManualInput | None, ...]
+    """What is set by hand, for every controller; None for one without a manual mode."""
     free: Numbers
     """Signals of the plant that no controller has."""
     numbers: tuple[tuple[Scalar, Scalar], ...]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.assembly.systems import Piece
+from martensite.control.controllers.conditioning import ManualInput, split_memory
 from martensite.control.loop.names import AGE, AMBIENT, list_controller_outputs
 from martensite.control.loop.parts import (
     BenchState,
@@ -34,9 +35,16 @@ def sorted_inputs(bench: Bench, drives: Sequence[Scalar]) -> Inputs:
     """What drives the bench, by where it goes."""
     taken, rest = bench.controllers.members(), iter(drives)
     references = tuple(next(rest) for _ in taken)
+    hands = sort_hands(bench, rest)
     free = {d.name: next(rest) for d in bench.plant.drives() if d.name not in taken}
     numbers = tuple((next(rest), next(rest)) for _ in bench.sensors.members())
-    return Inputs(references, free, numbers)
+    return Inputs(references, hands, free, numbers)
+
+
+def sort_hands(bench: Bench, rest: Iterator[Scalar]) -> tuple[ManualInput | None, ...]:
+    """What is set by hand, by controller, from the numbers that come next."""
+    members = bench.controllers.members().values()
+    return tuple(None if one.manual is None else ManualInput(next(rest), next(rest)) for one in members)
 
 
 def apply_supervisor(bench: Bench, xp: Namespace, state: BenchState, given: Inputs) -> SupervisorVerdict:
@@ -77,11 +85,18 @@ def begin_loop(
     first = [one.rest(xp, known, collect_idle(bench, given)) for one in bench.observers.members().values()]
     observers = tuple(ObserverState(tuple(guess), tuple(memory)) for guess, memory in first)
     known = known | collect_estimates(bench, observers)
-    rows = zip(bench.controllers.members().values(), given.references, strict=True)
-    found = [one.answer(xp, tuple(one.rest(xp, r, known)), r, known, 0.0) for one, r in rows]
+    rows = zip(bench.controllers.members().values(), given.references, given.hands, strict=True)
+    found = [one.begin(xp, r, known, hand) for one, r, hand in rows]
     controllers = tuple(Controlling(signal, tuple(memory)) for signal, memory in found)
     held = () if bench.supervisor is None else tuple(bench.supervisor.rest(xp, known))
     return observers, controllers, held, known
+
+
+def collect_shaped(bench: Bench, controllers: Sequence[Controlling]) -> list[Scalar]:
+    """What controllers follow whose reference is shaped."""
+    rows = zip(bench.controllers.members().values(), controllers, strict=True)
+    found = [split_memory(one, held.memory).shaped for one, held in rows]
+    return [shaped.value for shaped in found if shaped is not None]
 
 
 def apply_faults(bench: Bench, xp: Namespace, time: Scalar) -> AbstractSystem:
@@ -162,8 +177,8 @@ def update_controllers(
     bench: Bench, xp: Namespace, before: Sequence[Controlling], known: Numbers, given: Inputs
 ) -> tuple[Controlling, ...]:
     """All controllers a period later."""
-    rows = zip(bench.controllers.members().values(), before, given.references, strict=True)
-    found = [one.answer(xp, held.memory, r, known, bench.period) for one, held, r in rows]
+    rows = zip(bench.controllers.members().values(), before, given.references, given.hands, strict=True)
+    found = [one.proceed(xp, held.memory, r, known, bench.period, hand) for one, held, r, hand in rows]
     return tuple(Controlling(signal, tuple(memory)) for signal, memory in found)
 
 
@@ -188,5 +203,5 @@ def collect_estimates(bench: Bench, observers: Sequence[ObserverState]) -> Numbe
 def collect_controller_outputs(bench: Bench, xp: Namespace, controllers: Sequence[Controlling]) -> Numbers:
     """What controllers say of themselves, by name."""
     rows = zip(bench.controllers.members().values(), controllers, strict=True)
-    values = [value for one, held in rows for value in one.observe(xp, held.memory)]
+    values = [value for one, held in rows for value in one.observe(xp, split_memory(one, held.memory).inner)]
     return dict(zip(list_controller_outputs(bench), values, strict=True))

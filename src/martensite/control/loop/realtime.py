@@ -19,9 +19,10 @@ import numpy as np
 
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import Keyed, values_at
+from martensite.control.controllers.base import AbstractController
 from martensite.control.loop import period
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.names import AGE, list_references
+from martensite.control.loop.names import AGE, hand_drives, list_references
 from martensite.control.loop.parts import Controlling, Inputs, Numbers, ObserverState
 from martensite.control.observers.base import ESTIMATED
 from martensite.kernels import floats
@@ -55,12 +56,59 @@ class RealtimeStep:
         made = CompiledLoop if in_c else FloatLoop
         self._engine: Any = made(traced, values_at(bench, traced.paths))
         self._waveforms = [one.reference for one in bench.controllers.members().values()]
+        modes = ((name, one.manual) for name, one in bench.controllers.members().items())
+        self._modes = {name: mode.waveforms for name, mode in modes if mode is not None}
+        self._hands: dict[str, float | None] = {}
         self._keys = [(name, name + AGE) for name in self.readings]
         self._shape, self._signals = traced.shape, -len(self.drives)
 
     def reset(self) -> None:
         """Back to before the first sample."""
         self.count = 0
+        self._hands.clear()
+
+    def set_manual(self, value: float | None = None, drive: str | None = None) -> None:
+        """Set the signal of a drive by hand from the next sample on; by default the last one is held.
+
+        Args:
+            value: signal, in SI.
+            drive: whose controller; needed if there are several.
+
+        Raises:
+            ParameterError: its controller has no manual mode, or there is no last signal.
+        """
+        name = self._find_mode(drive)
+        if value is None:
+            value = self.state.signals[self.drives.index(name)]
+        self._hands[name] = float(value)
+
+    def set_automatic(self, drive: str | None = None) -> None:
+        """Give a controller its signal again from the next sample on, where it is.
+
+        Raises:
+            ParameterError: it has no manual mode.
+        """
+        self._hands[self._find_mode(drive)] = None
+
+    def _find_mode(self, drive: str | None) -> str:
+        name = next(iter(self._modes)) if drive is None and len(self._modes) == 1 else drive
+        if name not in self._modes:
+            raise ParameterError(
+                "A controller needs a `manual` part to be set by hand, such as `manual = ManualMode()`; "
+                f"there is none of `{name or 'this loop'}`. {suggest_name(str(name), self._modes)}"
+            )
+        return name
+
+    def _set_by_hand(self) -> list[float]:
+        """Signal and mode of every controller that has a manual mode: as it was set, or else as its file says."""
+        found: list[float] = []
+        for name, waveforms in self._modes.items():
+            signal, automatic = (wave.value(self.count * self.bench.period) for wave in waveforms)
+            if name in self._hands:
+                value = self._hands[name]
+                signal, automatic = (signal, 1.0) if value is None else (value, 0.0)
+            found += (signal, automatic)
+        return found
 
     def step(
         self,
@@ -84,7 +132,7 @@ class RealtimeStep:
             time = self.count * self.bench.period
             references = [waveform.value(time) for waveform in self._waveforms]
         others = [free.get(name, 0.0) if free else 0.0 for name in self.free]
-        inputs = [*self._order_readings(readings), *references, *others]
+        inputs = [*self._order_readings(readings), *references, *self._set_by_hand(), *others]
         found = self._engine.run("step" if self.count else "begin", inputs)
         self.count += 1
         return tuple(found[self._signals :])
@@ -137,7 +185,7 @@ def list_reads(bench: Bench) -> tuple[str, ...]:
     """Names of the readings that the parts of a bench need from sensors."""
     parts: list[Any] = [*bench.observers.members().values(), *bench.controllers.members().values()]
     parts += [] if bench.supervisor is None else [bench.supervisor]
-    names = [name for one in parts for name in one.reads()]
+    names = [n for one in parts for n in (one.needs() if isinstance(one, AbstractController) else one.reads())]
     measured = [name for name in names if not name.startswith(ESTIMATED)]
     return tuple(dict.fromkeys(name.removesuffix(AGE) for name in measured))
 
@@ -196,7 +244,8 @@ def _trace_keyed(keyed: Keyed[Bench]) -> TracedLoop:
     paths = tuple(leaf.path for leaf in keyed.part.leaves())
     bench = keyed.part.rebuilt({path: program.parameter(path) for path in paths})
     names, free = (list_reads(bench), [n for n in _list_drives(bench) if n not in bench.controllers.members()])
-    signals = [*names, *(name + AGE for name in names), *list_references(bench), *free]
+    hands = [drive.name for drive in hand_drives(bench)]
+    signals = [*names, *(name + AGE for name in names), *list_references(bench), *hands, *free]
     labels = [f"i{i}" for i in range(len(signals))]
     found: list[NestedShape] = []
 
@@ -204,7 +253,9 @@ def _trace_keyed(keyed: Keyed[Bench]) -> TracedLoop:
         split, end = 2 * len(names), len(signals) - len(free)
         others = dict(zip(free, numbers[end:], strict=True))
         known = dict(zip(signals[:split], numbers[:split], strict=True))
-        return known, Inputs(tuple(numbers[split:end]), others, ())
+        middle = end - len(hands)
+        by_hand = period.sort_hands(bench, iter(numbers[middle:end]))
+        return known, Inputs(tuple(numbers[split:middle]), by_hand, others, ())
 
     def begin(xp: Any, *numbers: Any) -> list[Any]:
         loop = _begin_sample(bench, xp, *sorted_out(numbers))

@@ -23,6 +23,7 @@ from martensite.control.loop.names import (
     MEASURED,
     NOISE,
     list_drives,
+    list_hands,
     list_readings,
     list_references,
     name_controller_outputs,
@@ -137,9 +138,13 @@ def _with_loops(result: Result, bench: Bench, outside: Mapping[str, AbstractDriv
 
 
 def reference_waveforms(bench: Bench) -> dict[str, AbstractWaveform]:
-    """What the controllers of a bench shall follow, by the name of the drive."""
-    followed = bench.controllers.members().values()
-    return {name: one.reference for name, one in zip(list_references(bench), followed, strict=True)}
+    """What the controllers of a bench shall follow, and what is set by hand, by the name of the drive."""
+    members, hands = bench.controllers.members(), list_hands(bench)
+    followed = {name: one.reference for name, one in zip(list_references(bench), members.values(), strict=True)}
+    for drive, one in members.items():
+        if one.manual is not None:
+            followed |= dict(zip(hands[drive], one.manual.waveforms, strict=True))
+    return followed
 
 
 def noise_waveforms(bench: Bench, duration: float, seed: int | None) -> dict[str, AbstractWaveform]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.base.formats import typeset_unit, write_difference, write_quantity
 from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
+from martensite.control.loop.names import describe_controllers
 from martensite.simulate.path_stages import PathStage, list_stages, residual_strain
 
 if TYPE_CHECKING:
@@ -38,12 +39,14 @@ def summarise_run(
 ) -> Summary:
     """Everything about a run."""
     own = result.summary()
+    controllers = {} if scenario.bench is None else describe_controllers(scenario.bench)
     warned = len(result.warnings)
     told, warnings = own.blocks[: len(own.blocks) - warned], own.blocks[len(own.blocks) - warned :]
     blocks = [
         *told,
         *_describe_agreements(result, agreements),
         *_describe_averaging(averaging),
+        *(Sentence(f"controller of {drive}, {words}") for drive, words in controllers.items()),
         *(Sentence(f"Caution: {caution}", "caution") for caution in scenario.cautions),
         *warnings,
         Heading("Key results", detail=True),
@@ -51,6 +54,7 @@ def summarise_run(
     ]
     data = {"title": scenario.title, **own.data} | {
         "cautions": scenario.cautions,
+        "controllers": controllers,
         "comparison": [asdict(agreement) for agreement in agreements],
         "averaging": _collect_averaging(averaging),
     }

@@ -58,7 +58,7 @@ def run_controlled(
     for wanted in reference.tolist():
         _, position = plant.measured()
         memory = memory or law.rest(floats, wanted, position)
-        duty, memory = law.answer(floats, gains, memory, wanted, position)
+        duty, memory = law.answer(floats, gains, memory, wanted, position, INTERVAL, sampled=True)
         positions.append(position)
         duties.append(duty)
         plant.step(duty)
