@@ -180,10 +180,10 @@ class RelayTuning(AbstractController):
         return xp.where(after.stage > 0.5, relay, signal), flatten_numbers(after._replace(pid=pid))
 
     def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> Column:
-        """With the integral that gives the signal; a relay test goes on."""
+        """With the integral that gives the signal; a relay test begins anew, for its signals were not there."""
         held, found = self._name_memory(memory), readings[self.measured]
         pid = self.law.track(xp, self._find_gains(xp, held), held.pid, signal, reference, found)
-        return flatten_numbers(held._replace(pid=pid))
+        return flatten_numbers(held._replace(elapsed=0.0, turns=0.0, sums=NOTHING, pid=pid))
 
     def _place(self, found: Scalar) -> Scalar:
         """How far a reading is beyond the level, in the direction of the signal."""
