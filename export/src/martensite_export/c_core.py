@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from martensite.actuators.assembly import PROFILES, AbstractSystem
 from martensite.base.errors import ParameterError
@@ -286,8 +286,8 @@ def _loop_program(bench: Bench, traced: TracedLoop) -> tuple[Program, Rows]:
     for name, node in collect_estimates(bench, loop.observers).items():
         rows.append((name, words[name].unit, words[name].long_name))
         nodes.append(node)
-    own = list_controller_outputs(bench)
-    for name, node in collect_controller_outputs(bench, program.xp, loop.controllers).items():
+    own, xp = list_controller_outputs(bench), cast("Any", program.xp)
+    for name, node in collect_controller_outputs(bench, xp, loop.controllers).items():
         rows.append((name, own[name].unit, own[name].long_name))
         nodes.append(node)
     functions = {
