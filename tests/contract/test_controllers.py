@@ -20,13 +20,17 @@ from martensite.base.errors import ParameterError
 from martensite.control.controllers.base import CONTROLLERS, AbstractController
 from martensite.control.controllers.cascade import Cascade, InnerPid, OuterPid
 from martensite.control.controllers.constant_power import ConstantPower
+from martensite.control.controllers.disturbance_observer import DisturbanceObserver
 from martensite.control.controllers.feedforward import Feedforward
 from martensite.control.controllers.inverse_play import InversePlay
+from martensite.control.controllers.iterative_learning import IterativeLearning
 from martensite.control.controllers.latched_on_off import LatchedOnOff
 from martensite.control.controllers.mpc import Mpc
 from martensite.control.controllers.pid import Correction, Pid, PidLaw
 from martensite.control.controllers.planning import PlanSearch, Price
 from martensite.control.controllers.relay import Direct, OnOff, TwoLevel
+from martensite.control.controllers.relay_tuning import RelayTuning
+from martensite.control.controllers.repetitive import Repetitive
 from martensite.control.controllers.scheduled_pid import GainsAt, GainSchedule, ScheduledPid
 from martensite.control.controllers.sliding_mode import SlidingMode
 from martensite.control.controllers.state_feedback import StateFeedback
@@ -81,10 +85,22 @@ UP = GainSchedule(low=GainsAt(at=290.0, Kp=400.0, Ki=200.0, Kd=1.8), high=GainsA
 DOWN = GainSchedule(all=GainsAt(at=0.0, Kp=800.0, Ki=50.0))
 OUTER = OuterPid(Kp=2e4, Ki=2500.0, law=PidLaw(low=0.0, high=80.0))
 INNER = InnerPid(Kp=0.05, Ki=0.4)
+TASK: dict[str, Any] = {"Kp": 400.0, "Ki": 200.0, "period": PERIOD, "task": 0.7, "points": 20, "lead": 0.1}
 CASES: dict[str, Case] = {
     "cascade": Case(position(Cascade, start=293.15, outer=OUTER, inner=INNER)),
     "constant-power": Case(lambda reference: ConstantPower(reference=reference), course(2.0, 6.0, 0.0, 3.0)),
     "direct": Case(lambda reference: Direct(reference=reference, gain=0.1), course(0.0, 4.0, 1.0, 2.5)),
+    "disturbance-observer": Case(
+        position(
+            DisturbanceObserver,
+            period=PERIOD,
+            model_gain=0.02,
+            time_constant=1.0,
+            dead_time=0.1,
+            filter_time=0.3,
+            Kp=300.0,
+        )
+    ),
     "feedforward": Case(
         position(Feedforward, model=plant(), lookahead=0.5, slope_weight=0.0, iterations=2), samples=40
     ),
@@ -98,6 +114,7 @@ CASES: dict[str, Case] = {
             feedback=Correction(Kp=100.0, Ki=50.0, law=PidLaw()),
         )
     ),
+    "iterative-learning": Case(position(IterativeLearning, **TASK, learning_gain=400.0, between="reset")),
     "latched": Case(
         position(LatchedOnOff, oscillation="temperature", share=0.5, window=0.2, high=0.8), Constant(level=-1.0)
     ),
@@ -114,6 +131,8 @@ CASES: dict[str, Case] = {
     ),
     "on-off": Case(position(OnOff, band=0.2 * MM, high=0.9, low=0.1), limits=(0.1, 0.9)),
     "pid": Case(position(Pid, Kp=400.0, Ki=200.0, Kd=1.8, law=PidLaw(filter=0.04, weight=0.8))),
+    "relay-tuning": Case(position(RelayTuning, level=2.0 * MM, skipped=1.0, cycles=1.0, form="pid")),
+    "repetitive": Case(position(Repetitive, **TASK)),
     "scheduled-pid": Case(position(ScheduledPid, over="temperature", rising=UP, falling=DOWN)),
     "sliding-mode": Case(
         position(

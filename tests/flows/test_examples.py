@@ -373,3 +373,15 @@ def test_wire_of_the_beam_is_switched_when_its_comments_say() -> None:
     current = result["drive"]
     switched = [t for t, a, b in zip(result.times[1:], current, current[1:], strict=False) if a != b]
     assert switched == pytest.approx([3.12, 28.3], abs=0.06)
+
+
+def test_what_a_loop_learns_is_what_its_comments_say() -> None:
+    """Without learning the error stays; with it a fifth is left; with far too much of it learning stops."""
+    path, last = EXAMPLES / "closed_loop_learning.toml", {}
+    for gain in (0, 75, 600):
+        run = load(path, {"controller.learning_gain": gain}).run()
+        last[gain] = run["controller.error"][-1]
+        assert run["controller.learning"][-1] == (gain < 600)
+        assert bool(run.warnings) == (gain == 600)
+    assert last[75] < 0.2 * last[0]
+    assert last[600] < 1.1 * last[0]

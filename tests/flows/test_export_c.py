@@ -25,10 +25,14 @@ from c_cores import BAD_INPUT, LONG_STEP, NOT_FINITE, OK, UNSOLVED, Called, buil
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError
+from martensite.control.controllers.base import AbstractController
+from martensite.control.controllers.iterative_learning import IterativeLearning
 from martensite.control.controllers.pid import Pid
+from martensite.control.controllers.relay_tuning import RelayTuning
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers, MountedSensor, Observers, Sensors
 from martensite.control.loop.realtime import RealtimeStep
+from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.sensors.position import PositionSensor
 from martensite.kernels.program import Program
@@ -174,6 +178,28 @@ def test_a_loop_is_that_of_the_bench_bit_for_bit(tmp_path: Path) -> None:
         assert status == OK
         status, (signal, *estimates) = called.observe(*given)
         assert (status, signal, estimates) == (OK, meant, list(plain.estimates.values()))
+
+
+LEARNING = IterativeLearning(
+    measured="position", reference=COURSE, Kp=150.0, learning_gain=100.0, period=PERIOD, task=2.0, points=20, lead=0.1
+)
+TUNING = RelayTuning(measured="position", reference=COURSE, level=3 * MM, skipped=1.0, cycles=2.0)
+
+
+@pytest.mark.parametrize("one", [LEARNING, TUNING], ids=["learning", "tuning"])
+def test_a_loop_says_what_its_controller_says(one: AbstractController, tmp_path: Path) -> None:
+    """As on the bench, and readings of the bench lead to the same signals."""
+    bench = Bench(plant=PLANT, period=PERIOD, substeps=2, controllers=Controllers(drive=one))
+    run = simulate_bench(bench, 8.0, runtime="floats")
+    core = build_c_loop(bench, name="loop")
+    names = [name for name in run.columns if name.startswith("controller.")]
+    assert [row.name for row in core.outputs] == ["drive", *names]
+    called, columns = Called(core, tmp_path), [run[name] for name in ("wanted", *names)]
+    for k, (read, wanted) in enumerate(zip(run["position"], run["reference"], strict=True)):
+        given = (read, 0.0, wanted)
+        assert (called.step(*given, dt=PERIOD) if k else called.start(*given)) == OK
+        assert called.observe(*given)[1] == pytest.approx([column[k] for column in columns], rel=1e-9, abs=1e-12)
+    assert any(values[-1] != values[0] for values in columns[1:])
 
 
 FLOAT_BOUND = 2e-5

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from martensite.actuators.assembly import PROFILES, AbstractSystem
 from martensite.base.errors import ParameterError
@@ -27,12 +27,13 @@ from martensite.control.loop.names import (
     MANUAL,
     NOISE,
     hand_drives,
+    list_controller_outputs,
     list_readings,
     list_references,
     reference_units,
 )
 from martensite.control.loop.names import list_estimates as estimate_outputs
-from martensite.control.loop.period import collect_estimates
+from martensite.control.loop.period import collect_controller_outputs, collect_estimates
 from martensite.control.loop.realtime import LoopState, TracedLoop, list_reads, trace_loop
 from martensite.kernels.program import Function, Program
 from martensite.simulate.compiled import compile_system
@@ -235,7 +236,8 @@ def build_c_loop(bench: Bench, *, name: str | None = None, precision: str = "flo
 
     Inputs are the readings, their ages, the references and the signals that no controller has.
     `NAME_start` is the first sample, `NAME_step` every other, with the period for dt; outputs are
-    the signals of the drives for the period that begins, the alarm, and what observers estimate.
+    the signals of the drives for the period that begins, the alarm, what observers estimate
+    and what controllers say of themselves.
 
     Raises:
         ParameterError: as for `c_core`; or there is no controller.
@@ -283,6 +285,10 @@ def _loop_program(bench: Bench, traced: TracedLoop) -> tuple[Program, Rows]:
     words = estimate_outputs(bench)
     for name, node in collect_estimates(bench, loop.observers).items():
         rows.append((name, words[name].unit, words[name].long_name))
+        nodes.append(node)
+    own, xp = list_controller_outputs(bench), cast("Any", program.xp)
+    for name, node in collect_controller_outputs(bench, xp, loop.controllers).items():
+        rows.append((name, own[name].unit, own[name].long_name))
         nodes.append(node)
     functions = {
         "init": replace(program.functions["begin"], name="init"),

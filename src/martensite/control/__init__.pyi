@@ -15,8 +15,10 @@ from martensite.control.controllers.conditioning import ManualMode as ManualMode
 from martensite.control.controllers.conditioning import ReadingFilter as ReadingFilter
 from martensite.control.controllers.conditioning import SignalSlew as SignalSlew
 from martensite.control.controllers.constant_power import ConstantPower as ConstantPower
+from martensite.control.controllers.disturbance_observer import DisturbanceObserver as DisturbanceObserver
 from martensite.control.controllers.feedforward import Feedforward as Feedforward
 from martensite.control.controllers.inverse_play import InversePlay as InversePlay
+from martensite.control.controllers.iterative_learning import IterativeLearning as IterativeLearning
 from martensite.control.controllers.latched_on_off import LatchedOnOff as LatchedOnOff
 from martensite.control.controllers.mpc import Mpc as Mpc
 from martensite.control.controllers.pid import Correction as Correction
@@ -31,6 +33,8 @@ from martensite.control.controllers.planning import measure_reach as measure_rea
 from martensite.control.controllers.relay import Direct as Direct
 from martensite.control.controllers.relay import OnOff as OnOff
 from martensite.control.controllers.relay import TwoLevel as TwoLevel
+from martensite.control.controllers.relay_tuning import RelayTuning as RelayTuning
+from martensite.control.controllers.repetitive import Repetitive as Repetitive
 from martensite.control.controllers.scheduled_pid import GainsAt as GainsAt
 from martensite.control.controllers.scheduled_pid import GainSchedule as GainSchedule
 from martensite.control.controllers.scheduled_pid import ScheduledPid as ScheduledPid

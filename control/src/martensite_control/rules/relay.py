@@ -32,10 +32,12 @@ from numpy.typing import NDArray
 
 from martensite.base.errors import DataError, ParameterError, suggest_name
 from martensite.control.controllers.relay import OnOff
+from martensite.control.controllers.relay_tuning import RELAY_RULES, STEADY, find_ultimate_gain
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import name_loop_columns
 from martensite.control.loop.parts import Controllers
 from martensite.control.loop.run import simulate_bench
+from martensite.kernels import floats
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.signals.sampling.sampled import Numbers
@@ -48,8 +50,6 @@ CYCLES = 6
 SKIPPED = 3
 """Cycles before those that are counted."""
 DOUBLINGS = 5
-STEADY = 0.1
-"""Spread of the periods, in shares of their mean, above which a cycle is not steady."""
 
 
 class LimitCycle(NamedTuple):
@@ -86,12 +86,6 @@ class LimitCycle(NamedTuple):
         return self.scatter <= STEADY
 
 
-RELAY_RULES: Mapping[str, Mapping[str, tuple[float, float, float]]] = {
-    "ziegler-nichols": {"pi": (0.45, 1.0 / 1.2, 0.0), "pid": (0.6, 0.5, 0.125)},
-    "tyreus-luyben": {"pi": (1.0 / 3.2, 2.2, 0.0), "pid": (1.0 / 2.2, 2.2, 1.0 / 6.3)},
-    "no-overshoot": {"pid": (0.2, 0.5, 1.0 / 3.0)},
-}
-"""K_p/K_u, T_i/P_u and T_d/P_u by rule and form."""
 RELAY_CITES: Mapping[str, tuple[str, ...]] = {
     "ziegler-nichols": ("astrom1984", "ziegler1942"),
     "tyreus-luyben": ("astrom1984", "tyreus1992"),
@@ -209,7 +203,7 @@ def _measure_cycle(
         )
     inside = signal[turns[0] : turns[-1]]
     share = float((inside > 0.5 * (inside.max() + inside.min())).mean())
-    gain = 4.0 * d / (math.pi * math.sqrt(a**2 - hysteresis**2))
+    gain = find_ultimate_gain(floats, d, a, hysteresis)
     return LimitCycle(
         gain,
         period,

@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, NamedTuple, TypeAlias
 
+from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.interfaces import make_missing_error, require_where
 from martensite.base.parameters import Parametrised, param, part, text
@@ -117,6 +118,23 @@ class AbstractController(AbstractDrive):
             dt: time since the sample before [s]; 0 for the first one.
         """
         raise make_missing_error(type(self), ["answer"])
+
+    def list_outputs(self, unit: str, signal: str) -> dict[str, Output]:
+        """What it says of itself beside its signal, by name; none by default.
+
+        Args:
+            unit: SI unit of its reference.
+            signal: SI unit of its signal.
+        """
+        return {}
+
+    def observe(self, xp: Namespace, memory: Column) -> Column:
+        """Their values after a sample, from what it remembers, in the order of `list_outputs`."""
+        return ()
+
+    def describe_doubts(self, last: Mapping[str, float]) -> list[str]:
+        """Sentences about what it failed to do in a run, by the last values of its `list_outputs`."""
+        return []
 
     def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> Column:
         """What it remembers after a sample in which the signal was another one: with an integral that gives it."""

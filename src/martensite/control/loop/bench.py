@@ -13,6 +13,7 @@ one that has a manual mode, the drives of the plant that no controller has, and 
 `jitter.NAME`, standard normal numbers; what is not given is 0, so that a run without them is one without noise.
 """
 
+import math
 from collections.abc import Mapping
 
 from martensite.actuators.assembly import advance_steps
@@ -89,7 +90,7 @@ class Bench(AbstractSystemAround, init=False):
         return names.list_drives(self)
 
     def outputs(self) -> dict[str, Output]:
-        """Those of the plant, then readings, estimates, references, wanted signals, the alarm."""
+        """Those of the plant, then readings, estimates, references, wanted signals, those of controllers, the alarm."""
         return names.list_outputs(self)
 
     def profile(self, state: BenchState) -> list[Column]:
@@ -137,8 +138,10 @@ class Bench(AbstractSystemAround, init=False):
         guesses = [value for one in state.observers for value in one.estimates]
         held = [one.wanted for one in state.controllers]
         loops = [value for pair in zip(given.references, held, strict=True) for value in pair]
+        said = period.collect_controller_outputs(self, xp, state.controllers).values()
         alarm = [] if self.supervisor is None else [allowed.alarm]
-        return [*seen, *readings, *guesses, *loops, *period.collect_shaped(self, state.controllers), *alarm]
+        shaped = period.collect_shaped(self, state.controllers)
+        return [*seen, *readings, *guesses, *loops, *shaped, *said, *alarm]
 
 
 def check_bench(bench: Bench) -> None:
@@ -170,6 +173,12 @@ def _check_readings(bench: Bench) -> None:
             raise ParameterError(
                 f"Controller `{controller.registered_name}` is no kernel: run it as a drive of a "
                 f"bench without controllers."
+            )
+        made_for = getattr(controller, "period", bench.period)
+        if not math.isclose(made_for, bench.period):
+            raise ParameterError(
+                f"Controller `{controller.registered_name}` has a `period` of {made_for:g} s, but the bench one of "
+                f"{bench.period:g} s; make them the same."
             )
     if bench.supervisor is not None:
         _require_names("The supervisor", bench.supervisor.reads(), readings)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 MEASURED, REFERENCE, WANTED, NOISE, JITTER = "measured.", "reference", "wanted", "noise.", "jitter."
 MANUAL, AUTOMATIC, SHAPED = "manual", "automatic", "shaped"
-ALARM = "alarm"
+ALARM, CONTROLLER = "alarm", "controller"
 AGE = ".age"
 AMBIENT = "ambient"
 
@@ -114,7 +114,7 @@ def list_estimates(bench: Bench) -> dict[str, Output]:
 
 
 def list_outputs(bench: Bench) -> dict[str, Output]:
-    """Those of the plant, then readings, estimates, references, wanted signals, the alarm."""
+    """Those of the plant, then readings, estimates, references, wanted signals, those of controllers, the alarm."""
     known = list_readings(bench)
     measured = {MEASURED + name: known[name] for name in bench.sensors.members()}
     found = bench.plant.outputs() | measured | list_estimates(bench)
@@ -125,9 +125,32 @@ def list_outputs(bench: Bench) -> dict[str, Output]:
         found[name] = reference_output(unit, one.measured or drive)
         found[wanted_name(name)] = wanted_output(signals[drive], drive)
     found |= list_shaped(bench)
+    found |= list_controller_outputs(bench)
     if bench.supervisor is not None:
         found[ALARM] = Output("1", "alarm of the supervisor", "a")
     return found
+
+
+def list_controller_outputs(bench: Bench) -> dict[str, Output]:
+    """What controllers say of themselves: `controller.NAME`, beside other controllers `controller.DRIVE.NAME`."""
+    found: dict[str, Output] = {}
+    for drive in bench.controllers.members():
+        own = _list_own(bench, drive)
+        found |= {name: own[key] for key, name in name_controller_outputs(bench, drive).items()}
+    return found
+
+
+def name_controller_outputs(bench: Bench, drive: str) -> dict[str, str]:
+    """What the outputs of a controller are called on a bench, by its own names."""
+    beside = f"{drive}." if len(bench.controllers.members()) > 1 else ""
+    return {key: f"{CONTROLLER}.{beside}{key}" for key in _list_own(bench, drive)}
+
+
+def _list_own(bench: Bench, drive: str) -> dict[str, Output]:
+    members = bench.controllers.members()
+    unit = reference_units(bench)[list(members).index(drive)]
+    signal = next(one.unit for one in bench.plant.drives() if one.name == drive)
+    return members[drive].list_outputs(unit, signal)
 
 
 def list_shaped(bench: Bench) -> dict[str, Output]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.assembly.systems import Piece
 from martensite.control.controllers.conditioning import ManualInput, split_memory
-from martensite.control.loop.names import AGE, AMBIENT
+from martensite.control.loop.names import AGE, AMBIENT, list_controller_outputs
 from martensite.control.loop.parts import (
     BenchState,
     Controlling,
@@ -224,3 +224,10 @@ def collect_estimates(bench: Bench, observers: Sequence[ObserverState]) -> Numbe
         for one, held in rows
         for name, value in zip(one.estimates(), held.estimates, strict=True)
     }
+
+
+def collect_controller_outputs(bench: Bench, xp: Namespace, controllers: Sequence[Controlling]) -> Numbers:
+    """What controllers say of themselves, by name."""
+    rows = zip(bench.controllers.members().values(), controllers, strict=True)
+    values = [value for one, held in rows for value in one.observe(xp, split_memory(one, held.memory).inner)]
+    return dict(zip(list_controller_outputs(bench), values, strict=True))

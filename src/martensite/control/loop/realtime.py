@@ -25,6 +25,7 @@ from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import AGE, hand_drives, list_references
 from martensite.control.loop.parts import Controlling, Inputs, Numbers, ObserverState
 from martensite.control.observers.base import ESTIMATED
+from martensite.kernels import floats
 from martensite.kernels.compiled_program import CompiledProgram
 from martensite.kernels.compiler import find_compiler
 from martensite.kernels.compute_once import cache_answers
@@ -162,6 +163,11 @@ class RealtimeStep:
     def estimates(self) -> dict[str, float]:
         """What the observers said in the last step, by name."""
         return period.collect_estimates(self.bench, self.state.observers)
+
+    @property
+    def outputs(self) -> dict[str, float]:
+        """What the controllers said of themselves in the last step, called as on a bench: `controller.NAME`."""
+        return period.collect_controller_outputs(self.bench, floats, self.state.controllers)
 
 
 class LoopState(NamedTuple):

@@ -28,6 +28,7 @@ from martensite.control.loop.names import (
     list_hands,
     list_readings,
     list_references,
+    name_controller_outputs,
     outside_references,
     reference_output,
     wanted_name,
@@ -89,14 +90,19 @@ def simulate_bench(
         periods = round(duration / bench.period)
         length = periods * bench.period
         found = simulate_controlled(bench, played | seeing, length, bench.period, watch=watch)
-        found = _with_loops(found, bench, outside)
-        return warn_of_end(warn_of_guard(found, bench), duration, bench.period)
+        found = warn_of_loops(_with_loops(found, bench, outside), bench)
+        return warn_of_end(found, duration, bench.period)
     chosen = runtime or ("c" if find_compiler() is not None else "floats")
     samples = int(duration / bench.period + 1e-6) + 1
     found = simulate(
         bench, played, duration, samples=max(samples, 2), runtime=chosen, start=start, restart_at=restart_at
     )
-    return warn_of_end(warn_of_guard(found, bench), duration, bench.period)
+    return warn_of_end(warn_of_loops(found, bench), duration, bench.period)
+
+
+def warn_of_loops(result: Result, bench: Bench) -> Result:
+    """A result with what its guard did, and what its controllers failed to do."""
+    return _with_doubts(warn_of_guard(result, bench), bench)
 
 
 def warn_of_guard(result: Result, bench: Bench) -> Result:
@@ -114,6 +120,15 @@ def warn_of_guard(result: Result, bench: Bench) -> Result:
             f"for {length:.3g} s in all."
         )
     return replace(result, warnings=[*result.warnings, *said])
+
+
+def _with_doubts(result: Result, bench: Bench) -> Result:
+    """A result with what controllers failed to do."""
+    said: list[str] = []
+    for drive, one in bench.controllers.members().items():
+        names = name_controller_outputs(bench, drive)
+        said += one.describe_doubts({own: result[name][-1] for own, name in names.items()})
+    return replace(result, warnings=[*result.warnings, *said]) if said else result
 
 
 def warn_of_end(result: Result, duration: float, period: float) -> Result:

@@ -1,0 +1,265 @@
+r"""A controller that tunes itself: a relay first, then the PID controller that its limit cycle asks for.
+
+    tuning   u = bias + d while y < r_0 - ε until y ≥ r_0 + ε, then bias - d
+             K_u = 4 d/(π √(a² - ε²)),    P_u,    a = half the range of y in a cycle
+    tuned    u = PID, K_p = c_1 K_u,    T_i = c_2 P_u,    T_d = c_3 P_u
+
+`skipped` cycles of coming up are not counted; K_u and P_u are means over the next `cycles`, unless their lengths
+scatter by more than a tenth: then it counts anew. It goes over to the PID controller without a bump: the integral
+begins such that the first signal is the mean of the relay's, which is what holds r_0. A wire that heats faster than it
+cools spends more time at the lower signal, and the describing function is an average over both: with `balance` the bias
+moves, while cycles are skipped, to the mean signal of the last one, so that both take as long.
+
+There are no gains before the test is over, and none at all where no limit cycle appears in `timeout`: the signal is the
+idle one for good, and `tuning` is -1. What a supervisor cuts makes no cycle either.
+
+Rules and the describing function: `martensite.design`, relay test. Sources: Åström and Hägglund (1984), with
+Ziegler and Nichols (1942), Tyreus and Luyben (1992), Seborg et al. (2011, no overshoot).
+"""
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple, TypeVar
+
+from martensite.actuators.mechanisms.base import Output
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import option, param, part
+from martensite.base.units import DIFFERENCE, LEVEL
+from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
+from martensite.control.controllers.pid import Gains, PidLaw, PidMemory
+from martensite.kernels.namespace import Flag, Namespace, Scalar
+from martensite.kernels.nested import NestedShape, flatten_numbers
+from martensite.signals.base import DRIVE
+from martensite.signals.levels import HIGH, MARGIN
+
+RELAY_RULES: Mapping[str, Mapping[str, tuple[float, float, float]]] = {
+    "ziegler-nichols": {"pi": (0.45, 1.0 / 1.2, 0.0), "pid": (0.6, 0.5, 0.125)},
+    "tyreus-luyben": {"pi": (1.0 / 3.2, 2.2, 0.0), "pid": (1.0 / 2.2, 2.2, 1.0 / 6.3)},
+    "no-overshoot": {"pid": (0.2, 0.5, 1.0 / 3.0)},
+}
+"""K_p/K_u, T_i/P_u and T_d/P_u by rule and form."""
+STEADY = 0.1
+"""Spread of the periods, in shares of their mean, above which a cycle is not steady."""
+TUNING, TUNED, FAILED = 1.0, 0.0, -1.0
+
+
+def find_ultimate_gain(xp: Namespace, relay: Scalar, amplitude: Scalar, hysteresis: Scalar) -> Scalar:
+    """K_u by the describing function of a relay d with hysteresis ε, of a cycle that is a > ε wide to either side."""
+    return 4.0 * relay / (math.pi * xp.sqrt(amplitude**2 - hysteresis**2))
+
+
+class RelayCycle(NamedTuple):
+    """What is known of the cycle that is going on."""
+
+    on: Scalar
+    """1 at the larger signal, 0 at the smaller one."""
+    length: Scalar
+    """Time since it was switched on [s]."""
+    heated: Scalar
+    """How much of it at the larger signal [s]."""
+    lowest: Scalar
+    highest: Scalar
+
+
+class RelaySums(NamedTuple):
+    """Sums over the cycles that count."""
+
+    count: Scalar
+    lengths: Scalar
+    squares: Scalar
+    heated: Scalar
+    ranges: Scalar
+
+
+class TuningMemory(NamedTuple):
+    """What a controller that tunes itself remembers."""
+
+    stage: Scalar
+    """`TUNING`, `TUNED` or `FAILED`."""
+    elapsed: Scalar
+    """Time of the test [s]."""
+    turns: Scalar
+    """How often it was switched on."""
+    bias: Scalar
+    gain: Scalar
+    """K_u; 0 before it is known."""
+    period: Scalar
+    """P_u [s]"""
+    cycle: RelayCycle
+    sums: RelaySums
+    pid: PidMemory
+
+
+Parts = TypeVar("Parts", RelayCycle, RelaySums)
+NOTHING = RelaySums(0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@CONTROLLERS.register("relay-tuning")
+class RelayTuning(AbstractController):
+    """A PID controller that finds its gains by a relay test in the loop."""
+
+    cites = ("astrom1984", "ziegler1942", "tyreus1992", "seborg2011")
+    integrals = (-3,)
+
+    level: Scalar = param(LEVEL, "r_0, what the reading swings around during the test", typical=HIGH)
+    bias: Scalar = param(DRIVE, "mean of the two signals of the relay", default=0.5)
+    amplitude: Scalar = param(DRIVE, "d, half their difference", above=0.0, default=0.5)
+    hysteresis: Scalar = param(
+        DIFFERENCE, "ε, half the band without switching: a few times the noise", low=0.0, default=0.0, typical=MARGIN
+    )
+    action: str = option("what is measured rises with the signal, or falls", "rising", "falling", default="rising")
+    balance: str = option("whether the bias moves until both signals last as long", "off", "on", default="off")
+    rule: str = option("which gains", *RELAY_RULES, default="tyreus-luyben")
+    form: str = option("with a derivative part or without", "pi", "pid", default="pid")
+    skipped: Scalar = param("1", "cycles that are not counted", low=1.0, default=3.0)
+    cycles: Scalar = param("1", "cycles that are", low=1.0, default=6.0)
+    timeout: Scalar = param("s", "time after which it gives up", above=0.0, default=120.0)
+    law: PidLaw = part("limits, set-point weights and filter", default=PidLaw())
+
+    def check(self) -> None:
+        """Raise `ParameterError` for a rule that has no such form, or a relay beyond the limits."""
+        if self.form not in RELAY_RULES[self.rule]:
+            raise ParameterError(f"Relay rule `{self.rule}` is for pid only.")
+        low, high = self.bias - self.amplitude, self.bias + self.amplitude
+        if low < self.law.low or high > self.law.high:
+            raise ParameterError(
+                f"A relay of {self.bias:g} ± {self.amplitude:g} goes beyond the limits of the signal, "
+                f"{self.law.low:g} to {self.law.high:g}; choose a smaller `amplitude`."
+            )
+
+    def list_outputs(self, unit: str, signal: str) -> dict[str, Output]:
+        """Where it is, and what it has found."""
+        per = signal if unit == "1" else f"{signal}/{unit}"
+        return {
+            "tuning": Output("1", "relay test: going on (1), over (0), without a cycle (-1)", "s"),
+            "ultimate_gain": Output(per, "ultimate gain", "K_u"),
+            "ultimate_period": Output("s", "ultimate period", "P_u"),
+            "Kp": Output(per, "proportional gain", "K_p"),
+            "Ki": Output(f"{per}/s", "integral gain", "K_i"),
+            "Kd": Output(f"{per}*s", "derivative gain", "K_d"),
+        }
+
+    def observe(self, xp: Namespace, memory: Column) -> Column:
+        """Their values; 0 before they are known."""
+        held = self._name_memory(memory)
+        return [held.stage, held.gain, held.period, *self._find_gains(xp, held)]
+
+    def describe_doubts(self, last: Mapping[str, float]) -> list[str]:
+        """Whether the test came to its end."""
+        if last["tuning"] == TUNED:
+            return []
+        if last["tuning"] == TUNING:
+            return ["Warning: The relay test is not over yet: nothing was controlled so far."]
+        return [
+            f"Warning: The relay made no steady limit cycle in {self.timeout:g} s, and the signal is off. Choose a "
+            f"`level` that the reading crosses under both signals, {self.bias - self.amplitude:g} and "
+            f"{self.bias + self.amplitude:g}, or more hysteresis."
+        ]
+
+    def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
+        """Before the test."""
+        found = readings[self.measured]
+        away = self._place(found)
+        on = xp.where(away < 0.0, 1.0, 0.0)
+        cycle = RelayCycle(on, 0.0, 0.0, away, away)
+        pid = self.law.rest(xp, reference, found)
+        return flatten_numbers(TuningMemory(TUNING, 0.0, 0.0, self.bias, 0.0, 0.0, cycle, NOTHING, pid))
+
+    def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
+        """Signal of this sample, and what is remembered for the next."""
+        before, found = self._name_memory(memory), readings[self.measured]
+        after, mean = self._advance_test(xp, before, self._place(found), dt)
+        begins = xp.both(before.stage > 0.5, xp.both(after.stage < 0.5, after.stage > -0.5))
+        gains = self._find_gains(xp, after)
+        fresh = self.law.rest(xp, reference, found)
+        fresh = fresh._replace(integral=mean - gains.Kp * (self.law.weight * reference - found))
+        pid = PidMemory(*(xp.where(begins, a, b) for a, b in zip(fresh, before.pid, strict=True)))
+        signal, pid = self.law.answer(xp, gains, pid, reference, found, dt)
+        relay = after.bias + self.amplitude * (2.0 * after.cycle.on - 1.0)
+        signal = xp.where(after.stage > -0.5, signal, xp.clip(0.0, self.law.low, self.law.high))
+        return xp.where(after.stage > 0.5, relay, signal), flatten_numbers(after._replace(pid=pid))
+
+    def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> Column:
+        """With the integral that gives the signal; a relay test begins anew, for its signals were not there."""
+        held, found = self._name_memory(memory), readings[self.measured]
+        pid = self.law.track(xp, self._find_gains(xp, held), held.pid, signal, reference, found)
+        return flatten_numbers(held._replace(elapsed=0.0, turns=0.0, sums=NOTHING, pid=pid))
+
+    def _place(self, found: Scalar) -> Scalar:
+        """How far a reading is beyond the level, in the direction of the signal."""
+        return found - self.level if self.action == "rising" else self.level - found
+
+    def _find_gains(self, xp: Namespace, memory: TuningMemory) -> Gains:
+        """Gains in seconds; 0 before the test is over."""
+        Kp, Ti, Td = RELAY_RULES[self.rule][self.form]
+        found = Kp * memory.gain
+        known = memory.period > 0.0
+        return Gains(found, found / (Ti * xp.where(known, memory.period, 1.0)), found * Td * memory.period)
+
+    def _advance_test(
+        self, xp: Namespace, before: TuningMemory, away: Scalar, dt: Scalar
+    ) -> tuple[TuningMemory, Scalar]:
+        """The test a sample later, and the mean signal of the cycles that count."""
+        one = before.cycle
+        kept = xp.where(away < self.hysteresis, one.on, 0.0)
+        on = xp.where(away < -self.hysteresis, 1.0, kept)
+        turned = xp.both(on > 0.5, one.on < 0.5)
+        lowest, highest = xp.minimum(away, one.lowest), xp.maximum(away, one.highest)
+        whole = RelayCycle(on, one.length + dt, one.heated + dt * one.on, lowest, highest)
+        cycle = _choose(xp, turned, RelayCycle(on, 0.0, 0.0, away, away), whole)
+        turns = before.turns + xp.where(turned, 1.0, 0.0)
+        sums = _choose(xp, xp.both(turned, turns > self.skipped + 1.5), _add_cycle(before.sums, whole), before.sums)
+        after = before._replace(elapsed=before.elapsed + dt, turns=turns, cycle=cycle, sums=sums)
+        after = self._balance_relay(xp, after, whole, xp.both(turned, turns > 1.5))
+        return self._judge_cycles(xp, before, after)
+
+    def _balance_relay(self, xp: Namespace, after: TuningMemory, whole: RelayCycle, turned: Flag) -> TuningMemory:
+        """With the bias at the mean signal of a whole cycle, as long as cycles are not counted."""
+        if self.balance == "off":
+            return after
+        some = xp.where(whole.length > 0.0, whole.length, 1.0)
+        mean = after.bias + self.amplitude * (2.0 * whole.heated / some - 1.0)
+        mean = xp.clip(mean, self.law.low + self.amplitude, self.law.high - self.amplitude)
+        moves = xp.both(turned, after.turns < self.skipped + 0.5)
+        return after._replace(bias=xp.where(moves, mean, after.bias))
+
+    def _judge_cycles(self, xp: Namespace, before: TuningMemory, after: TuningMemory) -> tuple[TuningMemory, Scalar]:
+        """With gain and period once there are cycles enough; counting anew where they are not steady."""
+        sums = after.sums
+        count = xp.where(sums.count > 0.5, sums.count, 1.0)
+        period, amplitude = sums.lengths / count, 0.5 * sums.ranges / count
+        spread = xp.sqrt(sums.squares / count - period**2)
+        steady = xp.both(spread <= STEADY * period, amplitude > self.hysteresis)
+        enough = xp.both(before.stage > 0.5, sums.count > self.cycles - 0.5)
+        tuned, late = xp.both(enough, steady), xp.both(before.stage > 0.5, after.elapsed > self.timeout)
+        wide = xp.where(amplitude > self.hysteresis, amplitude, self.hysteresis + 1.0)
+        gain = find_ultimate_gain(xp, self.amplitude, wide, self.hysteresis)
+        gain = gain if self.action == "rising" else -gain
+        stage = xp.where(tuned, TUNED, xp.where(late, FAILED, before.stage))
+        share = sums.heated / xp.where(sums.lengths > 0.0, sums.lengths, 1.0)
+        found = after._replace(
+            stage=stage,
+            gain=xp.where(tuned, gain, before.gain),
+            period=xp.where(tuned, period, before.period),
+            sums=_choose(xp, enough, NOTHING, sums),
+        )
+        return found, after.bias + self.amplitude * (2.0 * share - 1.0)
+
+    def _name_memory(self, memory: Column) -> TuningMemory:
+        cycle, pid = RelayCycle(*[0.0] * len(RelayCycle._fields)), PidMemory(*[0.0] * len(PidMemory._fields))
+        example = TuningMemory(TUNING, 0.0, 0.0, 0.0, 0.0, 0.0, cycle, NOTHING, pid)
+        return NestedShape(example).rebuild(memory)
+
+
+def _add_cycle(sums: RelaySums, whole: RelayCycle) -> RelaySums:
+    return RelaySums(
+        sums.count + 1.0,
+        sums.lengths + whole.length,
+        sums.squares + whole.length**2,
+        sums.heated + whole.heated,
+        sums.ranges + whole.highest - whole.lowest,
+    )
+
+
+def _choose(xp: Namespace, flag: Flag, one: Parts, other: Parts) -> Parts:
+    return type(one)(*(xp.where(flag, a, b) for a, b in zip(one, other, strict=True)))
