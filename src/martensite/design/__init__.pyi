@@ -12,6 +12,10 @@ from martensite.design.synthesis.linear import realise_readings as realise_readi
 from martensite.design.synthesis.operating_point import SteadyPoint as SteadyPoint
 from martensite.design.synthesis.operating_point import find_operating_level as find_operating_level
 from martensite.design.synthesis.operating_point import find_operating_point as find_operating_point
+from martensite_control.loops.linear_loop import LinearLoop as LinearLoop
+from martensite_control.loops.linear_loop import linearise_loops as linearise_loops
+from martensite_control.loops.margins import LoopMargins as LoopMargins
+from martensite_control.loops.margins import compute_margins as compute_margins
 from martensite_control.rules.formulas import RULES as RULES
 from martensite_control.rules.formulas import FirstOrder as FirstOrder
 from martensite_control.rules.formulas import Integrating as Integrating

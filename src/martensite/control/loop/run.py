@@ -17,6 +17,7 @@ from martensite.base.errors import InputError
 from martensite.base.parameters import part
 from martensite.control.controllers.base import AbstractController
 from martensite.control.loop.bench import Bench
+from martensite.control.loop.findings import check_signals
 from martensite.control.loop.names import (
     AGE,
     JITTER,
@@ -86,13 +87,19 @@ def simulate_bench(
         periods = round(duration / bench.period)
         length = periods * bench.period
         found = simulate_controlled(bench, played | seeing, length, bench.period, watch=watch)
-        return warn_of_end(_with_loops(found, bench, outside), duration, bench.period)
+        return _warn(_with_loops(found, bench, outside), bench, duration)
     chosen = runtime or ("c" if find_compiler() is not None else "floats")
     samples = int(duration / bench.period + 1e-6) + 1
     found = simulate(
         bench, played, duration, samples=max(samples, 2), runtime=chosen, start=start, restart_at=restart_at
     )
-    return warn_of_end(found, duration, bench.period)
+    return _warn(found, bench, duration)
+
+
+def _warn(result: Result, bench: Bench, duration: float) -> Result:
+    """The result with a warning of every signal that cannot be given, and of its end [s]."""
+    faults = [f"Warning: {one.sentence} {one.remedy}" for one in check_signals(bench) if one.fault]
+    return warn_of_end(replace(result, warnings=[*result.warnings, *faults]), duration, bench.period)
 
 
 def warn_of_end(result: Result, duration: float, period: float) -> Result:

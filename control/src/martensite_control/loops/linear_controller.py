@@ -1,0 +1,85 @@
+"""A controller for small changes of what it reads: slopes of its kernel, and where it rests."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from martensite.base.errors import InputError
+from martensite.control.controllers.base import AbstractController
+from martensite.control.loop.findings import list_limits
+from martensite.design.synthesis.linear import compute_slopes
+from martensite.kernels import floats
+from martensite.signals.sampling.sampled import Numbers
+
+WIDE = 1e9
+"""A limit of the signal that is none."""
+ROUNDS, LEFT = 30, 1e-9
+"""Of the search for what a controller remembers at rest, and what may be left of it, over the signal."""
+LEAST = 1e-3
+"""Size of a signal that is as small as any."""
+
+
+def free_limits(controller: AbstractController) -> AbstractController:
+    """A controller whose signal has no limits."""
+    ends = {path: WIDE if path.endswith("high") else -WIDE for path in list_limits(controller)}
+    return controller.with_values(ends)
+
+
+def list_step_answers(
+    controller: AbstractController, readings: Mapping[str, float], dt: float, samples: int
+) -> list[float]:
+    """Changes of the signal after a step of the reading, per its unit: at once, and in the samples behind."""
+    free, name = free_limits(controller), controller.measured
+    memory = [float(one) for one in free.rest(floats, readings[name], readings)]
+
+    def answer(xp: Any, x: Sequence[Any]) -> list[Any]:
+        moved = {**readings, name: readings[name] + x[-1]}
+        signal, after = free.answer(xp, tuple(x[:-1]), readings[name], moved, dt)
+        return [signal, *after]
+
+    slopes = compute_slopes(answer, [*memory, 0.0])[1]
+    inner, into, out, direct = slopes[1:, :-1], slopes[1:, -1], slopes[0, :-1], slopes[0, -1]
+    moved, found = np.zeros(len(memory)), list[float]()
+    for _ in range(samples):
+        found.append(float(out @ moved + direct))
+        moved = inner @ moved + into
+    return found
+
+
+def settle_controller(
+    controller: AbstractController, known: Mapping[str, float], signal: float, rising: bool, dt: float
+) -> tuple[Numbers, float]:
+    """What a controller remembers, and its reference, where it rests with a signal.
+
+    The least change of both for which `answer` gives the signal and leaves the memory as it is.
+
+    Args:
+        controller: without limits of its signal.
+        known: what it reads.
+        signal: what it shall answer.
+        rising: whether the reference came from below.
+        dt: period [s].
+
+    Raises:
+        InputError: there is no such rest: it only switches, or does not answer.
+    """
+    value = known[controller.measured]
+    aside = 1e-9 * max(abs(value), 1e-6) * (1.0 if rising else -1.0)
+    x = np.array([*controller.rest(floats, value + aside, known), value], dtype=float)
+
+    def miss(xp: Any, x: Sequence[Any]) -> list[Any]:
+        found, after = controller.answer(xp, tuple(x[:-1]), x[-1], known, dt)
+        return [found - signal, *(new - old for new, old in zip(after, x[:-1], strict=True))]
+
+    least = max(abs(signal), LEAST)
+    size = np.maximum(np.abs(x), least)
+    size[-1] = max(abs(value), 1e-6)
+    for _ in range(ROUNDS):
+        left, slopes = compute_slopes(miss, x.tolist())
+        if np.max(np.abs(left)) <= LEFT * least:
+            return x[:-1], float(x[-1])
+        x = x - size * np.linalg.lstsq(slopes * size, left, rcond=1e-12)[0]
+    raise InputError(f"`{controller.registered_name}` does not come to rest at a signal of {signal:.4g}")
