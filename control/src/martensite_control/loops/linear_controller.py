@@ -18,6 +18,8 @@ WIDE = 1e9
 """A limit of the signal that is none."""
 ROUNDS, LEFT = 30, 1e-9
 """Of the search for what a controller remembers at rest, and what may be left of it, over the signal."""
+SAME = 1e-11
+"""Relative difference of two references that is rounding."""
 LEAST = 1e-3
 """Size of a signal that is as small as any."""
 
@@ -68,7 +70,7 @@ def settle_controller(
     """
     value = known[controller.measured]
     aside = 1e-9 * max(abs(value), 1e-6) * (1.0 if rising else -1.0)
-    x = np.array([*controller.rest(floats, value + aside, known), value], dtype=float)
+    x = np.array([*controller.rest(floats, value + aside, known), value + aside], dtype=float)
 
     def miss(xp: Any, x: Sequence[Any]) -> list[Any]:
         found, after = controller.answer(xp, tuple(x[:-1]), x[-1], known, dt)
@@ -82,4 +84,5 @@ def settle_controller(
         if np.max(np.abs(left)) <= LEFT * least:
             return x[:-1], float(x[-1])
         x = x - size * np.linalg.lstsq(slopes * size, left, rcond=1e-12)[0]
+        x[np.isclose(x, x[-1], rtol=SAME, atol=0.0)] = x[-1]  # a reference that is remembered has not moved
     raise InputError(f"`{controller.registered_name}` does not come to rest at a signal of {signal:.4g}")

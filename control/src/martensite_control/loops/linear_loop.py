@@ -175,35 +175,46 @@ def _linearise_at(bench: Bench, drive: str, state: BenchState, point: SteadyPoin
         applied = signals | {drive: x[place]}
         return [*flatten_numbers(after), collect_known(bench, xp, after, applied)[controller.measured]]
 
-    flat[place] += (1.0 if branch == "heating" else -1.0) * PUSH * max(abs(point.signal), LEAST)
-    slopes = compute_slopes(advance, [*flat, *others])[1]
+    pushed = list(flat)
+    pushed[place] += (1.0 if branch == "heating" else -1.0) * PUSH * max(abs(point.signal), LEAST)
+    slopes = compute_slopes(advance, [*pushed, *others])[1]
     given = {one.name: size + k for k, one in enumerate(drives) if one.name not in signals}
     inputs, unit = slopes[:, list(given.values())], list_readings(bench)[controller.measured].unit
-    parts = _split_loop(slopes[:, :size], inputs, place, bench.period, (tuple(given), point.drive))
-    return LinearLoop(point, branch, *parts, known[controller.measured], unit)
+    reading = known[controller.measured]
+    names, at = (
+        (tuple(given), point.drive),
+        (np.array([*flat, reading]), np.array([*flat, *others])[list(given.values())]),
+    )
+    parts = _split_loop(slopes[:, :size], inputs, place, bench.period, names, at)
+    return LinearLoop(point, branch, *parts, reading, unit)
 
 
 def _split_loop(
-    slopes: Numbers, inputs: Numbers, place: int, period: float, names: tuple[tuple[str, ...], str]
+    slopes: Numbers,
+    inputs: Numbers,
+    place: int,
+    period: float,
+    names: tuple[tuple[str, ...], str],
+    at: tuple[Numbers, Numbers],
 ) -> tuple[LinearSystem, LinearSystem, LinearSystem]:
     """Plant, opened loop and closed loop from slopes of (state, reading) by state, and by inputs.
 
-    The reading joins the state, so that it is one of the same sample as the signal.
+    The reading joins the state, so that it is of the same sample as the signal. `at` is the state, and the inputs, of
+    the point of rest.
     """
-    (given, drive), count = names, len(slopes)
+    (given, drive), (state, outside), count = names, at, len(slopes)
     whole = np.hstack([slopes, np.zeros((count, 1))])
     opened, into, seen = whole.copy(), whole[:, [place]], np.eye(count)
     opened[:, place] = 0.0
 
-    def make(a: Numbers, b: Numbers, c: Numbers, of: tuple[str, ...], to: tuple[str, ...]) -> LinearSystem:
-        rows, columns = len(c), b.shape[1]
-        rest, none = np.zeros(count), np.zeros((rows, columns))
-        return LinearSystem(a, b, c, none, period, np.zeros(columns), rest, np.zeros(rows), of, to)
+    def make(a: Numbers, b: Numbers, c: Numbers, u: Numbers, of: tuple[str, ...], to: tuple[str, ...]) -> LinearSystem:
+        return LinearSystem(a, b, c, np.zeros((len(c), b.shape[1])), period, u, state, c @ state, of, to)
 
+    signal = state[[place]]
     return (
-        make(opened, into, seen[[-1]], (drive,), ("reading",)),
-        make(opened, into, -seen[[place]], ("error",), (drive,)),
-        make(whole, inputs, seen[[-1, place]], given, ("reading", drive)),
+        make(opened, into, seen[[-1]], signal, (drive,), ("reading",)),
+        make(opened, into, -seen[[place]], signal, ("error",), (drive,)),
+        make(whole, inputs, seen[[-1, place]], outside, given, ("reading", drive)),
     )
 
 

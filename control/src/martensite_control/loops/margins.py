@@ -2,7 +2,7 @@
 
     gain margin        1/|L| where L is real and negative: above 1 what the gain may be raised by, below 1 lowered to
     phase margin       π + arg L where |L| = 1
-    delay margin       phase margin over frequency: how much later readings may come
+    delay margin       phase margin over frequency: how much later readings may come; 0 of an unstable loop
     modulus margin     min |1 + L| = 1/M_s, the distance to -1; M_s is the largest sensitivity
 
 Source: Åström and Murray (2008), section 9.3.
@@ -78,13 +78,14 @@ def compute_margins(loop: LinearSystem) -> LoopMargins:
     gains = [-1.0 / float(real) for real in reals if real < 0.0]
     phase, crossover = min(phases, key=lambda pair: abs(pair[0]), default=(np.inf, np.nan))
     delays = [(p % (2.0 * np.pi)) / w for p, w in phases]
+    stable = bool(np.all(np.abs(closed_poles(slim)) < 1.0 - INSIDE))
     return LoopMargins(
-        bool(np.all(np.abs(closed_poles(slim)) < 1.0 - INSIDE)),
+        stable,
         min((g for g in gains if g > 1.0), default=np.inf),
         max((g for g in gains if g <= 1.0), default=0.0),
         float(phase),
         float(crossover),
-        min(delays, default=np.inf),
+        min(delays, default=np.inf) if stable else 0.0,
         _refine_distance(slim, omega, found),
     )
 
