@@ -27,6 +27,8 @@ from martensite_control.rules.rule_starts import convert_to_pid as convert_to_pi
 from martensite_control.rules.rule_starts import gains_by_tests as gains_by_tests
 from martensite_control.rules.rule_starts import run_loop_tests as run_loop_tests
 from martensite_control.rules.step_test import run_step_test as run_step_test
+from martensite_control.synthesis.gain_schedule import DesignedSchedule as DesignedSchedule
+from martensite_control.synthesis.gain_schedule import design_gain_schedule as design_gain_schedule
 from martensite_control.synthesis.inverse_hysteresis import IdentifiedHysteresis as IdentifiedHysteresis
 from martensite_control.synthesis.inverse_hysteresis import fit_rising_curve as fit_rising_curve
 from martensite_control.synthesis.inverse_hysteresis import identify_hysteresis as identify_hysteresis

@@ -168,7 +168,7 @@ def _linearise_at(bench: Bench, drive: str, state: BenchState, point: SteadyPoin
     flat, shape = flatten_numbers(whole), NestedShape(whole)
     place = name_numbers(whole).index("controllers.0.wanted")
     size, drives = len(flat), list_drives(bench)
-    others = [signals.get(one.name, reference if one.name == REFERENCE else 0.0) for one in drives]
+    others = [signals.get(one.name, reference if one.name.startswith(REFERENCE) else 0.0) for one in drives]
 
     def advance(xp: Any, x: Sequence[Any]) -> list[Any]:
         after, _ = bench.step(xp, shape.rebuild(x[:size]), *x[size:], dt=bench.period)

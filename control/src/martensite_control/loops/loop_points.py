@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from martensite.base.errors import InputError
+from martensite.control.controllers.mpc import Mpc
 from martensite.design.analysis.loop_check import LoopCase
 from martensite.design.synthesis.operating_point import SteadyPoint
 from martensite.design.synthesis.rest_curves import RestCurve, read_at_rest
@@ -38,6 +39,8 @@ def list_first_answers(case: LoopCase) -> list[float]:
     """Changes of the signal after a step of the reading, per its unit, in the first samples."""
     if not case.controller.kernel:
         raise InputError(f"`{case.controller.registered_name}` runs outside of the bench")
+    if isinstance(case.controller, Mpc):
+        raise InputError(f"`{case.controller.registered_name}` plans: it has no linear system")
     middle = case.heating.point(len(case.heating.levels) // 2)
     return list_step_answers(case.controller, read_at_rest(case.bench, middle.outputs), case.bench.period, SOON + 1)
 

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from martensite.control.loop.bench import Bench
     from martensite.physics.electrical.base import AbstractSource
 
-LIMITS = ("low", "high")
-"""Parameters of controllers that are the least and the largest signal."""
+LIMITS, HOLDERS = ("low", "high"), ("", "law", "inner.law")
+"""Parameters that are the least and the largest signal, and the parts of controllers that hold them."""
 ROUNDING, SHORT = 1e-9, 0.05
 """Shares of a limit of the source that do not count: of a duty, and of a supply, since resistance changes."""
 
@@ -62,9 +62,7 @@ def list_limits(controller: AbstractController) -> dict[str, float]:
     return {
         leaf.path: float(leaf.value)
         for leaf in controller.leaves()
-        if leaf.declared.unit == DRIVE
-        and leaf.path.rpartition(".")[2] in LIMITS
-        and not leaf.path.startswith(("reference.", "outer.", "model."))
+        if leaf.declared.unit == DRIVE and (split := leaf.path.rpartition("."))[2] in LIMITS and split[0] in HOLDERS
     }
 
 

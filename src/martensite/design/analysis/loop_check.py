@@ -17,6 +17,7 @@ from martensite.base.errors import InputError, MartensiteError
 from martensite.base.formats import write_quantity
 from martensite.base.lazy import import_extra
 from martensite.control.controllers.base import AbstractController
+from martensite.control.controllers.mpc import Mpc
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.findings import LoopFinding, check_signals, find_source, list_limits
 from martensite.control.loop.names import list_readings
@@ -158,6 +159,8 @@ def check_loop(
                 tested.append(name + named)
             except (MartensiteError, ArithmeticError) as error:
                 untested[name + named] = str(error).rstrip(".")
+            except LookupError as error:
+                untested[name + named] = f"`{controller.registered_name}` asks for {error}, which no reading is"
     if len(members) > 1:
         untested["coupling"] = "each loop was tested alone, with the other controllers off"
     wrong = {one.where for one in findings if one.test == "sign"}  # whose margins follow from it
@@ -218,7 +221,7 @@ def check_sign(case: LoopCase) -> Iterator[LoopFinding]:
 def _list_answers(case: LoopCase, readings: Mapping[str, float], reference: float) -> tuple[float, float]:
     """Signals of the controller while it reads the same: the first one, and that after a while."""
     memory, signals = case.controller.rest(floats, reference, readings), list[float]()
-    for _ in range(LONGER):
+    for _ in range(1 if isinstance(case.controller, Mpc) else LONGER):  # a plan is made anew in every sample
         signal, memory = case.controller.answer(floats, memory, reference, readings, case.bench.period)
         signals.append(float(signal))
     return signals[0], signals[-1]
