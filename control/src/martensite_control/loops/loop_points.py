@@ -80,8 +80,7 @@ def find_validity(case: LoopCase, one: LinearLoop) -> tuple[float, float]:
     """
     if one.branch == "dead band":
         return one.reading, one.reading
-    start = None if one.branch == "heating" else case.heating.states[:, -1]
-    curve = case.heating if start is None else case.compute_branch(case.limits[1], start)
+    curve = case.heating if one.branch == "heating" else case.cooling
     seen = case.read(curve)
     slopes = np.abs(np.diff(seen) / np.diff(curve.levels))
     k = int(np.argmin(np.abs(0.5 * (seen[1:] + seen[:-1]) - one.reading)))

@@ -36,8 +36,7 @@ def check_observability(case: LoopCase) -> Iterator[LoopFinding]:
         raise InputError(f"`{case.drive}` drives no element")
     for name, mounted in case.bench.sensors.members().items():
         if isinstance(mounted.sensor, ResistanceSensor):
-            cooling = case.compute_branch(case.limits[1], case.heating.states[:, -1])
-            for curve in (case.heating, cooling):
+            for curve in (case.heating, case.cooling):
                 yield from _judge_branch(case, f"sensors.{name}", mounted.sensor, curve, port)
             yield from _judge_current(case, mounted.sensor, port)
 

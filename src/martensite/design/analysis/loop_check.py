@@ -102,6 +102,11 @@ class LoopCase:
         """Rest under rising signals."""
         return self.compute_branch(self.limits[1], None)
 
+    @cached_property
+    def cooling(self) -> RestCurve:
+        """Rest under falling signals, from the end of the heating branch."""
+        return self.compute_branch(self.limits[1], self.heating.states[:, -1])
+
     def compute_branch(self, high: float, start: Numbers | None) -> RestCurve:
         """Rest under signals up to a highest one, dense where the reading moves; cooling from a `start`."""
 
@@ -207,12 +212,12 @@ def check_sign(case: LoopCase) -> Iterator[LoopFinding]:
         raise InputError(f"`{case.controller.registered_name}` does not answer what it reads")
     wrong = [k for k in range(2) if pushes[k] < 0.0]
     if wrong:
-        at, (low, high) = (write_quantity(one[name], case.unit, 3) for one in ends), answers[:, wrong[0]]
+        at, (low, high) = [write_quantity(one[name], case.unit, 3) for one in ends], answers[:, wrong[0]]
+        when = "" if len(wrong) > 1 else " at once" if wrong == [0] else " in the end"
         said = (
             f"A higher signal {'raises' if rise > 0.0 else 'lowers'} `{name}`, but with a reference of "
-            f"{write_quantity(middle, case.unit, 3)} the controller answers {low:.3g} at {next(at)} and {high:.3g} at "
-            f"{next(at)}{('', ' at once', ' in the end')[len(wrong) == 1 and 1 + wrong[0]]}: the loop drives away from "
-            "its reference."
+            f"{write_quantity(middle, case.unit, 3)} the controller answers{when} {low:.3g} at {at[0]} and {high:.3g} "
+            f"at {at[1]}: the loop drives away from its reference."
         )
         numbers = float(pushes[wrong[0]]), 0.0, "1"
         yield case.find("sign", "controllers", (said, "Turn the sign of its gains."), numbers, fault=True)
