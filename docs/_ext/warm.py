@@ -29,6 +29,7 @@ PACKAGES = (
     "martensite",
     "martensite_control",
     "martensite_export",
+    "martensite_hardware",
     "martensite_studies",
     "martensite_sweep",
     "martensite_testing",

@@ -33,6 +33,7 @@ ABSENT = (
     "martensite_export",
     "martensite_studies",
     "martensite_control",
+    "martensite_hardware",
     "martensite_sweep",
     "martensite_testing",
 )

@@ -14,7 +14,7 @@ import pytest
 from martensite.studies.base import STUDIES
 
 ROOT = Path(__file__).resolve().parents[2]
-APART = ("app", "control", "export", "studies", "sweep", "testing")
+APART = ("app", "control", "export", "hardware", "studies", "sweep", "testing")
 """Folders of what is installed apart, which are extras too."""
 
 

@@ -25,7 +25,13 @@ def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
         "--no-cache",
     ]
     paths = os.pathsep.join(
-        [str(folder), *(str(ROOT / one / "src") for one in ("app", "control", "export", "studies", "sweep", "testing"))]
+        [
+            str(folder),
+            *(
+                str(ROOT / one / "src")
+                for one in ("app", "control", "export", "hardware", "studies", "sweep", "testing")
+            ),
+        ]
     )
     changes = {"PYTHONPATH": paths, "PYTHONDONTWRITEBYTECODE": "1", "COLUMNS": "200"}
     environment = os.environ | changes

@@ -1,4 +1,4 @@
-"""Commands that distributions bring: those of `martensite-sweep` and of `martensite-control`."""
+"""Commands that distributions bring: `martensite-sweep`, `martensite-control`, `martensite-hardware`."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ SWEEPS = {
     "steady": "Find the rest, the limit cycle or the folds of a scenario.",
 }
 """What the help text says of each where the distribution is absent."""
+BOARDS = {"hardware": "Boards: log, run, calibrate, replay, the plant in the loop."}
 CONTROLS = {"tune": "Tune the controller of a scenario, and show its loop."}
 WHATEVER = {"ignore_unknown_options": True, "allow_extra_args": True}
 """Settings of a command that takes all words, to answer them with one sentence."""
@@ -40,3 +41,4 @@ def _make_refusal(error: InputError) -> Callable[[], None]:
 
 add_commands("sweep", "sweeps", SWEEPS)
 add_commands("control", "controls", CONTROLS)
+add_commands("hardware", "boards", BOARDS)
