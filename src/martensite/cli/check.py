@@ -43,7 +43,7 @@ ROUNDING = 1e-9
 @app.command()
 @spread_options
 def check(source: ScenarioSource, answer: AnswerOptions) -> None:
-    """Build a scenario, and say where its drives lead if held, or whether its loop is sound.
+    """Say where drives of a scenario lead, and if its loop is sound.
 
     One that follows a log needs none for it.
 
