@@ -11,12 +11,11 @@ from pathlib import Path
 import control
 import numpy as np
 import pytest
+from command import Command
 
 from martensite.base.errors import InputError
 from martensite.control.controllers.relay import OnOff
-from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers
-from martensite.control.loop.run import simulate_bench
 from martensite.design.analysis.loop_check import LoopCase
 from martensite.design.synthesis.operating_point import find_operating_point
 from martensite.identify.chains.linear_system import LinearSystem
@@ -26,7 +25,6 @@ from martensite_control.loops.linear_loop import LinearLoop, measure_noise
 from martensite_control.loops.loop_points import find_validity, linearise_case
 from martensite_control.loops.margin_figure import plot_margins, to_control_system
 from martensite_control.loops.margins import compute_margins
-from martensite_control.synthesis.gain_schedule import design_gain_schedule
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "closed_loop.toml"
 PERIOD, TAU, LATE = 0.05, 2.0, 4
@@ -120,29 +118,30 @@ def test_noise_moves_the_signal_as_a_long_linear_run_says() -> None:
 
 
 def test_a_schedule_has_the_same_sensitivity_at_all_points_and_follows_better(tmp_path: Path) -> None:
-    case = build_case()
-    found = design_gain_schedule(case.bench, case.duration, sensitivity=1.3, count=2)
-    bench = case.bench.with_parts(controllers=Controllers(drive=found.controller))
-    again = LoopCase(bench, "drive", found.controller, case.duration)
-    again.__dict__["heating"] = case.heating
-    every = [compute_margins(one.loop).sensitivity for one in linearise_case(again, 2) if one.branch != "dead band"]
-    np.testing.assert_allclose(every, 1.3, rtol=2e-3)
-    up, down = found.controller.rising, found.controller.falling
-    assert down is not None
-    assert down.members()["p1"].Kp > up.members()["p1"].Kp > 0.0
-    path = tmp_path / "loop.toml"
-    path.write_text(found.to_toml(EXAMPLE.read_text("utf-8")), "utf-8")
-    written = load(path).bench
+    """Found again with the scheduled controller on the bench; written, it is read as it was."""
+    saved = tmp_path / "scheduled.toml"
+    words = "--method", "schedule", "--sensitivity", "1.3", "--save", str(saved)
+    found = Command("tune").report(str(EXAMPLE), *words)
+    assert [one["branch"] for one in found["points"]] == ["heating"] * 4 + ["cooling"] * 4
+    np.testing.assert_allclose([one["sensitivity"] for one in found["points"]], 1.3, rtol=2e-3)
+    assert found["rms_error"]["after"] < 0.6 * found["rms_error"]["before"]
+    written = load(saved).bench
     assert written is not None
-    pairs = zip(written.controllers.members()["drive"].leaves(), found.controller.leaves(), strict=True)
-    assert all(one.value == pytest.approx(other.value, rel=1e-5) for one, other in pairs)
-    assert measure_error(written, case.duration) < 0.7 * measure_error(case.bench, case.duration)
+    values = {leaf.path: leaf.value for leaf in written.controllers.members()["drive"].leaves()}
+    for k, mark in enumerate(("rising", "falling")):
+        rows = sorted(found["points"][4 * k : 4 * k + 4], key=lambda one: one["at"])
+        for j, one in enumerate(rows, start=1):
+            read = [values[f"{mark}.p{j}.{name}"] for name in ("at", "Kp", "Ki")]
+            np.testing.assert_allclose(read, [one[name] for name in ("at", "Kp", "Ki")], rtol=1e-5)
 
 
-def measure_error(bench: Bench, duration: float) -> float:
-    """Rms error of a run [m]."""
-    run = simulate_bench(bench, duration)
-    return float(np.sqrt(np.mean((np.array(run["reference"]) - np.array(run["position"])) ** 2)))
+@pytest.mark.parametrize(
+    ("words", "said"), [(("--sensitivity", "0.9"), "must be above 1"), (("--rule", "simc"), "has no effect")]
+)
+def test_a_schedule_refuses_what_it_cannot_use(words: tuple[str, str], said: str) -> None:
+    done = Command("tune")(str(EXAMPLE), "--method", "schedule", *words)
+    assert done.exit_code != 0
+    assert said in str(done.exception) + done.stderr
 
 
 def test_a_figure_shows_every_branch_that_answers() -> None:

@@ -118,6 +118,13 @@ class LoopCase:
         way = np.cumsum([0.0, *(moved + EVEN * max(moved.sum(), 1e-300) / COARSE)])
         return settle(np.interp(np.linspace(0.0, way[-1], SIGNALS), way, coarse.levels))
 
+    def list_reached(self) -> Numbers:
+        """Readings on the heating branches of this drive and of others whose controllers hold the same reading."""
+        members = self.bench.controllers.members().items()
+        peers = [name for name, one in members if one.measured == self.controller.measured and name != self.drive]
+        every = [self, *(LoopCase(self.bench, name, dict(members)[name], self.duration, self.others) for name in peers)]
+        return np.concatenate([one.read(one.heating) for one in every])
+
     def read(self, curve: RestCurve) -> Numbers:
         """What is controlled, as it is read along a branch."""
         return read_curve(self.bench, curve, self.controller.measured)
@@ -185,7 +192,7 @@ def _collect_tests(margins: list[Mapping[str, Any]], untested: dict[str, str]) -
 
 def check_reach(case: LoopCase) -> Iterator[LoopFinding]:
     """Whether the reading can rest where the reference asks for it."""
-    reached, unit, asked = case.read(case.heating), case.unit, case.reference
+    reached, unit, asked = case.list_reached(), case.unit, case.reference
     least, most = float(reached.min()), float(reached.max())
     ends = f"between {write_quantity(least, unit, 4)} and {write_quantity(most, unit, 4)}"
     under = f"under signals from {case.limits[0]:.4g} to {case.limits[1]:.4g}"

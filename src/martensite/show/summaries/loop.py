@@ -39,7 +39,9 @@ def describe_loops(report: LoopReport, words: str) -> Iterator[Block]:
     """Findings, margins, what was not tested, and the verdict with the steps of a run in words."""
     yield from (Sentence(str(one), "bad" if one.fault else "caution") for one in report.findings)
     if report.margins:
-        yield DataTable(HEAD, [_list_cells(row) for row in report.margins], right=tuple(range(1, len(HEAD))))
+        several = len({row["drive"] for row in report.margins}) > 1
+        cells = [_list_cells(row, f"{row['drive']}, " * several) for row in report.margins]
+        yield DataTable(HEAD, cells, right=tuple(range(1, len(HEAD))))
     for why in dict.fromkeys(report.untested.values()):
         names = ", ".join(name for name, reason in report.untested.items() if reason == why)
         yield Sentence(f"Not tested: {names}: {why}.")
@@ -52,10 +54,10 @@ def describe_loops(report: LoopReport, words: str) -> Iterator[Block]:
     yield Sentence(verdicts[report.verdict], "bad" if count else "")
 
 
-def _list_cells(row: Mapping[str, Any]) -> tuple[str, ...]:
+def _list_cells(row: Mapping[str, Any], drive: str) -> tuple[str, ...]:
     phase, delay = row["phase"], row["delay"]
     return (
-        row["branch"],
+        drive + row["branch"],
         write_quantity(row["reading"], row["unit"], 3),
         f"{row['signal']:.3g}",
         "unstable" if not row["stable"] else f"{row['gain']:.3g}" if math.isfinite(row["gain"]) else "none",
