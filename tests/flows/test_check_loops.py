@@ -80,7 +80,8 @@ def test_gains_of_the_wrong_sign_end_with_one_sentence_and_with_1() -> None:
     ("gains", "words"), [((-150.0, 1.5), "at once"), ((150.0, -15.0), "in the end"), ((-150.0, -1.5), "10.3 mm:")]
 )
 def test_the_sign_is_that_of_the_first_and_of_the_last_answer(gains: tuple[float, float], words: str) -> None:
-    found = find_only(check_sign(build_case(controller__Kp=gains[0], controller__Ki=gains[1])))
+    values = {"controller__Kp": gains[0], "controller__Ki": gains[1], "controller__gains_are": "per-sample"}
+    found = find_only(check_sign(build_case(**values)))
     assert found.fault
     assert words in found.sentence
 
@@ -136,7 +137,8 @@ def test_the_fastest_way_is_followed_no_faster() -> None:
 
 
 def test_a_derivative_without_filter_is_a_kick() -> None:
-    found = find_only(one for one in check_derivative(build_case(controller__Kd=20_000)) if one.test == "derivative")
+    case = build_case(controller__Kd=20_000, controller__gains_are="per-sample")
+    found = find_only(one for one in check_derivative(case) if one.test == "derivative")
     assert found.number > 100.0
     assert list(check_derivative(build_example("closed_loop"))) == []
 

@@ -16,6 +16,8 @@ from martensite.signals.sampling.sampled import Numbers
 
 WIDE = 1e9
 """A limit of the signal that is none."""
+SHAPED = "manual", "shaping", "slew"
+"""Parts that controllers may have around them, and that have no linear system."""
 ROUNDS, LEFT = 30, 1e-9
 """Of the search for what a controller remembers at rest, and what may be left of it, over the signal."""
 SAME = 1e-11
@@ -25,9 +27,29 @@ LEAST = 1e-3
 
 
 def free_limits(controller: AbstractController) -> AbstractController:
-    """A controller whose signal has no limits."""
+    """A controller whose signal has no limits, and whose reference is not shaped."""
     ends = {path: WIDE if path.endswith("high") else -WIDE for path in list_limits(controller)}
-    return controller.with_values(ends)
+    return controller.with_values(ends).with_parts(**{name: None for name in SHAPED if name in controller.declarations})
+
+
+def remember_first(controller: AbstractController, reference: float, readings: Mapping[str, float]) -> list[float]:
+    """What a controller remembers before its second sample, or its first; with what stands around it, if it knows."""
+    begin = getattr(controller, "begin", None)
+    found = controller.rest(floats, reference, readings) if begin is None else begin(floats, reference, readings)[1]
+    return [float(one) for one in found]
+
+
+def answer_sample(
+    controller: AbstractController,
+    xp: Any,
+    memory: Sequence[Any],
+    reference: Any,
+    readings: Mapping[str, Any],
+    dt: float,
+) -> list[Any]:
+    """Signal of a sample and what is remembered, with what stands around the controller, if it knows."""
+    signal, after = getattr(controller, "proceed", controller.answer)(xp, tuple(memory), reference, readings, dt)
+    return [signal, *after]
 
 
 def list_step_answers(
@@ -35,12 +57,11 @@ def list_step_answers(
 ) -> list[float]:
     """Changes of the signal after a step of the reading, per its unit: at once, and in the samples behind."""
     free, name = free_limits(controller), controller.measured
-    memory = [float(one) for one in free.rest(floats, readings[name], readings)]
+    memory = remember_first(free, readings[name], readings)
 
     def answer(xp: Any, x: Sequence[Any]) -> list[Any]:
         moved = {**readings, name: readings[name] + x[-1]}
-        signal, after = free.answer(xp, tuple(x[:-1]), readings[name], moved, dt)
-        return [signal, *after]
+        return answer_sample(free, xp, x[:-1], readings[name], moved, dt)
 
     slopes = compute_slopes(answer, [*memory, 0.0])[1]
     inner, into, out, direct = slopes[1:, :-1], slopes[1:, -1], slopes[0, :-1], slopes[0, -1]
@@ -70,10 +91,10 @@ def settle_controller(
     """
     value = known[controller.measured]
     aside = 1e-9 * max(abs(value), 1e-6) * (1.0 if rising else -1.0)
-    x = np.array([*controller.rest(floats, value + aside, known), value + aside], dtype=float)
+    x = np.array([*remember_first(controller, value + aside, known), value + aside])
 
     def miss(xp: Any, x: Sequence[Any]) -> list[Any]:
-        found, after = controller.answer(xp, tuple(x[:-1]), x[-1], known, dt)
+        found, *after = answer_sample(controller, xp, x[:-1], x[-1], known, dt)
         return [found - signal, *(new - old for new, old in zip(after, x[:-1], strict=True))]
 
     least = max(abs(signal), LEAST)

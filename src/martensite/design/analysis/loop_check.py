@@ -31,7 +31,7 @@ COARSE, SIGNALS = BLOCK, 2 * BLOCK
 """On a branch: to see where the reading moves, and there."""
 EVEN = 0.2
 """Share of the signals that is spread evenly."""
-LONGER = 200
+LONGER = 1000
 """Samples after which a controller has answered an error, its integral included."""
 BEYOND = 0.02
 """Share of what can be reached by which a reference may be beyond it."""
