@@ -137,7 +137,7 @@ def test_the_fastest_way_is_followed_no_faster() -> None:
 
 
 def test_a_derivative_without_filter_is_a_kick() -> None:
-    case = build_case(controller__Kd=20_000, controller__gains_are="per-sample")
+    case = build_case(controller__Kd=20_000, controller__Ki=1.5, controller__gains_are="per-sample")
     found = find_only(one for one in check_derivative(case) if one.test == "derivative")
     assert found.number > 100.0
     assert list(check_derivative(build_example("closed_loop"))) == []
