@@ -154,5 +154,5 @@ def test_what_only_switches_has_no_linear_system() -> None:
     case = build_case()
     switch = OnOff(measured="position", reference=case.controller.reference, high=0.9)
     bench = case.bench.with_parts(controllers=Controllers(drive=switch))
-    with pytest.raises(InputError, match="`on-off` only switches"):
+    with pytest.raises(InputError, match="`on-off` does not answer small changes"):
         linearise_case(LoopCase(bench, "drive", switch, case.duration))

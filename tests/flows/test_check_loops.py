@@ -18,7 +18,8 @@ from martensite.control.loop.findings import LoopFinding, check_signals
 from martensite.design.analysis.loop_check import LoopCase, LoopReport, check_loop, check_reach, check_sign
 from martensite.scenario.scenario import load
 from martensite.simulate.drive_waveforms import by_name
-from martensite_control.loops.loop_tests import check_band, check_derivative, judge_margins
+from martensite_control.loops.loop_points import linearise_case
+from martensite_control.loops.loop_tests import check_band, check_derivative, check_offset, judge_margins
 from martensite_control.loops.observability import check_observability, find_slopes
 from martensite_control.loops.pace import check_pace, follow_fastest
 
@@ -150,6 +151,15 @@ def test_a_band_within_the_noise_is_told() -> None:
     assert list(check_sign(build_case(controller=switch))) == []
 
 
+def test_a_loop_without_an_integral_rests_beside_its_reference() -> None:
+    """By u/K_p, whatever the plant."""
+    case = build_case(controller__Ki=0)
+    loops = linearise_case(case)
+    found = find_only(check_offset(case, loops))
+    assert found.number == pytest.approx(max(one.point.signal for one in loops) / 150.0, rel=1e-6)
+    assert not found.fault
+
+
 def test_margins_that_are_small_are_told_and_an_unstable_branch_is_a_fault() -> None:
     row = {"branch": "heating", "reading": 1e-3, "stable": True, "sensitivity": 2.5, "gain": 1.8, "phase": 0.4}
     rows = [{**row, "delay": 0.1}, {**row, "branch": "cooling", "stable": False, "delay": 0.0}]
@@ -175,7 +185,7 @@ def test_a_resistance_is_judged_by_its_change_with_the_fraction_and_by_its_noise
     [
         ("closed_loop_power", "not all tested", {"loop of drive"}),
         ("closed_loop_beam", "not all tested", {"loop of drive"}),
-        ("closed_loop_predictive", "not all tested", {"sign", "margins", "sampling", "noise", "derivative"}),
+        ("closed_loop_predictive", "not all tested", {"sign", "margins", "offset", "sampling", "noise", "derivative"}),
     ],
 )
 def test_every_example_has_its_verdict(example: str, verdict: str, untested: set[str]) -> None:

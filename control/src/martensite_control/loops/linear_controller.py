@@ -77,7 +77,8 @@ def settle_controller(
 ) -> tuple[Numbers, float]:
     """What a controller remembers, and its reference, where it rests with a signal.
 
-    The least change of both for which `answer` gives the signal and leaves the memory as it is.
+    The least change of both for which `answer` gives the signal and leaves the memory as it is. What neither readings
+    nor the reference ever move, such as an integral without gain, stays as it begins.
 
     Args:
         controller: without limits of its signal.
@@ -93,17 +94,30 @@ def settle_controller(
     aside = 1e-9 * max(abs(value), 1e-6) * (1.0 if rising else -1.0)
     x = np.array([*remember_first(controller, value + aside, known), value + aside])
 
+    names, count = controller.reads(), len(x)
+
     def miss(xp: Any, x: Sequence[Any]) -> list[Any]:
-        found, *after = answer_sample(controller, xp, x[:-1], x[-1], known, dt)
-        return [found - signal, *(new - old for new, old in zip(after, x[:-1], strict=True))]
+        read = {**known, **dict(zip(names, x[count:], strict=True))}
+        found, *after = answer_sample(controller, xp, x[: count - 1], x[count - 1], read, dt)
+        return [found - signal, *(new - old for new, old in zip(after, x[: count - 1], strict=True))]
 
     least = max(abs(signal), LEAST)
     size = np.maximum(np.abs(x), least)
     size[-1] = max(abs(value), 1e-6)
     for _ in range(ROUNDS):
-        left, slopes = compute_slopes(miss, x.tolist())
+        left, slopes = compute_slopes(miss, [*x.tolist(), *(known[name] for name in names)])
         if np.max(np.abs(left)) <= LEFT * least:
             return x[:-1], float(x[-1])
-        x = x - size * np.linalg.lstsq(slopes * size, left, rcond=1e-12)[0]
+        free = np.append(find_reached(slopes[1:, : count - 1] + np.eye(count - 1), slopes[1:, count - 1 :]), count - 1)
+        step = np.linalg.lstsq(slopes[:, free] * size[free], left, rcond=1e-12)[0]
+        x[free] -= size[free] * step
         x[np.isclose(x, x[-1], rtol=SAME, atol=0.0)] = x[-1]  # a reference that is remembered has not moved
     raise InputError(f"`{controller.registered_name}` does not come to rest at a signal of {signal:.4g}")
+
+
+def find_reached(a: Numbers, b: Numbers) -> Numbers:
+    """Places of the states that inputs move."""
+    reached = np.any(b != 0.0, axis=1)
+    for _ in range(len(a)):
+        reached = reached | np.any(a[:, reached] != 0.0, axis=1)
+    return np.flatnonzero(reached)

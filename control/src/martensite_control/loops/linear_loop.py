@@ -32,7 +32,7 @@ from martensite.kernels import floats
 from martensite.kernels.nested import NestedShape, flatten_numbers, name_numbers
 from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.lanes import Lanes
-from martensite_control.loops.linear_controller import LEAST, free_limits, settle_controller
+from martensite_control.loops.linear_controller import LEAST, find_reached, free_limits, settle_controller
 from martensite_control.loops.margins import INSIDE
 
 Branch: TypeAlias = Literal["heating", "cooling", "dead band"]
@@ -60,6 +60,11 @@ class LinearLoop:
     """At rest."""
     unit: str
     """SI unit of the reading."""
+
+    @property
+    def offset(self) -> float:
+        """Reference less reading at rest."""
+        return float(self.closed.inputs[self.closed.input_names.index(REFERENCE)]) - self.reading
 
 
 def linearise_loops(
@@ -234,7 +239,7 @@ def measure_noise(one: LinearLoop) -> float | None:
     P = A P Aᵀ + B Bᵀ,    σ² = c P cᵀ
     """
     noisy = np.flatnonzero([name.startswith(NOISE) for name in one.closed.input_names])
-    kept = _find_reached(one.closed.a, one.closed.b[:, noisy])
+    kept = find_reached(one.closed.a, one.closed.b[:, noisy])
     a, b, c = one.closed.a[np.ix_(kept, kept)], one.closed.b[np.ix_(kept, noisy)], one.closed.c[1, kept]
     if len(kept) and np.max(np.abs(np.linalg.eigvals(a))) >= 1.0 - INSIDE:
         return None
@@ -242,11 +247,3 @@ def measure_noise(one: LinearLoop) -> float | None:
     for _ in range(DOUBLINGS):  # P_2k = P_k + A^k P_k (A^k)^T
         covariance, power = covariance + power @ covariance @ power.T, power @ power
     return float(np.sqrt(max(c @ covariance @ c, 0.0)))
-
-
-def _find_reached(a: Numbers, b: Numbers) -> Numbers:
-    """States that inputs move."""
-    reached = np.any(b != 0.0, axis=1)
-    for _ in range(len(a)):
-        reached = reached | np.any(a[:, reached] != 0.0, axis=1)
-    return np.flatnonzero(reached)

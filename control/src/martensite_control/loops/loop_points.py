@@ -30,7 +30,7 @@ def linearise_case(case: LoopCase, count: int = POINTS) -> list[LinearLoop]:
         InputError: the controller runs outside of the bench, or only switches.
     """
     if not any(list_first_answers(case)):
-        raise InputError(f"`{case.controller.registered_name}` only switches: it has no linear system")
+        raise InputError(f"`{case.controller.registered_name}` does not answer small changes: it has no linear system")
     points, turn = choose_points(case, count)
     return [*linearise_loops(case.bench, case.drive, points, turn), linearise_dead_band(case.bench, case.drive, turn)]
 

@@ -1,4 +1,4 @@
-"""What a check tests of a loop beside its sign and reach: margins, pace, sampling, noise, bands, observability.
+"""What a check tests of a loop beside its sign and reach: margins, pace, offset, sampling, noise, observability.
 
 Every test is a function of a `LoopCase` that yields findings, and raises an error that says why it cannot be done.
 Bounds are those of textbooks: M_s at most 2, a phase margin of 30° and a gain margin of 2 (Åström and Murray 2008,
@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
+
+import numpy as np
 
 from martensite.base.errors import InputError, MartensiteError
 from martensite.base.formats import write_difference, write_percent, write_quantity
@@ -24,6 +26,8 @@ from martensite_control.loops.pace import check_pace
 
 SENSITIVITY, LEAST_PHASE, LEAST_GAIN = 2.0, math.radians(30.0), 2.0
 SAMPLES_PER_RISE = 4.0
+OFFSET = 0.05
+"""Share of what can be reached by which a loop may rest beside its reference."""
 LOUD = 0.1
 """Share of the range of the signal that noise or a step of a reading may move it."""
 KICK = 10.0
@@ -56,6 +60,7 @@ def make_tests(margins: list[Mapping[str, Any]]) -> Tests:
     return {
         "pace": check_pace,
         "margins": check_margins,
+        "offset": lambda case: check_offset(case, find_loops(case)),
         "sampling": lambda case: check_sampling(case, find_loops(case)),
         "noise": lambda case: check_noise(case, find_loops(case)),
         "derivative": check_derivative,
@@ -107,6 +112,21 @@ def judge_margins(case: LoopCase, rows: list[dict[str, Any]]) -> Iterator[LoopFi
 def is_near(row: Mapping[str, Any]) -> bool:
     """Whether a margin is beyond its bound."""
     return row["sensitivity"] > SENSITIVITY or row["phase"] < LEAST_PHASE or row["gain"] < LEAST_GAIN
+
+
+def check_offset(case: LoopCase, loops: list[LinearLoop]) -> Iterator[LoopFinding]:
+    """Whether the loop rests where its reference is, on either branch."""
+    reached = case.read(case.heating)
+    allowed = OFFSET * float(np.ptp(reached))
+    worst = max((one for one in loops if one.branch != "dead band"), key=lambda one: abs(one.offset))
+    if abs(worst.offset) > allowed:
+        said = (
+            f"The loop rests beside its reference: at {write_quantity(worst.reading, case.unit, 3)}, {worst.branch}, "
+            f"only an error of {write_difference(worst.offset, case.unit, 3)} gives the signal of "
+            f"{worst.point.signal:.3g} that it takes."
+        )
+        numbers = abs(worst.offset), allowed, case.unit
+        yield case.find("offset", "controllers", (said, "Try an integral, or a feed-forward."), numbers)
 
 
 def check_sampling(case: LoopCase, loops: list[LinearLoop]) -> Iterator[LoopFinding]:
