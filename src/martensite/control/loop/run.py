@@ -15,11 +15,13 @@ import numpy as np
 
 from martensite.base.errors import InputError
 from martensite.base.parameters import part
+from martensite.control.checks.base import LIMITED
 from martensite.control.controllers.base import AbstractController
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.findings import check_signals
 from martensite.control.loop.names import (
     AGE,
+    ALARM,
     JITTER,
     MEASURED,
     NOISE,
@@ -97,9 +99,27 @@ def simulate_bench(
 
 
 def _warn(result: Result, bench: Bench, duration: float) -> Result:
-    """The result with a warning of every signal that cannot be given, and of its end [s]."""
+    """The result with warnings of its guard, of every signal that cannot be given, and of its end [s]."""
     faults = [f"Warning: {one.sentence} {one.remedy}" for one in check_signals(bench) if one.fault]
-    return warn_of_end(replace(result, warnings=[*result.warnings, *faults]), duration, bench.period)
+    guarded = warn_of_guard(result, bench)
+    return warn_of_end(replace(guarded, warnings=[*guarded.warnings, *faults]), duration, bench.period)
+
+
+def warn_of_guard(result: Result, bench: Bench) -> Result:
+    """The result with a warning for every alarm of the supervisor: which check, when first, for how long."""
+    raised = result.columns.get(ALARM, [])
+    checks = bench.supervisor.name_checks() if bench.supervisor is not None else {}
+    said: list[str] = []
+    for number in sorted({value for value in raised if value}):
+        first = next(time for time, value in zip(result.times, raised, strict=False) if value == number)
+        length = bench.period * sum(value == number for value in raised)
+        names = ", ".join(f"`{name}`" for name in checks.get(int(number) % LIMITED, ["supervisor"]))
+        acted = "limited" if number > LIMITED else "cut"
+        said.append(
+            f"Warning: The guard {acted} a signal by {names} (alarm {number:.0f}), first at t = {first:.4g} s, "
+            f"for {length:.3g} s in all."
+        )
+    return replace(result, warnings=[*result.warnings, *said])
 
 
 def warn_of_end(result: Result, duration: float, period: float) -> Result:
