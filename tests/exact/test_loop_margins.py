@@ -86,7 +86,7 @@ def test_margins_are_those_of_python_control(place: int) -> None:
 @pytest.mark.parametrize(("place", "way"), [(1, 1.0), (4, -1.0)])
 def test_a_small_step_of_the_reference_goes_as_the_linear_loop_says(place: int, way: float) -> None:
     """As long as nothing turns back."""
-    bench, one = build_case().bench, linearise_example()[place]
+    bench, one = build_case().bench.with_parts(supervisor=None), linearise_example()[place]
     lanes = Lanes(bench, 1)
     lanes.state = one.closed.state[:-1, None].copy()
     signals = np.zeros((SAMPLES, len(lanes.drives), 1))
