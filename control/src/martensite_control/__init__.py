@@ -1,1 +1,1 @@
-"""Control engineering: tuning, regulators, consistency of filters; offered in `martensite.design` and `.control`."""
+"""Control engineering: tuning, margins, regulators, consistency of filters; in `martensite.design` and `.control`."""

@@ -16,14 +16,20 @@ from martensite_control.benchmark.commands import benchmark
 
 controls = typer.Typer()
 controls.add_typer(benchmark, name="benchmark")
-METHODS = ("rules", "relay", "gradient")
+METHODS = ("rules", "relay", "gradient", "schedule")
 
 
 @dataclass(frozen=True)
 class TuneOptions:
     """How a controller is tuned."""
 
-    method: Annotated[str, Option(help="rules (step test), relay, or gradient (through the loop itself).")] = "gradient"
+    method: Annotated[
+        str,
+        Option(
+            help="rules (step test), relay, gradient (through the loop itself), or schedule (PI gains over the stroke, "
+            "heating and cooling, by linear systems on both branches)."
+        ),
+    ] = "gradient"
     rule: Annotated[
         Text,
         Option(
@@ -53,6 +59,9 @@ class TuneOptions:
     ] = None
     plants: Annotated[int | None, Option(help="Plants drawn within the spreads [default: 64].")] = None
     seed: Annotated[int, Option(help="Of the plants and of scattered starts.")] = 0
+    sensitivity: Annotated[
+        float | None, Option(help="Largest sensitivity M_s of --method schedule [default: 1.4].")
+    ] = None
     loop: Annotated[Text, Option(help="Drive whose controller is tuned, if there are several.")] = None
     duration: Annotated[Text, Option(help='Length of a run, e.g. "10 s" [default: the scenario\'s].')] = None
 
@@ -62,7 +71,9 @@ class TuneOptions:
             raise UnknownNameError("method of tuning", self.method, METHODS)
         search = {"free": self.free, "goal": self.goal}
         rules = {"rule": self.rule, "form": self.form}
-        idle = rules if self.method == "gradient" else search
+        schedule = {"sensitivity": self.sensitivity}
+        tests = {"level": self.level, "spread": self.spread}
+        idle = {"gradient": rules | schedule, "schedule": search | rules | tests}.get(self.method, search | schedule)
         name = next((name for name, value in idle.items() if value is not None), None)
         if name is not None:
             raise InputError(f"Option `--{name}` has no effect with --method {self.method}.")
@@ -95,6 +106,12 @@ def tune(
     outputs = answer.check_files(save, ".toml")
     options.check()
     loaded = source.load()
+    if options.method == "schedule":
+        from martensite_control.synthesis.schedule_run import run_schedule
+
+        summary, text, draw = run_schedule(loaded, options)
+        outputs.answer(summary, answer.json, text, draw)
+        return
     from martensite_control.tuning.tune_run import run_tuning, write_tuned
     from martensite_control.tuning.tuning_figure import plot_tuning
     from martensite_control.tuning.tuning_summary import summarise_tuning

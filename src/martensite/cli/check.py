@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -22,8 +22,11 @@ from martensite.cli.options import (
     load_without_log,
     spread_options,
 )
+from martensite.cli.outputs import AnswerOptions, Outputs
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from martensite.base.parameters import Leaf
     from martensite.scenario.scenario import Scenario
     from martensite.simulate.result import Result
@@ -39,16 +42,18 @@ ROUNDING = 1e-9
 
 @app.command()
 @spread_options
-def check(source: ScenarioSource, json: Json = False) -> None:
-    """Build a scenario, and say where its drives lead if held.
+def check(source: ScenarioSource, answer: AnswerOptions) -> None:
+    """Say where drives of a scenario lead, and if its loop is sound.
 
     One that follows a log needs none for it.
 
     One that leaves the envelope (melting, 3 GPa, a strain of 20 %, or a bound of your own) is
-    refused.
+    refused. A loop of the wrong sign, or with a reference or a signal that cannot be reached, is not sound, and ends
+    with 1. Of a loop the figure shows Bode and Nyquist plots with margins.
     """
-    from martensite.show.terminal import print_summary
+    from martensite.show.summaries.loop import check_scenario_loop, describe_loops
 
+    outputs = answer.check_files()
     loaded = load_without_log(source.file, source.settings, source.modules)
     if "at" not in loaded.initial:  # to find what is to be found takes a run
         loaded.find_start(loaded.tolerance)
@@ -59,7 +64,22 @@ def check(source: ScenarioSource, json: Json = False) -> None:
         report["guard"] = collect_guard(loaded)
     if report["leaves"]:
         raise InputError(report["leaves"])
-    print_summary(Summary(loaded.title, list(_describe_report(report)), report), json)
+    loops = None if loaded.bench is None or report["follows"] else check_scenario_loop(loaded, loaded.bench)
+    blocks = [*_describe_report(report), *(() if loops is None else describe_loops(loops, _tell_steps(report)))]
+    data = report if loops is None else report | {"loops": loops.to_dict()}
+    outputs.answer(Summary(loaded.title, blocks, data), answer.json, draw=_find_figure(loaded, outputs))
+    if loops is not None and loops.verdict == "not sound":
+        raise typer.Exit(1)
+
+
+def _find_figure(scenario: Scenario, outputs: Outputs) -> Callable[[], Figure] | None:
+    """What draws the margins of a loop, if they are wanted."""
+    if outputs.figure is None:
+        return None
+    if scenario.bench is None:
+        raise InputError("There is no loop to draw margins of: a scenario needs a [controller] for that.")
+    draw = import_extra("martensite_control.loops.margin_figure", "control").plot_scenario_margins
+    return lambda: draw(scenario)
 
 
 def _describe_report(report: dict[str, Any]) -> Iterator[Block]:
@@ -81,7 +101,8 @@ def _describe_report(report: dict[str, Any]) -> Iterator[Block]:
         from martensite.scenario.guard_report import describe_guard
 
         yield from describe_guard(report["guard"])
-    yield Sentence(_tell_steps(report))
+    if report["period"] is None:
+        yield Sentence(f"The scenario is sound: {_tell_steps(report)}")
 
 
 def _find_ends(scenario: Scenario) -> dict[str, Any]:
@@ -129,7 +150,7 @@ def _find_highest(result: Result) -> Iterator[str]:
 
 
 def _tell_steps(report: dict[str, Any]) -> str:
-    begin = f"The scenario is sound: {report['duration']:.6g} s"
+    begin = f"{report['duration']:.6g} s"
     if report["period"] is not None:
         return f"{begin} in {report['steps']} periods of {report['period']:.3g} s."
     return (

@@ -56,6 +56,7 @@ from martensite.control.faults.sensor import LateReadings as LateReadings
 from martensite.control.faults.sensor import NoiseBurst as NoiseBurst
 from martensite.control.faults.sensor import Stuck as Stuck
 from martensite.control.loop.bench import Bench as Bench
+from martensite.control.loop.findings import LoopFinding as LoopFinding
 from martensite.control.loop.parts import Controllers as Controllers
 from martensite.control.loop.parts import FaultTable as FaultTable
 from martensite.control.loop.parts import MountedSensor as MountedSensor
@@ -88,6 +89,8 @@ from martensite.control.sensors.thermometer import ThermocoupleSensor as Thermoc
 from martensite.control.supervisors.from_plant import guard_for as guard_for
 from martensite.control.supervisors.from_sensors import checks_for as checks_for
 from martensite.control.supervisors.guard import Guard as Guard
+from martensite.design.analysis.loop_check import LoopReport as LoopReport
+from martensite.design.analysis.loop_check import check_loop as check_loop
 from martensite_control.consistency import Consistency as Consistency
 from martensite_control.consistency import check_consistency as check_consistency
 

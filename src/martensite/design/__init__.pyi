@@ -12,6 +12,10 @@ from martensite.design.synthesis.linear import realise_readings as realise_readi
 from martensite.design.synthesis.operating_point import SteadyPoint as SteadyPoint
 from martensite.design.synthesis.operating_point import find_operating_level as find_operating_level
 from martensite.design.synthesis.operating_point import find_operating_point as find_operating_point
+from martensite_control.loops.linear_loop import LinearLoop as LinearLoop
+from martensite_control.loops.linear_loop import linearise_loops as linearise_loops
+from martensite_control.loops.margins import LoopMargins as LoopMargins
+from martensite_control.loops.margins import compute_margins as compute_margins
 from martensite_control.rules.formulas import RULES as RULES
 from martensite_control.rules.formulas import FirstOrder as FirstOrder
 from martensite_control.rules.formulas import Integrating as Integrating
@@ -23,6 +27,8 @@ from martensite_control.rules.rule_starts import convert_to_pid as convert_to_pi
 from martensite_control.rules.rule_starts import gains_by_tests as gains_by_tests
 from martensite_control.rules.rule_starts import run_loop_tests as run_loop_tests
 from martensite_control.rules.step_test import run_step_test as run_step_test
+from martensite_control.synthesis.gain_schedule import DesignedSchedule as DesignedSchedule
+from martensite_control.synthesis.gain_schedule import design_gain_schedule as design_gain_schedule
 from martensite_control.synthesis.inverse_hysteresis import IdentifiedHysteresis as IdentifiedHysteresis
 from martensite_control.synthesis.inverse_hysteresis import fit_rising_curve as fit_rising_curve
 from martensite_control.synthesis.inverse_hysteresis import identify_hysteresis as identify_hysteresis

@@ -1,1 +1,1 @@
-"""Regulators on linear plants; an inverse of hysteresis."""
+"""Regulators on linear plants; gains scheduled over the stroke; an inverse of hysteresis."""

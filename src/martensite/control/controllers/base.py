@@ -60,6 +60,8 @@ class AbstractController(AbstractDrive):
 
     kernel: ClassVar[bool] = True
     """False for one that is no kernel and runs as a drive only."""
+    holds: ClassVar[bool] = True
+    """False for one that does not keep its reading at the reference, so that a loop has no sign."""
     names_reading = ("measured",)
 
     measured: str = text("name of the reading that shall follow the reference", typical="position")

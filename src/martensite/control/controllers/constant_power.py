@@ -28,6 +28,7 @@ class ConstantPower(AbstractController):
     """Duty of a switch from a demanded power [W], its reference."""
 
     cites = ("finger-paper",)
+    holds = False
 
     measured: str = text("name of the power that shall follow; it is not read", default="power")
     voltage: str = text("name of the reading of the voltage", default="voltage")

@@ -46,6 +46,7 @@ class LatchedOnOff(AbstractController):
     """A switch that acts once: from a threshold, its reference, until an amplitude has fallen."""
 
     cites = ("kossoski2018",)
+    holds = False
 
     oscillation: str = text("name of the reading whose amplitude switches it off", typical="=measured")
     share: Scalar = param("1", "share of the largest amplitude below which it is off", low=0.0, high=1.0, default=0.3)

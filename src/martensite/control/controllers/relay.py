@@ -90,6 +90,8 @@ class Direct(AbstractController):
     reference has the unit of the signal; limits are those of the source.
     """
 
+    holds = False
+
     measured: str = text("name of a reading to compare with; it is not read", default="")
     gain: Scalar = param("1", "signal per reference", default=1.0)
     offset: Scalar = param(DRIVE, "signal without a reference", default=0.0)

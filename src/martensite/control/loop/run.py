@@ -18,6 +18,7 @@ from martensite.base.parameters import part
 from martensite.control.checks.base import LIMITED
 from martensite.control.controllers.base import AbstractController
 from martensite.control.loop.bench import Bench
+from martensite.control.loop.findings import check_signals
 from martensite.control.loop.names import (
     AGE,
     ALARM,
@@ -90,19 +91,20 @@ def simulate_bench(
         periods = round(duration / bench.period)
         length = periods * bench.period
         found = simulate_controlled(bench, played | seeing, length, bench.period, watch=watch)
-        found = warn_of_loops(_with_loops(found, bench, outside), bench)
-        return warn_of_end(found, duration, bench.period)
+        return warn_of_loops(_with_loops(found, bench, outside), bench, duration)
     chosen = runtime or ("c" if find_compiler() is not None else "floats")
     samples = int(duration / bench.period + 1e-6) + 1
     found = simulate(
         bench, played, duration, samples=max(samples, 2), runtime=chosen, start=start, restart_at=restart_at
     )
-    return warn_of_end(warn_of_loops(found, bench), duration, bench.period)
+    return warn_of_loops(found, bench, duration)
 
 
-def warn_of_loops(result: Result, bench: Bench) -> Result:
-    """A result with what its guard did, and what its controllers failed to do."""
-    return _with_doubts(warn_of_guard(result, bench), bench)
+def warn_of_loops(result: Result, bench: Bench, duration: float) -> Result:
+    """A result with what its guard did, what its controllers failed to do, signals that cannot be, and its end [s]."""
+    faults = [f"Warning: {one.sentence} {one.remedy}" for one in check_signals(bench) if one.fault]
+    known = _with_doubts(warn_of_guard(result, bench), bench)
+    return warn_of_end(replace(known, warnings=[*known.warnings, *faults]), duration, bench.period)
 
 
 def warn_of_guard(result: Result, bench: Bench) -> Result:

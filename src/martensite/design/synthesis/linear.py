@@ -19,7 +19,7 @@ and what is left over, the residual, is 0 if the chosen outputs say all that mat
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
@@ -30,8 +30,8 @@ from martensite.base.errors import InputError, require_known
 from martensite.design.synthesis.operating_point import SteadyPoint
 from martensite.identify.chains.linear_system import LinearSystem
 from martensite.kernels import floats
-from martensite.kernels.dual import compute_jacobian
-from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.dual import Dual, DualNamespace
+from martensite.kernels.namespace import Namespace
 from martensite.kernels.nested import NestedShape, flatten_numbers
 from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.api import steps_in
@@ -70,7 +70,7 @@ def linearise_plant(
     signals = list(point.signals)
     signals[names.index(point.drive)] += way * push * max(abs(point.signal), 1e-3)
     size = len(point.state)
-    rows = np.array(_differentiate_plant(system, [*point.state.tolist(), *signals], size, interval))
+    rows = _differentiate_plant(system, [*point.state.tolist(), *signals], size, interval)
     columns = [size + names.index(name) for name in chosen]
     return LinearSystem(
         rows[:size, :size],
@@ -86,17 +86,27 @@ def linearise_plant(
     )
 
 
-def _differentiate_plant(system: AbstractSystem, at: list[float], size: int, interval: float) -> list[list[Scalar]]:
+def _differentiate_plant(system: AbstractSystem, at: list[float], size: int, interval: float) -> Numbers:
     """Derivatives of the next state and of the outputs now, by state and signals."""
     shape = NestedShape(system.init(floats, *at[size:]))
     turns = 1 if system.sample_time() else steps_in(system, interval)
 
-    def period(xp: Namespace, numbers: Sequence[Scalar]) -> Sequence[Scalar]:
+    def period(xp: Namespace, numbers: Sequence[Any]) -> Sequence[Any]:
         state, drives = shape.rebuild(numbers[:size]), numbers[size:]
         after, _ = advance_steps(xp, system, state, [(drives, interval / turns)], turns)
         return [*flatten_numbers(after), *system.observe(xp, state, *drives)]
 
-    return compute_jacobian(floats, period, at)[1]
+    return compute_slopes(period, at)[1]
+
+
+def compute_slopes(
+    function: Callable[[Any, Sequence[Any]], Sequence[Any]], at: Sequence[float]
+) -> tuple[Numbers, Numbers]:
+    """Values of a kernel and all their slopes, shape (values, variables), in one pass: tangents are rows."""
+    xp, rows = DualNamespace(floats), np.eye(len(at))
+    pairs = [xp.parts(one) for one in function(xp, [Dual(x, row, xp.level) for x, row in zip(at, rows, strict=True)])]
+    slopes = [np.zeros(len(at)) if slope is None else slope + np.zeros(len(at)) for _, slope in pairs]
+    return np.array([float(value) for value, _ in pairs]), np.stack(slopes)
 
 
 @dataclass(frozen=True, eq=False)

@@ -182,8 +182,8 @@ class _RestingLanes:
         )
 
 
-def settle_lanes(lanes: Lanes, signals: Numbers) -> None:
-    """Hold signals, (drives, lanes), until nothing that is judged changes.
+def settle_lanes(lanes: Lanes, signals: Numbers, doublings: int = DOUBLINGS, settled: float = SETTLED) -> None:
+    """Hold signals, (drives, lanes), until what is judged has settled, in stretches that double so often.
 
     Raises:
         SolveError: that takes too long.
@@ -194,11 +194,11 @@ def settle_lanes(lanes: Lanes, signals: Numbers) -> None:
     sizes = np.array(list(judged.values()))[:, None]
     dt = system.sample_time() or longest_step(system)
     last, stretch = lanes.observe(signals)[places], STRETCH
-    for _ in range(DOUBLINGS):
+    for _ in range(doublings):
         held = np.broadcast_to(signals, (stretch, *signals.shape))
         lanes.advance(held, dt, shown=False)
         now = lanes.observe(signals)[places]
-        if np.max(np.abs(now - last) / sizes, initial=0.0) <= SETTLED:
+        if np.max(np.abs(now - last) / sizes, initial=0.0) <= settled:
             return
         last, stretch = now, stretch * 2
     raise SolveError(

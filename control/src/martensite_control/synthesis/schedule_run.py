@@ -1,0 +1,94 @@
+"""`tune --method schedule`: a schedule of gains for a scenario, what it says, and what it is compared with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from martensite.base.errors import InputError
+from martensite.base.formats import write_difference, write_quantity
+from martensite.base.summary import DataTable, Sentence, Summary
+from martensite.cli.options import read_positive
+from martensite.cli.progress import show_spinner
+from martensite.control.loop.names import name_loop_columns
+from martensite.control.loop.parts import Controllers
+from martensite.control.loop.run import simulate_bench
+from martensite.design.analysis.loop_check import LoopCase
+from martensite.simulate.drive_waveforms import by_name
+from martensite_control.loops.linear_loop import LinearLoop
+from martensite_control.loops.loop_points import linearise_case
+from martensite_control.loops.margins import compute_margins
+from martensite_control.synthesis.gain_schedule import DesignedSchedule, design_gain_schedule
+from martensite_control.tuning.loop_runs import find_judged_output
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from martensite.control.loop.bench import Bench
+    from martensite.scenario.scenario import Scenario
+    from martensite_control.cli import TuneOptions
+
+HEAD = ("branch", "at", "Kp", "Ki [1/s]", "M_s", "gain margin", "phase margin")
+SENSITIVITY, POINTS = 1.4, 4
+
+
+def run_schedule(scenario: Scenario, options: TuneOptions) -> tuple[Summary, Callable[[], str], Callable[[], Figure]]:
+    """The summary of a schedule, what writes the scenario with it, and what draws its margins.
+
+    Raises:
+        InputError: the scenario has no loop that has a linear system.
+    """
+    if scenario.bench is None:
+        raise InputError("The scenario has no [controller] that could be tuned.")
+    bench, waves = scenario.bench, by_name(scenario.system, scenario.waveform)
+    duration = read_positive("duration", options.duration, "s") if options.duration else scenario.duration
+    with show_spinner("linear systems on both branches"):
+        wanted = options.sensitivity or SENSITIVITY
+        found = design_gain_schedule(
+            bench, duration, drive=options.loop, sensitivity=wanted, count=POINTS, waveforms=waves
+        )
+        members = {**bench.controllers.members(), found.drive: found.controller}
+        after = bench.with_parts(controllers=Controllers(**members))
+        others = {name: float(one.value(0.0)) for name, one in waves.items()}
+        loops = linearise_case(LoopCase(after, found.drive, found.controller, duration, others), POINTS)
+        errors = [_measure_error(scenario, one, duration, found.drive) for one in (bench, after)]
+
+    def draw() -> Figure:
+        from martensite_control.loops.margin_figure import plot_margins
+
+        return plot_margins(loops, scenario.title)
+
+    lead = f"# gains scheduled for a largest sensitivity of {wanted:g}\n\n"
+    return _summarise(scenario, found, loops, errors), lambda: lead + found.to_toml(scenario.text), draw
+
+
+def _measure_error(scenario: Scenario, bench: Bench, duration: float, drive: str) -> float:
+    """Rms error of a run, in the SI unit of what is controlled."""
+    waves = by_name(scenario.system, scenario.waveform)
+    run = simulate_bench(bench, duration, seed=scenario.seed, waveforms=waves).require()
+    reference = np.array(run[name_loop_columns(bench, drive)[0]])
+    return float(np.sqrt(np.mean((reference - np.array(run[find_judged_output(bench, drive)])) ** 2)))
+
+
+def _summarise(scenario: Scenario, found: DesignedSchedule, loops: list[LinearLoop], errors: list[float]) -> Summary:
+    margins = [compute_margins(one.loop) for one in loops]
+    pairs = list(zip(found.points, margins, strict=False))  # the last loop is that of the dead band
+    cells = [
+        (
+            one.branch,
+            write_quantity(one.at, found.unit, 3),
+            f"{one.Kp:.4g}",
+            f"{one.Ki:.4g}",
+            f"{has.sensitivity:.3f}",
+            f"{has.gain:.3g}",
+            f"{np.degrees(has.phase):.0f}°",
+        )
+        for one, has in pairs
+    ]
+    before, after = (write_difference(one, found.unit, 3) for one in errors)
+    rows: list[dict[str, Any]] = [vars(one) | vars(has) | {"sensitivity": has.sensitivity} for one, has in pairs]
+    data = {"drive": found.drive, "points": rows, "rms_error": {"before": errors[0], "after": errors[1]}}
+    table = DataTable(HEAD, cells, right=tuple(range(1, len(HEAD))))
+    return Summary(scenario.title, [table, Sentence(f"Rms error of the run: {before} before, {after} after.")], data)

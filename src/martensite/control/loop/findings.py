@@ -1,0 +1,95 @@
+"""What a check finds wrong in a loop; signals that a source cannot give, which needs no run to be found."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from martensite.base.formats import write_quantity
+from martensite.kernels import floats
+from martensite.signals.base import DRIVE
+
+if TYPE_CHECKING:
+    from martensite.actuators.assembly import AbstractSystem
+    from martensite.control.controllers.base import AbstractController
+    from martensite.control.loop.bench import Bench
+    from martensite.physics.electrical.base import AbstractSource
+
+LIMITS, HOLDERS = ("low", "high"), ("", "law", "inner.law")
+"""Parameters that are the least and the largest signal, and the parts of controllers that hold them."""
+ROUNDING, SHORT = 1e-9, 0.05
+"""Shares of a limit of the source that do not count: of a duty, and of a supply, since resistance changes."""
+
+
+@dataclass(frozen=True)
+class LoopFinding:
+    """One thing that a check finds in a loop."""
+
+    test: str
+    """What was tested."""
+    where: str
+    """Path of the number that is to be looked at."""
+    sentence: str
+    number: float
+    """What was found, in the SI `unit`."""
+    allowed: float
+    """What it may be at most, or must be at least."""
+    unit: str
+    remedy: str
+    fault: bool
+    """True if the loop cannot do what it is for; else it is a caution."""
+
+    def __str__(self) -> str:
+        """The sentence with its remedy."""
+        return f"{'Not sound' if self.fault else 'Caution'}: {self.sentence} {self.remedy}"
+
+
+def check_signals(bench: Bench, others: Mapping[str, AbstractController] | None = None) -> list[LoopFinding]:
+    """Limits of the signals of a bench's controllers, and of others beside it, that the sources cannot give."""
+    found = list[LoopFinding]()
+    for drive, controller in {**bench.controllers.members(), **(others or {})}.items():
+        source, ohms = find_source(bench.plant, drive)
+        if source is not None:
+            for path, value in list_limits(controller).items():
+                found.extend(_judge_limit(f"controllers.{drive}.{path}", value, source, ohms))
+    return found
+
+
+def list_limits(controller: AbstractController) -> dict[str, float]:
+    """Least and largest signal of a controller, by path."""
+    return {
+        leaf.path: float(leaf.value)
+        for leaf in controller.leaves()
+        if leaf.declared.unit == DRIVE and (split := leaf.path.rpartition("."))[2] in LIMITS and split[0] in HOLDERS
+    }
+
+
+def find_source(plant: AbstractSystem, drive: str) -> tuple[AbstractSource | None, float]:
+    """The source that a drive of a plant is the signal of, and the resistance [ohm] of its element at rest."""
+    for port, one in plant.actuators().items():
+        if plant.drive_at(port) == drive:
+            signals = [one.environment.temperature if each.unit == "K" else 0.0 for each in plant.drives()]
+            rest: Any = plant.observe(floats, plant.init(floats, *signals), *signals)
+            seen = dict(zip(plant.outputs(), rest, strict=True))
+            return one.source, float(seen[plant.label(port, "resistance")])
+    return None, math.nan
+
+
+def _judge_limit(where: str, value: float, source: AbstractSource, ohms: float) -> Iterator[LoopFinding]:
+    reach, unit, name = source.reach(ohms), source.unit, where.rpartition(".")[2]
+    words, title = f"`{where}` is {write_quantity(value, unit)}", source.registered_name
+    slack = ROUNDING if unit == "1" else SHORT
+    idle, *sizes = (source.current(floats, u, ohms) ** 2 for u in (0.0, value, -value))
+    heats = value < 0.0 and min(sizes) > idle
+    if heats:
+        said = f"{words}: below 0 the element is heated again, and the loop turns its sign."
+        yield LoopFinding("signal", where, said, value, 0.0, unit, f"Try `{name} = 0`.", fault=True)
+    for bound, beyond, side in ((reach.least, reach.least - value, "least"), (reach.most, value - reach.most, "most")):
+        if beyond > slack * max(abs(bound), ROUNDING) and not heats:
+            at = "" if unit == "1" else f" at {ohms:.3g} ohm"
+            said = f"{words}, but `{title}` can be given {write_quantity(bound, unit, 4)} at {side}{at}."
+            level = write_quantity(bound, unit, 3)
+            remedy = f"Try `{name} = {level}`." if unit == "1" else f'Try `{name} = "{level}"`.'
+            yield LoopFinding("signal", where, said, value, bound, unit, remedy, fault=unit == "1")

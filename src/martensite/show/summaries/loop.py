@@ -1,0 +1,67 @@
+"""The loops of a bench, as a check finds them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from martensite.base.formats import write_quantity
+from martensite.base.summary import Block, DataTable, Sentence
+
+if TYPE_CHECKING:
+    from martensite.control.loop.bench import Bench
+    from martensite.control.loop.findings import LoopFinding
+    from martensite.design.analysis.loop_check import LoopReport
+    from martensite.scenario.places import Places
+    from martensite.scenario.scenario import Scenario
+
+HEAD = ("branch", "reading", "signal", "gain margin", "phase margin", "delay margin", "M_s")
+
+
+def check_scenario_loop(scenario: Scenario, bench: Bench) -> LoopReport:
+    """The loops of the bench of a scenario, with paths as in its file."""
+    from martensite.design.analysis.loop_check import check_loop
+    from martensite.simulate.drive_waveforms import by_name
+
+    played = by_name(scenario.system, scenario.waveform)
+    found = check_loop(bench, scenario.duration, outside=scenario.outside, waveforms=played)
+    return replace(found, findings=tuple(_place_finding(one, scenario.places) for one in found.findings))
+
+
+def _place_finding(finding: LoopFinding, places: Places) -> LoopFinding:
+    where = places.path(finding.where)
+    return replace(finding, where=where, sentence=finding.sentence.replace(f"`{finding.where}`", f"`{where}`"))
+
+
+def describe_loops(report: LoopReport, words: str) -> Iterator[Block]:
+    """Findings, margins, what was not tested, and the verdict with the steps of a run in words."""
+    yield from (Sentence(str(one), "bad" if one.fault else "caution") for one in report.findings)
+    if report.margins:
+        several = len({row["drive"] for row in report.margins}) > 1
+        cells = [_list_cells(row, f"{row['drive']}, " * several) for row in report.margins]
+        yield DataTable(HEAD, cells, right=tuple(range(1, len(HEAD))))
+    for why in dict.fromkeys(report.untested.values()):
+        names = ", ".join(name for name, reason in report.untested.items() if reason == why)
+        yield Sentence(f"Not tested: {names}: {why}.")
+    count = sum(one.fault for one in report.findings)
+    verdicts = {
+        "not sound": f"The loop is not sound: {count} {'fault' if count == 1 else 'faults'}.",
+        "not all tested": f"Nothing was found that keeps the loop from working, but not all was tested: {words}",
+        "sound": f"The scenario is sound: {words}",
+    }
+    yield Sentence(verdicts[report.verdict], "bad" if count else "")
+
+
+def _list_cells(row: Mapping[str, Any], drive: str) -> tuple[str, ...]:
+    phase, delay = row["phase"], row["delay"]
+    return (
+        drive + row["branch"],
+        write_quantity(row["reading"], row["unit"], 3),
+        f"{row['signal']:.3g}",
+        "unstable" if not row["stable"] else f"{row['gain']:.3g}" if math.isfinite(row["gain"]) else "none",
+        f"{math.degrees(phase):.0f}°" if math.isfinite(phase) else "none",
+        write_quantity(delay, "s", 3),
+        f"{row['sensitivity']:.2f}",
+    )
