@@ -33,10 +33,8 @@ def free_limits(controller: AbstractController) -> AbstractController:
 
 
 def remember_first(controller: AbstractController, reference: float, readings: Mapping[str, float]) -> list[float]:
-    """What a controller remembers before its second sample, or its first; with what stands around it, if it knows."""
-    begin = getattr(controller, "begin", None)
-    found = controller.rest(floats, reference, readings) if begin is None else begin(floats, reference, readings)[1]
-    return [float(one) for one in found]
+    """What a controller remembers before its second sample, with what stands around it."""
+    return [float(one) for one in controller.begin(floats, reference, readings)[1]]
 
 
 def answer_sample(
@@ -47,8 +45,8 @@ def answer_sample(
     readings: Mapping[str, Any],
     dt: float,
 ) -> list[Any]:
-    """Signal of a sample and what is remembered, with what stands around the controller, if it knows."""
-    signal, after = getattr(controller, "proceed", controller.answer)(xp, tuple(memory), reference, readings, dt)
+    """Signal of a sample and what is remembered, with what stands around the controller."""
+    signal, after = controller.proceed(xp, tuple(memory), reference, readings, dt)
     return [signal, *after]
 
 
