@@ -19,7 +19,16 @@ from martensite.actuators.assembly import PROFILES, AbstractSystem
 from martensite.base.errors import ParameterError
 from martensite.base.files import write_file
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.names import AGE, ALARM, JITTER, NOISE, list_readings, list_references, reference_units
+from martensite.control.loop.names import (
+    AGE,
+    ALARM,
+    JITTER,
+    NOISE,
+    list_previews,
+    list_readings,
+    list_references,
+    reference_units,
+)
 from martensite.control.loop.names import list_estimates as estimate_outputs
 from martensite.control.loop.period import collect_estimates
 from martensite.control.loop.realtime import LoopState, TracedLoop, list_reads, trace_loop
@@ -250,7 +259,10 @@ def _loop_inputs(bench: Bench) -> Rows:
     rows = [(name, known[name].unit, known[name].long_name) for name in names]
     rows += [(name + AGE, "s", f"age of {name}") for name in names]
     followed = zip(list_references(bench), reference_units(bench), strict=True)
-    rows += [(name, unit, "what the controller shall follow") for name, unit in followed]
+    units = dict(followed)
+    rows += [(name, unit, "what the controller shall follow") for name, unit in units.items()]
+    ahead = [(one.name, units[one.name.rpartition(".ahead.")[0]], one.time) for one in list_previews(bench)]
+    rows += [(name, unit, f"what it shall follow {time:.4g} s later; as now, if unknown") for name, unit, time in ahead]
     taken = bench.controllers.members()
     free = [drive for drive in bench.plant.drives() if drive.name not in taken]
     return rows + [(drive.name, drive.unit, f"signal of {drive.name}") for drive in free]

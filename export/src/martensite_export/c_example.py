@@ -20,7 +20,7 @@ from martensite.base.errors import MartensiteError, ParameterError
 from martensite.base.files import write_file
 from martensite.base.status import Status
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.names import MEASURED, list_references
+from martensite.control.loop.names import MEASURED, list_previews, list_references
 from martensite.control.loop.realtime import list_reads
 from martensite.control.loop.run import reference_waveforms
 from martensite.kernels.compiler import find_compiler
@@ -166,7 +166,7 @@ def played_by_loop(bench: Bench, waveform: Waveforms, result: Result, steps: int
     sensors, taken = bench.sensors.members(), bench.controllers.members()
     measured = [(MEASURED if sensors else "") + name for name in list_reads(bench)]
     ages = [sensors[name].delay if name in sensors else 0.0 for name in list_reads(bench)]
-    given = by_name(bench.plant, waveform)
+    given, ahead = by_name(bench.plant, waveform), reference_waveforms(bench)
     free = [given.get(d.name) for d in bench.plant.drives() if d.name not in taken]
     count = min(len(result.times), most * steps + 1)
     rows = [
@@ -174,6 +174,7 @@ def played_by_loop(bench: Bench, waveform: Waveforms, result: Result, steps: int
             *(result.columns[name][k] for name in measured),
             *ages,
             *(result.columns[name][k] for name in list_references(bench)),
+            *(ahead[one.name].value(result.times[k]) for one in list_previews(bench)),
             *(one.value(result.times[k]) if one else 0.0 for one in free),
         )
         for k in range(count)

@@ -18,7 +18,7 @@ import numpy as np
 from martensite.actuators.assembly.base import DriveSignal
 from martensite.base.errors import InputError, suggest_name
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.names import JITTER, NOISE, list_references
+from martensite.control.loop.names import JITTER, NOISE
 from martensite.control.loop.run import reference_waveforms
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.lanes import Lanes
@@ -91,7 +91,7 @@ class Episodes:
         drives, seen = [one.name for one in self._drives], self._lanes.names.index
         self._acting = [drives.index(name) for name in self.signals]
         self._noisy = [k for k, name in enumerate(drives) if name.startswith((NOISE, JITTER))]
-        self._followed = [drives.index(name) for name in list_references(bench)]
+        self._followed = [drives.index(name) for name in reference_waveforms(bench)]
         for name in task.outputs:
             if name not in plant.outputs():
                 raise InputError(f"There is no output `{name}`. {suggest_name(name, plant.outputs())}")

@@ -12,7 +12,7 @@ Readings come by name: those of sensors, `estimated.NAME` of observers, and the 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 from martensite.base.errors import ParameterError, suggest_name
@@ -30,6 +30,10 @@ Answer: TypeAlias = tuple[Scalar, Column]
 """The signal of a sample, and what is remembered for the next."""
 HAIR = 1e-9
 """Difference of times that is rounding [s]."""
+AHEAD = "ahead."
+"""What the names of references begin with among readings: `ahead.DRIVE.0` is the present one, others lie ahead."""
+PLANNED = "planned"
+"""What another controller has planned for a drive, among its readings."""
 
 
 class Called(NamedTuple):
@@ -62,6 +66,21 @@ class AbstractController(AbstractDrive):
             signal: SI unit of the signal.
         """
         return readings[self.measured]
+
+    def list_previews(self) -> dict[str, tuple[float, ...]]:
+        """How far ahead [s] it must know references, by the drive whose controller has them, its own one included.
+
+        Their values are among the readings: `ahead.DRIVE.1`, `ahead.DRIVE.2`, … .
+        """
+        return {}
+
+    def led_drives(self) -> tuple[str, ...]:
+        """Drives whose controllers, of kind `follower`, get their signals from this one."""
+        return ()
+
+    def share_signals(self, memory: Column) -> dict[str, Scalar]:
+        """Signals of the drives that it leads, from what it remembers after a sample."""
+        return {}
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
         """What it remembers before the first sample."""
@@ -124,7 +143,7 @@ class SignalLimits(Parametrised):
         return xp.where(xp.either(over, under), before, after)
 
 
-def require_readings(controller: AbstractController, known: Mapping[str, Any]) -> None:
+def require_readings(controller: AbstractController, known: Collection[str]) -> None:
     """Raise `ParameterError` if a controller reads what is not known."""
     for name in controller.reads():
         if name not in known:

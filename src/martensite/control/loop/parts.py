@@ -247,6 +247,8 @@ class Inputs(NamedTuple):
     """What drives a bench, by where it goes."""
 
     references: tuple[Scalar, ...]
+    previews: tuple[Scalar, ...]
+    """References ahead."""
     free: Numbers
     """Signals of the plant that no controller has."""
     numbers: tuple[tuple[Scalar, Scalar], ...]

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.assembly.systems import Piece
-from martensite.control.loop.names import AGE, AMBIENT
+from martensite.control.controllers.base import AHEAD, PLANNED
+from martensite.control.loop.names import AGE, AMBIENT, list_previews
 from martensite.control.loop.parts import (
     BenchState,
     Controlling,
@@ -34,9 +35,10 @@ def sorted_inputs(bench: Bench, drives: Sequence[Scalar]) -> Inputs:
     """What drives the bench, by where it goes."""
     taken, rest = bench.controllers.members(), iter(drives)
     references = tuple(next(rest) for _ in taken)
+    previews = tuple(next(rest) for _ in list_previews(bench))
     free = {d.name: next(rest) for d in bench.plant.drives() if d.name not in taken}
     numbers = tuple((next(rest), next(rest)) for _ in bench.sensors.members())
-    return Inputs(references, free, numbers)
+    return Inputs(references, previews, free, numbers)
 
 
 def apply_supervisor(bench: Bench, xp: Namespace, state: BenchState, given: Inputs) -> SupervisorVerdict:
@@ -77,9 +79,10 @@ def begin_loop(
     first = [one.rest(xp, known, collect_idle(bench, given)) for one in bench.observers.members().values()]
     observers = tuple(ObserverState(tuple(guess), tuple(memory)) for guess, memory in first)
     known = known | collect_estimates(bench, observers)
+    ahead = known | look_ahead(bench, given)
     rows = zip(bench.controllers.members().values(), given.references, strict=True)
-    found = [one.answer(xp, tuple(one.rest(xp, r, known)), r, known, 0.0) for one, r in rows]
-    controllers = tuple(Controlling(signal, tuple(memory)) for signal, memory in found)
+    first = [tuple(one.rest(xp, r, ahead)) for one, r in rows]
+    controllers = answer_all(bench, xp, first, ahead, given, 0.0)
     held = () if bench.supervisor is None else tuple(bench.supervisor.rest(xp, known))
     return observers, controllers, held, known
 
@@ -162,9 +165,33 @@ def update_controllers(
     bench: Bench, xp: Namespace, before: Sequence[Controlling], known: Numbers, given: Inputs
 ) -> tuple[Controlling, ...]:
     """All controllers a period later."""
-    rows = zip(bench.controllers.members().values(), before, given.references, strict=True)
-    found = [one.answer(xp, held.memory, r, known, bench.period) for one, held, r in rows]
-    return tuple(Controlling(signal, tuple(memory)) for signal, memory in found)
+    memories = [held.memory for held in before]
+    return answer_all(bench, xp, memories, known | look_ahead(bench, given), given, bench.period)
+
+
+def look_ahead(bench: Bench, given: Inputs) -> Numbers:
+    """References now and ahead, as controllers read them that want to know what lies ahead."""
+    rows = zip(list_previews(bench), given.previews, strict=True)
+    found = {f"{AHEAD}{one.drive}.{one.number}": value for one, value in rows}
+    if found:
+        rows = zip(bench.controllers.members(), given.references, strict=True)
+        found |= {f"{AHEAD}{drive}.0": value for drive, value in rows}
+    return found
+
+
+def answer_all(
+    bench: Bench, xp: Namespace, memories: Sequence[Sequence[Scalar]], known: Numbers, given: Inputs, dt: Scalar
+) -> tuple[Controlling, ...]:
+    """All controllers in a sample, those that lead others first."""
+    members, planned = bench.controllers.members(), Numbers()
+    rows = zip(members.items(), memories, given.references, strict=True)
+    found: dict[str, Controlling] = {}
+    for (drive, one), memory, reference in sorted(rows, key=lambda row: not row[0][1].led_drives()):
+        own = known | ({PLANNED: planned[drive]} if drive in planned else {})
+        signal, after = one.answer(xp, memory, reference, own, dt)
+        planned |= one.share_signals(after)
+        found[drive] = Controlling(signal, tuple(after))
+    return tuple(found[drive] for drive in members)
 
 
 def collect_readings(bench: Bench, sensors: Sequence[Sensed], known: Signals) -> Numbers:

@@ -23,6 +23,7 @@ from martensite.control.loop.names import (
     MEASURED,
     NOISE,
     list_drives,
+    list_previews,
     list_readings,
     list_references,
     outside_references,
@@ -33,6 +34,7 @@ from martensite.control.loop.names import (
 from martensite.control.loop.parts import Controllers
 from martensite.control.observers.base import ESTIMATED
 from martensite.kernels.compiler import find_compiler
+from martensite.signals.ahead import Ahead
 from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.held import Held
 from martensite.simulate.api import simulate
@@ -127,9 +129,11 @@ def _with_loops(result: Result, bench: Bench, outside: Mapping[str, AbstractDriv
 
 
 def reference_waveforms(bench: Bench) -> dict[str, AbstractWaveform]:
-    """What the controllers of a bench shall follow, by the name of the drive."""
-    followed = bench.controllers.members().values()
-    return {name: one.reference for name, one in zip(list_references(bench), followed, strict=True)}
+    """What the controllers of a bench shall follow, now and as far ahead as they look, by the name of the drive."""
+    members = bench.controllers.members()
+    found = {name: one.reference for name, one in zip(list_references(bench), members.values(), strict=True)}
+    ahead = {one.name: Ahead(waveform=members[one.drive].reference, lead=one.time) for one in list_previews(bench)}
+    return found | ahead
 
 
 def noise_waveforms(bench: Bench, duration: float, seed: int | None) -> dict[str, AbstractWaveform]:
