@@ -70,7 +70,7 @@ class Mpc(AbstractController, SignalLimits):
     output: str = text("output of the model that is measured; none: called as the reading", default="")
     leads: tuple[str, ...] = text("other drives of the model that it plans; each has a `follower`", default=())
     also_measured: tuple[str, ...] = text(
-        "readings that shall follow the references of these drives, in their order", default=()
+        "readings that shall follow the references of the first of these drives", default=()
     )
     period: Scalar = param("s", "time from one sample to the next", above=0.0, typical="20 ms")
     horizon: Scalar = param("s", "how far plans reach", above=0.0, typical="2 s")
@@ -158,10 +158,10 @@ class Mpc(AbstractController, SignalLimits):
                 f"The model of `mpc` must have one drive that it does not lead, but has {', '.join(left) or 'none'}; "
                 f'write such as `leads = ["{drives[-1]}"]`, and give what is led a controller of kind `follower`.'
             )
-        if self._also and len(self._also) != len(self._leads):
+        if len(self._also) > len(self._leads):
             raise ParameterError(
-                f"`also_measured` must name a reading for each of the {len(self._leads)} drives that `mpc` leads, but "
-                f"names {len(self._also)}."
+                f"`also_measured` names {len(self._also)} readings, but `mpc` leads {len(self._leads)} drives; each "
+                "reading follows the reference of one of them."
             )
 
     def layout(self) -> tuple[int, ...]:

@@ -46,6 +46,8 @@ WINDOWS = (
 """Shares of the horizon in which a drive gets more or less: a while from now on, or later."""
 MORE = (-1.0, -0.3, -0.1, 0.1, 0.3, 1.0)
 """How much more, as a share of the range; the limits make of the whole of it full or off."""
+FEW_WINDOWS, MUCH_MORE = ((0.0, 0.1), (0.0, 0.3), (0.0, 1.0), (0.3, 1.0), (0.6, 1.0)), (-1.0, -0.3, 0.3, 1.0)
+"""The same for each of several drives: fewer, so that the time that a period takes grows slowly with them."""
 DAMPING = 1e-3
 """λ, as a share of the mean of the diagonal."""
 HAIR = 1e-9
@@ -158,7 +160,7 @@ class Planner(NamedTuple):
         found: list[Numbers] = [[self.limits[0]] * len(plan)]
         for drive in range(self.drives):
             for first, last in self._list_windows():
-                for more in MORE:
+                for more in MORE if self.drives == 1 else MUCH_MORE:
                     changed = [xp.store(xp.clip(u + more * self._range, *self.limits)) for u in plan]
                     there = [first <= j // self.drives < last and j % self.drives == drive for j in range(len(plan))]
                     found.append([v if x else u for x, u, v in zip(there, plan, changed, strict=True)])
@@ -166,7 +168,8 @@ class Planner(NamedTuple):
 
     def _list_windows(self) -> list[tuple[int, int]]:
         """First block of every window, and the one after its last, each window once."""
-        ends = [(round(a * self.blocks), round(b * self.blocks)) for a, b in WINDOWS]
+        windows = WINDOWS if self.drives == 1 else FEW_WINDOWS
+        ends = [(round(a * self.blocks), round(b * self.blocks)) for a, b in windows]
         return list(dict.fromkeys((a, max(b, a + 1)) for a, b in ends))
 
     def _follow_line(self, xp: Namespace, known: Planned) -> list[Numbers]:
