@@ -28,7 +28,7 @@ sync = UV_PROJECT_ENVIRONMENT=$(VENV) $(1) sync --frozen --inexact $(2) --extra 
 PIP_INSTALL := $(BIN)/python -m pip install -qq --disable-pip-version-check --no-compile
 PYRIGHT := NODE_OPTIONS="--max-semi-space-size=64" $(BIN)/pyright
 # Types of tests are half of the work, and tests are run: test-all checks them.
-SHIPPED := src app/src export/src studies/src sweep/src testing/src
+SHIPPED := src app/src control/src export/src hardware/src studies/src sweep/src testing/src
 
 .DEFAULT_GOAL := help
 .PHONY: help env demo test test-all lint docs web bench format lock clean distclean
@@ -88,7 +88,7 @@ distclean: clean ## clean, and remove .venv too
 	rm -rf $(VENV)
 
 # One stamp per set of extras, so that the environment is touched only when its declaration changed.
-# Every set contains the core and the studies, those of developers the web bench, exports, suites and sweeps too; nothing
+# Every set contains the core, the studies and what they tune by, those of developers the web bench, exports, suites and sweeps too; nothing
 # is uninstalled on the way from one to another.
 $(VENV)/.stamp-core: extra =
 $(VENV)/.stamp-dev: extra = dev
@@ -102,6 +102,6 @@ else
 		exit 1; }
 	$(PYTHON) -m venv $(VENV)
 	{ $(PIP_INSTALL) uv && $(call sync,$(BIN)/uv,--quiet --python $(BIN)/python); } || $(PIP_INSTALL) \
-		-e '.$(if $(extra),[$(extra)])' -e ./studies $(if $(extra),-e ./app -e ./export -e ./sweep -e ./testing)
+		-e '.$(if $(extra),[$(extra)])' -e ./control -e ./studies $(if $(extra),-e ./app -e ./export -e ./hardware -e ./sweep -e ./testing)
 endif
 	@touch $(VENV)/.stamp-core $@

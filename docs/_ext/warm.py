@@ -25,7 +25,15 @@ from typer.testing import CliRunner
 
 from martensite.cli import app
 
-PACKAGES = ("martensite", "martensite_export", "martensite_studies", "martensite_sweep", "martensite_testing")
+PACKAGES = (
+    "martensite",
+    "martensite_control",
+    "martensite_export",
+    "martensite_hardware",
+    "martensite_studies",
+    "martensite_sweep",
+    "martensite_testing",
+)
 OTHERS = ("control", "dask", "fmu", "gymnasium", "mujoco", "numpyro")
 """What only some pages need; they import it themselves."""
 

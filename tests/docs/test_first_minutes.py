@@ -32,6 +32,8 @@ ABSENT = (
     "martensite_app",
     "martensite_export",
     "martensite_studies",
+    "martensite_control",
+    "martensite_hardware",
     "martensite_sweep",
     "martensite_testing",
 )
@@ -84,7 +86,7 @@ else:
 """
 SWEEP = """
 import martensite as ms
-assert "tune_model" in dir(ms.design) and not {"run_sweep", "SweepTable"} & set(dir(ms.design))
+assert "size_wire" in dir(ms.design) and not {"run_sweep", "SweepTable", "tune_model"} & set(dir(ms.design))
 assert "plot_fit" in dir(ms.plot) and "plot_sweep" not in dir(ms.plot)
 assert ms.design.size_wire and ms.design.StoppedError
 for ask in (lambda: ms.design.run_sweep("wire.toml", over=["diameter=1..2 mm:2"]), lambda: ms.plot.plot_pareto):
@@ -220,6 +222,12 @@ def test_sweeps_say_what_brings_them(python: Path, folder: Path) -> None:
         python, folder, "sweep wire.toml --over diameter=1..2", "sensitivity --help", "pareto", "design wire.toml"
     ):
         assert answer == [2, "", f"error: {need}\n"]
+
+
+def test_tuning_says_what_brings_it(python: Path, folder: Path) -> None:
+    need = "This needs `martensite-control`, which is not installed; run `pip install 'martensite[control]'`."
+    (answer,) = ask_all(python, folder, "tune wire.toml")
+    assert answer == [2, "", f"error: {need}\n"]
 
 
 def test_suites_say_what_brings_them(python: Path, folder: Path) -> None:

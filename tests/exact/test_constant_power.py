@@ -15,7 +15,7 @@ from martensite.control.controllers.constant_power import ConstantPower
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers
 from martensite.control.loop.run import simulate_bench
-from martensite.design.tuning.averaging import compare_averaging
+from martensite.design.analysis.averaging import compare_averaging
 from martensite.kernels import floats
 from martensite.physics.electrical.switches import PowerPwm, PwmVoltage
 from martensite.signals.base import AbstractWaveform

@@ -18,7 +18,6 @@ from martensite.control.controllers.state_feedback import StateFeedback
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers
 from martensite.design.synthesis.linear import Readings, average_plants, linearise_plant, realise_readings
-from martensite.design.synthesis.lqr import LqrSizes, Regulator, augment_plant, design_regulator, solve_riccati
 from martensite.design.synthesis.operating_point import (
     Direction,
     SteadyPoint,
@@ -31,6 +30,7 @@ from martensite.signals.constant import Constant
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.simulate.compiled import bind_system
+from martensite_control.synthesis.lqr import LqrSizes, Regulator, augment_plant, design_regulator, solve_riccati
 
 PERIOD, LEVEL = 0.02, 3e-3
 PLANT = problem_a()

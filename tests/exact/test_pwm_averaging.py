@@ -11,7 +11,7 @@ import pytest
 from builders import ZERO, hanging_wire
 
 from martensite.base.errors import InputError
-from martensite.design.tuning.averaging import compare_averaging, measure_ripples
+from martensite.design.analysis.averaging import compare_averaging, measure_ripples
 from martensite.kernels import floats
 from martensite.physics.electrical.sources import VoltageSource
 from martensite.physics.electrical.switches import PwmVoltage

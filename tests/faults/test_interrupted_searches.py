@@ -13,7 +13,7 @@ import pytest
 from command import Command
 from design_cases import BUNDLE
 
-import martensite.cli.tune_run
+import martensite_control.tuning.tune_run
 import martensite_sweep.optimise.cli
 from martensite.scenario.scenario import load
 
@@ -70,7 +70,7 @@ def test_a_design_goes_on_from_the_best_so_far(folder: Path, monkeypatch: pytest
 
 def test_a_tuning_goes_on_from_the_best_so_far(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     quick = "--free", "Kp=1..1000,Ki=1..1000", "--duration", "2 s"
-    said = interrupt(Command("tune"), martensite.cli.tune_run, monkeypatch, "loop.toml", *quick)
+    said = interrupt(Command("tune"), martensite_control.tuning.tune_run, monkeypatch, "loop.toml", *quick)
     assert "the best so far is in `loop-interrupted.toml`: the same command with it goes on from there." in said
     before, after = (load(name).bench for name in ("loop.toml", "loop-interrupted.toml"))
     assert before is not None

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from martensite.base.errors import DataError
-from martensite.design.tuning.averaging import compare_averaging
+from martensite.design.analysis.averaging import compare_averaging
 from martensite.fit.api import fit_logs
 from martensite.scenario.compare import compare_with_record
 from martensite.scenario.scenario import Scenario, load

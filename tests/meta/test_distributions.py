@@ -1,6 +1,6 @@
 """The distributions of this repository belong together.
 
-Source of truth: their declarations, `pyproject.toml` and those in `app`, `export`, `studies`, `sweep` and `testing`.
+Source of truth: their declarations, `pyproject.toml` and those in the folders of `APART`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import pytest
 from martensite.studies.base import STUDIES
 
 ROOT = Path(__file__).resolve().parents[2]
-APART = ("app", "export", "studies", "sweep", "testing")
+APART = ("app", "control", "export", "hardware", "studies", "sweep", "testing")
 """Folders of what is installed apart, which are extras too."""
 
 
@@ -39,7 +39,7 @@ def test_they_agree(folder: str) -> None:
 @pytest.mark.parametrize("folder", APART)
 def test_each_asks_for_the_other_of_its_own_version(folder: str) -> None:
     assert f"martensite=={CORE['version']}" in read_project(folder)["dependencies"]
-    assert EXTRAS[folder] == [f"martensite-{folder}=={CORE['version']}"]
+    assert f"martensite-{folder}=={CORE['version']}" in EXTRAS[folder]
 
 
 @pytest.mark.parametrize("extra", ["control", "fmu", "gymnasium", "mujoco"])

@@ -25,7 +25,13 @@ def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
         "--no-cache",
     ]
     paths = os.pathsep.join(
-        [str(folder), *(str(ROOT / one / "src") for one in ("app", "export", "studies", "sweep", "testing"))]
+        [
+            str(folder),
+            *(
+                str(ROOT / one / "src")
+                for one in ("app", "control", "export", "hardware", "studies", "sweep", "testing")
+            ),
+        ]
     )
     changes = {"PYTHONPATH": paths, "PYTHONDONTWRITEBYTECODE": "1", "COLUMNS": "200"}
     environment = os.environ | changes
@@ -56,7 +62,7 @@ def test_contracts_hold() -> None:
         ("actuators/assembly/base.py", "import jax", "import jax"),
         ("studies/base.py", "import martensite_studies", "imports none"),
         ("cli/export.py", "import martensite_export.cli", "imports none"),
-        ("cli/sweep.py", "import martensite_sweep.cli", "imports none"),
+        ("cli/apart.py", "import martensite_sweep.cli", "imports none"),
         ("simulate/result.py", "import mujoco", "Only martensite_export imports mujoco"),
     ],
 )

@@ -72,7 +72,7 @@ class Precision:
             return str(int(value))
         value = self.round_number(value)
         if math.isinf(value):
-            return f"{'-' if value < 0.0 else ''}HUGE_VAL{self.suffix.upper()}"
+            return f"{'-' if value < 0.0 else ''}{'INFINITY' if self.suffix else 'HUGE_VAL'}"
         text = repr(value) if self.number == "double" else f"{value:.9g}"
         return f"{text if set(text) & set('.e') else f'{text}.0'}{self.suffix}"
 

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import AGE, MEASURED, list_readings
-from martensite.design.tuning.plant_spread import PLANT, find_plant_leaf, parse_half_width, require_allowed
+from martensite.control.loop.plant_leaves import PLANT, find_plant_leaf, parse_half_width, require_allowed
 
 Numbers = NDArray[np.float64]
 SHARES = (0.1, 0.4)

@@ -14,8 +14,7 @@ from martensite.cli.app import app
 __all__ = ["app", "main"]
 
 COMMANDS = (
-    "check data export fit fit_film fit_logs fit_laboratory identify law listings run size study sweep tune "
-    "web_bench wire"
+    "apart check data export fit fit_film fit_logs fit_laboratory identify law listings run size study web_bench wire"
 )
 """Modules whose commands register themselves."""
 

@@ -14,7 +14,7 @@ GROUPS = {
     "Simulate": ("run", "steady", "check", "law", "demo", "study"),
     "From logs": ("fit", "identify"),
     "Design": ("size", "wire", "design", "tune", "sweep", "sensitivity", "pareto"),
-    "Take along": ("export", "app"),
+    "Take along": ("export", "hardware", "app"),
     "Look up": ("list", "params", "describe", "materials", "data", "cite", "conform"),
 }
 """Commands of the help text, the most used first."""

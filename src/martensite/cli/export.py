@@ -21,6 +21,9 @@ class ExportCommands(TyperGroup):
         if not self.commands and (known or not ctx.resilient_parsing):  # a shell that completes words wants no sentence
             group = import_extra("martensite_export.cli", "export", "`martensite-export`").export
             self.commands = typer.main.get_group(group).commands
+            if find_spec("martensite_hardware") is not None:
+                boards = import_extra("martensite_hardware.cli", "hardware").exports
+                self.commands.update(typer.main.get_group(boards).commands)
         return super().list_commands(ctx)
 
     def get_command(self, ctx: typer.Context, cmd_name: str) -> Any:

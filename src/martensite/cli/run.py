@@ -31,7 +31,7 @@ from martensite.cli.progress import show_run, show_spinner
 
 if TYPE_CHECKING:
     from martensite.base.summary import Summary
-    from martensite.design.tuning.averaging import Averaging
+    from martensite.design.analysis.averaging import Averaging
     from martensite.scenario.compare import Agreement
     from martensite.scenario.scenario import Scenario
     from martensite.signals.records import Record
@@ -189,7 +189,7 @@ def run_scenario(
 
 def _make_pulses(scenario: Scenario, carrier: float) -> Averaging:
     from martensite.actuators.assembly import System
-    from martensite.design.tuning.averaging import compare_averaging
+    from martensite.design.analysis.averaging import compare_averaging
     from martensite.signals.base import AbstractWaveform
 
     system, waveform = scenario.require_home("A comparison with pulses").system, scenario.waveform

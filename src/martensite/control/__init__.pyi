@@ -39,8 +39,6 @@ from martensite.control.faults.sensor import Drift as Drift
 from martensite.control.faults.sensor import DropOut as DropOut
 from martensite.control.faults.sensor import Stuck as Stuck
 from martensite.control.loop.bench import Bench as Bench
-from martensite.control.loop.consistency import Consistency as Consistency
-from martensite.control.loop.consistency import check_consistency as check_consistency
 from martensite.control.loop.parts import Controllers as Controllers
 from martensite.control.loop.parts import FaultTable as FaultTable
 from martensite.control.loop.parts import MountedSensor as MountedSensor
@@ -67,6 +65,8 @@ from martensite.control.sensors.thermometer import ThermocoupleSensor as Thermoc
 from martensite.control.supervisors.from_plant import guard_for as guard_for
 from martensite.control.supervisors.from_sensors import checks_for as checks_for
 from martensite.control.supervisors.guard import Guard as Guard
+from martensite_control.consistency import Consistency as Consistency
+from martensite_control.consistency import check_consistency as check_consistency
 
 PlanPrice = _PlanPrice
 open_bench = _open_bench

@@ -16,10 +16,11 @@ import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError
-from martensite.design.tuning.measures import RISE
 from martensite.signals.sampling.sampled import Numbers
 from martensite_sweep.driven_lanes import DrivenLanes, require_positive
 
+RISE = 0.90
+"""Share of the way that is gone in the time of a rise."""
 SAMPLES = 400
 """Steps in which a level is held, at least."""
 

@@ -1,1 +1,1 @@
-"""Linear plants and what is designed on them; an inverse of hysteresis."""
+"""Linear plants at operating points."""

@@ -14,7 +14,7 @@ from martensite.show.figures.model import plot_model as plot_model
 from martensite.show.figures.model import plot_model_loop as plot_model_loop
 from martensite.show.figures.model import plot_model_tests as plot_model_tests
 from martensite.show.figures.overview import plot_profile as plot_profile
-from martensite.show.figures.tuning import plot_tuning as plot_tuning
+from martensite_control.tuning.tuning_figure import plot_tuning as plot_tuning
 from martensite_studies.platform.workspace_figure import plot_workspace as plot_workspace
 from martensite_sweep.analysis_figures import plot_pareto as plot_pareto
 from martensite_sweep.analysis_figures import plot_sensitivity as plot_sensitivity

@@ -11,7 +11,7 @@ from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
 from martensite.simulate.path_stages import PathStage, list_stages, residual_strain
 
 if TYPE_CHECKING:
-    from martensite.design.tuning.averaging import Averaging
+    from martensite.design.analysis.averaging import Averaging
     from martensite.scenario.compare import Agreement
     from martensite.scenario.law_logs import LawComparison
     from martensite.scenario.laws import ConfiguredLaw

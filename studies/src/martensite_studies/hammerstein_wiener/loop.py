@@ -11,10 +11,10 @@ import numpy as np
 
 from martensite.control.controllers.pid import Gains, PidLaw
 from martensite.control.sensors.base import Numbers
-from martensite.design.tuning.closed_loop import Trajectory
-from martensite.design.tuning.measures import build_steps
-from martensite.design.tuning.tuning import ModelTuning
 from martensite.kernels import floats
+from martensite_control.tuning.closed_loop import Trajectory
+from martensite_control.tuning.measures import build_steps
+from martensite_control.tuning.tuning import ModelTuning
 from martensite_studies.hammerstein_wiener.bench import INTERVAL, ReferenceBench, RunningBench
 
 LEVELS = ((0.0, 2.0), (3e-3, 13.0), (6e-3, 15.0))

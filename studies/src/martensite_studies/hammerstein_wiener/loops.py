@@ -7,10 +7,10 @@ from functools import cache
 
 import numpy as np
 
-from martensite.design.tuning.closed_loop import ControlledModel, Trajectory
-from martensite.design.tuning.measures import StepResponse, measure_steps
-from martensite.design.tuning.tuning import TunedGains, tune_model
 from martensite.identify.chains.chain import Chain
+from martensite_control.tuning.closed_loop import ControlledModel, Trajectory
+from martensite_control.tuning.measures import StepResponse, measure_steps
+from martensite_control.tuning.tuning import TunedGains, tune_model
 from martensite_studies.hammerstein_wiener import loop, models
 from martensite_studies.hammerstein_wiener.bench import INTERVAL
 from martensite_studies.hammerstein_wiener.comparisons import nrmse_fit

@@ -1,0 +1,1 @@
+"""Control engineering: tuning, regulators, consistency of filters; offered in `martensite.design` and `.control`."""

@@ -1,0 +1,1 @@
+"""Regulators on linear plants; an inverse of hysteresis."""

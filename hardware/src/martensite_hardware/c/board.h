@@ -1,0 +1,39 @@
+/*
+ * What a board must be able to do. Everything else of the firmware is the same on all boards.
+ */
+#ifndef BOARD_H
+#define BOARD_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Clock, serial line, PWM (off), inputs. */
+void board_begin(void);
+
+/* Microseconds since then; wraps after 71.6 minutes. */
+uint32_t board_micros(void);
+
+/* The next byte from the host, or -1. */
+int board_read(void);
+
+/* Bytes that can be sent without waiting; then send them. */
+uint16_t board_room(void);
+void board_write(const uint8_t *bytes, uint16_t size);
+
+/* Share of the time, 0 to 1, for which the switch of a drive is closed; 0 is off. */
+void board_drive(uint8_t drive, float duty);
+
+/* What a channel reads now: steps of a converter, or counts of an encoder. */
+float board_channel(uint8_t channel);
+
+/* Times that the board has started, as far as it can know; 0 if it cannot. */
+uint8_t board_restarts(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

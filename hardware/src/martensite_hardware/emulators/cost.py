@@ -1,0 +1,121 @@
+"""What a step costs on emulated processors: cycles on AVR, instructions on Cortex-M4, and bytes.
+
+simavr counts cycles as the data sheet has them. QEMU counts instructions; a Cortex-M4 takes 1 to 14 cycles for one, so
+that times from them are lower bounds at a cycle each, and are said to be.
+"""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from martensite.base.errors import SolveError
+from martensite_hardware.emulators.avr import SimavrBoard
+from martensite_hardware.emulators.cortex import MACHINE
+from martensite_hardware.emulators.toolchains import require_tool, run_tool
+
+if TYPE_CHECKING:
+    from martensite_export.c_core import CCore
+
+TICK = 1e3 / 168.0
+"""Instructions in a tick of SysTick, under QEMU with an instruction a nanosecond."""
+AVR_FLAGS = ("-mmcu=atmega2560", "-DF_CPU=16000000L", "-std=gnu11", "-O2")
+ARM_FLAGS = ("-std=gnu11", "-O2", "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16")
+ARM_LINK = ("-T", "stm32f405.ld", "-nostartfiles", "--specs=nano.specs", "--specs=nosys.specs")
+
+
+@dataclass(frozen=True)
+class StepCost:
+    """A step of a core on a processor."""
+
+    processor: str
+    most: int
+    """Cycles of AVR, instructions of Cortex-M4, in the dearest step."""
+    flash: int
+    """Of the core and the library that it needs [bytes]."""
+    ram: int
+    """[bytes]"""
+    failed: bool
+    """A step did not solve in float32."""
+
+
+def write_cost(core: CCore, rows: Sequence[Sequence[float]], period: float, folder: Path) -> None:
+    """Core, rows of inputs and the program that plays them, in a folder."""
+    table = ", ".join("{" + ", ".join(f"{x:.9e}f" for x in row) + "}" for row in rows)
+    name = core.name
+    numbers = {
+        "CORE(f)": f"{name}_##f",
+        "CORE_MODEL": f"{name}_model",
+        "CORE_REAL": f"{name}_real",
+        "CORE_INPUTS": f"{name}_INPUTS",
+        "COST_ROWS": str(len(rows)),
+        "COST_PERIOD": f"{period:.9e}f",
+        "COST_TABLE": "{" + table + "}",
+    }
+    lines = [f'#include "{name}.h"', *(f"#define {key} {value}" for key, value in numbers.items()), ""]
+    (folder / "cost.h").write_text("\n".join(lines), "utf-8")
+    core.write(folder)
+    home = files("martensite_hardware")
+    (folder / "cost.c").write_text((home / "emulators" / "cost.c").read_text("utf-8"), "utf-8")
+    for one in ("start_stm32f405.c", "stm32f405.ld", "app.h"):
+        (folder / one).write_text((home / "c" / one).read_text("utf-8"), "utf-8")
+
+
+def cost_on_avr(core: CCore, folder: Path) -> StepCost:
+    """Cycles of the dearest step on an ATmega2560 at 16 MHz.
+
+    Raises:
+        InputError: a tool is missing.
+        SolveError: it does not end.
+    """
+    elf = folder / "cost_avr.elf"
+    run_tool([require_tool("avr-gcc"), *AVR_FLAGS, "cost.c", f"{core.name}.c", "-lm", "-o", elf], folder)
+    board = SimavrBoard(elf, "mega2560", 500_000, folder)
+    try:
+        for _ in range(3000):
+            board.run(0.05)
+            if board.marks[2] and board.cycles > 0 and _is_done(board):
+                break
+        else:
+            raise SolveError("The program that counts does not end.")
+        most = board.marks[2] - board.marks[1]
+        failed = board.marks[3] > 0
+    finally:
+        board.close()
+    return StepCost("ATmega2560", most, *_read_sizes("avr-size", elf), failed)
+
+
+def _is_done(board: SimavrBoard) -> bool:
+    before = board.marks
+    board.run(0.5)
+    return board.marks == before
+
+
+def cost_on_cortex(core: CCore, folder: Path) -> StepCost:
+    """Instructions of the dearest step on a Cortex-M4F.
+
+    Raises:
+        InputError: a tool is missing.
+        SolveError: it does not end.
+    """
+    elf = folder / "cost_arm.elf"
+    sources = ("cost.c", f"{core.name}.c", "start_stm32f405.c")
+    run_tool([require_tool("arm-none-eabi-gcc"), *ARM_FLAGS, *sources, *ARM_LINK, "-lm", "-o", elf], folder)
+    command = [require_tool("qemu-system-arm"), "-M", MACHINE, "-nographic", "-monitor", "none", "-serial", "null"]
+    command += ["-semihosting-config", "enable=on,target=native", "-icount", "shift=0", "-kernel", str(elf)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    numbers = [int(line) for line in (done.stdout + done.stderr).split()]
+    if len(numbers) != 6:
+        raise SolveError(f"The program that counts said {done.stderr[:200]!r}.")
+    most = round(TICK * (numbers[2] - numbers[0]))
+    return StepCost("Cortex-M4F", most, *_read_sizes("arm-none-eabi-size", elf), numbers[4] > 0)
+
+
+def _read_sizes(tool: str, elf: Path) -> tuple[int, int]:
+    done = subprocess.run([tool, str(elf)], capture_output=True, text=True, check=True)
+    text, data, bss, *_ = done.stdout.splitlines()[1].split()
+    return int(text) + int(data), int(data) + int(bss)

@@ -1,0 +1,1 @@
+"""Firmware around the loop of a scenario: settings, projects for boards, wiring."""

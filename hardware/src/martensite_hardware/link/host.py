@@ -1,0 +1,160 @@
+"""The host's end of a link: commands that are answered, telemetry that is counted.
+
+Commands are sent again, as new frames, until they are answered: all of them may be said twice without harm. What comes
+meanwhile is kept and given out by `receive`.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from martensite.base.errors import InputError, SolveError, suggest_name
+from martensite_hardware.link.frames import BoardClock, FrameReader, encode_frame
+from martensite_hardware.link.messages import ARM_WORD, VERSION, BoardAnswer, Message, Mode, pack_message
+
+TRIES, WAIT = 5, 0.2
+"""How often a command is sent, and how long each time an answer is waited for [s]."""
+ARM = "ARM"
+"""The word of a person without which nothing is armed."""
+
+
+class Port(Protocol):
+    """A line to a board, such as a `serial.Serial`."""
+
+    def read(self, size: int = 1) -> bytes:
+        """Up to so many bytes, after its own timeout at the latest."""
+        ...
+
+    def write(self, data: bytes, /) -> Any:
+        """Send bytes."""
+        ...
+
+    def close(self) -> None:
+        """Let the line go."""
+        ...
+
+
+def open_port(address: str, baud: int = 500_000) -> Port:
+    """A serial line: a device such as `/dev/ttyACM0` or `COM3`, or an address of pyserial such as `socket://`.
+
+    Raises:
+        InputError: it cannot be opened; the sentence names the ports that there are.
+    """
+    import serial
+    from serial.tools.list_ports import comports
+
+    try:
+        return serial.serial_for_url(address, baudrate=baud, timeout=0.002)
+    except (serial.SerialException, ValueError, OSError) as error:
+        known = [one.device for one in comports()]
+        there = f"There are {', '.join(known)}." if known else "No serial port is there."
+        raise InputError(f"The port `{address}` cannot be opened: {error}. {there}") from None
+
+
+@dataclass
+class BoardLink:
+    """One board, asked and listened to."""
+
+    port: Port
+    reader: FrameReader = field(default_factory=FrameReader)
+    clock: BoardClock = field(default_factory=BoardClock)
+    now: Callable[[], float] = time.monotonic
+    """Time of the host [s]; a test may give another clock."""
+    _sent: int = 0
+    _waiting: deque[Message] = field(default_factory=lambda: deque[Message]())
+
+    def send(self, name: str, **values: Any) -> int:
+        """Send a message, and do not wait; its number."""
+        code, payload = pack_message(name, **values)
+        number, self._sent = self._sent, (self._sent + 1) % 65536
+        self.port.write(encode_frame(code, number, payload))
+        return number
+
+    def receive(self) -> Iterator[Message]:
+        """What has come since it was last asked, oldest first."""
+        while self._waiting:
+            yield self._waiting.popleft()
+        yield from self.reader.feed(self.port.read(4096))
+
+    def greet(self) -> Message:
+        """Who is there: the board's `hello`.
+
+        Raises:
+            SolveError: nobody answers.
+            InputError: the board speaks another version.
+        """
+        self.reader.restart()
+        found = self._ask(
+            "ping", lambda m, _: m.name == "hello" and m.values["token"] == self._token, token=self._token
+        )
+        version = found.values["version"]
+        if version != VERSION:
+            raise InputError(
+                f"The board speaks version {version} of the link, this program {VERSION}: write the firmware anew."
+            )
+        return found
+
+    @property
+    def _token(self) -> int:
+        return id(self) % (1 << 32)
+
+    def command(self, name: str, **values: Any) -> None:
+        """A command that the board must take.
+
+        Raises:
+            SolveError: it refuses, or does not answer.
+        """
+        found = self._ask(name, lambda m, number: m.name == "answer" and m.values["to"] == number, **values)
+        result = BoardAnswer(found.values["result"])
+        if result is not BoardAnswer.DONE:
+            raise SolveError(f"The board answers `{name}` with: {ANSWERS[result]}.")
+
+    def arm(self, word: str) -> None:
+        """Let signals pass; `word` must be `ARM`, said by a person.
+
+        Raises:
+            InputError: another word.
+        """
+        if word != ARM:
+            raise InputError(f"Nothing is armed without the word `{ARM}`, but `{word}` was given.")
+        self.command("arm", word=ARM_WORD)
+
+    def disarm(self) -> None:
+        """All signals off."""
+        self.command("disarm")
+
+    def choose_mode(self, name: str) -> None:
+        """What makes the signals: `idle`, `loop`, `waveform` or `emulated`.
+
+        Raises:
+            InputError: there is no such mode.
+        """
+        known = {mode.name.lower(): mode for mode in Mode}
+        if name not in known:
+            raise InputError(f"There is no mode `{name}`. {suggest_name(name, known)}")
+        self.command("mode", mode=int(known[name]))
+
+    def _ask(self, name: str, fits: Callable[[Message, int], bool], **values: Any) -> Message:
+        for _ in range(TRIES):
+            number, until = self.send(name, **values), self.now() + WAIT
+            while self.now() < until:
+                for message in self.reader.feed(self.port.read(4096)):
+                    if fits(message, number):
+                        return message
+                    self._waiting.append(message)
+        raise SolveError(
+            f"The board does not answer `{name}` ({TRIES} tries in {TRIES * WAIT:g} s): check the cable, the baud "
+            "rate, and that the firmware runs."
+        )
+
+
+ANSWERS = {
+    BoardAnswer.UNKNOWN: "it does not know this command",
+    BoardAnswer.REFUSED: "not now, it is not armed or in another mode",
+    BoardAnswer.OUT_OF_RANGE: "the number is out of its range",
+    BoardAnswer.FULL: "there is no room for another level",
+}

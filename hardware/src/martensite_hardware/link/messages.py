@@ -1,0 +1,205 @@
+"""What a host and a board say to each other: types and fields of all messages, in one table.
+
+Fields are numbers, least byte first; a message may end with any number of a last kind of field (`values`). The header
+of the firmware, `messages.h`, is printed from the same table. `VERSION` changes with any of it; both ends say theirs.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum, IntFlag
+from typing import Any, NamedTuple
+
+from martensite.base.errors import DataError, InputError, suggest_name
+
+VERSION = 1
+MOST = 120
+"""Bytes of a payload."""
+ARM_WORD = int.from_bytes(b"ARM!", "little")
+"""Without it in `arm` nothing is armed."""
+CODES = {"u8": "B", "u16": "H", "u32": "I", "f32": "f"}
+"""Kind of a field -> its code in `struct`."""
+
+
+class Mode(IntEnum):
+    """What makes the signals of a board."""
+
+    IDLE = 0
+    LOOP = 1
+    """The exported loop, on the board's own readings."""
+    WAVEFORM = 2
+    """Levels that the host keeps sending."""
+    EMULATED = 3
+    """The exported loop, on readings that the host sends: one sample each."""
+
+
+class BoardFlags(IntFlag):
+    """State of a board, in every telemetry."""
+
+    ARMED = 1
+    GUARDED = 2
+    """The guard cuts."""
+    BROWN_OUT = 4
+    """The supply is too low."""
+    OVERRUN = 8
+    """A sample was not done in its period."""
+    STOPPED = 16
+    """The loop could not be solved; signals are off until it is started again."""
+    EMULATED = 32
+    """Readings come from the host."""
+
+
+class BoardAnswer(IntEnum):
+    """How a board answers a command."""
+
+    DONE = 0
+    UNKNOWN = 1
+    """No such message, or of another length."""
+    REFUSED = 2
+    """Not now: not armed, or another mode."""
+    OUT_OF_RANGE = 3
+    FULL = 4
+    """No room for another level of the waveform."""
+
+
+class DisarmReason(IntEnum):
+    """Why a board disarmed itself."""
+
+    ASKED = 0
+    SILENCE = 1
+    """Nothing was heard from the host."""
+    GUARD = 2
+    BROWN_OUT = 3
+    LOOP = 4
+    """The loop stopped."""
+    TIME = 5
+    """It was armed for longer than is allowed."""
+    CURRENT = 6
+
+
+class Message(NamedTuple):
+    """One message of a board or its host."""
+
+    name: str
+    values: Mapping[str, Any]
+    """By field; the last one of a message that ends in several is a tuple."""
+    number: int = 0
+
+
+@dataclass(frozen=True)
+class MessageKind:
+    """A kind of message."""
+
+    name: str
+    code: int
+    """Its first byte: below 128 from the host, else from the board."""
+    about: str
+    fields: Mapping[str, str]
+    """Name -> kind, of `CODES`."""
+    repeated: str = ""
+    """Name of numbers (f32) that follow, as many as there are."""
+
+    @property
+    def layout(self) -> struct.Struct:
+        """Of the fields before what repeats."""
+        return struct.Struct("<" + "".join(CODES[kind] for kind in self.fields.values()))
+
+    def pack(self, values: Mapping[str, Any]) -> bytes:
+        """The payload.
+
+        Raises:
+            InputError: a field is missing, unknown, or does not fit.
+        """
+        for name in (*self.fields, *filter(None, [self.repeated])):
+            if name not in values:
+                raise InputError(f"Message `{self.name}` needs `{name}`.")
+        for name in values:
+            if name not in self.fields and name != self.repeated:
+                raise InputError(f"Message `{self.name}` has no field `{name}`. {suggest_name(name, self.fields)}")
+        rest: Sequence[float] = values[self.repeated] if self.repeated else ()
+        try:
+            found = self.layout.pack(*(values[name] for name in self.fields)) + struct.pack(f"<{len(rest)}f", *rest)
+        except (struct.error, OverflowError) as error:
+            raise InputError(f"Message `{self.name}` cannot hold {dict(values)}: {error}.") from None
+        if len(found) > MOST:
+            raise InputError(f"Message `{self.name}` would have {len(found)} bytes; {MOST} is the most.")
+        return found
+
+    def unpack(self, payload: bytes) -> dict[str, Any]:
+        """Fields of a payload; `DataError` if its length is another one."""
+        size = self.layout.size
+        more, odd = divmod(len(payload) - size, 4)
+        if more < 0 or odd or (more and not self.repeated):
+            raise DataError(f"A message `{self.name}` cannot have {len(payload)} bytes.")
+        found = dict(zip(self.fields, self.layout.unpack_from(payload), strict=True))
+        if self.repeated:
+            found[self.repeated] = struct.unpack_from(f"<{more}f", payload, size)
+        return found
+
+
+KINDS = {
+    one.name: one
+    for one in (
+        MessageKind("ping", 0x01, "is anybody there", {"token": "u32"}),
+        MessageKind("arm", 0x02, "let signals pass", {"word": "u32"}),
+        MessageKind("disarm", 0x03, "all signals off", {}),
+        MessageKind("mode", 0x04, "what makes the signals", {"mode": "u8"}),
+        MessageKind("set", 0x05, "a setting: a reference, a gain, a calibration", {"place": "u8", "value": "f32"}),
+        MessageKind("read", 0x06, "a setting is asked for", {"place": "u8"}),
+        MessageKind("level", 0x07, "the next level of a waveform", {"drive": "u8", "micros": "u32", "value": "f32"}),
+        MessageKind("sample", 0x08, "readings of an emulated sample", {"time": "u32"}, "readings"),
+        MessageKind("rate", 0x09, "telemetry once in so many samples; 0 for none", {"every": "u16"}),
+        MessageKind(
+            "hello",
+            0x81,
+            "who answers a ping",
+            {"token": "u32", "version": "u8", "digest": "u32", "time": "u32", "restarts": "u8"},
+        ),
+        MessageKind("answer", 0x82, "how a command ended", {"to": "u16", "result": "u8", "room": "u8"}),
+        MessageKind("telemetry", 0x83, "a sample", {"time": "u32", "flags": "u8", "alarm": "u8"}, "values"),
+        MessageKind("setting", 0x84, "a setting that was asked for", {"place": "u8", "value": "f32"}),
+        MessageKind("disarmed", 0x85, "signals are off", {"time": "u32", "reason": "u8"}),
+    )
+}
+BY_CODE = {one.code: one for one in KINDS.values()}
+
+
+def pack_message(name: str, **values: Any) -> tuple[int, bytes]:
+    """Type and payload of a message.
+
+    Raises:
+        InputError: there is no such message, or its fields do not fit.
+    """
+    if name not in KINDS:
+        raise InputError(f"There is no message `{name}`. {suggest_name(name, KINDS)}")
+    return KINDS[name].code, KINDS[name].pack(values)
+
+
+def unpack_message(code: int, payload: bytes, number: int = 0) -> Message:
+    """A message from its type and payload; `DataError` if there is none of it."""
+    if code not in BY_CODE:
+        raise DataError(f"There is no message of type {code:#04x}.")
+    return Message(BY_CODE[code].name, BY_CODE[code].unpack(payload), number)
+
+
+def print_header() -> str:
+    """`messages.h`: types, lengths and places of fields, and all words, for the firmware."""
+    rows = ["/* Messages of the link, printed by martensite. Types, lengths and places of fields. */"]
+    rows += ["#ifndef MESSAGES_H", "#define MESSAGES_H", "", f"#define LINK_VERSION {VERSION}"]
+    rows += [f"#define LINK_ARM_WORD {ARM_WORD:#x}UL", ""]
+    for one in KINDS.values():
+        rows += [f"/* {one.name}: {one.about} */", "enum {", *_print_places(one), "};"]
+    for prefix, words in {"MODE": Mode, "FLAG": BoardFlags, "RESULT": BoardAnswer, "REASON": DisarmReason}.items():
+        rows += ["enum {", *(f"    {prefix}_{word.name} = {word.value}," for word in words), "};"]
+    return "\n".join([*rows, "", "#endif", ""])
+
+
+def _print_places(kind: MessageKind) -> Iterator[str]:
+    name, place = kind.name.upper(), 0
+    yield f"    MESSAGE_{name} = {kind.code:#04x},"
+    for field, code in kind.fields.items():
+        yield f"    {name}_{field.upper()} = {place}, /* {code} */"
+        place += struct.calcsize(f"<{CODES[code]}")
+    yield f"    {name}_SIZE = {place}" + (f" /* then {kind.repeated}, f32 */" if kind.repeated else "")

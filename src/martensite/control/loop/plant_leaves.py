@@ -1,0 +1,24 @@
+"""Numbers of the plant on a bench, and how far they may spread."""
+
+from martensite.base.parameters import Leaf
+from martensite.control.loop.bench import Bench
+
+PLANT = "plant."
+"""What the paths of the plant's numbers begin with on a bench."""
+
+
+def find_plant_leaf(bench: Bench, name: str) -> Leaf:
+    """The number of the plant that a path, or a unique ending of one, names; `ParameterError` if there is none."""
+    path = bench.plant.resolve(name.removeprefix(PLANT))
+    return next(leaf for leaf in bench.plant.leaves() if leaf.path == path)
+
+
+def parse_half_width(leaf: Leaf, spread: float) -> float:
+    """Half the width of a spread, in SI: a share of the number, or kelvin for a temperature."""
+    return spread if leaf.declared.unit == "K" else spread * abs(leaf.value)
+
+
+def require_allowed(leaf: Leaf, *values: float) -> None:
+    """Raise `ParameterError` unless a number may have all these values."""
+    for value in values:
+        leaf.declared.convert(leaf.owner, leaf.path, value)

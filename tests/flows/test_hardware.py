@@ -1,0 +1,262 @@
+"""Loops on emulated boards: AVR under simavr, Cortex-M4 under QEMU, over their emulated serial lines.
+
+Source of truth: the run of the same scenario here, the emulator's own clock, and compilers and cppcheck for sources.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import random
+import shutil
+import subprocess
+import time
+import tty
+from collections.abc import Iterator
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import martensite as ms
+from martensite.cli import app
+from martensite_hardware.board_log import BoardLog, read_log_scenario
+from martensite_hardware.emulators.avr import SimavrBoard
+from martensite_hardware.emulators.cortex import QemuBoard
+from martensite_hardware.emulators.toolchains import compile_bare, compile_sketch
+from martensite_hardware.firmware.project import build_firmware
+from martensite_hardware.firmware.settings import Limits
+from martensite_hardware.hil import compare_runs, run_hil
+from martensite_hardware.link.host import BoardLink
+from martensite_hardware.link.messages import BoardFlags, DisarmReason
+from martensite_hardware.session import Session
+
+EXAMPLES = Path(str(files("martensite"))).parents[1] / "examples"
+AVR = shutil.which("avr-g++") and Path("/usr/include/simavr/sim_avr.h").exists()
+ARM = shutil.which("arm-none-eabi-gcc") and shutil.which("qemu-system-arm")
+needs_avr = pytest.mark.skipif(not AVR, reason="gcc-avr, arduino-core-avr or libsimavr-dev are not installed")
+needs_arm = pytest.mark.skipif(not ARM, reason="gcc-arm-none-eabi or qemu-system-arm are not installed")
+
+
+@pytest.fixture(scope="module")
+def uno(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A project of the loop with a position sensor, compiled for the Uno."""
+    folder = tmp_path_factory.mktemp("boards") / "uno"
+    build_firmware(ms.load(EXAMPLES / "closed_loop.toml"), "uno", name="uno").write(folder)
+    compile_sketch(folder, "uno")
+    return folder
+
+
+@pytest.fixture
+def board(uno: Path) -> Iterator[SimavrBoard]:
+    found = SimavrBoard(uno / "firmware.elf", "uno", 500_000, uno)
+    found.run(0.1)
+    yield found
+    found.close()
+
+
+def read_description(folder: Path) -> dict[str, Any]:
+    return json.loads((folder / "firmware.json").read_text("utf-8"))
+
+
+@needs_avr
+def test_a_loop_on_an_uno_is_that_of_the_simulation(uno: Path, board: SimavrBoard) -> None:
+    scenario, link = ms.load(EXAMPLES / "closed_loop.toml"), BoardLink(board, now=board.now)
+    found = run_hil(scenario, link, read_description(uno), word="ARM", duration=5.0)
+    far = {name: share for name, _, _, share in compare_runs(scenario, found)}
+    assert far["position"] < 1e-4 and far["temperature"] < 1e-4 and len(found.times) == 251
+    assert found.lost == 0 and link.reader.counts.garbled == 0
+
+
+@needs_avr
+def test_a_board_that_hears_nothing_disarms_within_50_ms(board: SimavrBoard) -> None:
+    link = BoardLink(board, now=board.now)
+    link.greet()
+    link.choose_mode("emulated")
+    link.arm("ARM")
+    silent, found = board.now(), []
+    while not found and board.now() < silent + 0.2:
+        found = [message for message in link.receive() if message.name == "disarmed"]
+    assert found[0].values["reason"] == DisarmReason.SILENCE
+    assert 0.03 < board.now() - silent < 0.05
+
+
+@needs_avr
+def test_noise_on_the_line_does_nothing(board: SimavrBoard) -> None:
+    link, rng = BoardLink(board, now=board.now), random.Random(3)
+    hello = link.greet()
+    for _ in range(60):
+        link.port.write(rng.randbytes(rng.randrange(300)) + bytes(rng.randrange(3)))
+        assert [message for message in link.receive() if message.name != "answer"] == []
+    board.run(0.4)
+    assert link.greet().values["digest"] == hello.values["digest"]
+    assert board.duties == (0.0, 0.0)
+
+
+@needs_avr
+def test_nothing_is_armed_without_the_word_or_a_calibration(uno: Path, board: SimavrBoard) -> None:
+    link = BoardLink(board, now=board.now)
+    link.greet()
+    link.choose_mode("loop")
+    with pytest.raises(ms.InputError, match="without the word `ARM`"):
+        link.arm("yes")
+    with pytest.raises(ms.SolveError, match="not now"):  # gains are nominal
+        link.arm("ARM")
+    with pytest.raises(ms.SolveError, match="not now"):  # limits are in flash
+        link.command("set", place=0, value=0.5)
+    link.command("rate", every=1)
+    (told,) = {BoardFlags(m.values["flags"]) for _ in range(90) for m in link.receive() if m.name == "telemetry"}
+    assert BoardFlags.ARMED not in told and board.duties == (0.0, 0.0)
+
+
+@needs_avr
+def test_a_rig_is_calibrated_run_logged_and_replayed(uno: Path, tmp_path: Path) -> None:
+    project, log = tmp_path / "uno", tmp_path / "log.csv"
+    shutil.copytree(uno, project, ignore=shutil.ignore_patterns("build"))
+    call = CliRunner().invoke
+    done = call(app, ["hardware", "run", str(project), "--duration", "0.1 s"])
+    assert done.exit_code == 0 and "Dry run: nothing was armed." in done.stdout
+    done = call(app, ["hardware", "run", str(project), "--arm", "ARM", "--duration", "1 s"])
+    assert done.exit_code == 2 and "not calibrated" in done.stderr
+    assert call(app, ["hardware", "calibrate", str(project), "--channel", "position", "--is", "0 mm"]).exit_code == 0
+    done = call(
+        app, ["hardware", "run", str(project), "--arm", "ARM", "--duration", "5 s", "--out", str(log), "--json"]
+    )
+    said = json.loads(done.stdout)
+    assert said["samples"] == 250 and (said["lost"], said["garbled"]) == (0, 0)
+    assert read_log_scenario(log) == (EXAMPLES / "closed_loop.toml").read_text("utf-8")
+    record = ms.data.read_lab_file(log).record
+    run = ms.load(EXAMPLES / "closed_loop.toml").run()
+    ours = np.interp(record["time"], run.times, run.columns["position"])
+    assert np.max(np.abs(np.array(record["position"]) - ours)) < 1.8e-4 < 0.1 * np.ptp(ours)
+    done = call(app, ["hardware", "replay", str(project), str(log), "--json"])
+    assert json.loads(done.stdout)["position"]["fit"] > 0.95
+
+
+HOST = """
+#include <cstdio>
+#include <unistd.h>
+#include "firmware.hpp"
+#include "sma_board.hpp"
+int main(int, char **words) {
+    using namespace firmware;
+    sma::Board board(digest, std::size(states), {std::begin(places), std::end(places)});
+    if (!board.open(words[1], firmware::baud) || !board.arm()) return std::printf("%s\\n", board.fault().c_str()), 1;
+    bool fine = true;
+    for (int k = 0; k < 60 && fine; ++k) {
+        fine = board.read() && board.write({0.003});
+        usleep(5000);
+    }
+    std::printf("%d %u %u %d\\n", fine, board.samples(), board.counts().lost, board.flags());
+    board.disarm();
+}
+"""
+
+
+@needs_avr
+def test_the_core_of_the_ros_interface_runs_a_board(uno: Path, board: SimavrBoard, tmp_path: Path) -> None:
+    call = CliRunner().invoke(app, ["export", "ros2", str(uno), "--name", "arm_wire", "--out", str(tmp_path / "ros")])
+    assert call.exit_code == 0
+    folder = tmp_path / "ros" / "src"
+    (folder / "host.cpp").write_text(HOST, "utf-8")
+    strict = ["-Wall", "-Wextra", "-Wconversion", "-Werror"]
+    subprocess.run(["cc", "-std=c99", "-c", *strict, "link.c"], cwd=folder, check=True)
+    subprocess.run(
+        ["c++", "-std=c++17", *strict, "host.cpp", "sma_board.cpp", "link.o", "-o", "host"], cwd=folder, check=True
+    )
+    link = BoardLink(board, now=board.now)
+    link.greet()
+    calibrated = [row["name"] for row in read_description(uno)["settings"]].index("calibrated")
+    link.command("set", place=calibrated, value=1.0)
+    board.volts[1] = 5.0  # the supply
+    board.run(0.05)
+    master, slave = os.openpty()
+    tty.setraw(slave)
+    os.set_blocking(master, False)
+    with subprocess.Popen([folder / "host", os.ttyname(slave)], stdout=subprocess.PIPE, text=True) as host:
+        while host.poll() is None:  # the board's time goes on when the host has spoken, not while it is kept waiting
+            data = b""
+            with contextlib.suppress(BlockingIOError):
+                data = os.read(master, 4096)
+            board.write(data)
+            os.write(master, board.run(5e-3 if data else 1e-4))
+            time.sleep(0.0 if data else 2e-3)
+        fine, samples, lost, flags = map(int, host.communicate()[0].split())
+    assert (fine, lost) == (1, 0) and samples > 5 and BoardFlags.ARMED in BoardFlags(flags)
+    board.run(0.1)
+    assert board.duties == (0.0, 0.0)
+    os.close(master)
+    os.close(slave)
+
+
+@needs_arm
+def test_a_sensorless_loop_on_a_cortex_is_that_of_the_simulation(tmp_path: Path) -> None:
+    scenario = ms.load(EXAMPLES / "closed_loop_sensorless.toml")
+    build_firmware(scenario, "stm32f405", limits=Limits(silence=5.0)).write(tmp_path)
+    board = QemuBoard(compile_bare(tmp_path))
+    try:
+        found = run_hil(scenario, BoardLink(board), read_description(tmp_path), word="ARM", duration=2.0)
+    finally:
+        board.close()
+    far = {name: share for name, _, _, share in compare_runs(scenario, found)}
+    assert far["position"] < 2e-3 and found.lost == 0
+
+
+@pytest.mark.parametrize("example", ["closed_loop", "closed_loop_guarded"])
+def test_sources_are_clean(tmp_path: Path, example: str) -> None:
+    found = build_firmware(ms.load(EXAMPLES / f"{example}.toml"), "stm32f405")
+    found.write(tmp_path)
+    strict = [
+        "-std=c99",
+        "-fsyntax-only",
+        "-Wall",
+        "-Wextra",
+        "-Wconversion",
+        "-Wshadow",
+        "-Werror",
+        "-Wdouble-promotion",
+    ]
+    names = ["app.c", "link.c", "loop.c"]
+    subprocess.run(["cc", *strict, *names], cwd=tmp_path, check=True)
+    if ARM:
+        own = [
+            "arm-none-eabi-gcc",
+            "-mcpu=cortex-m4",
+            "-mthumb",
+            *strict,
+            *names,
+            "board_stm32f405.c",
+            "start_stm32f405.c",
+        ]
+        subprocess.run(own, cwd=tmp_path, check=True)
+    if shutil.which("cppcheck"):
+        words = ["cppcheck", "--enable=warning,style,performance,portability", "--std=c99", "-q", "--error-exitcode=1"]
+        subprocess.run([*words, *(one.name for one in tmp_path.glob("*.c"))], cwd=tmp_path, check=True)
+
+
+def test_logs_go_to_tables_and_back(tmp_path: Path) -> None:
+    description = {"telemetry": [{"name": "position", "unit": "m"}], "scenario": "title = 'a'\n"}
+    log, wrap = BoardLog(description), 1 << 32
+    from martensite_hardware.link.frames import LinkCounts
+    from martensite_hardware.link.messages import Message
+
+    for k in range(5):  # the clock wraps on the way
+        micros = (wrap - 2_000_000 + 1_000_000 * k) % wrap
+        log.take(Message("telemetry", {"time": micros, "flags": 0, "alarm": 0, "values": (0.001 * k,)}))
+    for ending in (".csv", ".parquet", ".mcap"):
+        if ending != ".csv":
+            pytest.importorskip({".parquet": "pyarrow", ".mcap": "mcap"}[ending])
+        path = tmp_path / f"log{ending}"
+        log.write(path, LinkCounts(good=5))
+        record = ms.data.read_lab_file(path).record
+        assert np.allclose(record["time"], np.arange(5.0)) and np.allclose(record["position"], 0.001 * np.arange(5))
+        assert read_log_scenario(path) == description["scenario"]
+
+
+def test_sessions_refuse_what_is_no_project(tmp_path: Path) -> None:
+    with pytest.raises(ms.InputError, match="export firmware"), Session.open(tmp_path, "emulator"):
+        pass
