@@ -138,7 +138,7 @@ class Planner(NamedTuple):
         middle = 0.5 * (self.limits[0] + self.limits[1])
         apart = APART * (self.limits[1] - self.limits[0])
         steps = [xp.where(u > middle, -apart, apart) for u in known.plan]
-        near = [[u + (s if i == j else 0.0) for j, u in enumerate(known.plan)] for i, s in enumerate(steps)]
+        near = [[u + s if i == j else u for j, u in enumerate(known.plan)] for i, s in enumerate(steps)]
         plans = [list(known.plan), *near, *self._reach_far(xp, known.plan), *self._follow_line(xp, known)]
 
         def tell(*plan: Scalar) -> Numbers:
@@ -146,11 +146,7 @@ class Planner(NamedTuple):
             return [cost.total, cost.linear, *cost.residuals]
 
         found = xp.each(tell, *zip(*plans, strict=True))
-        best, least = list(known.plan), found[0][0]
-        for plan, cost in zip(plans[1:], found[0][1:], strict=True):
-            better = cost < least
-            least = xp.where(better, cost, least)
-            best = [xp.where(better, x, y) for x, y in zip(plan, best, strict=True)]
+        best = _choose_plan(xp, plans, found[0])
         slopes = [[(column[1 + i] - column[0]) / steps[i] for column in found[1:]] for i in range(count)]
         direction = self._find_direction(xp, known.plan, slopes, [column[0] for column in found[2:]])
         return Planned(tuple(best), known.plan, tuple(direction))
@@ -307,6 +303,19 @@ class Planner(NamedTuple):
     def _list_outputs(self, kind: str) -> list[str]:
         """Outputs of all ports that are called so."""
         return [self.model.label(port, kind) for port in self.model.actuators()]
+
+
+def _choose_plan(xp: Namespace, plans: Sequence[Numbers], costs: Sequence[Scalar]) -> Numbers:
+    """The plan of least cost, the first of several; what a plan has of the first one is not chosen again."""
+    least, chosen = costs[0], 0.0
+    for k, cost in enumerate(costs[1:], 1):
+        better = cost < least
+        least, chosen = xp.where(better, cost, least), xp.where(better, float(k), chosen)
+    best = list(plans[0])
+    for k, plan in enumerate(plans[1:], 1):
+        this = xp.both(chosen > k - 0.5, chosen < k + 0.5)
+        best = [y if x is u else xp.where(this, x, y) for x, y, u in zip(plan, best, plans[0], strict=True)]
+    return best
 
 
 def cut_pieces(numbers: Sequence[Scalar], sizes: Sequence[int]) -> list[Any]:
