@@ -291,7 +291,8 @@ def fault_effects(fault: Any, xp: Any, time: Any, u: Any, reading: Any, held: An
         plant.source.current(xp, u, 2.0),
         loss,
         fault.signal(xp, "drive", u, active),
-        grown.reading(xp, name, reading, held, active),
+        grown.disturb(xp, name, grown.reading(xp, name, reading, held, active), 1.5, active),
+        fault.travel(xp, name, 0.1, active),
         xp.where(fresh, 1.0, 0.0),
     )
 
@@ -313,6 +314,7 @@ def check_course(check: Any, xp: Any, u: Any, v: Any, x: Any, y: Any, dt: Any) -
     for wanted, share in (({"drive": u}, x), ({"drive": v}, y)):
         looked = check.look(xp, memory, wanted, known(share), dt)
         found += [xp.where(looked.trips, 1.0, 0.0), xp.where(looked.clears, 1.0, 0.0)]
+        found += [*check.find_most(xp, looked.memory, dt).values()]
         memory = check.remember_allowed(xp, looked.memory, wanted, dt)
     return *found, *memory, check.on(xp, {"drive": u}, 0.5)
 

@@ -53,7 +53,7 @@ DIFFERENT: dict[tuple[str, str], tuple[str, dict[str, Any], str]] = {
     ("sensor", "tilt"): ("closed_loop_platform", ANGLES, "it reads an angle"),
     ("check", "mismatch"): (
         "closed_loop_guarded",
-        {"supervisor.checks.hot": {"kind": "sensor-lost", "reading": "position"}},
+        {"supervisor.checks.hot": {"kind": "sensor-lost", "reading": "position", "timeout": "1 s"}},
         "it compares readings of one unit",
     ),
 }

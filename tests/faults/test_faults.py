@@ -15,12 +15,13 @@ from martensite.base.errors import ParameterError
 from martensite.control.faults.base import FAULTS
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import FaultTable, MountedSensor, Sensors
-from martensite.control.loop.run import simulate_bench
+from martensite.control.loop.run import noise_waveforms, simulate_bench
 from martensite.control.sensors.position import IdealSensor
 from martensite.kernels import floats
 from martensite.physics.electrical.sources import CurrentSource, PrescribedTemperature, VoltageSource
 from martensite.physics.electrical.switches import PwmVoltage
 from martensite.signals.constant import Constant
+from martensite_control.benchmark.faults import build_faults
 
 PLANT = problem_a(source=PwmVoltage(supply=6.0))
 DUTY = 0.2
@@ -31,6 +32,11 @@ NUMBERS = {
     "supply-sag": {"share": 0.5},
     "ambient-step": {"by": 20.0},
     "draught": {"factor": 2.0},
+    "contact-resistance": {"resistance": 1.0},
+    "stuck-on": {"level": 0.4},
+    "supply-surge": {"share": 1.3},
+    "late-readings": {"sensor": "felt", "by": 0.1},
+    "noise-burst": {"sensor": "felt", "deviation": 2.0},
 }
 
 
@@ -141,6 +147,59 @@ def test_a_sag_is_felt_behind_a_contact():
     assert found.columns["current"] == other.columns["current"]
     ratio = found["current"][13] * found["resistance"][13] / HEALTHY["current"][13]
     assert ratio / HEALTHY.columns["resistance"][13] == pytest.approx(0.5, rel=1e-12)
+
+
+def test_a_contact_is_in_a_row_with_the_element():
+    """I = √D U/(R + R_c); a surge is a share of more than 1."""
+    found = run(one=fault("contact-resistance"), two=fault("supply-surge", start=0.6))
+    during = [(1.0 if 10 <= k < 15 else 0.0, 1.3 if 12 <= k < 15 else 1.0) for k in range(20)]
+    rows = zip(during, found["resistance"], strict=False)
+    expected = [math.sqrt(DUTY) * share * 6.0 / (ohms + more) for (more, share), ohms in rows]
+    assert found.columns["current"][:20] == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_switch_that_is_stuck_obeys_nobody():
+    found, never = run(one=fault("stuck-on")), run(level=0.4)
+    rows = zip(found["current"], found["resistance"], strict=True)
+    on = [current * ohms / 6.0 for current, ohms in rows]
+    assert on == pytest.approx([math.sqrt(0.4 if 10 <= k < 15 else DUTY) for k in range(21)], rel=1e-12)
+    assert found["temperature"][15] < never["temperature"][15]
+
+
+def test_readings_are_late_by_what_it_says():
+    """Two periods late, and at once again; what was overtaken is lost."""
+    found = run(one=fault("late-readings"))
+    truth, read = found["temperature"], found.columns["measured.felt"]
+    assert read[:10] == truth[:10].tolist()
+    assert read[12:15] == truth[10:13].tolist()
+    assert read[10:12] == [truth[9], truth[9]]
+    assert read[15:] == truth[15:].tolist()
+
+
+def test_a_burst_adds_the_normal_number_of_the_noise():
+    off = {}
+    for deviation in (0.0, 2.0):
+        one = bench(one=fault("noise-burst", deviation=deviation))
+        waves = {"drive": Constant(level=DUTY)}
+        found = simulate_bench(one, 1.0, waveforms=waves, runtime="floats", seed=4)
+        off[deviation] = found["measured.felt"] - found["temperature"]
+    assert set(off[0.0]) == {0.0}
+    drawn = noise_waveforms(bench(), 1.0, 4)["noise.felt"].values
+    assert off[2.0] == pytest.approx([2.0 * drawn[k] if 10 <= k < 15 else 0.0 for k in range(21)], abs=1e-9)
+
+
+def test_the_benchmark_has_one_case_of_every_fault():
+    one = bench(anything=fault("draught"))
+    found = build_faults(one, 30.0, sensor="felt", span=50.0)
+    assert len(found) == 12
+    assert set(found) <= set(FAULTS.names())
+    assert {case.start for case in found.values()} == {10.0}
+    known: Any = found
+    assert (known["drift"].rate, known["drop-out"].end, known["stuck"].end) == (2.5, 20.0, math.inf)
+    cold = HEALTHY["resistance"][0]
+    assert known["contact-resistance"].resistance == pytest.approx(0.2 * cold)
+    with pytest.raises(ParameterError, match="Give the span of the reading of `felt`"):
+        build_faults(one, 30.0)
 
 
 # ---------------------------------------------------------------- one of several actuators

@@ -188,8 +188,9 @@ def test_without_noise_nothing_is_stuck() -> None:
     assert "stuck_position" not in guard(loop(bench__noise="none")).checks.members()
 
 
-def test_it_is_left_out_where_it_is_not_wanted() -> None:
-    assert guard(loop(supervisor__from_plant=False)).checks.members() == {}
+def test_a_guard_that_guards_nothing_is_refused() -> None:
+    with pytest.raises(InputError, match="A guard without checks guards nothing"):
+        loop(supervisor__from_plant=False)
 
 
 CURRENT = {"driver": {"kind": "current"}, "controller.high": "1 A"}

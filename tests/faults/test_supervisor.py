@@ -443,7 +443,7 @@ def test_a_signal_of_a_cut_that_is_not_safe_is_refused():
     ("check", "words"),
     [
         (CHECK["overheat"](reading="warmth", limit=400.0), "reads `warmth`, which is not measured"),
-        (CHECK["overheat"](reading="temperature", drives=("left",)), "speaks of drive `left`"),
+        (CHECK["overheat"](reading="temperature", limit=400.0, drives=("left",)), "speaks of drive `left`"),
         (bound(drive="heater"), "speaks of drive `heater`"),
     ],
 )

@@ -24,9 +24,15 @@ from typer.testing import CliRunner
 
 import martensite as ms
 from martensite.cli import app
+from martensite.simulate.lanes import Lanes
+from martensite_export.c_core import build_c_loop
 from martensite_hardware.board_log import BoardLog, read_log_scenario
+from martensite_hardware.characterise.characterise import list_unknown
+from martensite_hardware.characterise.experiments import list_courses, measure_pace
+from martensite_hardware.characterise.information import choose_courses, compute_information
 from martensite_hardware.emulators.avr import SimavrBoard
 from martensite_hardware.emulators.cortex import QemuBoard
+from martensite_hardware.emulators.cost import cost_on_cortex, write_cost
 from martensite_hardware.emulators.toolchains import compile_bare, compile_sketch
 from martensite_hardware.firmware.project import build_firmware
 from martensite_hardware.firmware.settings import Limits
@@ -204,6 +210,35 @@ def test_a_sensorless_loop_on_a_cortex_is_that_of_the_simulation(tmp_path: Path)
         board.close()
     far = {name: share for name, _, _, share in compare_runs(scenario, found)}
     assert far["position"] < 2e-3 and found.lost == 0
+
+
+@needs_arm
+def test_what_a_step_costs_is_counted(tmp_path: Path) -> None:
+    scenario = ms.load(EXAMPLES / "closed_loop.toml")
+    core = build_c_loop(scenario.bench, name="core", precision="float32")  # type: ignore[arg-type]
+    write_cost(core, [[0.0, 0.02, 1e-3]] * 20, 0.02, tmp_path)
+    found = cost_on_cortex(core, tmp_path)
+    least = sum(core.operations["step"].values())
+    assert least < found.most < 20 * least and not found.failed  # QEMU's clock: an instruction is a nanosecond
+
+
+def test_courses_are_safe_and_tell_what_they_say() -> None:
+    bench = ms.load(EXAMPLES / "closed_loop.toml").bench
+    assert bench is not None
+    unknown = list_unknown(bench, ["h", "A_s"], {})
+    pace = measure_pace(bench.plant)
+    pulse, *_ = list_courses(pace)
+    chosen = choose_courses(bench, unknown, [pulse, pulse.scaled(2.0)], limit=400.0, budget=30.0)
+    assert chosen.hottest <= 400.0 and sum(one.duration for one in chosen.courses) <= 30.0
+    told = compute_information(bench, unknown, pulse)
+    slope = np.sqrt(told[0, 0])  # of the position with h, against two runs of the plant by hand
+    lanes = Lanes(bench.plant, 2, {unknown[0].path: np.array([119.0, 121.0])})
+    lanes.reset(np.zeros((1, 2)))
+    duty = np.broadcast_to(pulse.sample(0.02)[:, None, None], (len(pulse.sample(0.02)), 1, 2))
+    seen = lanes.advance(duty, 0.02)[:, lanes.names.index("position")]
+    noise = np.hypot(0.5e-6, 0.01 * np.ptp(np.mean(seen, axis=1)))
+    ours = unknown[0].width * np.sqrt(np.sum((np.diff(seen)[:, 0] / 2.0) ** 2)) / noise
+    assert abs(slope / ours - 1.0) < 0.1
 
 
 @pytest.mark.parametrize("example", ["closed_loop", "closed_loop_guarded"])

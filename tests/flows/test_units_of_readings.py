@@ -155,10 +155,12 @@ kind = "guard"
 [supervisor.checks.place]
 kind = "sensor-stuck"
 reading = "place"
+longest = "1 s"
 band = "0.5 um"
 [supervisor.checks.heat]
 kind = "sensor-stuck"
 reading = "heat"
+longest = "1 s"
 band = "0.2 K"
 [supervisor.checks.apart]
 kind = "mismatch"

@@ -19,12 +19,13 @@ from martensite.cli.options import (
     Json,
     ScenarioSource,
     Text,
+    Texts,
     read_positive,
     read_quantity,
     spread_options,
 )
 from martensite.cli.outputs import Outputs
-from martensite.cli.progress import open_bar
+from martensite.cli.progress import open_bar, show_spinner
 from martensite_hardware.board_log import ENDINGS
 
 if TYPE_CHECKING:
@@ -285,6 +286,84 @@ def calibrate(
     rows = [[name, f"{number:.6g}"] for name, number in settings.items() if name.startswith(("gain", "offset"))]
     blocks: list[Block] = [Sentence(words), DataTable(("setting", "value"), rows, right=(1,))]
     print_summary(Summary("", blocks, settings), json, [source.project / calibration.CALIBRATION])
+
+
+@hardware.command("cost")
+@spread_options
+def cost(
+    source: ScenarioSource,
+    part: Annotated[str, Option(help="loop: what a board runs; plant: the model alone.")] = "loop",
+    json: Json = False,
+) -> None:
+    """Say what a step of a loop or a model costs on emulated processors, in float32.
+
+    Cycles of an AVR are those of its data sheet, as simavr counts them. QEMU counts instructions of a Cortex-M4, of
+    which most take a cycle and a division 14: the time that follows from them is the least.
+    """
+    from tempfile import TemporaryDirectory
+
+    from martensite.show.terminal import print_summary
+    from martensite_hardware.emulators.cost import measure_costs
+
+    with TemporaryDirectory() as folder, show_spinner("counting"):
+        core, found = measure_costs(source.load(), part, Path(folder))
+    rows = [
+        [one.processor, f"{one.most:,} {one.counted}", f"{1e6 * one.time:.4g} us", f"{one.flash:,}", f"{one.ram:,}"]
+        for one in found
+    ]
+    head = ("processor", "dearest step", "at least" if any(one.least for one in found) else "time", "flash", "RAM")
+    blocks: list[Block] = [Sentence(f"{core.description}, float32"), DataTable(head, rows, right=(1, 2, 3, 4))]
+    blocks += [Sentence(f"{one.processor}: a step was not solved in float32.", "bad") for one in found if one.failed]
+    print_summary(Summary("", blocks, {one.processor: vars(one) for one in found}), json)
+
+
+@hardware.command("characterise")
+@spread_options
+def characterise(
+    source: BoardSource,
+    free: Annotated[str, Option(help="What is to be learnt: A_s,A_f,M_s,M_f,h.")],
+    out: Annotated[Path, Option(metavar="FOLDER", help="Where logs, scenario and report are written.")],
+    budget: Annotated[str, Option("--time", help="For all courses together.")] = "120 s",
+    arm: Armed = None,
+    emulated: Annotated[
+        Texts, Option(metavar="PATH=VALUE", help="Another wire in the emulator than the model's; repeatable.")
+    ] = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Run the courses of a duty that tell most of a wire, and fit its numbers to them.
+
+    Courses are chosen by the information matrix of the fit, and none heats a wire that may be at hand above its limit.
+    Without `--arm ARM` it is a dry run, which says which courses these are and what they would tell.
+    """
+    from martensite.base.files import make_folder
+    from martensite.scenario.overrides import read_settings
+    from martensite.show.terminal import print_summary
+    from martensite_hardware.characterise import characterise as work
+    from martensite_hardware.session import Session, read_project, read_project_scenario
+
+    seconds, firmware = read_positive("time", budget, "s"), read_project(source.project)
+    if out.exists() and any(out.iterdir()) and not force:
+        raise InputError(f"`{out}` is not empty; use --force to write into it, or name another folder.")
+    bench = read_project_scenario(firmware).bench
+    if bench is None:
+        raise InputError("The firmware has no loop, and so no sensors.")
+    unknown = work.list_unknown(bench, [name.strip() for name in free.split(",")], {})
+    with show_spinner("choosing courses"):
+        chosen = work.plan_courses(bench, unknown, seconds)
+    plan = work.describe_plan(unknown, chosen)
+    if arm is None:
+        print_summary(Summary("", [*plan, Sentence("Dry run: nothing was armed.", "caution")], {}), json)
+        return
+    make_folder(out)
+    logs = work.name_logs(out, chosen.courses)
+    with Session.open(source.project, source.port, read_settings(emulated or [])) as session:
+        for course, path in zip(chosen.courses, logs, strict=True):
+            with show_log(course.name) as watch:
+                session.play(course.levels, word=arm, watch=watch).write(path, session.link.reader.counts)
+    with show_spinner("fitting"):
+        found, files = work.fit_courses(firmware["scenario"], out, logs, unknown)
+    print_summary(Summary("", [*plan, *work.describe_fit(found)], dict(found.numbers)), json, [*logs, *files])
 
 
 @hardware.command("replay")

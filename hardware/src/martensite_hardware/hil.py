@@ -7,7 +7,7 @@ board's own switches stay open meanwhile.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +22,7 @@ from martensite.control.loop.realtime import list_reads
 from martensite.control.loop.run import noise_waveforms, reference_waveforms
 from martensite.kernels import floats
 from martensite.kernels.nested import NestedShape
+from martensite.signals.base import AbstractWaveform
 from martensite.simulate.drive_waveforms import by_name
 from martensite.simulate.lanes import Lanes
 from martensite_hardware.link.host import BoardLink
@@ -87,68 +88,93 @@ def run_hil(
     bench = scenario.bench
     if bench is None:
         raise InputError("There is no loop in this scenario.")
+    plant = HilPlant.begin(scenario, bench, duration or scenario.duration)  # compiled before the board waits for it
     hello = link.greet()
     if hello.values["digest"] != firmware["digest"]:
         raise InputError("The board holds another firmware than this project; write it anew.")
     link.command("rate", every=0)
     link.choose_mode("emulated")
     link.arm(word)
+    told, signals, seen = list[Sequence[float]](), list[Sequence[float]](), list[Sequence[float]]()
     try:
-        return _run_periods(scenario, bench, link, firmware, duration or scenario.duration, watch)
+        for k in range(plant.count + 1):
+            told.append(_ask_board(link, k, plant.read_inputs(k)))
+            signals.append(told[-1][firmware["readings"] :][: len(plant.driven)])
+            seen.append(plant.advance(k, dict(zip(plant.driven, signals[-1], strict=True))))
+            if watch is not None:
+                watch(k / plant.count)
     finally:
         link.send("disarm")
-
-
-def _run_periods(
-    scenario: Scenario,
-    bench: Bench,
-    link: BoardLink,
-    firmware: dict[str, Any],
-    duration: float,
-    watch: Callable[[float], None] | None,
-) -> HilRun:
-    plant, period = open_plant(bench), bench.period
-    given = by_name(bench.plant, scenario.waveform) | noise_waveforms(bench, duration, scenario.seed)
-    followed, reads = list(reference_waveforms(bench).values()), list_reads(bench)
-    drives = [drive.name for drive in list_drives(plant)]
-    driven = [drive.name for drive in bench.plant.drives()]
-    names = [row["name"] for row in firmware["telemetry"]]
-    signals = dict.fromkeys(driven, 0.0)
-
-    def gather(k: int, now: dict[str, float]) -> list[float]:
-        return [
-            now[name] if name in now else given[name].value(k * period) if name in given else 0.0 for name in drives
-        ]
-
-    first = gather(0, {name: 0.0 for name in driven if name not in given})
-    shape, lane = NestedShape(plant.init(floats, *first)), Lanes(plant, 1)
-    lane.reset(np.array(first)[:, None])
-    rows, told, seen = list[Sequence[float]](), list[Sequence[float]](), list[Sequence[float]]()
-    count = int(duration / period + 1e-6)
-    for k in range(count + 1):
-        state = shape.rebuild(lane.state[:, 0].tolist())
-        sensed = dict(zip(bench.sensors.members(), state.sensors, strict=True))
-        readings = [number for name in reads for number in (sensed[name].reading, sensed[name].age)]
-        values = _ask_board(link, k, [*readings, *(one.value(k * period) for one in followed)])
-        told.append(values)
-        signals = dict(zip(driven, values[firmware["readings"] :], strict=False))
-        rows.append([signals[name] for name in driven])
-        inputs = np.array(gather(k + 1, signals))[:, None]
-        seen.append(lane.observe(inputs)[:, 0].tolist())
-        if k < count:
-            lane.advance(inputs[None], period, shown=False)
-            if (status := lane.status[0]).failed:
-                raise SolveError(f"The plant failed at {k * period:.6g} s: {status.sentence}")
-        if watch is not None:
-            watch(k / count)
-    columns, heard = np.array(seen).T, np.array(told).T
+    columns, given, heard = (np.array(rows).T for rows in (seen, signals, told))
     return HilRun(
-        period * np.arange(count + 1, dtype=float),
-        dict(zip(plant.outputs(), columns, strict=True)),
-        dict(zip(driven, np.array(rows).T, strict=True)),
-        dict(zip(names, heard, strict=True)),
+        bench.period * np.arange(plant.count + 1, dtype=float),
+        dict(zip(plant.lane.names, columns, strict=True)),
+        dict(zip(plant.driven, given, strict=True)),
+        dict(zip([row["name"] for row in firmware["telemetry"]], heard, strict=True)),
         link.reader.counts.lost,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class HilPlant:
+    """A plant with its sensors, and what a loop elsewhere is to read and to follow."""
+
+    bench: Bench
+    lane: Lanes
+    shape: NestedShape
+    waveforms: Mapping[str, AbstractWaveform]
+    """Noise, and what no controller has, by the name of the drive."""
+    driven: list[str]
+    """Drives of the plant."""
+    count: int
+    """Periods."""
+
+    @classmethod
+    def begin(cls, scenario: Scenario, bench: Bench, duration: float) -> HilPlant:
+        """The plant at rest."""
+        plant, driven = open_plant(bench), [drive.name for drive in bench.plant.drives()]
+        given = by_name(bench.plant, scenario.waveform) | noise_waveforms(bench, duration, scenario.seed)
+        drives = [drive.name for drive in list_drives(plant)]
+        first = [given[name].value(0.0) if name in given else 0.0 for name in drives]
+        found = cls(
+            bench,
+            Lanes(plant, 1),
+            NestedShape(plant.init(floats, *first)),
+            given,
+            driven,
+            int(duration / bench.period + 1e-6),
+        )
+        found.lane.reset(np.array(first)[:, None])
+        return found
+
+    def read_inputs(self, k: int) -> list[float]:
+        """Inputs of the loop in sample k: readings with their ages, references and modes, free signals."""
+        state = self.shape.rebuild(self.lane.state[:, 0].tolist())
+        sensed = dict(zip(self.bench.sensors.members(), state.sensors, strict=True))
+        time, taken = k * self.bench.period, self.bench.controllers.members()
+        readings = [number for name in list_reads(self.bench) for number in (sensed[name].reading, sensed[name].age)]
+        followed = [one.value(time) for one in reference_waveforms(self.bench).values()]
+        free = [name for name in self.driven if name not in taken]
+        return [*readings, *followed, *(self._play(name, time) for name in free)]
+
+    def advance(self, k: int, signals: Mapping[str, float]) -> list[float]:
+        """Outputs in sample k under signals; the plant goes on to the next one.
+
+        Raises:
+            SolveError: it cannot be solved.
+        """
+        time = (k + 1) * self.bench.period
+        values = [signals[name] if name in signals else self._play(name, time) for name in self.lane.drives]
+        inputs = np.array(values)[:, None]
+        seen = self.lane.observe(inputs)[:, 0].tolist()
+        if k < self.count:
+            self.lane.advance(inputs[None], self.bench.period, shown=False)
+            if (status := self.lane.status[0]).failed:
+                raise SolveError(f"The plant failed at {time - self.bench.period:.6g} s: {status.sentence}")
+        return seen
+
+    def _play(self, name: str, time: float) -> float:
+        return self.waveforms[name].value(time) if name in self.waveforms else 0.0
 
 
 def _ask_board(link: BoardLink, k: int, numbers: Sequence[float]) -> Sequence[float]:

@@ -47,8 +47,10 @@ class Session:
 
     @classmethod
     @contextmanager
-    def open(cls, project: Path, port: str) -> Iterator[Session]:
+    def open(cls, project: Path, port: str, emulated: Mapping[str, Any] | None = None) -> Iterator[Session]:
         """Open the board of a project, greet it, and give it its calibration; closed in the end.
+
+        `emulated` changes the wire of an emulator, by path of the scenario: what is at hand is never quite the model.
 
         Raises:
             DataError: there is no `firmware.json`.
@@ -56,7 +58,10 @@ class Session:
             SolveError: nobody answers.
         """
         firmware = read_project(project)
-        line = _start_emulator(project, firmware) if port == EMULATOR else open_port(port, _find_baud(firmware))
+        baud = find_board(firmware["board"]).baud
+        if emulated and port != EMULATOR:
+            raise InputError("Only the wire of an emulator can be changed.")
+        line = _start_emulator(project, firmware, emulated) if port == EMULATOR else open_port(port, baud)
         try:
             clock: Callable[[], float] = getattr(line, "now", time.monotonic)
             found = cls(project, firmware, BoardLink(line, now=clock), line)
@@ -230,18 +235,14 @@ def read_project(project: Path) -> dict[str, Any]:
     return cast("dict[str, Any]", json.loads(read_text_file(place, "firmware")))
 
 
-def read_project_scenario(firmware: Mapping[str, Any]) -> Scenario:
-    """The scenario that a firmware was written for."""
+def read_project_scenario(firmware: Mapping[str, Any], changes: Mapping[str, Any] | None = None) -> Scenario:
+    """The scenario that a firmware was written for, with changes by path."""
     from martensite.scenario.scenario import read_scenario
 
-    return read_scenario(firmware["scenario"])
+    return read_scenario(firmware["scenario"], None, changes)
 
 
-def _find_baud(firmware: Mapping[str, Any]) -> int:
-    return find_board(firmware["board"]).baud
-
-
-def _start_emulator(project: Path, firmware: dict[str, Any]) -> Port:
+def _start_emulator(project: Path, firmware: dict[str, Any], changes: Mapping[str, Any] | None) -> Port:
     """The board of a project, emulated; compiled first if it is not."""
     from martensite_hardware.emulators.cortex import QemuBoard
     from martensite_hardware.emulators.rig import start_rig
@@ -256,6 +257,6 @@ def _start_emulator(project: Path, firmware: dict[str, Any]) -> Port:
         return QemuBoard(elf)
     folder = cache_folder() / "emulators"
     folder.mkdir(parents=True, exist_ok=True)
-    rig = start_rig(read_project_scenario(firmware), elf, board, folder)
+    rig = start_rig(read_project_scenario(firmware, changes), elf, board, folder)
     rig.run(0.1)  # until it listens
     return rig

@@ -53,6 +53,10 @@ def check(source: ScenarioSource, json: Json = False) -> None:
     if "at" not in loaded.initial:  # to find what is to be found takes a run
         loaded.find_start(loaded.tolerance)
     report = _collect_report(loaded) | _find_ends(loaded)
+    if loaded.bench is not None:
+        from martensite.scenario.guard_report import collect_guard
+
+        report["guard"] = collect_guard(loaded)
     if report["leaves"]:
         raise InputError(report["leaves"])
     print_summary(Summary(loaded.title, list(_describe_report(report)), report), json)
@@ -72,6 +76,10 @@ def _describe_report(report: dict[str, Any]) -> Iterator[Block]:
         yield Sentence(f"Follows a log: {followed}. Where its drives lead is seen with it: `run --log`, or `fit`.")
         yield Sentence("The scenario is sound; it lasts as long as its log.")
         return
+    if report.get("guard") is not None:
+        from martensite.scenario.guard_report import describe_guard
+
+        yield from describe_guard(report["guard"])
     yield Sentence(_tell_steps(report))
 
 

@@ -32,11 +32,16 @@ from martensite.control.controllers.sliding_mode import SlidingMode as SlidingMo
 from martensite.control.controllers.state_feedback import StateFeedback as StateFeedback
 from martensite.control.controllers.time_scales import measure_reach as measure_reach
 from martensite.control.faults.plant import AmbientStep as AmbientStep
+from martensite.control.faults.plant import ContactResistance as ContactResistance
 from martensite.control.faults.plant import Draught as Draught
 from martensite.control.faults.plant import OpenCircuit as OpenCircuit
+from martensite.control.faults.plant import StuckOn as StuckOn
 from martensite.control.faults.plant import SupplySag as SupplySag
+from martensite.control.faults.plant import SupplySurge as SupplySurge
 from martensite.control.faults.sensor import Drift as Drift
 from martensite.control.faults.sensor import DropOut as DropOut
+from martensite.control.faults.sensor import LateReadings as LateReadings
+from martensite.control.faults.sensor import NoiseBurst as NoiseBurst
 from martensite.control.faults.sensor import Stuck as Stuck
 from martensite.control.loop.bench import Bench as Bench
 from martensite.control.loop.parts import Controllers as Controllers

@@ -42,7 +42,7 @@ from martensite.kernels.namespace import Scalar
 from martensite.scenario.assemble import Assembly, section_of
 from martensite.scenario.build import Builder, Table, choose_class, name_section
 from martensite.scenario.components import gather_nested
-from martensite.scenario.guard import add_plant_checks
+from martensite.scenario.guard import GUARD, KIND, NONE, complete_guard
 from martensite.scenario.overrides import change_document
 from martensite.scenario.place_units import PlaceUnits
 from martensite.scenario.places import Places
@@ -71,8 +71,6 @@ if TYPE_CHECKING:
     from martensite.control.sensors.base import AbstractSensor
 
 CONTROLLER = "controller"
-GUARD = "guard"
-"""Kind of supervisor whose checks may come from the plant."""
 READING = "reading"
 """What a sensor calls its own reading."""
 
@@ -133,7 +131,7 @@ class BenchBuilder:
         faults = dict(self._fault(bench, row) for row in list_rows(document, FAULTS))
         bench = bench.with_parts(
             controllers=Controllers(**{name: one for name, one in found.items() if one.kernel}),
-            supervisor=self._supervisor(bench),
+            supervisor=self._supervisor(bench, found),
             faults=FaultTable(**faults),
         )
         outside = {name: one for name, one in found.items() if not one.kernel}
@@ -226,20 +224,22 @@ class BenchBuilder:
         cls = choose_class(KNOWN_FAULTS, table, path)
         return name, self._component(cls, (where, table, path), scales)
 
-    def _supervisor(self, bench: Bench) -> AbstractSupervisor | None:
+    def _supervisor(self, bench: Bench, controllers: Mapping[str, AbstractController]) -> AbstractSupervisor | None:
         document, origins = self.assembly.document, self.assembly.origins
-        if SUPERVISOR not in document:
+        if SUPERVISOR not in document and not controllers:
             return None
         units = {drive.unit for drive in self.plant.drives()}
         scales = PlaceUnits(units.pop() if len(units) == 1 else "1", _list_units(bench))
-        table = section_of(document, SUPERVISOR)
-        cls = choose_class(SUPERVISORS, table, SUPERVISOR)
-        full, taken = table, set[str]()
-        if cls.registered_name == GUARD:
+        full: Table | None = section_of(document, SUPERVISOR, {})
+        taken = set[str]()
+        if full.get(KIND, GUARD) in (GUARD, NONE):
             noisy = section_of(document, BENCH, {}).get("noise") != "none"
             builder = Builder(scales=scales, origins=origins, plain=True)
-            full, taken = add_plant_checks(table, bench, builder, noisy)
-        found = self._component(cls, (SUPERVISOR, full, SUPERVISOR), scales)
+            full, taken, said = complete_guard(full, bench, controllers, builder, noisy)
+            self.assembly.cautions.extend(said)
+        if full is None:
+            return None
+        found = self._component(choose_class(SUPERVISORS, full, SUPERVISOR), (SUPERVISOR, full, SUPERVISOR), scales)
         origins.update(dict.fromkeys(taken & set(origins), "plant"))
         return found
 

@@ -1,4 +1,4 @@
-"""The guard of a scenario: checks that it names, and if it wants so those that its plant gives.
+"""The guard of a scenario: checks that it names, those that its plant gives, or the default.
 
     [supervisor]
     kind = "guard"
@@ -7,7 +7,11 @@
     [supervisor.checks.bound_drive]      # numbers of such a check, where others are wanted
     limit = "110 degC"
 
-A check of another name, or of another kind, is one of its own.
+A check of another name, or of another kind, is one of its own. A check that lacks its limit takes that of the element
+that it reads (`temperature_limit`, `stress_limit`), if there is one, and is refused otherwise.
+
+A loop without a section gets the default guard (`martensite.control.supervisors.default_guard`), and so does one whose
+section names no kind, which may change its numbers. `kind = "none"` is for a loop that nothing shall guard.
 """
 
 from __future__ import annotations
@@ -19,16 +23,21 @@ from typing import Any
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Parametrised, param
 from martensite.base.units import DEGREES
+from martensite.control.checks.base import CHECKS as CHECK_KINDS
 from martensite.control.checks.base import AbstractCheck
+from martensite.control.controllers.base import AbstractController
 from martensite.control.loop.bench import Bench
+from martensite.control.supervisors import default_guard
 from martensite.control.supervisors.from_plant import guard_for
-from martensite.control.supervisors.from_sensors import checks_for
+from martensite.control.supervisors.from_sensors import checks_for, find_known_limit
 from martensite.kernels.namespace import Scalar
 from martensite.scenario.build import Builder, Table, as_table, name_section
 from martensite.scenario.sections import SUPERVISOR
 from martensite.signals.base import DRIVE
 
-FROM_PLANT, CHECKS, KIND = "from_plant", "checks", "kind"
+FROM_PLANT, CHECKS, KIND, LIMIT = "from_plant", "checks", "kind", "limit"
+GUARD, NONE, ANSWER = "guard", "none", "answer"
+UNGUARDED = "Nothing guards this loop: [supervisor] turns it off."
 
 
 class FromPlant(Parametrised):
@@ -48,26 +57,61 @@ class FromPlant(Parametrised):
         DEGREES, "how far below the limit signals come back, where the answer is `resume`", low=0.0, default=0.0
     )
 
+    def numbers(self) -> dict[str, Any]:
+        """Numbers of a bound, as far as they are known."""
+        known = {name: _known_number(getattr(self, name)) for name in ("temperature_limit", "hottest", "full")}
+        return {**known, "least_cooling": self.least_cooling}
 
-def add_plant_checks(table: Table, bench: Bench, builder: Builder, noisy: bool) -> tuple[Table, set[str]]:
-    """The table of a guard with the checks of its plant, if it wants them; paths of their numbers.
+
+def complete_guard(
+    table: Table, bench: Bench, controllers: Mapping[str, AbstractController], builder: Builder, noisy: bool
+) -> tuple[Table | None, set[str], list[str]]:
+    """The table of a guard with all that plant and material know; paths of such numbers; sentences on what is missing.
+
+    None for no guard, where nothing can be bounded or nothing shall guard.
 
     Raises:
-        InputError: the plant does not say what such a guard needs.
+        InputError: the plant does not say what a guard needs that is asked for.
     """
-    given = table.get(FROM_PLANT, False)
+    kind = table.get(KIND)
+    if kind == NONE:
+        return None, set(), [UNGUARDED] if controllers else []
+    found, said = dict[str, AbstractCheck](), list[str]()
     rest = {key: value for key, value in table.items() if key != FROM_PLANT}
+    known = _read_knowledge(table.get(FROM_PLANT, kind is None), builder)
+    if kind is None:
+        rest = {KIND: GUARD, ANSWER: default_guard.ANSWER, **rest}
+    if known is not None:
+        with name_section(SUPERVISOR):
+            if kind is None:
+                bounds, said = default_guard.find_default_bounds(bench.plant, controllers, **known.numbers())
+                found = {name: one.with_parts(band=known.band) for name, one in bounds.items()}
+            else:
+                found = _build_checks(bench, known, noisy)
+    full, taken = _fill_rows(rest, found, bench, builder)
+    if full[CHECKS] or kind is not None:
+        return full, taken, said
+    return None, set(), said or ([UNGUARDED] if known is None and controllers else [])
+
+
+def _read_knowledge(given: Any, builder: Builder) -> FromPlant | None:
+    """What is known beside the plant; None if no checks shall come from it."""
     if given is False:
-        return rest, set()
+        return None
     if given is not True and not isinstance(given, Mapping):
         raise ParameterError(
             f"[{SUPERVISOR}] `{FROM_PLANT}` must be true, false, or a table such as "
             f'`{{ hottest = "40 degC" }}`, but is {given!r}.'
         )
-    path, below = f"{SUPERVISOR}.{FROM_PLANT}", f"{SUPERVISOR}.{CHECKS}"
-    known: FromPlant = builder.build(FromPlant, {} if given is True else as_table(given, path), path)
-    with name_section(SUPERVISOR):
-        found = _build_checks(bench, known, noisy)
+    path = f"{SUPERVISOR}.{FROM_PLANT}"
+    return builder.build(FromPlant, {} if given is True else as_table(given, path), path)
+
+
+def _fill_rows(
+    rest: Table, found: Mapping[str, AbstractCheck], bench: Bench, builder: Builder
+) -> tuple[Table, set[str]]:
+    """The table of a guard with the checks that were found, and limits that are known; paths of such numbers."""
+    below = f"{SUPERVISOR}.{CHECKS}"
     rows, taken = dict(as_table(rest.get(CHECKS, {}), below)), set[str]()
     for name, check in found.items():
         own = as_table(rows.get(name, {}), f"{below}.{name}")
@@ -75,22 +119,19 @@ def add_plant_checks(table: Table, bench: Bench, builder: Builder, noisy: bool) 
         if own.get(KIND, row[KIND]) == row[KIND]:  # one of another kind stands instead
             rows[name] = row | own
             taken |= {f"{below}.{name}.{key}" for key in row if key not in own}
+    for name, given in rows.items():
+        own = as_table(given, f"{below}.{name}")
+        limit = None if LIMIT in own else find_known_limit(bench, str(own.get(KIND)), own)
+        if limit is not None:
+            rows[name] = {**own, LIMIT: f"{limit!r} {CHECK_KINDS[str(own[KIND])].declarations[LIMIT].unit}"}
+            taken.add(f"{below}.{name}.{LIMIT}")
     return {**rest, CHECKS: rows}, taken
 
 
 def _build_checks(bench: Bench, known: FromPlant, noisy: bool) -> dict[str, AbstractCheck]:
-    limit = _known_number(known.temperature_limit)
-    sensed = checks_for(bench, noisy=noisy, temperature_limit=limit, band=known.band)
-    guard = guard_for(
-        bench.plant,
-        temperature_limit=limit,
-        hottest=_known_number(known.hottest),
-        least_cooling=known.least_cooling,
-        full=_known_number(known.full),
-        band=known.band,
-        checks=sensed,
-    )
-    return guard.checks.members()
+    numbers = known.numbers()
+    sensed = checks_for(bench, noisy=noisy, temperature_limit=numbers["temperature_limit"], band=known.band)
+    return guard_for(bench.plant, **numbers, band=known.band, checks=sensed).checks.members()
 
 
 def _known_number(number: float) -> float | None:

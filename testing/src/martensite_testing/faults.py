@@ -26,7 +26,7 @@ def build_switched_plant() -> System:
 def list_effects(
     fault: AbstractFault, xp: Namespace, time: Scalar, u: Scalar, reading: Scalar, held: Scalar
 ) -> list[Scalar]:
-    """Current, heat loss, signal, reading, and whether there is a new one, with a fault at work.
+    """Current, heat loss, signal, reading, its travel, and whether it is new, with a fault at work.
 
     The fault acts on the first drive and the first sensor that it names.
     """
@@ -39,7 +39,8 @@ def list_effects(
         plant.source.current(xp, u, 2.0),
         plant.element.heat_loss(xp, 350.0, plant.environment),
         fault.signal(xp, drive, u, active),
-        grown.reading(xp, sensor, reading, held, active),
+        grown.disturb(xp, sensor, grown.reading(xp, sensor, reading, held, active), 1.0, active),
+        fault.travel(xp, sensor, 0.1, active),
         xp.where(fresh, 1.0, 0.0),
     ]
 
@@ -48,7 +49,7 @@ def find_healthy(u: float, reading: float, held: float) -> list[float]:
     """The same without a fault."""
     plant: System = build_switched_plant()
     loss = plant.element.heat_loss(floats, 350.0, plant.environment)
-    return [plant.source.current(floats, u, 2.0), loss, u, reading, float(reading > held)]
+    return [plant.source.current(floats, u, 2.0), loss, u, reading, 0.1, float(reading > held)]
 
 
 def find_moments(fault: AbstractFault) -> tuple[list[float], list[float]]:

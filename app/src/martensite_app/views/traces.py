@@ -227,6 +227,7 @@ def _list_supervised(result: Result) -> Iterator[JsonTable]:
     if not spans:
         return
     first, duration = spans[0][0], sum(end - begin for begin, end in spans)
+    raised = f"Warning: the supervisor raised its alarm, first at t = {first:.4g} s, for {duration:.3g} s in all."
     yield {
         "kind": "supervisor",
         "quantity": ALARM,
@@ -238,8 +239,7 @@ def _list_supervised(result: Result) -> Iterator[JsonTable]:
         "duration": duration,
         "worst_time": first,
         "port": "",
-        "sentence": f"Warning: the supervisor raised its alarm, first at t = {first:.4g} s, for "
-        f"{duration:.3g} s in all.",
+        "sentence": next((one for one in result.warnings if one.startswith("Warning: The guard")), raised),
         "column": ALARM,
         "panel": ALARM,
         "how": describe_column(result, ALARM),

@@ -33,7 +33,7 @@ static float inputs[loop_INPUTS > 0 ? loop_INPUTS : 1];
 static float channels[APP_CHANNELS];
 static float outputs[loop_OUTPUTS > 0 ? loop_OUTPUTS : 1];
 static float ages[APP_READINGS > 0 ? APP_READINGS : 1];
-static float signals[APP_DRIVES];
+static float signals[APP_DRIVES], delivered[APP_DRIVES]; /* as wanted, and as the timer can */
 static uint32_t heard, next, armed_at, level_at;
 static uint16_t every, since;
 static uint8_t mode, flags, started, alarm;
@@ -63,7 +63,7 @@ static void tell(uint32_t time) {
     b[TELEMETRY_FLAGS] = flags;
     b[TELEMETRY_ALARM] = alarm;
     for (uint8_t i = 0; i < APP_READINGS; ++i, size = (uint8_t)(size + 4)) link_put_f32(b + size, inputs[APP_READING(i)]);
-    for (uint8_t i = 0; i < APP_DRIVES; ++i, size = (uint8_t)(size + 4)) link_put_f32(b + size, signals[i]);
+    for (uint8_t i = 0; i < APP_DRIVES; ++i, size = (uint8_t)(size + 4)) link_put_f32(b + size, delivered[i]);
     for (uint8_t i = 0; i < APP_CHANNELS; ++i)
         if (APP_TELL_CHANNEL(i)) {
             link_put_f32(b + size, channels[i]);
@@ -82,7 +82,8 @@ static void drive_all(void) {
     for (uint8_t i = 0; i < APP_DRIVES; ++i) {
         const float most = settings[APP_MOST_DUTY];
         const float u = signals[i] < 0.0f ? 0.0f : signals[i] > most ? most : signals[i];
-        board_drive(i, pass ? u : 0.0f);
+        delivered[i] = board_drive(i, pass ? u : 0.0f);
+        if (flags & FLAG_EMULATED) delivered[i] = signals[i];
     }
 }
 
@@ -238,6 +239,7 @@ static uint8_t emulate(const link_message *m) {
     }
     for (uint8_t i = 0; i < APP_REFERENCES; ++i, b += 4) settings[APP_WANTED(i)] = link_f32(b);
     run_loop();
+    drive_all();
     tell(link_u32(m->payload + SAMPLE_TIME));
     return RESULT_DONE;
 }

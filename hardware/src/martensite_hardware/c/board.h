@@ -23,8 +23,8 @@ int board_read(void);
 uint16_t board_room(void);
 void board_write(const uint8_t *bytes, uint16_t size);
 
-/* Share of the time, 0 to 1, for which the switch of a drive is closed; 0 is off. */
-void board_drive(uint8_t drive, float duty);
+/* Share of the time, 0 to 1, for which the switch of a drive is closed; 0 is off. What it is in steps of the timer. */
+float board_drive(uint8_t drive, float duty);
 
 /* What a channel reads now: steps of a converter, or counts of an encoder. */
 float board_channel(uint8_t channel);

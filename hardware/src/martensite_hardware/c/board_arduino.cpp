@@ -57,13 +57,14 @@ uint16_t board_room(void) { return 255; }
 
 void board_write(const uint8_t *bytes, uint16_t size) { Serial.write(bytes, size); }
 
-void board_drive(uint8_t drive, float duty) {
+float board_drive(uint8_t drive, float duty) {
     const int level = static_cast<int>(duty * 255.0f + 0.5f);
     if (level <= 0) {
         digitalWrite(drive_pins[drive], LOW);
     } else {
         analogWrite(drive_pins[drive], level);
     }
+    return static_cast<float>(level < 0 ? 0 : level) / 255.0f;
 }
 
 float board_channel(uint8_t channel) {

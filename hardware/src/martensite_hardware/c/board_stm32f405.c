@@ -146,8 +146,10 @@ void board_write(const uint8_t *bytes, uint16_t size) {
     pump();
 }
 
-void board_drive(uint8_t drive, float duty) {
-    if (drive < 4) TIM3_CCR(drive) = (uint32_t)(duty * (float)PWM_STEPS + 0.5f);
+float board_drive(uint8_t drive, float duty) {
+    const uint32_t level = (uint32_t)(duty * (float)PWM_STEPS + 0.5f);
+    if (drive < 4) TIM3_CCR(drive) = level;
+    return (float)level / (float)PWM_STEPS;
 }
 
 float board_channel(uint8_t channel) {

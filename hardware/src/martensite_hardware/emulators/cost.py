@@ -8,21 +8,24 @@ from __future__ import annotations
 
 import subprocess
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from martensite.base.errors import SolveError
+from martensite.base.errors import InputError, SolveError
 from martensite_hardware.emulators.avr import SimavrBoard
 from martensite_hardware.emulators.cortex import MACHINE
 from martensite_hardware.emulators.toolchains import require_tool, run_tool
 
 if TYPE_CHECKING:
+    from martensite.scenario.scenario import Scenario
     from martensite_export.c_core import CCore
 
 TICK = 1e3 / 168.0
 """Instructions in a tick of SysTick, under QEMU with an instruction a nanosecond."""
+STEPS, PLAYED, LONGEST = 400, 150, 600
+"""Steps of a scenario; of them so many are played: of a plant spread over it, of a loop from its start."""
 AVR_FLAGS = ("-mmcu=atmega2560", "-DF_CPU=16000000L", "-std=gnu11", "-O2")
 ARM_FLAGS = ("-std=gnu11", "-O2", "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16")
 ARM_LINK = ("-T", "stm32f405.ld", "-nostartfiles", "--specs=nano.specs", "--specs=nosys.specs")
@@ -36,11 +39,59 @@ class StepCost:
     most: int
     """Cycles of AVR, instructions of Cortex-M4, in the dearest step."""
     flash: int
-    """Of the core and the library that it needs [bytes]."""
+    """Of the core, the library that it needs and the program around it [bytes]."""
     ram: int
     """[bytes]"""
     failed: bool
     """A step did not solve in float32."""
+    counted: str
+    """What `most` counts: cycles or instructions."""
+    clock: float
+    """[Hz]"""
+
+    @property
+    def time(self) -> float:
+        """Time of the dearest step [s], with a cycle for an instruction."""
+        return self.most / self.clock
+
+    @property
+    def least(self) -> bool:
+        """Whether that time is a lower bound."""
+        return self.counted == "instructions"
+
+
+def measure_costs(scenario: Scenario, part: str, folder: Path) -> tuple[CCore, list[StepCost]]:
+    """A core of a scenario in float32, and what its steps cost over the scenario on emulated processors.
+
+    Args:
+        scenario: what is played.
+        part: `loop`: observers, controllers and supervisor; `plant`: without them.
+        folder: where programs are made.
+
+    Raises:
+        InputError: there is no such part, no loop, or a tool is missing.
+        SolveError: a program does not end.
+    """
+    from martensite_export.c_core import build_c_core, build_c_loop
+    from martensite_export.c_example import played_by_loop, played_by_system
+
+    if part == "loop" and scenario.bench is not None and not scenario.outside:
+        core = build_c_loop(scenario.bench, name="core", precision="float32")
+        first, played = played_by_loop(scenario.bench, scenario.waveform, scenario.run(), STEPS)
+    elif part == "plant":
+        core = build_c_core(scenario.system, name="core", precision="float32")
+        first, played = played_by_system(scenario.system, scenario.waveform, scenario.duration, STEPS)
+    else:
+        raise InputError(f"There is no part `{part}` of this scenario; there are loop, if it has one, and plant.")
+    steps = [length for length, _ in played]
+    whole = [row for length, row in played if length == max(steps)]
+    rows = [first, *whole[:: max(1, len(whole) // PLAYED)][:PLAYED]]
+    if part == "loop":  # a loop goes on from sample to sample: none may be left out
+        rows = [first, *(row for _, row in played)][:LONGEST]
+    write_cost(core, rows, max(steps), folder)
+    table = 4 * len(rows) * len(first)  # what is played is no part of a core
+    found = [cost_on_avr(core, folder), cost_on_cortex(core, folder)]
+    return core, [replace(one, flash=one.flash - table) for one in found]
 
 
 def write_cost(core: CCore, rows: Sequence[Sequence[float]], period: float, folder: Path) -> None:
@@ -86,7 +137,7 @@ def cost_on_avr(core: CCore, folder: Path) -> StepCost:
         failed = board.marks[3] > 0
     finally:
         board.close()
-    return StepCost("ATmega2560", most, *_read_sizes("avr-size", elf), failed)
+    return StepCost("ATmega2560", most, *_read_sizes("avr-size", elf), failed, "cycles", 16e6)
 
 
 def _is_done(board: SimavrBoard) -> bool:
@@ -112,7 +163,8 @@ def cost_on_cortex(core: CCore, folder: Path) -> StepCost:
     if len(numbers) != 6:
         raise SolveError(f"The program that counts said {done.stderr[:200]!r}.")
     most = round(TICK * (numbers[2] - numbers[0]))
-    return StepCost("Cortex-M4F", most, *_read_sizes("arm-none-eabi-size", elf), numbers[4] > 0)
+    sizes = _read_sizes("arm-none-eabi-size", elf)
+    return StepCost("Cortex-M4F", most, *sizes, numbers[4] > 0, "instructions", 168e6)
 
 
 def _read_sizes(tool: str, elf: Path) -> tuple[int, int]:

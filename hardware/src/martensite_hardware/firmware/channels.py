@@ -26,6 +26,8 @@ DIVIDERS = (1.0, 2.0, 3.0, 5.0, 11.0)
 """Ratios of dividers with resistors that everybody has: none, 10k:10k, 20k:10k, 40k:10k, 100k:10k."""
 LEAST = 0.05
 """Share of the largest current below which a resistance is not measured."""
+ROOM = 0.125
+"""Room of an analogue sensor at either end of what a loop asks for, as a share of it: no reading stands at its end."""
 MARGIN = 1.25
 """Current over the largest one expected at which the board disarms."""
 
@@ -175,5 +177,7 @@ def _find_range(bench: Bench, name: str) -> tuple[float, float]:
     for one in bench.controllers.members().values():
         if one.measured == name:
             levels = [one.reference.value(0.01 * k) for k in range(10_001)]
-            return 1.25 * (max(levels) - min(min(levels), 0.0)) or 1.0, min(min(levels), 0.0)
+            low, high = min(*levels, 0.0), max(levels)
+            span = high - low or 1.0
+            return (1.0 + 2.0 * ROOM) * span, low - ROOM * span
     return 400.0, 233.15  # what is watched and not followed is a temperature in all sensors that have no range

@@ -14,7 +14,8 @@ Every check has the number of its alarm. When several have cut, the lowest numbe
 | 7 | `mismatch` | two readings of the same thing differ |
 | 8 | `thermal-bound` | by its own bound the element may be too hot |
 
-Damage that is seen comes first, then what is known of sensors and wires, last what is only possible.
+Damage that is seen comes first, then what is known of sensors and wires, last what is only possible. While a check
+only limits a signal (answer `limit` of a guard), and none has cut, its number is shown beyond 100: 108.
 """
 
 from __future__ import annotations
@@ -29,6 +30,8 @@ from martensite.base.registry import Registry
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 
 CHECKS: Registry[AbstractCheck] = Registry("check", "martensite.control.checks", typical="overheat")
+LIMITED = 100
+"""What is added to the number of an alarm while a signal is limited and not cut."""
 Column: TypeAlias = Sequence[Scalar]
 Named: TypeAlias = Mapping[str, Scalar]
 
@@ -80,6 +83,10 @@ class AbstractCheck(Parametrised):
             readings: by name, and the age of each, `NAME.age` [s].
             dt: length of a period [s].
         """
+
+    def find_most(self, xp: Namespace, memory: Column, dt: Scalar) -> Named:
+        """Size of the largest signals with which it holds for the next period, by drive; none if it cannot say."""
+        return {}
 
     def remember_allowed(self, xp: Namespace, memory: Column, allowed: Named, dt: Scalar) -> Column:
         """What it remembers once it is decided which signals pass for the next period."""

@@ -1,17 +1,18 @@
 """Checks of readings: too large, too old, always the same, contradicting; a current that does not flow."""
 
-import math
-
 from martensite.base.parameters import param, text
 from martensite.base.units import DEGREES, DIFFERENCE
 from martensite.control.checks.base import CHECKS, AbstractCheck, Column, Looked, Named
 from martensite.control.loop.names import AGE
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE
+from martensite.signals.levels import MARGIN
 
 
 class AbstractReadingCheck(AbstractCheck):
     """Interface of a check of one reading."""
+
+    names_reading = ("reading",)
 
     reading: str = text("name of the reading", typical="temperature")
 
@@ -34,7 +35,7 @@ class AbstractAbove(AbstractReadingCheck):
     """Interface of a check of one reading; a subclass declares `limit` and `band` in its unit."""
 
     limit: Scalar
-    """Most that is allowed; infinite for none."""
+    """Most that is allowed; without it the check is refused, for it could not trip."""
     band: Scalar
     """How far below the limit it is well again."""
 
@@ -53,7 +54,7 @@ class Overheat(AbstractAbove):
 
     alarm = 1
 
-    limit: Scalar = param("K", "highest temperature", above=0.0, default=math.inf, typical="80 degC")
+    limit: Scalar = param("K", "highest temperature", above=0.0, typical="80 degC")
     band: Scalar = param(DEGREES, "how far below it is well again", low=0.0, default=0.0, typical="5 K")
 
 
@@ -63,7 +64,7 @@ class OverCurrent(AbstractAbove):
 
     alarm = 2
 
-    limit: Scalar = param("A", "largest current", above=0.0, default=math.inf, typical="1 A")
+    limit: Scalar = param("A", "largest current", above=0.0, typical="1 A")
     band: Scalar = param("A", "how far below it is well again", low=0.0, default=0.0, typical="0.2 A")
 
 
@@ -73,7 +74,7 @@ class OverStress(AbstractAbove):
 
     alarm = 3
 
-    limit: Scalar = param("Pa", "largest stress", above=0.0, default=math.inf, typical="100 MPa")
+    limit: Scalar = param("Pa", "largest stress", above=0.0, typical="100 MPa")
     band: Scalar = param("Pa", "how far below it is well again", low=0.0, default=0.0, typical="10 MPa")
 
 
@@ -83,7 +84,7 @@ class OverForce(AbstractAbove):
 
     alarm = 3
 
-    limit: Scalar = param("N", "largest force", above=0.0, default=math.inf, typical="10 N")
+    limit: Scalar = param("N", "largest force", above=0.0, typical="10 N")
     band: Scalar = param("N", "how far below it is well again", low=0.0, default=0.0, typical="1 N")
 
 
@@ -100,7 +101,7 @@ class Mismatch(AbstractCheck):
 
     reading: str = text("name of a reading", typical="temperature")
     other: str = text("name of the other reading, or of an estimate", typical="=reading")
-    limit: Scalar = param(DIFFERENCE, "largest difference", above=0.0, default=math.inf, typical=0.1)
+    limit: Scalar = param(DIFFERENCE, "largest difference", above=0.0, typical=MARGIN)
     longest: Scalar = param("s", "time for which they may differ more", low=0.0, default=0.0, typical="0.3 s")
 
     def reads(self) -> tuple[str, ...]:
@@ -129,7 +130,7 @@ class SensorLost(AbstractReadingCheck):
 
     alarm = 4
 
-    timeout: Scalar = param("s", "age beyond which it is lost", above=0.0, default=math.inf, typical="0.3 s")
+    timeout: Scalar = param("s", "age beyond which it is lost", above=0.0, typical="0.3 s")
 
     def reads(self) -> tuple[str, ...]:
         """The age of the reading."""
@@ -152,9 +153,8 @@ class SensorStuck(AbstractWhileOn):
     """
 
     alarm, size = 5, 3
-    names_reading = ("reading",)
 
-    longest: Scalar = param("s", "time under a signal until it is stuck", above=0.0, default=math.inf, typical="0.3 s")
+    longest: Scalar = param("s", "time under a signal until it is stuck", above=0.0, typical="0.3 s")
     band: Scalar = param(DIFFERENCE, "change that is none", low=0.0, default=0.0, typical=0.1)
 
     def rest(self, xp: Namespace, readings: Named) -> Column:
@@ -184,7 +184,7 @@ class NoCurrent(AbstractWhileOn):
 
     reading: str = text("name of the reading of the current", typical="current")
     most: Scalar = param("A", "current that counts as none", low=0.0, default=0.0, typical="0.02 A")
-    longest: Scalar = param("s", "time under a signal until it is open", low=0.0, default=math.inf, typical="0.3 s")
+    longest: Scalar = param("s", "time under a signal until it is open", low=0.0, typical="0.3 s")
 
     def rest(self, xp: Namespace, readings: Named) -> Column:
         """For how long there has been no current, and whether a signal is on."""

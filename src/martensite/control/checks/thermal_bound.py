@@ -5,7 +5,10 @@
 driven by the signal u that the guard lets pass, with the largest power P̂(u) that the signal can bring, the heat
 capacity C without latent heat, a conductance G below that of the element at any temperature up to the limit, and the
 hottest surroundings T̂_a. Every period is solved exactly. A signal under which T̂ would pass its limit within the next
-period is not let through: T̂ never passes the limit, whatever any sensor says.
+period is not let through: T̂ never passes the limit, whatever any sensor says. Under the answer `limit` of a guard it is
+lowered to the largest that ends the period at the limit, in closed form a barrier:
+
+    T̂_∞ = (T_lim - T̂ e)/(1 - e),   e = exp(-G t/C),      P̂(u) = G (T̂_∞ - T̂_a)
 
 Nor does the element, if it is equally hot everywhere. With S, the heat that it stores beyond C times its rise - that of
 a larger heat capacity, and latent heat, S = Δh (1 - ξ) - its difference to the bound obeys
@@ -22,14 +25,15 @@ Pulses go above the mean of their period by up to P (1 - D) D t/C, t being their
 that much room below what the element can stand.
 """
 
-import math
-
 from martensite.base.parameters import option, param, text
 from martensite.base.units import DEGREES
 from martensite.control.checks.base import CHECKS, AbstractCheck, Column, Looked, Named
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE
+
+SHORT = 1e-12
+"""Share of a time constant that is none."""
 
 
 @CHECKS.register("thermal-bound")
@@ -39,7 +43,7 @@ class ThermalBound(AbstractCheck):
     alarm, size = 8, 1
 
     drive: str = text("name of the drive that heats the element", default="drive")
-    limit: Scalar = param("K", "highest temperature", above=0.0, default=math.inf, typical="400 K")
+    limit: Scalar = param("K", "highest temperature", above=0.0, typical="400 K")
     band: Scalar = param(DEGREES, "how far below it is well again", low=0.0, default=0.0, typical="5 K")
     power: Scalar = param("W", "largest power in the element at the full signal", above=0.0, typical="1 W")
     full: Scalar = param(DRIVE, "the full signal", above=0.0, default=1.0)
@@ -64,7 +68,14 @@ class ThermalBound(AbstractCheck):
     def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> Looked:
         """Whether the element may be too hot at the end of the period."""
         then = self.after(xp, memory[0], wanted[self.drive], dt)
-        return Looked(then > self.limit, then <= self.limit - self.band, memory)
+        return Looked(xp.negate(then <= self.limit), then <= self.limit - self.band, memory)
+
+    def find_most(self, xp: Namespace, memory: Column, dt: Scalar) -> Named:
+        """Size of the signal under which the bound is at its limit at the end of the period."""
+        kept = xp.exp(-self.conductance * dt / self.capacity)
+        settled = (self.limit - memory[0] * kept) / xp.maximum(1.0 - kept, SHORT)
+        share = xp.maximum((settled - self.ambient) * self.conductance / self.power, 0.0)
+        return {self.drive: self.full * (share if self.rises == "linear" else xp.sqrt(share))}
 
     def remember_allowed(self, xp: Namespace, memory: Column, allowed: Named, dt: Scalar) -> Column:
         """The bound at the end of the period."""

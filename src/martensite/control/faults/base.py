@@ -57,6 +57,18 @@ class AbstractFault(Parametrised):
         """What a sensor says; `held` is what it said before."""
         return reading
 
+    def disturb(self, xp: Namespace, sensor: str, reading: Scalar, number: Scalar, active: Flag) -> Scalar:
+        """A reading, disturbed by the standard normal number of its noise; 0 in a run without noise."""
+        return reading
+
+    def travel(self, xp: Namespace, sensor: str, travel: Scalar, active: Flag) -> Scalar:
+        """How long a reading of a sensor travels [s], never longer than by `latest`."""
+        return travel
+
+    def latest(self, sensor: str) -> float:
+        """How much longer a reading of a sensor may travel [s], at any time."""
+        return 0.0
+
     def fresh(self, xp: Namespace, sensor: str, fresh: Flag, active: Flag) -> Flag:
         """Whether there is a new reading of a sensor."""
         return fresh

@@ -1,4 +1,4 @@
-"""Faults of a plant: its twin in which parts of one actuator, or of all, are exchanged."""
+"""Faults of a plant, or of the driver before it: its twin in which parts of actuators are exchanged."""
 
 from abc import abstractmethod
 from collections.abc import Iterator
@@ -12,6 +12,7 @@ from martensite.control.faults.base import FAULTS, AbstractFault
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.physics.electrical.base import AbstractSource
 from martensite.physics.thermal.base import AbstractCooling, Cylinder
+from martensite.signals.base import DRIVE
 
 
 def _list_placed(part: Parametrised, prefix: str) -> Iterator[tuple[str, Parametrised]]:
@@ -93,11 +94,10 @@ class Draught(AbstractPlantFault):
         return {"environment.cooling": times.rebuilt({"factor": xp.where(active, self.factor, 1.0)})}
 
 
-class Interrupted(AbstractSource):
-    """A source behind a contact that is closed (1) or open (0)."""
+class AbstractContact(AbstractSource):
+    """Interface of a source behind a contact."""
 
     source: AbstractSource = part("the source")
-    contact: Scalar = param("1", "1 if it is closed, 0 if it is open", low=0.0, high=1.0)
 
     @property
     def sets_temperature(self) -> bool:  # type: ignore[override]
@@ -108,6 +108,12 @@ class Interrupted(AbstractSource):
     def supplied_by(self) -> tuple[str, ...]:  # type: ignore[override]
         """Parameters of the source that are its supply: a fault of that still finds them."""
         return tuple(f"source.{name}" for name in self.source.supplied_by)
+
+
+class Interrupted(AbstractContact):
+    """A source behind a contact that is closed (1) or open (0)."""
+
+    contact: Scalar = param("1", "1 if it is closed, 0 if it is open", low=0.0, high=1.0)
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Current [A] of the source, if the contact is closed."""
@@ -132,6 +138,56 @@ class OpenCircuit(AbstractPlantFault):
         return {"source": behind.rebuilt({"contact": xp.where(active, 0.0, 1.0)})}
 
 
+class Resisted(AbstractContact):
+    """A source behind a contact that has a resistance."""
+
+    contact: Scalar = param("ohm", "resistance of the contact", low=0.0)
+
+    def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+        """Current [A] through the element and the contact in a row."""
+        return self.source.current(xp, drive, resistance + self.contact)
+
+    def supply_current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+        """The same, as its supply sees it [A]."""
+        return self.source.supply_current(xp, drive, resistance + self.contact)
+
+
+@FAULTS.register("contact-resistance")
+class ContactResistance(AbstractPlantFault):
+    """A crimp or a plug that has got a resistance, in a row with the element.
+
+    A source of voltage delivers less, one of current the same; what the contact takes does not heat the element. The
+    resistance that is measured is that of the element, as with leads of its own.
+    """
+
+    resistance: Scalar = param("ohm", "resistance of the contact", low=0.0, high=1e6, typical="1 ohm")
+
+    def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
+        """The source, behind a contact with a resistance."""
+        behind = Resisted(source=one.source, contact=0.0)
+        return {"source": behind.rebuilt({"contact": xp.where(active, self.resistance, 0.0)})}
+
+
+@FAULTS.register("stuck-on")
+class StuckOn(AbstractFault):
+    """A switch, or a driver, that does not obey: it gives a signal of its own.
+
+    Such as a transistor that has failed closed. It stands behind the supervisor: what a guard decides does not arrive,
+    and only a second switch in the supply can cut.
+    """
+
+    drive: str = text("drive that does not obey; all drives if empty", default="")
+    level: Scalar = param(DRIVE, "signal that arrives whatever is wanted", default=1.0, typical=1.0)
+
+    def names(self) -> dict[str, str]:
+        """The drive, if one is named."""
+        return {self.drive: "drive"} if self.drive else {}
+
+    def signal(self, xp: Namespace, drive: str, signal: Scalar, active: Flag) -> Scalar:
+        """The signal of its own."""
+        return xp.where(active, self.level, signal) if self.drive in ("", drive) else signal
+
+
 @FAULTS.register("supply-sag")
 class SupplySag(AbstractPlantFault):
     """A supply that gives way.
@@ -146,5 +202,25 @@ class SupplySag(AbstractPlantFault):
 
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
         """The voltage of its supply."""
-        left = xp.where(active, self.share, 1.0)
-        return {f"source.{n}": one.source.value_of(n) * left for n in one.source.supplied_by}
+        return _scale_supply(xp, one, self.share, active)
+
+
+@FAULTS.register("supply-surge")
+class SupplySurge(AbstractPlantFault):
+    """A supply whose voltage is too high, as from a charger or a regulator that has failed.
+
+    The same parameters as of a sag are multiplied. A switch delivers the square of the share: more than a bound on the
+    temperature was told (`martensite.control.checks.thermal_bound`), so that only what is measured reveals it.
+    """
+
+    share: Scalar = param("1", "voltage over that without the fault", low=1.0, high=10.0, typical=1.3)
+
+    def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
+        """The voltage of its supply."""
+        return _scale_supply(xp, one, self.share, active)
+
+
+def _scale_supply(xp: Namespace, one: Actuator, share: Scalar, active: Flag) -> dict[str, Any]:
+    """The parameters that are the voltage of a supply, multiplied."""
+    left = xp.where(active, share, 1.0)
+    return {f"source.{n}": one.source.value_of(n) * left for n in one.source.supplied_by}

@@ -1,4 +1,4 @@
-"""Faults of one sensor: it drifts, sends nothing new, or repeats itself."""
+"""Faults of one sensor: it drifts, sends nothing new, repeats itself, is disturbed, or comes late."""
 
 from typing import Self
 
@@ -6,10 +6,13 @@ from martensite.base.parameters import param, text
 from martensite.base.units import DIFFERENCE, RATE
 from martensite.control.faults.base import FAULTS, AbstractFault
 from martensite.kernels.namespace import Flag, Namespace, Scalar
+from martensite.signals.levels import MARGIN
 
 
 class AbstractSensorFault(AbstractFault):
     """Interface of a fault of one sensor."""
+
+    names_reading = ("sensor",)
 
     sensor: str = text("name of the sensor", typical="temperature")
 
@@ -27,8 +30,6 @@ class Drift(AbstractSensorFault):
     with the `bias` b from the beginning t_0 of the fault on, and the `rate` r. The wrong readings are as fresh and as
     noisy as ever: only another source of the same knowledge reveals them.
     """
-
-    names_reading = ("sensor",)
 
     bias: Scalar = param(DIFFERENCE, "offset when it begins", default=0.0, typical=0.5)
     rate: Scalar = param(RATE, "growth of it", default=0.0, typical=0.2)
@@ -60,3 +61,34 @@ class Stuck(AbstractSensorFault):
     def reading(self, xp: Namespace, sensor: str, reading: Scalar, held: Scalar, active: Flag) -> Scalar:
         """The last reading."""
         return xp.where(active, held, reading) if sensor == self.sensor else reading
+
+
+@FAULTS.register("noise-burst")
+class NoiseBurst(AbstractSensorFault):
+    """A sensor that is disturbed, as by a motor beside its cable.
+
+    The readings get the deviation times the standard normal number of their own noise on top, behind the rounding of
+    the instrument. A run without noise has no such numbers, and no burst.
+    """
+
+    deviation: Scalar = param(DIFFERENCE, "standard deviation that is added", low=0.0, typical=MARGIN)
+
+    def disturb(self, xp: Namespace, sensor: str, reading: Scalar, number: Scalar, active: Flag) -> Scalar:
+        """The reading, and what disturbs it."""
+        more = xp.where(active, self.deviation * number, 0.0)
+        return reading + more if sensor == self.sensor else reading
+
+
+@FAULTS.register("late-readings")
+class LateReadings(AbstractSensorFault):
+    """A sensor whose readings arrive later, as over a bus that is busy; their age tells."""
+
+    by: Scalar = param("s", "how much later", low=0.0, high=1e3, typical="0.2 s")
+
+    def travel(self, xp: Namespace, sensor: str, travel: Scalar, active: Flag) -> Scalar:
+        """Its time, and what it is late by [s]."""
+        return travel + xp.where(active, self.by, 0.0) if sensor == self.sensor else travel
+
+    def latest(self, sensor: str) -> float:
+        """As much later as it says [s]."""
+        return self.by if sensor == self.sensor else 0.0

@@ -59,7 +59,11 @@ class Bench(AbstractSystemAround, init=False):
         """Raise `ParameterError` where names do not fit; fix what decides the program's size."""
         check_bench(self)
         pieces = self.substeps or steps_in(self.plant, self.period)
-        kept = (mounted.count_delayed(self.period) for mounted in self.sensors.members().values())
+        every = self.faults.members().values()
+        kept = (
+            mounted.count_delayed(self.period, sum(fault.latest(name) for fault in every))
+            for name, mounted in self.sensors.members().items()
+        )
         self.__dict__["_layout"] = (pieces, *kept)
 
     def layout(self) -> tuple[int, ...]:

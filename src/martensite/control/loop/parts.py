@@ -78,9 +78,9 @@ class MountedSensor(Parametrised):
         given = (self.of,) if isinstance(self.of, str) else self.of
         return given or self.sensor.sees
 
-    def count_delayed(self, period: float) -> int:
-        """Readings to be kept for the delay."""
-        return 1 + math.ceil((self.delay + WORST * self.jitter) / period - HAIR)
+    def count_delayed(self, period: float, later: float = 0.0) -> int:
+        """Readings to be kept for the delay, and for a fault that makes it longer [s]."""
+        return 1 + math.ceil((self.delay + WORST * self.jitter + later) / period - HAIR)
 
     def rest(self, xp: Namespace, truth: Mapping[str, Scalar], noise: Scalar, kept: int) -> Sensed:
         """The first reading, made at rest; it has been the same for long."""
@@ -104,12 +104,12 @@ class MountedSensor(Parametrised):
         noise, late = numbers
         seen = [truth[name] for name in self.sees()]
         value, inner = self.sensor.reading(xp, before.inner, seen, noise, period)
-        value = disturbed.reading(xp, value, before.held)
+        value = disturbed.reading(xp, value, before.held, noise)
         elapsed = before.elapsed + period
         due = xp.both(self.sensor.valid(xp, seen), elapsed >= self.sample_time - HAIR * period)
         fresh = disturbed.fresh(xp, due)
         held, elapsed = xp.where(fresh, value, before.held), xp.where(fresh, 0.0, elapsed)
-        travel = xp.clip(late, -WORST, WORST) * self.jitter + self.delay
+        travel = disturbed.travel(xp, xp.clip(late, -WORST, WORST) * self.jitter + self.delay)
         travel = xp.where(fresh, travel, before.travels[0])
         past, ages = (held, *before.past[:-1]), (elapsed, *before.ages[:-1])
         travels = (travel, *before.travels[:-1])
@@ -134,11 +134,18 @@ class Disturbed:
     def __init__(self, name: str, faults: Sequence[tuple[AbstractFault, Flag]]) -> None:
         self.name, self.faults = name, faults
 
-    def reading(self, xp: Namespace, reading: Scalar, held: Scalar) -> Scalar:
-        """What it says, after every fault."""
+    def reading(self, xp: Namespace, reading: Scalar, held: Scalar, noise: Scalar) -> Scalar:
+        """What it says, after every fault; `noise` is the normal number of its noise."""
         for fault, active in self.faults:
             reading = fault.reading(xp, self.name, reading, held, active)
+            reading = fault.disturb(xp, self.name, reading, noise, active)
         return reading
+
+    def travel(self, xp: Namespace, travel: Scalar) -> Scalar:
+        """How long its reading travels [s], with every fault."""
+        for fault, active in self.faults:
+            travel = fault.travel(xp, self.name, travel, active)
+        return travel
 
     def fresh(self, xp: Namespace, fresh: Flag) -> Flag:
         """Whether there is a new reading, after every fault."""
@@ -176,6 +183,10 @@ class AbstractSupervisor(Parametrised):
     def drives(self) -> tuple[str, ...]:
         """Names of the drives that it speaks of."""
         return ()
+
+    def name_checks(self) -> dict[int, list[str]]:
+        """Number of an alarm -> names of what raises it."""
+        return {}
 
     def rest(self, xp: Namespace, readings: Named) -> Column:
         """What it remembers before the first sample."""

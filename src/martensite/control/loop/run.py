@@ -15,10 +15,12 @@ import numpy as np
 
 from martensite.base.errors import InputError
 from martensite.base.parameters import part
+from martensite.control.checks.base import LIMITED
 from martensite.control.controllers.base import AbstractController
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import (
     AGE,
+    ALARM,
     JITTER,
     MEASURED,
     NOISE,
@@ -88,13 +90,31 @@ def simulate_bench(
         periods = round(duration / bench.period)
         length = periods * bench.period
         found = simulate_controlled(bench, played | seeing, length, bench.period, watch=watch)
-        return warn_of_end(_with_loops(found, bench, outside), duration, bench.period)
+        found = _with_loops(found, bench, outside)
+        return warn_of_end(warn_of_guard(found, bench), duration, bench.period)
     chosen = runtime or ("c" if find_compiler() is not None else "floats")
     samples = int(duration / bench.period + 1e-6) + 1
     found = simulate(
         bench, played, duration, samples=max(samples, 2), runtime=chosen, start=start, restart_at=restart_at
     )
-    return warn_of_end(found, duration, bench.period)
+    return warn_of_end(warn_of_guard(found, bench), duration, bench.period)
+
+
+def warn_of_guard(result: Result, bench: Bench) -> Result:
+    """The result with a warning for every alarm of the supervisor: which check, when first, for how long."""
+    raised = result.columns.get(ALARM, [])
+    checks = bench.supervisor.name_checks() if bench.supervisor is not None else {}
+    said: list[str] = []
+    for number in sorted({value for value in raised if value}):
+        first = next(time for time, value in zip(result.times, raised, strict=False) if value == number)
+        length = bench.period * sum(value == number for value in raised)
+        names = ", ".join(f"`{name}`" for name in checks.get(int(number) % LIMITED, ["supervisor"]))
+        acted = "limited" if number > LIMITED else "cut"
+        said.append(
+            f"Warning: The guard {acted} a signal by {names} (alarm {number:.0f}), first at t = {first:.4g} s, "
+            f"for {length:.3g} s in all."
+        )
+    return replace(result, warnings=[*result.warnings, *said])
 
 
 def warn_of_end(result: Result, duration: float, period: float) -> Result:

@@ -21,6 +21,8 @@ from martensite.physics.thermal.ends import AbstractEnds, AdiabaticEnds
 
 GRID = 201
 """Temperatures and resistances among which the worst is searched."""
+SHARES = tuple(10.0 ** (-0.25 * k) for k in range(13))
+"""Shares of the full signal among which the worst is searched."""
 STRAINS = (0.0, 0.1)
 """Between which a resistance is searched for its extremes."""
 
@@ -46,7 +48,7 @@ def guard_for(
         least_cooling: least film coefficient over that of the environment, such as 0.5 for air that may be shut in.
         full: largest signal, in the unit of the sources; by default 1, for sources that take a duty.
         band: how far below the limit signals come back [K], where the answer is `resume`.
-        answer: `latch` or `resume`.
+        answer: `latch`, `resume`, or `limit`: the signal is lowered to what keeps the bound.
         hold: shortest time of a cut [s].
         checks: further checks by name.
 
@@ -59,38 +61,55 @@ def guard_for(
         limit = temperature_limit or one.element.limits.temperature_limit
         if not math.isfinite(limit):
             raise InputError(f"The element at `{drive}` has no `temperature_limit`; give one to the guard.")
-        ambient = hottest or one.environment.temperature
         cut = () if len(system.actuators()) == 1 else (drive,)
-        found[f"bound_{drive}"] = ThermalBound(
-            drive=drive,
-            drives=cut,
-            limit=limit,
-            band=band,
-            ambient=ambient,
-            power=worst_power(one, limit, _find_full_signal(one, full)),
-            full=_find_full_signal(one, full),
-            rises="square" if one.source.unit in ("V", "A") else "linear",
-            capacity=one.element.heat_capacity_total(),
-            conductance=least_cooling * least_conductance(one, ambient, limit),
-        )
+        given = find_bound(one, drive, limit, _find_full_signal(one, full), hottest, least_cooling)
+        found[f"bound_{drive}"] = given.with_parts(drives=cut, band=band)
     return Guard(checks=Checks(**found), answer=answer, hold=hold)
 
 
+def find_bound(
+    one: Actuator, drive: str, limit: float, full: float, hottest: float | None = None, least_cooling: float = 1.0
+) -> ThermalBound:
+    """The bound on the temperature of one actuator, whose drive is called so, at a limit [K]; see `guard_for`."""
+    ambient = hottest or one.environment.temperature
+    return ThermalBound(
+        drive=drive,
+        limit=limit,
+        ambient=ambient,
+        power=worst_power(one, limit, full),
+        full=full,
+        rises="square" if one.source.unit in ("V", "A") else "linear",
+        capacity=one.element.heat_capacity_total(),
+        conductance=least_cooling * least_conductance(one, ambient, limit),
+    )
+
+
 def worst_power(actuator: Actuator, hottest: float, full: float) -> float:
-    """Largest power [W] that a signal of either sign brings into an element up to `hottest` [K], at any resistance."""
+    """Power [W] at the full signal of the line, or parabola, that is above what any signal of either sign brings.
+
+    Into an element up to `hottest` [K], at any resistance; also of a source that reaches a limit before.
+
+    Raises:
+        InputError: the source heats without a signal.
+    """
     element, source = _require_lumped(actuator.element), actuator.source
+    temperatures = actuator.environment.temperature, hottest
     ohms = [
         element.ohms(floats, fraction, strain, temperature, rphase)
         for fraction, rphase in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))
         for strain in STRAINS
-        for temperature in (actuator.environment.temperature, hottest)
+        for temperature in temperatures
     ]
-    currents = (
-        (source.current(floats, sign * full, one), one)
-        for sign in (-1.0, 1.0)
-        for one in _build_grid(min(ohms), max(ohms))
-    )
-    return max(current * current * one for current, one in currents)
+    grid = _build_grid(min(ohms), max(ohms))
+
+    def most(signal: float) -> float:
+        currents = ((source.current(floats, sign * signal, one), one) for sign in (-1.0, 1.0) for one in grid)
+        return max(current * current * one for current, one in currents)
+
+    if most(0.0) > 0.0:
+        raise InputError(f"Drive `{source.registered_name}` heats without a signal: no guard can bound that.")
+    rises = 2 if source.unit in ("V", "A") else 1
+    return max(most(full * share) / share**rises for share in SHARES)
 
 
 def least_conductance(actuator: Actuator, ambient: float, limit: float) -> float:

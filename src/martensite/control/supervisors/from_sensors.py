@@ -22,12 +22,13 @@ rightly silent: there is neither check for them.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
 
 from martensite.control.checks.base import AbstractCheck
 from martensite.control.checks.reading import Overheat, OverStress, SensorLost, SensorStuck
 from martensite.control.loop.parts import WORST, MountedSensor
+from martensite.control.observers.base import ESTIMATED
 from martensite.control.sensors.base import AbstractSensor
 
 if TYPE_CHECKING:
@@ -63,6 +64,29 @@ def checks_for(
             if noisy and longest is not None:
                 found[f"stuck_{name}"] = SensorStuck(reading=name, longest=longest)
     return found
+
+
+def find_known_limit(bench: Bench, kind: str, check: Mapping[str, Any]) -> float | None:
+    """Limit that the element of a check has, by the kind and the names of the check; None for none.
+
+    That of the temperature for `thermal-bound` and `overheat`, of the stress for `over-stress`, of a reading or an
+    estimate.
+    """
+    plant, several = bench.plant, len(bench.plant.actuators()) > 1
+    reading = str(check.get("reading", ""))
+    mounted = bench.sensors.members().get(reading)
+    seen = reading.removeprefix(ESTIMATED) if mounted is None else mounted.sees()[0]
+    for port, one in plant.actuators().items():
+        limits, known = one.element.limits, None
+        if kind == "overheat" and seen in {plant.label(port, output) for output in TEMPERATURES}:
+            known = limits.temperature_limit
+        if kind == "over-stress" and seen == plant.label(port, "stress"):
+            known = limits.stress_limit
+        if kind == "thermal-bound" and (not several or check.get("drive") == plant.drive_at(port)):
+            known = limits.temperature_limit
+        if known is not None and math.isfinite(known):
+            return known
+    return None
 
 
 def lost_after(mounted: MountedSensor, period: float) -> float:

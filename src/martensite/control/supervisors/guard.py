@@ -4,15 +4,20 @@ In every period all checks look at what is wanted and at the readings. The signa
 which trips speaks for are replaced by the safe one, in the same period. They come back
 
     never (`latch`):    not before the guard is put to rest again, as at the start of a run;
-    later (`resume`):   when the check says that all is well, at the earliest after `hold`.
+    later (`resume`):   when the check says that all is well, at the earliest after `hold`;
+    lowered (`limit`):  by a check that knows the largest signal with which it holds, such as a bound on the
+                        temperature, signals are not cut but kept below that; the other checks latch.
 
 How far apart tripping and being well are is the `band` of a check. Of all checks that have cut, the one with the lowest
 alarm is shown; the table of alarms is that of `martensite.control.checks.base`.
 """
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param, part
-from martensite.control.checks.base import AbstractCheck, Checks
+from martensite.control.checks.base import LIMITED, AbstractCheck, Checks
 from martensite.control.checks.thermal_bound import ThermalBound
 from martensite.control.loop.parts import SUPERVISORS, AbstractSupervisor, Column, Named, SupervisorVerdict
 from martensite.kernels.namespace import Flag, Namespace, Scalar
@@ -20,6 +25,19 @@ from martensite.signals.base import DRIVE
 
 OWN = 2
 """Numbers that the guard remembers of each check: whether it has cut, and for how long still."""
+
+
+class JudgedCheck(NamedTuple):
+    """What a check makes of a sample."""
+
+    check: AbstractCheck
+    cut: Flag | None
+    """Whether it cuts; None for one that never does."""
+    lowers: Flag | None
+    """Whether it limits; None for one that never does."""
+    left: Scalar
+    """Time for which it still cuts [s]."""
+    memory: Column
 
 
 @SUPERVISORS.register("guard")
@@ -31,12 +49,16 @@ class Guard(AbstractSupervisor):
         default=Checks(),
         typical={"hot": {"kind": "overheat"}, "lost": {"kind": "sensor-lost"}},
     )
-    answer: str = option("when signals come back", "latch", "resume", default="latch")
+    answer: str = option("when signals come back", "latch", "resume", "limit", default="latch")
     hold: Scalar = param("s", "shortest time of a cut", low=0.0, default=0.0, typical="0.1 s")
     safe: Scalar = param(DRIVE, "signal of a cut", default=0.0)
 
     def check(self) -> None:
-        """Raise `ParameterError` if the signal of a cut is not safe."""
+        """Raise `ParameterError` if it checks nothing, or the signal of a cut is not safe."""
+        if not self.checks.members():
+            raise ParameterError(
+                "A guard without checks guards nothing; give it one, or in a scenario `from_plant = true`."
+            )
         for name, one in self.checks.members().items():
             if isinstance(one, ThermalBound) and not one.holds(self.safe):
                 raise ParameterError(
@@ -52,6 +74,13 @@ class Guard(AbstractSupervisor):
         """Drives that the checks speak of."""
         return tuple(name for one in self.checks.members().values() for name in one.names())
 
+    def name_checks(self) -> dict[int, list[str]]:
+        """Number of an alarm -> names of the checks that raise it."""
+        found: dict[int, list[str]] = {}
+        for name, one in self.checks.members().items():
+            found.setdefault(one.alarm, []).append(name)
+        return found
+
     def rest(self, xp: Namespace, readings: Named) -> Column:
         """Nothing cut."""
         found: list[Scalar] = []
@@ -61,22 +90,27 @@ class Guard(AbstractSupervisor):
 
     def judge(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> SupervisorVerdict:
         """What all checks leave of the signals."""
-        allowed, rows = dict(wanted), list[tuple[AbstractCheck, Flag, Scalar, Column]]()
+        allowed, rows = dict(wanted), list[JudgedCheck]()
         for one, own in self._pair_memories(memory):
             found = one.look(xp, own[OWN:], wanted, readings, dt)
-            cut = self._decide_cut(xp, own, found.trips, found.clears)
+            most = one.find_most(xp, found.memory, dt) if self.answer == "limit" else {}
+            lowers = found.trips if most else None
+            cut = None if most else self._decide_cut(xp, own, found.trips, found.clears)
             left = xp.where(found.trips, self.hold, xp.maximum(own[1] - dt, 0.0))
-            rows.append((one, cut, left, found.memory))
-            for name in one.cuts() or wanted:
-                allowed[name] = xp.where(cut, self.safe, allowed[name])
+            rows.append(JudgedCheck(one, cut, lowers, left, found.memory))
+            for name, size in most.items():
+                allowed[name] = _lower_signal(xp, allowed[name], size, self.safe)
+            if cut is not None:
+                allowed |= {name: xp.where(cut, self.safe, allowed[name]) for name in one.cuts() or wanted}
         kept: list[Scalar] = []
-        for one, cut, left, own in rows:
-            kept += [xp.where(cut, 1.0, 0.0), left, *one.remember_allowed(xp, own, allowed, dt)]
-        return SupervisorVerdict(allowed, _find_alarm(xp, [(one, cut) for one, cut, _, _ in rows]), tuple(kept))
+        for one, cut, _, left, own in rows:
+            held = 0.0 if cut is None else xp.where(cut, 1.0, 0.0)
+            kept += [held, left, *one.remember_allowed(xp, own, allowed, dt)]
+        return SupervisorVerdict(allowed, _find_alarm(xp, rows), tuple(kept))
 
     def _decide_cut(self, xp: Namespace, own: Column, trips: Flag, clears: Flag) -> Flag:
         before = own[0] > 0.5
-        if self.answer == "latch":
+        if self.answer != "resume":
             return xp.either(before, trips)
         stays = xp.either(xp.negate(clears), own[1] > 0.0)
         return xp.either(trips, xp.both(before, stays))
@@ -91,9 +125,18 @@ class Guard(AbstractSupervisor):
         return found
 
 
-def _find_alarm(xp: Namespace, rows: list[tuple[AbstractCheck, Flag]]) -> Scalar:
-    """The lowest number of all checks that cut; 0 if none does."""
+def _lower_signal(xp: Namespace, signal: Scalar, size: Scalar, safe: Scalar) -> Scalar:
+    """A signal of either direction, no larger than a size; the safe one for what is no number."""
+    lowered = xp.where(signal > 0.0, size, xp.where(signal < 0.0, -size, safe))
+    return xp.where(xp.abs(signal) <= size, signal, lowered)
+
+
+def _find_alarm(xp: Namespace, rows: Sequence[JudgedCheck]) -> Scalar:
+    """The lowest number of all checks that cut; else of those that limit, beyond 100; else 0."""
     alarm: Scalar = 0.0
-    for one, cut in sorted(rows, key=lambda row: -row[0].alarm):
-        alarm = xp.where(cut, float(one.alarm), alarm)
+    ordered = sorted(rows, key=lambda row: -row.check.alarm)
+    for row in ordered:
+        alarm = alarm if row.lowers is None else xp.where(row.lowers, float(LIMITED + row.check.alarm), alarm)
+    for row in ordered:
+        alarm = alarm if row.cut is None else xp.where(row.cut, float(row.check.alarm), alarm)
     return alarm

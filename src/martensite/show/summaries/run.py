@@ -40,11 +40,13 @@ def summarise_run(
     own = result.summary()
     warned = len(result.warnings)
     told, warnings = own.blocks[: len(own.blocks) - warned], own.blocks[len(own.blocks) - warned :]
+    guard = _collect_guard(scenario)
     blocks = [
         *told,
         *_describe_agreements(result, agreements),
         *_describe_averaging(averaging),
         *(Sentence(f"Caution: {caution}", "caution") for caution in scenario.cautions),
+        *guard.blocks,
         *warnings,
         Heading("Key results", detail=True),
         tabulate_key_results(result),
@@ -53,9 +55,20 @@ def summarise_run(
         "cautions": scenario.cautions,
         "comparison": [asdict(agreement) for agreement in agreements],
         "averaging": _collect_averaging(averaging),
+        **guard.data,
     }
     stroke = write_difference(result.stroke, result.unit(result.coordinate))
     return Summary(scenario.title, blocks, data, f"{own.lead}; stroke {stroke}")
+
+
+def _collect_guard(scenario: Scenario) -> Summary:
+    """What guards a loop, and how hot it lets an element get; nothing without a loop."""
+    if scenario.bench is None:
+        return Summary("", [], {})
+    from martensite.scenario.guard_report import collect_guard, describe_guard
+
+    found = collect_guard(scenario) or {}
+    return Summary("", list(describe_guard(found)), {"guard": found})
 
 
 def tabulate_key_results(result: Result) -> DataTable:

@@ -1,0 +1,103 @@
+"""Courses of a duty that characterise a wire: pulses, staircases, ramps and first-order reversal curves.
+
+Each is a list of levels, (time [s], duty), in shares of a full duty, which is found on the model: the least with which
+the wire comes to rest as austenite. A course begins and ends cold.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import SolveError
+from martensite.simulate.lanes import Lanes
+
+DUTIES = 40
+"""Duties among which the full one is sought."""
+AUSTENITE = 0.02
+"""Martensite fraction that counts as none."""
+REST = 3.0
+"""Rest after a course, in times of cooling: the next one begins as if nothing had been."""
+STEP = 0.02
+"""Length of a step on the model [s]."""
+
+
+@dataclass(frozen=True)
+class DutyCourse:
+    """Levels of a duty."""
+
+    name: str
+    levels: tuple[tuple[float, float], ...]
+    """Time [s] and duty of each."""
+
+    @property
+    def duration(self) -> float:
+        """Time of all levels [s]."""
+        return sum(length for length, _ in self.levels)
+
+    def scaled(self, factor: float) -> DutyCourse:
+        """With all duties times a factor, none above 1."""
+        levels = tuple((length, min(duty * factor, 1.0)) for length, duty in self.levels)
+        return DutyCourse(self.name, levels)
+
+    def sample(self, step: float) -> NDArray[np.float64]:
+        """The duty in every step [s]."""
+        return np.concatenate([np.full(max(1, round(length / step)), duty) for length, duty in self.levels])
+
+
+@dataclass(frozen=True)
+class WirePace:
+    """How strong and how fast a wire is, on its model."""
+
+    full: float
+    """Duty with which it comes to rest as austenite."""
+    rise: float
+    """Time to be austenite under it [s]."""
+    fall: float
+    """Time to be martensite again without any [s]."""
+
+
+def measure_pace(plant: AbstractSystem, longest: float = 60.0) -> WirePace:
+    """Full duty of a plant of one wire, and its times, by its model.
+
+    Raises:
+        SolveError: no duty makes it austenite in the longest time [s].
+    """
+    duties = np.linspace(1.0 / DUTIES, 1.0, DUTIES)
+    lanes = Lanes(plant, DUTIES)
+    lanes.reset(np.zeros((1, DUTIES)))
+    place, steps = lanes.names.index("martensite_fraction"), round(longest / STEP)
+    up = lanes.advance(np.broadcast_to(duties, (steps, 1, DUTIES)), STEP)[:, place, :]
+    strong = np.flatnonzero(up[-1] < AUSTENITE)
+    if not len(strong):
+        raise SolveError(f"No duty makes the wire of the model austenite within {longest:g} s: more volts would.")
+    k = int(strong[0])
+    down = lanes.advance(np.zeros((steps, 1, DUTIES)), STEP)[:, place, k]
+    cold = np.flatnonzero(down > 1.0 - AUSTENITE)
+    fall = STEP * float(cold[0]) if len(cold) else longest
+    k = min(k + 1, DUTIES - 1)  # a step more, so that it does not creep there
+    return WirePace(float(duties[k]), STEP * float(np.argmax(up[:, k] < AUSTENITE)), fall)
+
+
+def list_courses(pace: WirePace) -> Iterator[DutyCourse]:
+    """All courses that there are for a wire."""
+    full, rise, rest = pace.full, pace.rise, (REST * pace.fall, 0.0)
+    for share in (0.4, 0.7, 1.0):
+        yield DutyCourse(f"pulse {share:g}", ((share * rise, full), rest))
+    yield DutyCourse("short pulse", ((0.3 * rise, min(1.0, 2.0 * full)), rest))
+    shares = np.linspace(0.2, 1.0, 5)
+    yield DutyCourse("staircase", (*_hold([*shares, *shares[-2::-1]], 0.8 * rise, full), rest))
+    ramp = np.linspace(0.0, 1.0, 20)
+    yield DutyCourse("ramp", (*_hold([*ramp, *ramp[::-1]], 0.2 * rise, full), rest))
+    for turn in (0.6, 0.75, 0.9):
+        course = [1.0, 0.4, turn, 0.3, 1.0]
+        yield DutyCourse(f"reversal {turn:g}", (*_hold(course, rise, full), rest))
+
+
+def _hold(shares: Sequence[float], length: float, full: float) -> Iterator[tuple[float, float]]:
+    for share in shares:
+        yield length, float(share) * full

@@ -1,0 +1,111 @@
+"""What the guard of a scenario would do: every check with its limit and its answer, and the worst it lets through."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from martensite.actuators.elements.limits import MELTING
+from martensite.base.errors import InputError
+from martensite.base.formats import write_quantity
+from martensite.base.summary import Block, DataTable, Sentence
+from martensite.base.units import OF_READINGS
+from martensite.control.checks.base import AbstractCheck
+from martensite.control.checks.thermal_bound import ThermalBound
+from martensite.control.loop.names import list_readings
+from martensite.control.supervisors.default_guard import find_full_signal, list_heated
+from martensite.control.supervisors.guard import Guard
+from martensite.control.supervisors.worst_case import find_worst_case
+from martensite.scenario.sections import SUPERVISOR
+
+if TYPE_CHECKING:
+    from martensite.control.loop.bench import Bench
+    from martensite.scenario.scenario import Scenario
+
+LIMITS = ("limit", "timeout", "longest")
+"""Parameters that say when a check trips."""
+LIMITED = (".limits.temperature_limit", ".limits.stress_limit")
+"""Ends of the paths of what limits an element."""
+KELVIN = 1.0
+"""Excess over a limit of the temperature that is none [K]."""
+
+
+def collect_guard(scenario: Scenario) -> dict[str, Any] | None:
+    """Checks of the guard of a scenario, and the worst case of every drive that heats; None without a bench.
+
+    Temperatures in K. The worst case is left out where it is not known, as of elements of many temperatures.
+    """
+    bench = scenario.bench
+    if bench is None:
+        return None
+    controllers = {**bench.controllers.members(), **scenario.outside}
+    checks = bench.supervisor.checks.members() if isinstance(bench.supervisor, Guard) else {}
+    worst: list[dict[str, Any]] = []
+    for drive, one in list_heated(bench.plant, controllers).items():
+        try:
+            found = find_worst_case(bench, drive, find_full_signal(one, controllers[drive]))
+        except InputError:
+            continue
+        worst.append({"drive": drive, **found._asdict(), "limit": one.element.limits.temperature_limit})
+    return {"checks": [_collect_check(scenario, bench, name, one) for name, one in checks.items()], "worst": worst}
+
+
+def describe_guard(found: Mapping[str, Any]) -> Iterator[Block]:
+    """The same as a table and a sentence for every drive."""
+    if found["checks"]:
+        rows = [(one["check"], one["trips"], one["from"], one["then"]) for one in found["checks"]]
+        yield DataTable(("check", "trips when", "limit from", "then it"), rows)
+    for one in found["worst"]:
+        free, guarded = (_write_temperature(one[name]) for name in ("free", "guarded"))
+        if not one["check"]:
+            words = (
+                f"No check bounds the temperature of the element of `{one['drive']}`: its full signal leads to {free}."
+            )
+            yield Sentence(words, "caution" if one["free"] > one["limit"] + KELVIN else "")
+            continue
+        words = f"Whatever is wanted, the element of `{one['drive']}` stays below {guarded} by `{one['check']}`"
+        words += f", in surroundings as they are given; without a guard a full signal leads to {free}."
+        yield Sentence(words, "caution" if one["guarded"] > one["limit"] + KELVIN else "")
+
+
+def _write_temperature(kelvin: float) -> str:
+    return "melting" if kelvin > MELTING else write_quantity(kelvin, "K", 4)
+
+
+def _collect_check(scenario: Scenario, bench: Bench, name: str, check: AbstractCheck) -> dict[str, Any]:
+    key = next((key for key in LIMITS if key in check.declarations), "")
+    limit, unit = (check.value_of(key), check.declarations[key].unit) if key else (math.inf, "1")
+    reading = getattr(check, "reading", getattr(check, "drive", ""))
+    if unit in OF_READINGS:
+        unit = list_readings(bench)[reading].unit
+    return {
+        "check": name,
+        "kind": check.registered_name,
+        "trips": f"{check.registered_name}: {reading} {write_quantity(limit, unit)}",
+        "from": _find_origin(scenario, f"{SUPERVISOR}.checks.{name}.{key}", limit),
+        "then": _tell_answer(bench, check),
+    }
+
+
+def _tell_answer(bench: Bench, check: AbstractCheck) -> str:
+    """What the guard does with the signals of a check that trips."""
+    guard: Any = bench.supervisor
+    drives = ", ".join(check.cuts() or [drive.name for drive in bench.plant.drives()])
+    if isinstance(check, ThermalBound) and guard.answer == "limit":
+        return f"limits {check.drive}"
+    if guard.answer == "resume":
+        return f"cuts {drives} until all is well"
+    return f"cuts {drives} for good"
+
+
+def _find_origin(scenario: Scenario, path: str, limit: float) -> str:
+    """Where a limit came from: the scenario, the sensors, or a limit of the element, and where that did."""
+    where = scenario.origins.get(path, "default")
+    if where != "plant":
+        return where
+    for leaf in scenario.leaves():
+        if leaf.path.endswith(LIMITED) and leaf.value == limit:
+            own = scenario.places.path(leaf.path)
+            return f"{own}, {scenario.origins.get(own, 'default')}"
+    return where
