@@ -5,12 +5,13 @@ it `leads`. Each of these has a follower, so that every drive has one controller
 and its place under the supervisor.
 """
 
+import math
 from collections.abc import Mapping
 
-from martensite.base.parameters import part, text
+from martensite.base.parameters import param, part, text
 from martensite.control.controllers.base import CONTROLLERS, PLANNED, AbstractController, Answer, Column, Readings
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.signals.base import WAVEFORMS, AbstractWaveform
+from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.constant import Constant
 
 
@@ -22,6 +23,8 @@ class Follower(AbstractController):
     reference: AbstractWaveform = part(
         "what that reading shall be, in its SI unit", WAVEFORMS, default=Constant(level=0.0)
     )
+    low: Scalar = param(DRIVE, "least signal that it passes on", default=-math.inf)
+    high: Scalar = param(DRIVE, "largest signal that it passes on; the guard by default asks for it", default=math.inf)
 
     def reads(self) -> tuple[str, ...]:
         """What was planned, and the reading that its reference is for."""
@@ -33,4 +36,4 @@ class Follower(AbstractController):
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """The signal that was planned in this sample."""
-        return readings[PLANNED], ()
+        return xp.clip(readings[PLANNED], self.low, self.high), ()
