@@ -21,7 +21,7 @@ from benchmarks.sections import Options, section
 from martensite.actuators.assembly import System
 from martensite.control.controllers.mpc import Mpc
 from martensite.control.controllers.pid import Pid
-from martensite.control.controllers.planning import PlanSearch, Price
+from martensite.control.controllers.planning import Price
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers, MountedSensor, Observers, Sensors
 from martensite.control.loop.realtime import RealtimeStep
@@ -79,9 +79,9 @@ def drive(controller: Any) -> Call:
     return call
 
 
-def loop(observed: bool, native: bool) -> Call:
+def loop(whole: Bench, native: bool) -> Call:
     """The loop of a bench without its plant."""
-    step = RealtimeStep(bench(observed), native).step
+    step = RealtimeStep(whole, native).step
     return lambda i: step({"position": reading(i)})
 
 
@@ -98,33 +98,27 @@ def period(observed: bool) -> Call:
     return call
 
 
-def predictive() -> Mpc:
-    """A predictive controller of the same wire."""
-    return Mpc.for_system(
-        plant(),
-        measured="position",
-        reference=COURSE,
-        period=PERIOD,
-        price=Price(error=1e-4),
-        search=PlanSearch(plans=32, rounds=3),
-    )
+def predictive() -> Bench:
+    """The wire under a predictive controller."""
+    planned = Mpc.for_system(plant(), measured="position", reference=COURSE, period=PERIOD, price=Price(error=1e-4))
+    return bench(False).with_parts(controllers=Controllers(drive=planned))
 
 
 def calls() -> dict[str, Call]:
     """What is timed, by name."""
     found = {
         "pid, floats": drive(bench(False).controllers.members()["drive"]),
-        "loop pid, floats": loop(False, native=False),
-        "loop filter + pid, floats": loop(True, native=False),
+        "loop pid, floats": loop(bench(False), native=False),
+        "loop filter + pid, floats": loop(bench(True), native=False),
     }
     if find_compiler() is None:
         return found
     return found | {
-        "loop pid, C": loop(False, native=True),
-        "loop filter + pid, C": loop(True, native=True),
+        "loop pid, C": loop(bench(False), native=True),
+        "loop filter + pid, C": loop(bench(True), native=True),
         "period of the bench with pid, C": period(False),
         "period of the bench with filter + pid, C": period(True),
-        "mpc, 32 plans, 3 rounds, C": drive(predictive()),
+        "loop mpc, 20 blocks, C": loop(predictive(), native=True),
     }
 
 
@@ -133,7 +127,7 @@ def realtime(options: Options) -> list[Table]:
     """One control step of every kind."""
     rows: list[dict[str, Any]] = []
     for name, call in calls().items():
-        count = options.calls // SLOWER if name.startswith("mpc") else options.calls
+        count = options.calls // SLOWER if "mpc" in name else options.calls
         times = latencies(call, max(count, 1), warm=min(500, count))
         row: dict[str, Any] = {"step": name}
         row |= {f"{k} [us]": 1e6 * times[int(q * len(times))] for k, q in QUANTILES.items()}

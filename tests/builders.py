@@ -256,6 +256,7 @@ def isotherm(celsius: float, *mpa: float) -> list[tuple[float, float]]:
 
 # Options that an example leaves at their default: tried in other laws, and slow in these.
 UNTRIED: dict[str, dict[str, Any]] = {
+    "mpc": {"blocks": 1, "horizon": "0.1 s"},
     "mas-polycrystal": {"heat_model": "constant", "groups": "15"},
     "axial-wire": {"cells": "5"},
     "ribbon": {"wires": "2"},

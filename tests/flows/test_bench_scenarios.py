@@ -17,9 +17,11 @@ from martensite.base.errors import InputError, ParameterError, UnitError
 from martensite.base.formats import write_quantity
 from martensite.control.controllers.mpc import Mpc
 from martensite.control.controllers.pid import Pid, PidLaw
+from martensite.control.controllers.relay import OnOff
 from martensite.control.controllers.scheduled_pid import ScheduledPid
 from martensite.control.loop.names import list_readings
 from martensite.control.loop.parts import MountedSensor
+from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.usual_models import AS_MODELLED, USUAL
 from martensite.control.sensors.position import PositionSensor
@@ -298,15 +300,25 @@ def test_gains_by_points_and_components_of_components() -> None:
     assert inner.origins["controller.high"] == "scenario"
 
 
-def test_controller_that_is_no_kernel_stays_outside() -> None:
+def test_controller_that_plans_has_the_period_of_the_bench_and_the_system_as_its_model() -> None:
     plan = "horizon = '1 s'\nblocks = 5\nprice = { error = '1 mm' }\n"
     scenario = controlled(f"kind = 'mpc'\nmeasured = 'position'\n{plan}")
     assert scenario.bench is not None
-    assert scenario.bench.controllers.members() == {}
-    (one,) = scenario.outside.values()
+    (one,) = scenario.bench.controllers.members().values()
     assert isinstance(one, Mpc)
     assert (one.blocks, one.period, one.model) == (5, 0.02, scenario.system)
     assert placed(scenario)["controller.horizon"].value == 1.0
+
+
+def test_controller_that_is_no_kernel_stays_outside(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(OnOff, "kernel", False)
+    scenario = controlled("kind = 'on-off'\nmeasured = 'position'\nband = '0.1 mm'\nhigh = 0.8\n")
+    assert scenario.bench is not None
+    assert scenario.bench.controllers.members() == {}
+    (one,) = scenario.outside.values()
+    assert isinstance(one, OnOff)
+    with pytest.raises(ParameterError, match=r"no controller.*outside of the bench"):
+        RealtimeStep(scenario.bench)
 
 
 GUARD = """

@@ -17,6 +17,7 @@ import pytest
 from command import Command
 
 from martensite.cli import progress
+from martensite.control.controllers.pid import Pid
 from martensite.scenario.catalogue import list_registries
 from martensite.scenario.netcdf import open_result
 from martensite.scenario.scenario import load, read_scenario
@@ -79,32 +80,34 @@ def test_run_refuses_what_has_no_effect_on_a_bench(folder: Path, arguments: tupl
     assert {path.name for path in folder.iterdir()} == {"loop.toml"}
 
 
+@pytest.fixture
+def no_kernel(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A PID is a controller that is no kernel."""
+    monkeypatch.setattr(Pid, "kernel", False)
+
+
+@pytest.mark.usefixtures("no_kernel")
 def test_run_refuses_a_runtime_for_a_controller_outside(folder: Path) -> None:
-    settings = ["controller.kind=mpc", "controller.horizon=1 s", "controller.price.error=1 mm"]
-    text = (folder / "loop.toml").read_text(encoding="utf-8")
-    for line in ("Kp = 150        # duty per metre\n", "Ki = 75         # and second\n"):
-        assert line in text
-        text = text.replace(line, "")
-    (folder / "loop.toml").write_text(text, encoding="utf-8")
-    arguments = [part for one in settings for part in ("--set", one)]
-    assert "Option `--runtime` has no effect" in refused("run", "loop.toml", *SHORT, *arguments)
-    assert "20 periods" in fine("check", "loop.toml", "--set", "run.duration=0.4 s", *arguments)
+    assert "Option `--runtime` has no effect" in refused("run", "loop.toml", *SHORT)
+    assert "20 periods" in fine("check", "loop.toml", "--set", "run.duration=0.4 s")
 
 
 def outside(folder: Path) -> tuple[str, ...]:
-    """Arguments of a short run of the loop under a predictive controller."""
-    text = (EXAMPLES / "closed_loop_predictive.toml").read_text(encoding="utf-8")
-    (folder / "predicted.toml").write_text(text, encoding="utf-8")
-    return ("run", "predicted.toml", "--no-figure", "--set", "run.duration=0.2 s")
+    """Arguments of a run of four periods."""
+    text = (folder / "loop.toml").read_text(encoding="utf-8")
+    (folder / "outer.toml").write_text(text, encoding="utf-8")
+    return ("run", "outer.toml", "--no-figure", "--set", "run.duration=0.08 s")
 
 
+@pytest.mark.usefixtures("no_kernel")
 def test_run_outside_is_written_with_reference_and_wanted_signal(folder: Path) -> None:
     fine(*outside(folder))
-    saved = open_result("predicted.nc")
+    saved = open_result("outer.nc")
     assert saved["reference"].attrs["units"] == "m"
     assert saved["wanted"].values.shape == saved["position"].values.shape
 
 
+@pytest.mark.usefixtures("no_kernel")
 @pytest.mark.parametrize("json", [True, False])
 @pytest.mark.parametrize("terminal", [True, False])
 def test_run_outside_shows_how_far_it_is_to_a_terminal(
@@ -114,7 +117,7 @@ def test_run_outside_shows_how_far_it_is_to_a_terminal(
         told: ClassVar[list[float]] = []
 
         def __call__(self, text: str, share: float) -> None:
-            assert text == "simulating Position of a wire that is planned ahead"
+            assert text == f"simulating {load(folder / 'outer.toml').title}"
             self.told.append(share)
 
     @contextmanager

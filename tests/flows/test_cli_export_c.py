@@ -16,6 +16,7 @@ from thin_wire import THIN_WIRE
 from typer.testing import CliRunner, Result
 
 from martensite.cli import app
+from martensite.control.controllers.pid import Pid
 from martensite.kernels.compiler import find_compiler
 from martensite.scenario.scenario import load
 from martensite_export import c_example
@@ -60,9 +61,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     Path("held.toml").write_text(HELD, encoding="utf-8")
     Path("driven.toml").write_text(DRIVEN, encoding="utf-8")
-    gains = "Kp = 150.0\nKi = 75.0\n"
-    predictive = HELD.replace('"pid"', '"mpc"').replace(gains, 'horizon = "1 s"\nerror = "1 mm"\n')
-    Path("predictive.toml").write_text(predictive, encoding="utf-8")
     return tmp_path
 
 
@@ -174,7 +172,6 @@ def test_a_file_is_not_replaced_unless_wanted() -> None:
         (("driven.toml", "--name", "a-b"), "`a_b` is one"),
         (("driven.toml", "--out", "none/deeper"), "There is no folder `none`"),
         (("drivn.toml",), "Did you mean `driven.toml`"),
-        (("predictive.toml",), "`mpc` is no kernel"),
     ],
 )
 def test_bad_input_is_one_sentence(arguments: tuple[str, ...], words: str) -> None:
@@ -183,3 +180,10 @@ def test_bad_input_is_one_sentence(arguments: tuple[str, ...], words: str) -> No
     assert (done.stdout, done.stderr.count("\n")) == ("", 1)
     assert words in done.stderr
     assert list(Path().glob("*.c")) == []
+
+
+def test_a_controller_that_is_no_kernel_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Pid, "kernel", False)
+    done = call("held.toml")
+    assert done.exit_code == 2
+    assert "`pid` is no kernel" in done.stderr

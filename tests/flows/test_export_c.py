@@ -27,6 +27,7 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.base import AbstractController
 from martensite.control.controllers.iterative_learning import IterativeLearning
+from martensite.control.controllers.mpc import Mpc
 from martensite.control.controllers.pid import Pid
 from martensite.control.controllers.relay_tuning import RelayTuning
 from martensite.control.loop.bench import Bench
@@ -200,6 +201,24 @@ def test_a_loop_says_what_its_controller_says(one: AbstractController, tmp_path:
         assert (called.step(*given, dt=PERIOD) if k else called.start(*given)) == OK
         assert called.observe(*given)[1] == pytest.approx([column[k] for column in columns], rel=1e-9, abs=1e-12)
     assert any(values[-1] != values[0] for values in columns[1:])
+
+
+def test_a_loop_that_looks_ahead_takes_what_lies_there(tmp_path: Path) -> None:
+    planned = Mpc(model=PLANT, measured="position", reference=COURSE, period=PERIOD, horizon=0.6, blocks=2)
+    looking = BENCH.with_parts(controllers=Controllers(drive=planned))
+    core = build_c_loop(looking, name="planned")
+    ahead = ["reference.ahead.1", "reference.ahead.2"]
+    assert [one.name for one in core.inputs] == ["position", "position.age", "reference", *ahead]
+    called, plain = Called(core, tmp_path), RealtimeStep(looking, native=False)
+    found: list[float] = []
+    for k in range(12):
+        references = [COURSE.value(k * PERIOD + lead) for lead in (0.0, 0.3, 0.6)]
+        (meant,) = plain.step({"position": 0.1 * MM * k}, references=references)
+        given = (0.1 * MM * k, 0.0, *references)
+        assert (called.step(*given, dt=PERIOD) if k else called.start(*given)) == OK
+        found.append(called.observe(*given)[1][0])
+        assert found[-1] == meant
+    assert len(set(found)) > 3
 
 
 FLOAT_BOUND = 2e-5

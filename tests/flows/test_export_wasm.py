@@ -201,7 +201,6 @@ LOOSE = {"clamped_wire": 1e-11, "closed_loop_platform": 1e-9, "closed_loop_senso
 RATIOS = ("estimated.nis",)
 """What is a ratio of roundings while an observer has nothing to correct."""
 LEFT_OUT = {
-    "closed_loop_predictive": "a controller that is no kernel",
     **dict.fromkeys(("fit_flexinol_trained", "fit_isobaric", "fit_nitihf"), "no scenario, but what is fitted to one"),
     **dict.fromkeys(("flexinol_trained", "isobaric_log", "nitihf"), "follows a log, and does not load by itself"),
 }

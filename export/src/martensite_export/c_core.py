@@ -28,6 +28,7 @@ from martensite.control.loop.names import (
     NOISE,
     hand_drives,
     list_controller_outputs,
+    list_previews,
     list_readings,
     list_references,
     reference_units,
@@ -264,7 +265,10 @@ def _loop_inputs(bench: Bench) -> Rows:
     rows = [(name, known[name].unit, known[name].long_name) for name in names]
     rows += [(name + AGE, "s", f"age of {name}") for name in names]
     followed = zip(list_references(bench), reference_units(bench), strict=True)
-    rows += [(name, unit, "what the controller shall follow") for name, unit in followed]
+    units = dict(followed)
+    rows += [(name, unit, "what the controller shall follow") for name, unit in units.items()]
+    ahead = [(one.name, units[one.name.rpartition(".ahead.")[0]], one.time) for one in list_previews(bench)]
+    rows += [(name, unit, f"what it shall follow {time:.4g} s later; as now, if unknown") for name, unit, time in ahead]
     taken = bench.controllers.members()
     free = [drive for drive in bench.plant.drives() if drive.name not in taken]
     rows += [(one.name, one.unit, _describe_drive(one.name)) for one in hand_drives(bench)]

@@ -20,7 +20,7 @@ from martensite.base.errors import MartensiteError, ParameterError
 from martensite.base.files import write_file
 from martensite.base.status import Status
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.names import MEASURED, hand_drives, list_references
+from martensite.control.loop.names import MEASURED, hand_drives, list_previews, list_references
 from martensite.control.loop.realtime import list_reads
 from martensite.control.loop.run import reference_waveforms
 from martensite.kernels.compiler import find_compiler
@@ -166,7 +166,8 @@ def played_by_loop(bench: Bench, waveform: Waveforms, result: Result, steps: int
     sensors, taken = bench.sensors.members(), bench.controllers.members()
     measured = [(MEASURED if sensors else "") + name for name in list_reads(bench)]
     ages = [sensors[name].delay if name in sensors else 0.0 for name in list_reads(bench)]
-    given, hands = by_name(bench.plant, waveform), [one.name for one in hand_drives(bench)]
+    given, played = by_name(bench.plant, waveform), reference_waveforms(bench)
+    others = [one.name for one in (*list_previews(bench), *hand_drives(bench))]
     free = [given.get(d.name) for d in bench.plant.drives() if d.name not in taken]
     count = min(len(result.times), most * steps + 1)
     rows = [
@@ -174,7 +175,7 @@ def played_by_loop(bench: Bench, waveform: Waveforms, result: Result, steps: int
             *(result.columns[name][k] for name in measured),
             *ages,
             *(result.columns[name][k] for name in list_references(bench)),
-            *(wave.value(result.times[k]) for name, wave in reference_waveforms(bench).items() if name in hands),
+            *(played[name].value(result.times[k]) for name in others),
             *(one.value(result.times[k]) if one else 0.0 for one in free),
         )
         for k in range(count)

@@ -27,9 +27,7 @@ from martensite.control.controllers.pid import Pid as Pid
 from martensite.control.controllers.pid import PidGains as PidGains
 from martensite.control.controllers.pid import PidLaw as PidLaw
 from martensite.control.controllers.pid import per_sample as per_sample
-from martensite.control.controllers.planning import PlanSearch as PlanSearch
 from martensite.control.controllers.planning import Price as _PlanPrice
-from martensite.control.controllers.planning import measure_reach as measure_reach
 from martensite.control.controllers.relay import Direct as Direct
 from martensite.control.controllers.relay import OnOff as OnOff
 from martensite.control.controllers.relay import TwoLevel as TwoLevel
@@ -41,6 +39,7 @@ from martensite.control.controllers.scheduled_pid import ScheduledPid as Schedul
 from martensite.control.controllers.shaping import ReferenceShaping as ReferenceShaping
 from martensite.control.controllers.sliding_mode import SlidingMode as SlidingMode
 from martensite.control.controllers.state_feedback import StateFeedback as StateFeedback
+from martensite.control.controllers.time_scales import measure_reach as measure_reach
 from martensite.control.faults.mechanism import Clamped as Clamped
 from martensite.control.faults.mechanism import Slack as Slack
 from martensite.control.faults.plant import AmbientStep as AmbientStep

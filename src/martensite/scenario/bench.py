@@ -7,6 +7,8 @@
     [supervisor], [faults.NAME]           kind and parameters
     [bench]                               period, steps, switching, seed
 
+A `follower` whose leader follows no reading of it needs no reference.
+
 The model of an observer, or of a controller that has one, is the system of the scenario itself; `model = {
 "element.diameter" = "0.37 mm" }` makes it another one (`model_changes`), and [observer.models.NAME] says what is
 different in a further model of a bank. A controller that is no kernel runs outside of the bench.
@@ -21,7 +23,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import Parametrised, option, param
-from martensite.control.controllers.base import CONTROLLERS, AbstractController, require_readings
+from martensite.control.controllers.base import CONTROLLERS, PLANNED, AbstractController, require_readings
+from martensite.control.controllers.follower import Follower
 from martensite.control.faults.base import FAULTS as KNOWN_FAULTS
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import list_readings
@@ -266,10 +269,12 @@ class BenchBuilder:
         name, table, path = row
         name, unit = self._find_drive(name, path)
         given, below = self._find_reference(name, table, path)
+        if given is None:
+            return name, self._build_idle(bench, (f"controllers.{name}", table, path), PlaceUnits(unit))
         where, readings = f"controllers.{name}", _list_units(bench)
         built = self._build_idle(bench, (where, table, path), PlaceUnits(unit, readings))
         with name_section(path):
-            require_readings(built, readings)
+            require_readings(built, [*readings, PLANNED])
             kind = built.reference_unit(readings, unit)
         self.places.note(f"{where}.{REFERENCE}", below, PlaceUnits(kind))
         waveform = self.assembly.waveform_of(given, kind, below, name)
@@ -318,6 +323,8 @@ class BenchBuilder:
             raise ParameterError(f"A scenario has [{title}] or [{path}.{REFERENCE}], not both.")
         if REFERENCE in table:
             return table[REFERENCE], f"{path}.{REFERENCE}"
+        if not there and table.get("kind") == Follower.registered_name and "measured" not in table:
+            return None, title
         if not there:
             raise ParameterError(
                 f"[{path}] needs a reference; write a section [{title}] with a waveform, such as "

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from martensite.base.errors import ParameterError
-from martensite.control.controllers.base import AbstractController
+from martensite.control.controllers.base import AHEAD, AbstractController
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers
 from martensite.control.loop.run import open_loop, simulate_bench
@@ -25,9 +25,12 @@ SAMPLES = 40
 
 
 def list_readings(controller: AbstractController) -> dict[str, float]:
-    """The plant at rest, and whatever else the controller reads."""
+    """The plant at rest, whatever else the controller reads, and references ahead at which nothing is to be done."""
     others = {name: sum(find_range(name)) / 2.0 for name in controller.reads()}
-    return others | observe_rest()
+    found = others | observe_rest()
+    previews = controller.list_previews().items()
+    ahead = [f"{AHEAD}{drive}.{k}" for drive, times in previews for k in range(len(times) + 1)]
+    return found | dict.fromkeys(ahead, found.get(controller.measured, 0.0))
 
 
 def find_target(controller: AbstractController) -> float:

@@ -15,7 +15,7 @@ Filters of readings, the shaping of the reference, a manual mode and a slew limi
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 from martensite.actuators.mechanisms.base import Output
@@ -45,6 +45,10 @@ AROUND = "reading_filter", "shaping", "manual", "slew"
 """Parts of any controller that stand around it."""
 HAIR = 1e-9
 """Difference of times that is rounding [s]."""
+AHEAD = "ahead."
+"""What the names of references begin with among readings: `ahead.DRIVE.0` is the present one, others lie ahead."""
+PLANNED = "planned"
+"""What another controller has planned for a drive, among its readings."""
 
 
 class Called(NamedTuple):
@@ -103,6 +107,21 @@ class AbstractController(AbstractDrive):
     def describe(self, period: float) -> str:
         """What `check` and a summary say of it, such as its anti-windup; sampled with a period [s]."""
         return ""
+
+    def list_previews(self) -> dict[str, tuple[float, ...]]:
+        """How far ahead [s] it must know references, by the drive whose controller has them, its own one included.
+
+        Their values are among the readings: `ahead.DRIVE.1`, `ahead.DRIVE.2`, … .
+        """
+        return {}
+
+    def led_drives(self) -> tuple[str, ...]:
+        """Drives whose controllers, of kind `follower`, get their signals from this one."""
+        return ()
+
+    def share_signals(self, memory: Column) -> dict[str, Scalar]:
+        """Signals of the drives that it leads, from what it remembers after a sample."""
+        return {}
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
         """What it remembers before the first sample."""
@@ -212,7 +231,7 @@ class SignalLimits(Parametrised):
         return xp.where(xp.either(over, under), before, after)
 
 
-def require_readings(controller: AbstractController, known: Mapping[str, Any]) -> None:
+def require_readings(controller: AbstractController, known: Collection[str]) -> None:
     """Raise `ParameterError` if a controller reads what is not known."""
     for name in controller.needs():
         if name not in known:

@@ -1,81 +1,83 @@
-"""Model predictive control: many plans are tried on the model, and the best one is begun.
+"""Model predictive control: plans are tried on the model, and the best one is begun.
 
 In every period:
 
-    1. the model goes on under the signal that was applied; what it says then is compared with
+    1. the model goes on under the signals that were applied; what it says then is compared with
        the reading of the same time, and a part of the difference becomes its offset d:
            d_k = d_k-1 + K (y_k - ŷ_k - d_k-1)
-    2. plans are simulated from the state of the model, in C, all side by side, and compared on
-       the reference ahead, which is known, less d (`martensite.control.controllers.planning`)
-    3. the first signal of the best plan is applied until the next period, when all starts again
+    2. plans start from the state of the model, and are compared on the reference ahead, which is
+       known, less d (`martensite.control.controllers.planning`)
+    3. the first signals of the best plan are applied until the next period, when all starts again
        from this plan, moved on (receding horizon).
 
-The horizon decides whether anything moves: a cold wire must be heated through its dead band, and cooled through that of
-the way back, before its stroke changes. A horizon that ends before sees that heating costs and gains nothing, and the
-best plan is none. `Mpc.for_system` measures on the model how long full signal and none need, and takes the sum;
-`cautions` says when a given horizon is too short.
+In the first sample the model is at rest and nothing is planned yet. The horizon decides whether anything moves: a cold
+wire must be heated through its dead band, and cooled through that of the way back, before its stroke changes. A horizon
+that ends before sees that heating costs and gains nothing, and the best plan is none. `Mpc.for_system` measures on the
+model how long full signal and none need, and takes the sum; `cautions` says when a given horizon is too short.
 
-It is no kernel: it runs outside of a bench (`simulate_bench(bench, T, outside=...)`), in
-`simulate_controlled`, or in a loop of one's own. All that it remembers is passed in and out.
+Of several drives one controller has all: it has one of them itself, those that it leads have a `follower`. What the
+readings named in `also_measured` shall be is the reference of the follower of that place.
 """
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple, Self
 
-import numpy as np
-
-from martensite.actuators.assembly import AbstractSystem
+from martensite.actuators.assembly import AbstractSystem, advance_steps
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import option, param, part, text
-from martensite.control.controllers.base import CONTROLLERS, AbstractController, SignalLimits, require_readings
-from martensite.control.controllers.planning import Moment, Planner, PlanSearch, Price, measure_reach, shift_plan
-from martensite.control.observers.base import ESTIMATED
-from martensite.control.observers.hidden_states import list_names, place_hidden
+from martensite.control.controllers.base import (
+    AHEAD,
+    CONTROLLERS,
+    AbstractController,
+    Answer,
+    Column,
+    Readings,
+    SignalLimits,
+)
+from martensite.control.controllers.planning import Planned, Planner, Price, shift_plan
+from martensite.control.controllers.time_scales import measure_reach
+from martensite.control.observers.base import ESTIMATED, list_several
+from martensite.control.observers.hidden_states import list_names, observe_model, place_hidden
 from martensite.kernels import floats
+from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
+from martensite.signals.ahead import Ahead
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.api import steps_in
-from martensite.simulate.lanes import Lanes, Numbers
 
 
-class Planned(NamedTuple):
-    """What a predictive controller remembers; its engines are tools without a past."""
+class PlanMemory(NamedTuple):
+    """What a predictive controller remembers."""
 
-    count: int
-    """Samples so far."""
-    state: Numbers
+    state: Any
     """Of the model, now."""
-    signal: float
-    """That of the period that begins."""
-    plan: Numbers
-    """All signals of it, shape (blocks,)."""
-    offset: float
-    """What readings have more than the model, d."""
-    past: tuple[float, ...]
-    """What the model said in the last samples, latest first."""
-    cost: float
-    """Of the plan."""
-    shape: NestedShape
-    """Of the state."""
-    model: Lanes
-    planner: Planner
+    signals: tuple[Scalar, ...]
+    """Of its drives, in the period that begins."""
+    planned: Planned
+    offsets: tuple[Scalar, ...]
+    """Of what readings have more than the model, d, by reading."""
+    past: tuple[tuple[Scalar, ...], ...]
+    """What the model said in the last samples, latest first, by reading."""
 
 
 @CONTROLLERS.register("mpc")
 class Mpc(AbstractController, SignalLimits):
-    """A predictive controller over the compiled march of a model."""
+    """A predictive controller that carries a model and plans on it."""
 
-    cites = ("deboer2005",)
-    kernel = False
+    cites = ("diehl2005",)
 
-    model: AbstractSystem = part("the system as it is believed to be, with one drive")
+    model: AbstractSystem = part("the system as it is believed to be")
     output: str = text("output of the model that is measured; none: called as the reading", default="")
-    period: float = param("s", "time from one sample to the next", above=0.0, typical="20 ms")
-    horizon: float = param("s", "how far plans reach", above=0.0, typical="2 s")
+    leads: tuple[str, ...] = text("other drives of the model that it plans; each has a `follower`", default=())
+    also_measured: tuple[str, ...] = text(
+        "readings that shall follow the references of the first of these drives", default=()
+    )
+    period: Scalar = param("s", "time from one sample to the next", above=0.0, typical="20 ms")
+    horizon: Scalar = param("s", "how far plans reach", above=0.0, typical="2 s")
     blocks: int = part("parts of the horizon, each with a signal of its own", default=20)
+    rounds: int = part("how often plans are tried and bettered in a period", default=1)
     price: Price = part("what a plan is charged for", default=Price())
-    search: PlanSearch = part("how plans are searched", default=PlanSearch())
-    correction: float = param(
+    correction: Scalar = param(
         "1",
         "K: part of a difference between reading and model that is believed in a sample",
         low=0.0,
@@ -89,7 +91,7 @@ class Mpc(AbstractController, SignalLimits):
         "observer",
         default="model",
     )
-    kept: int = part("samples after which a late reading is compared no more", default=50)
+    kept: int = part("samples after which a late reading is compared no more", default=8)
 
     @classmethod
     def for_system(
@@ -102,7 +104,6 @@ class Mpc(AbstractController, SignalLimits):
         price: Price,
         high: float = 1.0,
         output: str = "",
-        search: PlanSearch | None = None,
     ) -> Self:
         """A controller whose horizon is what the model needs to warm up and to cool down.
 
@@ -114,12 +115,11 @@ class Mpc(AbstractController, SignalLimits):
             price: what a plan is charged for.
             high: largest signal; the least one is 0.
             output: output of the model that is measured, if it is called otherwise.
-            search: how plans are searched.
 
         Raises:
             ParameterError: the output does not exist, or full signal does not move it.
         """
-        found = measure_reach(model, _find_output(model, output or measured), 0.0, high)
+        found = measure_reach(model, _find_output(model, output or measured.removeprefix(ESTIMATED)), 0.0, high)
         return cls(
             model=model,
             measured=measured,
@@ -129,104 +129,199 @@ class Mpc(AbstractController, SignalLimits):
             horizon=max(found.up + found.down, period),
             high=high,
             price=price,
-            search=search or PlanSearch(),
         )
 
     def check(self) -> None:
-        """Raise `ParameterError` where nothing could be planned."""
-        if len(self.model.drives()) != 1:
-            raise ParameterError(
-                f"The model of a predictive controller must have one drive, but has {len(self.model.drives())}."
-            )
-        _find_output(self.model, self.followed_output)
+        """Raise `ParameterError` where nothing could be planned; fix what decides the program's size."""
         super().check()
-        for name in ("blocks", "kept"):
+        self._check_drives()
+        for output in self.followed_outputs:
+            _find_output(self.model, output)
+        for name in ("blocks", "rounds", "kept"):
             value = self.__dict__[name]
             if not isinstance(value, int) or value < 1:
                 raise ParameterError(f"`{name}` must be a whole number above 0, but is {value!r}.")
         if self.horizon < self.period:
             raise ParameterError(f"The horizon of {self.horizon:g} s is shorter than the period of {self.period:g} s.")
+        turns = [steps_in(self.model, time) for time in (self.period, self.horizon / self.blocks)]
+        self.__dict__["_layout"] = (self.blocks, self.rounds, self.kept, *turns)
+        self.__dict__["_example"] = self.model.init(floats, *[self.idle] * len(self.model.drives()))
+
+    def _check_drives(self) -> None:
+        drives = [drive.name for drive in self.model.drives()]
+        for name in self._leads:
+            if name not in drives:
+                raise ParameterError(f"The model of `mpc` has no drive `{name}`. {suggest_name(name, drives)}")
+        left = [name for name in drives if name not in self._leads]
+        if len(left) != 1:
+            raise ParameterError(
+                f"The model of `mpc` must have one drive that it does not lead, but has {', '.join(left) or 'none'}; "
+                f'write such as `leads = ["{drives[-1]}"]`, and give what is led a controller of kind `follower`.'
+            )
+        if len(self._also) > len(self._leads):
+            raise ParameterError(
+                f"`also_measured` names {len(self._also)} readings, but `mpc` leads {len(self._leads)} drives; each "
+                "reading follows the reference of one of them."
+            )
+
+    def layout(self) -> tuple[int, ...]:
+        """Blocks, rounds, samples that are kept, steps of the model in a period and in a block."""
+        return self.__dict__["_layout"]
 
     def cautions(self) -> list[str]:
         """Whether the horizon ends before full signal moves anything."""
-        start = measure_reach(self.model, self.followed_output, self.low, self.high).start
+        if self._leads:
+            return []
+        start = measure_reach(self.model, self.followed_outputs[0], self.low, self.high).start
         if self.horizon >= start:
             return []
         return [
-            f"The horizon of {self.horizon:.3g} s ends before full signal moves `{self.followed_output}`, after "
+            f"The horizon of {self.horizon:.3g} s ends before full signal moves `{self.followed_outputs[0]}`, after "
             f"{start:.3g} s: plans see what heating costs and hardly what it gains."
         ]
 
     @property
-    def followed_output(self) -> str:
-        """Output of the model that is measured."""
-        return self.output or self.measured.removeprefix(ESTIMATED)
+    def _leads(self) -> tuple[str, ...]:
+        return list_several(self.leads)
+
+    @property
+    def _also(self) -> tuple[str, ...]:
+        return list_several(self.also_measured)
+
+    @property
+    def _own(self) -> str:
+        """The drive that it has itself."""
+        return next(drive.name for drive in self.model.drives() if drive.name not in self._leads)
+
+    @property
+    def _readings(self) -> tuple[str, ...]:
+        """Readings that shall follow a reference."""
+        return (self.measured, *self._also)
+
+    @property
+    def followed_outputs(self) -> tuple[str, ...]:
+        """Outputs of the model that are measured."""
+        own = self.output or self.measured
+        return tuple(name.removeprefix(ESTIMATED) for name in (own, *self._also))
 
     def reads(self) -> tuple[str, ...]:
         """Names of all readings it needs."""
         hidden = [ESTIMATED + name for name in list_names(self.model)]
-        return (self.measured, *hidden) if self.state == "observer" else (self.measured,)
+        return (*self._readings, *hidden) if self.state == "observer" else self._readings
 
-    def init(self) -> Planned:
-        """The model at rest, nothing planned; compiles the model."""
-        lanes = Lanes(self.model, self.search.plans)
-        planner = Planner(lanes, self.followed_output, self.price, self.search, (self.low, self.high))
-        model, idle = Lanes(self.model, 1), self.idle
-        model.reset(idle)
-        shape = NestedShape(self.model.init(floats, idle))
-        plan = np.full(self.blocks, idle)
-        return Planned(0, model.state, idle, plan, 0.0, (), 0.0, shape, model, planner)
+    def led_drives(self) -> tuple[str, ...]:
+        """Drives whose followers get their signals."""
+        return self._leads
 
-    def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Planned]:
-        """Signal at `time` [s] and the new memory; called once in every period.
+    def list_previews(self) -> dict[str, tuple[float, ...]]:
+        """Ends of all blocks, for every reference that is followed."""
+        length = self.horizon / self.blocks
+        times = tuple(length * k for k in range(1, self.blocks + 1))
+        return dict.fromkeys((self._own, *self._leads[: len(self._also)]), times)
 
-        Raises:
-            ParameterError: something that it reads is not measured.
-        """
-        require_readings(self, measurement)
-        known = self._gone_on(memory, measurement)
-        known = self._correct_offset(known, measurement)
-        turns, dt = self._steps(self.horizon / self.blocks)
-        ahead = time + dt * np.arange(1, self.blocks * turns + 1)
-        wanted = np.array([self.reference.value(t) for t in ahead.tolist()]) - known.offset
-        guess = shift_plan(known.plan, self.period * self.blocks / self.horizon)
-        rng = np.random.default_rng((self.search.seed, known.count))
-        moment = Moment(known.state, known.signal, wanted)
-        plan, cost = known.planner.best(moment, guess, dt, rng)
-        signal = float(plan[0])
-        return signal, known._replace(count=known.count + 1, signal=signal, plan=plan, cost=cost)
+    def share_signals(self, memory: Column) -> dict[str, Scalar]:
+        """Signals of the drives that it leads."""
+        signals = self.unflatten(memory).signals
+        rows = zip(self.model.drives(), signals, strict=True)
+        return {drive.name: u for drive, u in rows if drive.name in self._leads}
 
-    def _gone_on(self, memory: Planned, measurement: Mapping[str, float]) -> Planned:
-        """The model at this sample, under the signal since the last one."""
-        model = memory.model
-        model.state = memory.state
-        if memory.count:
-            turns, dt = self._steps(self.period)
-            model.advance(np.full((turns, 1, 1), memory.signal), dt, shown=False)
+    # ------------------------------------------------------------ the kernel
+
+    def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
+        """The model at rest, nothing planned."""
+        idle = (xp.clip(0.0, self.low, self.high),) * len(self.model.drives())
+        state = self.model.init(xp, *idle)
+        said = self._observe(xp, state, idle)
+        plan, none = idle * self.blocks, (0.0,) * (len(idle) * self.blocks)
+        offsets = tuple(readings[name] - y for name, y in zip(self._readings, said, strict=True))
+        past = tuple((y,) * self.kept for y in said)
+        return flatten_numbers(PlanMemory(state, idle, Planned(plan, plan, none), offsets, past))
+
+    def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
+        """Signal of this sample, and what is remembered for the next."""
+        before = self.unflatten(memory)
+        if isinstance(dt, float | int) and dt == 0.0:
+            return self._own_signal(before), memory
+        known = self._correct_offsets(xp, self._go_on(xp, before, readings), readings)
+        planned = self._plan(xp, known, self._list_wanted(known, reference, readings))
+        signals = planned.plan[: len(known.signals)]
+        after = known._replace(signals=signals, planned=planned)
+        return self._own_signal(after), flatten_numbers(after)
+
+    def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Any]:
+        """Signal at `time` [s] and the new memory; called once in every period."""
+        if self._leads:
+            raise ParameterError("A controller that leads others runs on a bench, not as a drive beside it.")
+        (times,) = self.list_previews().values()
+        waves = (Ahead(waveform=self.reference, lead=lead) for lead in times)
+        ahead = {f"{AHEAD}{self._own}.{k}": wave.value(time) for k, wave in enumerate(waves, 1)}
+        return super().__call__(time, {**measurement, **ahead}, memory)
+
+    def _own_signal(self, memory: PlanMemory) -> Scalar:
+        rows = zip(self.model.drives(), memory.signals, strict=True)
+        return next(u for drive, u in rows if drive.name == self._own)
+
+    def _go_on(self, xp: Namespace, memory: PlanMemory, readings: Readings) -> PlanMemory:
+        """The model at this sample, under the signals since the last one."""
+        turns = self.layout()[3]
+        state, _ = advance_steps(xp, self.model, memory.state, [(memory.signals, self.period / turns)], turns)
         if self.state == "observer":
-            model.state = self._place_state(memory, model.state, measurement)
-        value = model.observe(memory.signal)[model.names.index(self.followed_output), 0]
-        past = (float(value), *memory.past)[: self.kept]
-        return memory._replace(state=model.state, past=past)
+            hidden = [readings[ESTIMATED + name] for name in list_names(self.model)]
+            state = place_hidden(xp, self.model, state, hidden, memory.signals)
+        said = self._observe(xp, state, memory.signals)
+        past = tuple((y, *old[:-1]) for y, old in zip(said, memory.past, strict=True))
+        return memory._replace(state=state, past=past)
 
-    def _place_state(self, memory: Planned, state: Numbers, measurement: Mapping[str, float]) -> Numbers:
-        at = [measurement[name] for name in self.reads()[1:]]
-        nested = memory.shape.rebuild(state[:, 0].tolist())
-        found = place_hidden(floats, self.model, nested, at, [memory.signal])
-        return np.array(flatten_numbers(found))[:, None]
+    def _observe(self, xp: Namespace, state: Any, signals: Column) -> list[Scalar]:
+        found = observe_model(xp, self.model, state, signals)
+        return [found[name] for name in self.followed_outputs]
 
-    def _correct_offset(self, memory: Planned, measurement: Mapping[str, float]) -> Planned:
-        """With the offset that the reading of this sample gives."""
-        late = round(measurement.get(f"{self.measured}.age", 0.0) / self.period)
-        model = memory.past[min(late, len(memory.past) - 1)]
-        missing = measurement[self.measured] - model - memory.offset
-        gain = self.correction if memory.count else 1.0
-        return memory._replace(offset=memory.offset + gain * missing)
+    def _correct_offsets(self, xp: Namespace, memory: PlanMemory, readings: Readings) -> PlanMemory:
+        """With the offsets that the readings of this sample give."""
+        found: list[Scalar] = []
+        for name, past, offset in zip(self._readings, memory.past, memory.offsets, strict=True):
+            late = readings.get(f"{name}.age", 0.0) / self.period
+            model = past[0]
+            for k, said in enumerate(past[1:], 1):
+                model = xp.where(late > k - 0.5, said, model)
+            found.append(offset + self.correction * (readings[name] - model - offset))
+        return memory._replace(offsets=tuple(found))
 
-    def _steps(self, length: float) -> tuple[int, float]:
-        """Steps of the model in a length of time [s], and how long each is [s]."""
-        turns = steps_in(self.model, length)
-        return turns, length / turns
+    def _list_wanted(self, memory: PlanMemory, reference: Scalar, readings: Readings) -> list[Scalar]:
+        """References less offsets, now and at the end of every block."""
+        rows: list[list[Scalar]] = []
+        for (drive, times), offset in zip(self.list_previews().items(), memory.offsets, strict=True):
+            now = reference if drive == self._own else readings[f"{AHEAD}{drive}.0"]
+            ahead = (readings[f"{AHEAD}{drive}.{k}"] for k in range(1, len(times) + 1))
+            rows.append([r - offset for r in (now, *ahead)])
+        return [r for column in zip(*rows, strict=True) for r in column]
+
+    def _plan(self, xp: Namespace, memory: PlanMemory, wanted: list[Scalar]) -> Planned:
+        blocks, rounds, _, _, turns = self.layout()
+        length = self.horizon / blocks
+        planner = Planner(
+            self.model,
+            self.followed_outputs,
+            self.price,
+            (self.low, self.high),
+            blocks,
+            turns,
+            length,
+            memory.state,
+            memory.signals,
+            wanted,
+        )
+        moved = (tuple(shift_plan(one, len(memory.signals), self.period / length)) for one in memory.planned)
+        return planner.search(xp, rounds, Planned(*moved))
+
+    def unflatten(self, memory: Column) -> PlanMemory:
+        """What is remembered, by name."""
+        drives, readings = len(self.model.drives()), len(self._readings)
+        plan = (0.0,) * (drives * self.blocks)
+        past = ((0.0,) * self.kept,) * readings
+        example = self.__dict__["_example"]
+        shape = PlanMemory(example, (0.0,) * drives, Planned(plan, plan, plan), (0.0,) * readings, past)
+        return NestedShape(shape).rebuild(memory)
 
 
 def _find_output(model: AbstractSystem, output: str) -> str:

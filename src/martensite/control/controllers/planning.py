@@ -1,265 +1,333 @@
-"""Plans of a predictive controller: what they cost, and how a good one is searched.
+"""Plans of a predictive controller: what they cost, and how a good one is searched, as a kernel.
 
-A plan is a signal that is constant over each of some equal blocks of the horizon. Its cost is a
-mean over the horizon H,
+A plan is a signal for every drive that is constant over each of N equal blocks of the horizon. Its cost is a mean over
+the horizon H,
 
-    J = 1/H ∫ ((r - y)/e)² + p P + w ((T - T_max)₊/1 K)² + w ((σ - σ_max)₊/1 MPa)² dt
+    J = 1/H ∫ Σ ((r - y)/e)² + p P + w ((T - T_max)₊/1 K)² + w ((σ - σ_max)₊/1 MPa)² dt
         + c/N Σ ((u_j - u_j-1)/(u_high - u_low))²
 
-with the reference r, known beforehand, what the model says of it y, the error e that costs 1, the power P and its price
-p, the price w of an excess, and the price c of changes between the N blocks; u_0 is the signal now.
+with references r, known beforehand, what the model says of them y, the error e that costs 1, the power P and its price
+p, the price w of an excess, and the price c of changes between the blocks; u_0 is the signal now.
 
-Search: many plans are simulated side by side, in rounds. First come plans that reach far, which is what a dead band
-needs (all signals that stay, all that are full or none for a while and then as planned before), and plans drawn around
-the one before; then the best eighth of all decides around what, and how far around it, the next ones are drawn: the
-cross-entropy method, whose numbers are drawn with a correlation from block to block.
+Search: in a round some plans go through the model: the best one so far; the same with one of its signals a little
+nearer to the middle of their range; plans that reach far, which is what a dead band needs (one drive with more or less,
+up to full or off, in a window of the horizon and else as planned; all drives off); and some along the direction that
+the round before has found. The best of all is the next to begin from. The direction is a Gauss-Newton step
 
-Source of the method: de Boer, Kroese, Mannor and Rubinstein (2005).
+    (DᵀD + C + λI) d = -½ ∂J/∂u,    D = ∂(mean errors and excesses of the blocks)/∂u
+
+by the differences between the plans, without signals that stand at a limit and are pushed against it. Differences, not
+derivatives: they see across a corner of the hysteresis.
+
+Source of the method: Diehl, Bock and Schlöder (2005), a real-time iteration, with plans that reach far beside it.
 """
 
 import math
 from collections.abc import Sequence
-from functools import cache
-from typing import NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import Any, NamedTuple
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import ParameterError
-from martensite.base.parameters import Parametrised, param, part
+from martensite.actuators.mechanics.elimination import multiply_inner, solve_linear
+from martensite.base.parameters import Parametrised, param
 from martensite.base.units import DIFFERENCE
-from martensite.simulate.api import longest_step
-from martensite.simulate.lanes import Lanes, Numbers
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import NestedShape, flatten_numbers, sum_column
 from martensite.simulate.march import SOLVED
 
 KELVIN, MEGAPASCAL = 1.0, 1e6
-ELITE = 8
-"""Of so many plans, one decides on the next round."""
-LEAST = 0.01
-"""Least standard deviation of plans, as a share of the range of signals."""
-LEVELS = 9
-"""Signals that stay, among the first plans."""
-KEPT = (0.0, 0.5, 0.8, 0.95)
-"""Correlations from block to block of the plans that are drawn."""
-WHILES = (1, 2, 4, 8)
-"""Blocks for which the signal is full or none, among the first plans."""
-LEAST_PLANS = 1 + LEVELS + 2 * len(WHILES)
-"""Plans that are always among the first ones."""
+APART = 0.03
+"""How far a signal is moved to see what it does, as a share of the range."""
+ALONG = (0.1, 0.3, 0.6, 1.0, 1.5)
+"""Shares of a direction that are tried."""
+WINDOWS = (
+    *((0.0, 0.05), (0.0, 0.1), (0.0, 0.2), (0.0, 0.4), (0.0, 1.0)),
+    *((0.05, 0.4), (0.1, 0.8), (0.2, 1.0), (0.4, 1.0), (0.6, 1.0)),
+)
+"""Shares of the horizon in which a drive gets more or less: a while from now on, or later."""
+MORE = (-1.0, -0.3, -0.1, 0.1, 0.3, 1.0)
+"""How much more, as a share of the range; the limits make of the whole of it full or off."""
+FEW_WINDOWS, MUCH_MORE = ((0.0, 0.1), (0.0, 0.3), (0.0, 1.0), (0.3, 1.0), (0.6, 1.0)), (-1.0, -0.3, 0.3, 1.0)
+"""The same for each of several drives: fewer, so that the time that a period takes grows slowly with them."""
+DAMPING = 1e-3
+"""λ, as a share of the mean of the diagonal."""
+HAIR = 1e-9
+"""Part of the range that is rounding."""
+HUGE = 1e30
+"""Cost of a plan under which the model fails."""
+
+Numbers = list[Scalar]
 
 
 class Price(Parametrised):
     """What a plan is charged for."""
 
-    error: float = param(DIFFERENCE, "error that costs 1", above=0.0, default=1e-4)
-    energy: float = param("1/W", "price of electrical power", low=0.0, default=0.0)
-    change: float = param("1", "price of changes of the signal", low=0.0, default=0.01)
-    hottest: float = param("K", "temperature that costs nothing yet", default=math.inf)
-    strongest: float = param("Pa", "stress that costs nothing yet", default=math.inf)
-    excess: float = param("1", "price of 1 K or 1 MPa more than that", low=0.0, default=1000.0)
+    error: Scalar = param(DIFFERENCE, "error that costs 1", above=0.0, default=1e-4)
+    energy: Scalar = param("1/W", "price of electrical power", low=0.0, default=0.0)
+    change: Scalar = param("1", "price of changes of the signal", low=0.0, default=0.01)
+    hottest: Scalar = param("K", "temperature that costs nothing yet", default=math.inf)
+    strongest: Scalar = param("Pa", "stress that costs nothing yet", default=math.inf)
+    excess: Scalar = param("1", "price of 1 K or 1 MPa more than that", low=0.0, default=1000.0)
 
-
-class PlanSearch(Parametrised):
-    """How plans are searched."""
-
-    plans: int = part("plans in a round", default=64)
-    rounds: int = part("rounds in a period", default=4)
-    spread: float = param(
-        "1",
-        "standard deviation of the first plans, as a share of the range of signals",
-        above=0.0,
-        high=1.0,
-        default=0.25,
-    )
-    seed: int = part("of the random numbers; the same one gives the same signals", default=0)
+    def layout(self) -> tuple[int, ...]:
+        """Whether temperature and stress have a price."""
+        return int(math.isfinite(self.hottest)), int(math.isfinite(self.strongest))
 
     def check(self) -> None:
-        """Raise `ParameterError` where nothing could be searched."""
-        for name, least in (("plans", LEAST_PLANS), ("rounds", 1), ("seed", 0)):
-            value = self.__dict__[name]
-            if not isinstance(value, int) or value < least:
-                raise ParameterError(
-                    f"`{name}` of a search must be a whole number, at least {least}, but is {value!r}."
-                )
+        """Keep what has a price: it decides on the size of the program."""
+        self.__dict__["_bounded"] = self.layout()
 
 
-class Moment(NamedTuple):
-    """What plans start from."""
+class PlanCost(NamedTuple):
+    """What a plan costs."""
 
-    state: Numbers
-    """Of the model, shape (states, 1)."""
-    signal: float
-    """That of the last period."""
-    wanted: Numbers
-    """Reference less what the model is known to lack, after every step of the horizon."""
+    total: Scalar
+    linear: Scalar
+    """The part that no square makes: energy."""
+    residuals: Numbers
+    """Means of errors and excesses over every block; their squares add up to about the rest, but for changes."""
 
 
-class Planner:
-    """Plans of one controller, side by side in lanes of its model."""
+class Planned(NamedTuple):
+    """What is kept of a search for the next one, of all drives in every block."""
 
-    def __init__(
-        self, lanes: Lanes, output: str, price: Price, search: PlanSearch, limits: tuple[float, float]
-    ) -> None:
-        self.lanes, self.price, self.search, self.limits = lanes, price, search, limits
-        self.range = limits[1] - limits[0]
-        names = lanes.names
-        self.followed_output = names.index(output)
-        self.powers, self.temperatures, self.stresses = (
-            [i for i, name in enumerate(names) if name.rpartition(".")[2] == kind]
-            for kind in ("power", "hottest", "stress")
-        )
+    plan: tuple[Scalar, ...]
+    """The best one."""
+    origin: tuple[Scalar, ...]
+    """Where the direction begins."""
+    direction: tuple[Scalar, ...]
 
-    def best(self, moment: Moment, guess: Numbers, dt: float, rng: np.random.Generator) -> tuple[Numbers, float]:
-        """The best plan, shape (blocks,), and its cost, from the last one, moved on; `dt` [s] is that of the model."""
-        spread = np.full(len(guess), self.search.spread * self.range)
-        plans = self._full([self._far(guess), self._sample_plans(guess, spread, rng)])
-        best, least = guess, math.inf
-        for k in range(self.search.rounds):
-            costs = self.costs(moment, plans, dt)
-            order = np.argsort(costs, kind="stable")
-            if costs[order[0]] < least:
-                best, least = plans[:, order[0]], float(costs[order[0]])
-            if k + 1 < self.search.rounds:
-                elite = plans[:, order[: max(2, self.search.plans // ELITE)]]
-                centre = elite.mean(axis=1)
-                spread = np.maximum(elite.std(axis=1), LEAST * self.range)
-                known = np.array([best, centre]).T
-                plans = self._full([known, self._sample_plans(best, spread, rng)])
-        return best, least
 
-    def costs(self, moment: Moment, plans: Numbers, dt: float) -> Numbers:
-        """What plans of shape (blocks, plans) cost; infinite where the model fails."""
-        turns = len(moment.wanted) // len(plans)
-        self.lanes.state = np.repeat(moment.state, self.lanes.lanes, axis=1)
-        self.lanes.worst[:] = 0.0
-        with np.errstate(all="ignore"):
-            rows = self.lanes.advance(np.repeat(plans, turns, axis=0)[:, None, :], dt)
-            error = (moment.wanted[:, None] - rows[:, self.followed_output]) / self.price.error
-            found = np.mean(error * error, axis=0) + self._charge_plan(rows)
-        before = np.vstack([np.full((1, plans.shape[1]), moment.signal), plans[:-1]])
-        changes = (plans - before) / self.range
-        found += self.price.change * np.mean(changes * changes, axis=0)
-        solved = np.isfinite(found) & (self.lanes.worst[0] <= SOLVED)
-        return np.where(solved, found, np.inf)
+class Planner(NamedTuple):
+    """The plans of one sample: what they are tried on."""
 
-    def _charge_plan(self, rows: Numbers) -> Numbers:
-        """Power and excess, mean over the horizon."""
-        price, found = self.price, np.zeros(rows.shape[2])
-        if price.energy > 0.0:
-            found += price.energy * _average_rows(rows, self.powers)
-        bounds = ((price.hottest, KELVIN, self.temperatures), (price.strongest, MEGAPASCAL, self.stresses))
-        for bound, unit, which in bounds:
-            if math.isfinite(bound):
-                over = np.maximum(rows[:, which] - bound, 0.0) / unit
-                found += price.excess * _average_rows(over * over)
+    model: AbstractSystem
+    outputs: Sequence[str]
+    """That shall follow references."""
+    price: Price
+    limits: tuple[Scalar, Scalar]
+    blocks: int
+    turns: int
+    """Steps of the model in a block."""
+    length: Scalar
+    """Of a block [s]."""
+    state: Any
+    """Of the model, now."""
+    signals: Sequence[Scalar]
+    """Of the last period."""
+    wanted: Sequence[Scalar]
+    """References less what the model is known to lack, now and at the end of every block, one after the other."""
+
+    @property
+    def drives(self) -> int:
+        """Signals of a block."""
+        return len(self.signals)
+
+    def search(self, xp: Namespace, rounds: int, begin: Planned) -> Planned:
+        """A better plan after some rounds."""
+        shape = NestedShape(begin)
+
+        def turn(*numbers: Scalar) -> Numbers:
+            return flatten_numbers(self.improve(xp, shape.rebuild(numbers)))
+
+        flat = flatten_numbers(begin)
+        return shape.rebuild(turn(*flat) if rounds == 1 else xp.repeat(rounds, turn, *flat))
+
+    def improve(self, xp: Namespace, known: Planned) -> Planned:
+        """One round."""
+        count = len(known.plan)
+        middle = 0.5 * (self.limits[0] + self.limits[1])
+        apart = APART * (self.limits[1] - self.limits[0])
+        steps = [xp.where(u > middle, -apart, apart) for u in known.plan]
+        near = [[u + s if i == j else u for j, u in enumerate(known.plan)] for i, s in enumerate(steps)]
+        plans = [list(known.plan), *near, *self._reach_far(xp, known.plan), *self._follow_line(xp, known)]
+
+        def tell(*plan: Scalar) -> Numbers:
+            cost = self.rate_plan(xp, plan)
+            return [cost.total, cost.linear, *cost.residuals]
+
+        found = xp.each(tell, *zip(*plans, strict=True))
+        best = _choose_plan(xp, plans, found[0])
+        slopes = [[(column[1 + i] - column[0]) / steps[i] for column in found[1:]] for i in range(count)]
+        direction = self._find_direction(xp, known.plan, slopes, [column[0] for column in found[2:]])
+        return Planned(tuple(best), known.plan, tuple(direction))
+
+    def _reach_far(self, xp: Namespace, plan: Sequence[Scalar]) -> list[Numbers]:
+        """Plans in which one drive gets more, or less, for a while, and one in which all are off."""
+        found: list[Numbers] = [[self.limits[0]] * len(plan)]
+        for drive in range(self.drives):
+            for first, last in self._list_windows():
+                for more in MORE if self.drives == 1 else MUCH_MORE:
+                    changed = [xp.store(xp.clip(u + more * self._range, *self.limits)) for u in plan]
+                    there = [first <= j // self.drives < last and j % self.drives == drive for j in range(len(plan))]
+                    found.append([v if x else u for x, u, v in zip(there, plan, changed, strict=True)])
         return found
 
-    def _full(self, kinds: Sequence[Numbers]) -> Numbers:
-        """As many plans as there are lanes, the first kinds first, the rest evenly."""
-        known, drawn = kinds
-        room = self.search.plans - known.shape[1]
-        which = np.linspace(0, drawn.shape[1] - 1, room).astype(int)
-        return np.hstack([known, drawn[:, which]])
+    def _list_windows(self) -> list[tuple[int, int]]:
+        """First block of every window, and the one after its last, each window once."""
+        windows = WINDOWS if self.drives == 1 else FEW_WINDOWS
+        ends = [(round(a * self.blocks), round(b * self.blocks)) for a, b in windows]
+        return list(dict.fromkeys((a, max(b, a + 1)) for a, b in ends))
 
-    def _far(self, guess: Numbers) -> Numbers:
-        """Plans that reach far, the guess first, shape (blocks, plans)."""
-        low, high = self.limits
-        stays = [np.full_like(guess, level) for level in np.linspace(low, high, LEVELS)]
-        bursts = [np.where(np.arange(len(guess)) < blocks, level, guess) for blocks in WHILES for level in (low, high)]
-        return np.column_stack([guess, *stays, *bursts])
+    def _follow_line(self, xp: Namespace, known: Planned) -> list[Numbers]:
+        """Plans along the direction."""
+        rows = list(zip(known.origin, known.direction, strict=True))
+        return [[xp.store(xp.clip(u + share * d, *self.limits)) for u, d in rows] for share in ALONG]
 
-    def _sample_plans(self, centre: Numbers, spread: Numbers, rng: np.random.Generator) -> Numbers:
-        """Plans around one, within the limits, shape (blocks, plans)."""
-        each = -(-self.search.plans // len(KEPT))
-        numbers = rng.standard_normal((len(KEPT), len(centre), each))
-        drawn = np.hstack(list(_build_filters(len(centre)) @ numbers))
-        return np.clip(centre[:, None] + spread[:, None] * drawn, *self.limits)
+    def _find_direction(
+        self, xp: Namespace, plan: Sequence[Scalar], slopes: Sequence[Numbers], residuals: Numbers
+    ) -> Numbers:
+        """The Gauss-Newton step, without signals that a limit holds; slopes are those of the energy, then residuals."""
+        count, kinds = len(plan), len(residuals) // self.blocks
+        gradient, matrix = Numbers(), [[0.0] * count for _ in range(count)]
+        for i, row in enumerate(slopes):
+            before = kinds * (i // self.drives)  # what came before this signal does not depend on it
+            gradient.append(0.5 * row[0] + multiply_inner(row[1 + before :], residuals[before:]))
+            for j in range(i + 1):
+                matrix[i][j] = matrix[j][i] = multiply_inner(row[1 + before :], slopes[j][1 + before :])
+        self._charge_changes(plan, gradient, matrix)
+        mean = sum_column([matrix[i][i] for i in range(count)]) / count
+        low, high = self.limits[0] + HAIR * self._range, self.limits[1] - HAIR * self._range
+        free = [
+            xp.negate(xp.either(xp.both(u <= low, g > 0.0), xp.both(u >= high, g < 0.0)))
+            for u, g in zip(plan, gradient, strict=True)
+        ]
+        rows = [
+            [
+                xp.store(xp.where(xp.both(free[i], free[j]), matrix[i][j], 0.0)) + (self._damp(mean) if i == j else 0.0)
+                for j in range(count)
+            ]
+            for i in range(count)
+        ]
+        (found,) = solve_linear(rows, [[xp.where(f, -g, 0.0) for f, g in zip(free, gradient, strict=True)]])
+        return [xp.where(xp.abs(d) < HUGE, d, 0.0) for d in found]
+
+    @staticmethod
+    def _damp(mean: Scalar) -> Scalar:
+        return DAMPING * mean + 1e-9
+
+    def _charge_changes(self, plan: Sequence[Scalar], gradient: Numbers, matrix: list[Numbers]) -> None:
+        """Add what changes of signals add to half the gradient and to the matrix."""
+        weight = self.price.change / (self.blocks * self._range * self._range)
+        for i, u in enumerate(plan):
+            before = i - self.drives
+            change = weight * (u - (plan[before] if before >= 0 else self.signals[i]))
+            gradient[i] = gradient[i] + change
+            matrix[i][i] = matrix[i][i] + weight
+            if before >= 0:
+                gradient[before] = gradient[before] - change
+                matrix[before][before] = matrix[before][before] + weight
+                matrix[i][before] = matrix[i][before] - weight
+                matrix[before][i] = matrix[before][i] - weight
+
+    @property
+    def _range(self) -> Scalar:
+        return self.limits[1] - self.limits[0]
+
+    # ------------------------------------------------------------ one plan
+
+    def rate_plan(self, xp: Namespace, plan: Sequence[Scalar]) -> PlanCost:
+        """What a plan costs; `HUGE` where the model fails."""
+        shape, size, count = NestedShape(self.state), len(flatten_numbers(self.state)), len(plan)
+        kinds = self._count_kinds()
+        parts = (size, count, len(self.wanted), self.drives, kinds * self.blocks, 3)
+
+        def block(*numbers: Scalar) -> Numbers:
+            state, ahead, wanted, before, residuals, (cost, energy, worst) = cut_pieces(numbers, parts)
+            now = ahead[: self.drives]
+            outputs = len(self.outputs)
+            found = self._go_block(xp, shape.rebuild(state), now, (wanted[:outputs], wanted[outputs : 2 * outputs]))
+            state, sums, (squares, power, failed) = cut_pieces(found, (size, kinds, 3))
+            changes = [((u - v) / self._range) for u, v in zip(now, before, strict=True)]
+            cost = cost + (squares + self.price.change * multiply_inner(changes, changes)) / self.blocks
+            share = 1.0 / math.sqrt(self.blocks)
+            residuals = [*residuals[kinds:], *(share * x for x in sums)]
+            wanted = [*wanted[outputs:], *wanted[:outputs]]
+            energy = energy + self.price.energy * power / self.blocks
+            return [
+                *state,
+                *ahead[self.drives :],
+                *now,
+                *wanted,
+                *now,
+                *residuals,
+                cost,
+                energy,
+                xp.maximum(worst, failed),
+            ]
+
+        begin = [*flatten_numbers(self.state), *plan, *self.wanted, *self.signals]
+        found = xp.repeat(self.blocks, block, *begin, *[0.0] * (kinds * self.blocks), 0.0, 0.0, 0.0)
+        *_, residuals, (cost, energy, worst) = cut_pieces(found, parts)
+        total = cost + energy
+        total = xp.where(xp.both(total < HUGE, worst <= SOLVED), total, HUGE)
+        return PlanCost(total, energy, residuals)
+
+    def _go_block(
+        self, xp: Namespace, state: Any, signals: Sequence[Scalar], wanted: tuple[Numbers, Numbers]
+    ) -> Sequence[Scalar]:
+        """State after a block, means of errors and excesses, of their squares, of the power, and the worst report."""
+        shape, size, kinds = NestedShape(state), len(flatten_numbers(state)), self._count_kinds()
+        part = 1.0 / self.turns
+
+        def step(*numbers: Scalar) -> Numbers:
+            flat, means, (squares, power, worst, share) = cut_pieces(numbers, (size, kinds, 4))
+            after, report = self.model.step(xp, shape.rebuild(flat), *signals, dt=self.length * part)
+            seen = dict(zip(self.model.outputs(), self.model.observe(xp, after, *signals), strict=True))
+            share = share + part
+            ahead = [a + share * (b - a) for a, b in zip(*wanted, strict=True)]
+            errors = [(y - seen[n]) / self.price.error for y, n in zip(ahead, self.outputs, strict=True)]
+            errors += self._list_excesses(xp, seen)
+            squares = squares + part * multiply_inner(errors, errors)
+            power = power + part * sum_column([seen[name] for name in self._list_outputs("power")])
+            means = [x + part * e for x, e in zip(means, errors, strict=True)]
+            return [*flatten_numbers(after), *means, squares, power, xp.maximum(worst, report.residual), share]
+
+        begin = [*flatten_numbers(state), *[0.0] * (kinds + 4)]
+        found = step(*begin) if self.turns == 1 else xp.repeat(self.turns, step, *begin)
+        return found[:-1]
+
+    def _count_kinds(self) -> int:
+        hot, strong = self.price.__dict__["_bounded"]
+        return len(self.outputs) + hot * len(self._list_outputs("hottest")) + strong * len(self._list_outputs("stress"))
+
+    def _list_excesses(self, xp: Namespace, seen: dict[str, Scalar]) -> Numbers:
+        """What is beyond a bound that has a price, times the root of that."""
+        hot, strong = self.price.__dict__["_bounded"]
+        weight, found = xp.sqrt(self.price.excess), Numbers()
+        bounds = ((hot, "hottest", self.price.hottest, KELVIN), (strong, "stress", self.price.strongest, MEGAPASCAL))
+        for bounded, kind, bound, unit in bounds:
+            if bounded:
+                found += [weight * xp.maximum(seen[n] - bound, 0.0) / unit for n in self._list_outputs(kind)]
+        return found
+
+    def _list_outputs(self, kind: str) -> list[str]:
+        """Outputs of all ports that are called so."""
+        return [self.model.label(port, kind) for port in self.model.actuators()]
 
 
-@cache
-def _build_filters(blocks: int) -> Numbers:
-    """What makes numbers correlated from block to block, shape (kinds, blocks, blocks)."""
-    apart = np.subtract.outer(np.arange(blocks), np.arange(blocks))
-    found = []
-    for kept in KEPT:
-        powers = np.where(apart >= 0, kept ** np.maximum(apart, 0.0), 0.0)
-        powers[:, 1:] *= math.sqrt(1.0 - kept * kept)
-        found.append(powers)
-    return np.array(found)
+def _choose_plan(xp: Namespace, plans: Sequence[Numbers], costs: Sequence[Scalar]) -> Numbers:
+    """The plan of least cost, the first of several; what a plan has of the first one is not chosen again."""
+    least, chosen = costs[0], 0.0
+    for k, cost in enumerate(costs[1:], 1):
+        better = cost < least
+        least, chosen = xp.where(better, cost, least), xp.where(better, float(k), chosen)
+    best = list(plans[0])
+    for k, plan in enumerate(plans[1:], 1):
+        this = xp.both(chosen > k - 0.5, chosen < k + 0.5)
+        best = [y if x is u else xp.where(this, x, y) for x, y, u in zip(plan, best, plans[0], strict=True)]
+    return best
 
 
-def _average_rows(rows: Numbers, which: Sequence[int] = ()) -> Numbers:
-    chosen = rows[:, which] if which else rows
-    return np.mean(np.sum(chosen, axis=1), axis=0)
+def cut_pieces(numbers: Sequence[Scalar], sizes: Sequence[int]) -> list[Any]:
+    """Numbers in pieces of these sizes."""
+    found, start = list[Any](), 0
+    for size in sizes:
+        found.append(list(numbers[start : start + size]))
+        start += size
+    return found
 
 
-def shift_plan(plan: Numbers, share: float) -> Numbers:
-    """A plan as it looks a share of a block later; its last signal stays."""
-    while share > 1.0:
-        plan, share = np.append(plan[1:], plan[-1]), share - 1.0
-    return (1.0 - share) * plan + share * np.append(plan[1:], plan[-1])
-
-
-FIRST, DOUBLINGS = 64, 8
-"""Steps of the first look, and how often it is made twice as long."""
-BEGUN, HALF, MOST, SETTLED = 0.1, 0.5, 0.9, 0.01
-
-
-class TimeScales(NamedTuple):
-    """Times of a system [s]."""
-
-    start: float
-    """Until full signal, from rest, has made a tenth of the travel."""
-    up: float
-    """Until it has made half of it."""
-    down: float
-    """From nine tenths of it, until no signal has left half."""
-
-
-def measure_reach(system: AbstractSystem, output: str, low: float, high: float) -> TimeScales:
-    """How long full signal and none need.
-
-    Args:
-        system: a system with one drive.
-        output: what shall move.
-        low: least signal.
-        high: largest signal.
-
-    Raises:
-        ParameterError: full signal does not move the output.
-    """
-    dt = 0.5 * longest_step(system)
-    lanes = Lanes(system, 1)
-    lanes.reset(low)
-    index = lanes.names.index(output)
-    rest = float(lanes.observe(low)[index, 0])
-    up = _settle_output(lanes, high, dt, index, rest)
-    top = float(up[-1])
-    if not np.isfinite(top) or abs(top - rest) <= 1e-12 * max(abs(rest), 1e-9):
-        raise ParameterError(f"The signal {high:g} does not move `{output}` of the model.")
-    share = (up - rest) / (top - rest)
-    lanes.reset(low)
-    lanes.advance(np.full((_count_until(share >= MOST), 1, 1), high), dt)
-    down = (_settle_output(lanes, low, dt, index, top) - rest) / (top - rest)
-    return TimeScales(
-        dt * _count_until(share >= BEGUN), dt * _count_until(share >= HALF), dt * _count_until(down <= HALF)
-    )
-
-
-def _settle_output(lanes: Lanes, signal: float, dt: float, index: int, before: float) -> Numbers:
-    """An output under one signal until it hardly changes."""
-    found = np.array([before])
-    steps = FIRST
-    for _ in range(DOUBLINGS):
-        more = lanes.advance(np.full((steps, 1, 1), signal), dt)[:, index, 0]
-        found = np.concatenate([found, more])
-        steps = len(found)
-        change = abs(more[-1] - more[0])
-        if change <= SETTLED * np.ptp(found) and np.ptp(found) > 0.0:
-            break
-    return found[1:]
-
-
-def _count_until(flags: NDArray[np.bool_]) -> int:
-    """After how many steps flags are up for the first time; all of them, if never."""
-    return 1 + int(np.argmax(flags)) if np.any(flags) else len(flags)
+def shift_plan(plan: Sequence[Scalar], drives: int, share: Scalar) -> Numbers:
+    """A plan as it looks a share of a block later; its last signals stay."""
+    after = [*plan[drives:], *plan[-drives:]]
+    return [(1.0 - share) * u + share * v for u, v in zip(plan, after, strict=True)]

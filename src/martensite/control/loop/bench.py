@@ -21,7 +21,8 @@ from martensite.actuators.assembly.base import AbstractSystemAround, DriveSignal
 from martensite.actuators.mechanisms.base import Column, Output
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import option, param, part
-from martensite.control.controllers.base import require_readings
+from martensite.control.controllers.base import PLANNED, require_readings
+from martensite.control.controllers.follower import Follower
 from martensite.control.loop import names, period
 from martensite.control.loop.parts import (
     SUPERVISORS,
@@ -167,8 +168,9 @@ def _check_readings(bench: Bench) -> None:
     for name, observer in bench.observers.members().items():
         _require_names(f"Observer `{name}`", observer.reads(), readings)
         list_required(observer, {drive.name: 0.0 for drive in bench.plant.drives()})
+    _check_leaders(bench)
     for controller in bench.controllers.members().values():
-        require_readings(controller, readings)
+        require_readings(controller, [*readings, PLANNED])
         if not controller.kernel:
             raise ParameterError(
                 f"Controller `{controller.registered_name}` is no kernel: run it as a drive of a "
@@ -202,6 +204,26 @@ def _check_estimates(bench: Bench) -> None:
                     f"one estimate of a name."
                 )
             found[name] = title
+
+
+def _check_leaders(bench: Bench) -> None:
+    """Every follower has one leader, and who leads, or looks ahead, finds who it speaks of."""
+    members, led = bench.controllers.members(), list[str]()
+    for drive, one in members.items():
+        for name in (*one.led_drives(), *one.list_previews()):
+            if name not in members:
+                raise ParameterError(
+                    f"The controller of `{drive}` speaks of drive `{name}`, which has no controller. "
+                    f"{suggest_name(name, members)}"
+                )
+        led += one.led_drives()
+    for drive, one in members.items():
+        follows, leaders = isinstance(one, Follower), led.count(drive)
+        if follows != (leaders == 1) or leaders > 1:
+            raise ParameterError(
+                f"The controller of `{drive}` is {'a' if follows else 'no'} `follower`, and {leaders} others lead it: "
+                "a follower has one leader, any other controller none."
+            )
 
 
 def _require_names(who: str, names: tuple[str, ...], readings: Mapping[str, object]) -> None:

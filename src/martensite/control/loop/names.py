@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from martensite.actuators.assembly.base import DriveSignal
 from martensite.actuators.mechanisms.base import Output
@@ -25,6 +25,29 @@ def list_references(bench: Bench) -> list[str]:
     """Names of the references, in the order of the controllers."""
     names = list(bench.controllers.members())
     return [REFERENCE] if len(names) == 1 else [f"{REFERENCE}.{name}" for name in names]
+
+
+class Preview(NamedTuple):
+    """A reference ahead, as a controller wants to know it."""
+
+    name: str
+    """Of the drive of the bench, such as `reference.ahead.2`."""
+    drive: str
+    """Whose reference it is."""
+    number: int
+    time: float
+    """How far ahead it is [s]."""
+
+
+def list_previews(bench: Bench) -> list[Preview]:
+    """References ahead that controllers need, each once."""
+    names = dict(zip(bench.controllers.members(), list_references(bench), strict=True))
+    wanted = [item for one in bench.controllers.members().values() for item in one.list_previews().items()]
+    return [
+        Preview(f"{names[drive]}.ahead.{k}", drive, k, time)
+        for drive, times in dict(wanted).items()
+        for k, time in enumerate(times, 1)
+    ]
 
 
 def name_loop_columns(bench: Bench, drive: str) -> tuple[str, str, str]:
@@ -65,10 +88,12 @@ def list_hands(bench: Bench) -> dict[str, tuple[str, str]]:
 
 
 def list_drives(bench: Bench) -> list[DriveSignal]:
-    """References, drives of the plant that are free, noise and jitter."""
+    """References, those ahead, drives of the plant that are free, noise and jitter."""
     taken = bench.controllers.members()
     rows = zip(list_references(bench), reference_units(bench), strict=True)
     followed = [DriveSignal(name, unit, False, True) for name, unit in rows]
+    units = dict(zip(taken, reference_units(bench), strict=True))
+    followed += [DriveSignal(one.name, units[one.drive], False, True) for one in list_previews(bench)]
     free = [drive for drive in bench.plant.drives() if drive.name not in taken]
     numbers = [
         DriveSignal(kind + name, "1", False, True) for name in bench.sensors.members() for kind in (NOISE, JITTER)

@@ -259,6 +259,8 @@ class Inputs(NamedTuple):
     """What drives a bench, by where it goes."""
 
     references: tuple[Scalar, ...]
+    previews: tuple[Scalar, ...]
+    """References ahead."""
     hands: tuple[ManualInput | None, ...]
     """What is set by hand, for every controller; None for one without a manual mode."""
     free: Numbers

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.assembly.systems import Piece
+from martensite.control.controllers.base import AHEAD, PLANNED
 from martensite.control.controllers.conditioning import ManualInput, split_memory
-from martensite.control.loop.names import AGE, AMBIENT, list_controller_outputs
+from martensite.control.loop.names import AGE, AMBIENT, list_controller_outputs, list_previews
 from martensite.control.loop.parts import (
     BenchState,
     Controlling,
@@ -35,10 +36,11 @@ def sorted_inputs(bench: Bench, drives: Sequence[Scalar]) -> Inputs:
     """What drives the bench, by where it goes."""
     taken, rest = bench.controllers.members(), iter(drives)
     references = tuple(next(rest) for _ in taken)
+    previews = tuple(next(rest) for _ in list_previews(bench))
     hands = sort_hands(bench, rest)
     free = {d.name: next(rest) for d in bench.plant.drives() if d.name not in taken}
     numbers = tuple((next(rest), next(rest)) for _ in bench.sensors.members())
-    return Inputs(references, hands, free, numbers)
+    return Inputs(references, previews, hands, free, numbers)
 
 
 def sort_hands(bench: Bench, rest: Iterator[Scalar]) -> tuple[ManualInput | None, ...]:
@@ -85,12 +87,7 @@ def begin_loop(
     first = [one.rest(xp, known, collect_idle(bench, given)) for one in bench.observers.members().values()]
     observers = tuple(ObserverState(tuple(guess), tuple(memory)) for guess, memory in first)
     known = known | collect_estimates(bench, observers)
-    rows = zip(bench.controllers.members().items(), given.references, given.hands, strict=True)
-    controllers: tuple[Controlling, ...] = ()
-    for (drive, one), r, hand in rows:
-        signal, memory = one.begin(xp, r, known, hand)
-        answer = Controlling(signal, tuple(memory))
-        controllers += (obey_commands(bench, xp, drive, answer, tuple(memory), known),)
+    controllers = answer_all(bench, xp, None, known | look_ahead(bench, given), given)
     held = () if bench.supervisor is None else tuple(bench.supervisor.rest(xp, known))
     return observers, controllers, held, known
 
@@ -180,15 +177,39 @@ def update_controllers(
     bench: Bench, xp: Namespace, before: Sequence[Controlling], known: Numbers, given: Inputs
 ) -> tuple[Controlling, ...]:
     """All controllers a period later."""
-    rows = zip(bench.controllers.members().items(), before, given.references, given.hands, strict=True)
-    found: list[Controlling] = []
-    for (drive, one), held, r, hand in rows:
-        signal, memory = one.proceed(xp, held.memory, r, known, bench.period, hand)
-        answer = Controlling(signal, tuple(memory))
-        if find_commands(bench, drive):
-            answer = obey_commands(bench, xp, drive, answer, tuple(one.begin(xp, r, known, hand)[1]), known)
-        found.append(answer)
-    return tuple(found)
+    memories = [held.memory for held in before]
+    return answer_all(bench, xp, memories, known | look_ahead(bench, given), given)
+
+
+def look_ahead(bench: Bench, given: Inputs) -> Numbers:
+    """References now and ahead, as controllers read them that want to know what lies ahead."""
+    rows = zip(list_previews(bench), given.previews, strict=True)
+    found = {f"{AHEAD}{one.drive}.{one.number}": value for one, value in rows}
+    if found:
+        rows = zip(bench.controllers.members(), given.references, strict=True)
+        found |= {f"{AHEAD}{drive}.0": value for drive, value in rows}
+    return found
+
+
+def answer_all(
+    bench: Bench, xp: Namespace, memories: Sequence[Sequence[Scalar]] | None, known: Numbers, given: Inputs
+) -> tuple[Controlling, ...]:
+    """All controllers in a sample, those that lead others first; without memories it is the first one."""
+    members, planned = bench.controllers.members(), Numbers()
+    befores = [None] * len(members) if memories is None else memories
+    rows = zip(members.items(), befores, given.references, given.hands, strict=True)
+    found: dict[str, Controlling] = {}
+    for (drive, one), before, reference, hand in sorted(rows, key=lambda row: not row[0][1].led_drives()):
+        own = known | ({PLANNED: planned[drive]} if drive in planned else {})
+        commanded = find_commands(bench, drive)
+        rest = one.begin(xp, reference, own, hand) if before is None or commanded else (0.0, ())
+        signal, after = rest if before is None else one.proceed(xp, before, reference, own, bench.period, hand)
+        answer = Controlling(signal, tuple(after))
+        if commanded:
+            answer = obey_commands(bench, xp, drive, answer, tuple(rest[1]), known)
+        planned |= one.share_signals(split_memory(one, answer.memory).inner)
+        found[drive] = answer
+    return tuple(found[drive] for drive in members)
 
 
 def find_commands(bench: Bench, drive: str) -> list[tuple[str, str]]:

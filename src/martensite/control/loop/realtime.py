@@ -19,11 +19,12 @@ import numpy as np
 
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import Keyed, values_at
-from martensite.control.controllers.base import AbstractController
+from martensite.control.controllers.base import PLANNED, AbstractController
 from martensite.control.loop import period
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.names import AGE, hand_drives, list_references
+from martensite.control.loop.names import AGE, hand_drives, list_hands, list_previews, list_references
 from martensite.control.loop.parts import Controlling, Inputs, Numbers, ObserverState
+from martensite.control.loop.run import reference_waveforms
 from martensite.control.observers.base import ESTIMATED
 from martensite.kernels import floats
 from martensite.kernels.compiled_program import CompiledProgram
@@ -43,7 +44,11 @@ class RealtimeStep:
         Args:
             bench: the bench; its plant, its sensors and its faults are left out.
             native: whether to run in C; by default if there is a compiler.
+
+        Raises:
+            ParameterError: no controller of the bench gives a signal.
         """
+        _require_controllers(bench)
         self.bench, self.count = bench, 0
         self.readings = list_reads(bench)
         """Names of the readings that it needs, in the order of an array of them."""
@@ -55,7 +60,9 @@ class RealtimeStep:
         in_c = find_compiler() is not None if native is None else native
         made = CompiledLoop if in_c else FloatLoop
         self._engine: Any = made(traced, values_at(bench, traced.paths))
-        self._waveforms = [one.reference for one in bench.controllers.members().values()]
+        hands = [name for pair in list_hands(bench).values() for name in pair]
+        self._waveforms = [one for name, one in reference_waveforms(bench).items() if name not in hands]
+        self._previews = [list(bench.controllers.members()).index(one.drive) for one in list_previews(bench)]
         modes = ((name, one.manual) for name, one in bench.controllers.members().items())
         self._modes = {name: mode.waveforms for name, mode in modes if mode is not None}
         self._hands: dict[str, float | None] = {}
@@ -121,17 +128,25 @@ class RealtimeStep:
 
         Args:
             readings: by name, with `NAME.age` [s] if they are late, or as an array in the order of `readings`; in SI.
-            references: what the controllers shall follow now, in their order; by default what
-                their waveforms say, with the first sample at 0 s.
-            free: signals that no controller has, by the name of the drive; else 0.
+            references: what the controllers shall follow now, in their order, and behind it what they shall follow
+                later if one of them looks ahead (`list_previews`), else the present goes for the future; by default
+                what their waveforms say, with the first sample at 0 s.
+            free: signals that no controller has, by the name of the drive.
 
         Raises:
-            ParameterError: a reading is missing, or there are too many or too few.
+            ParameterError: a reading, a reference or a free signal is missing, or there are too many or too few.
         """
         if references is None:
             time = self.count * self.bench.period
             references = [waveform.value(time) for waveform in self._waveforms]
-        others = [free.get(name, 0.0) if free else 0.0 for name in self.free]
+        elif len(references) == len(self._waveforms) - len(self._previews):
+            references = [*references, *(references[k] for k in self._previews)]
+        if len(references) != len(self._waveforms):
+            now = len(self._waveforms) - len(self._previews)
+            raise ParameterError(
+                f"A step needs {now} references, or {len(self._waveforms)} with those ahead, but got {len(references)}."
+            )
+        others = self._order_free(free or {})
         inputs = [*self._order_readings(readings), *references, *self._set_by_hand(), *others]
         found = self._engine.run("step" if self.count else "begin", inputs)
         self.count += 1
@@ -151,6 +166,16 @@ class RealtimeStep:
             name = str(error.args[0])
             raise ParameterError(f"A step needs the reading `{name}`. {suggest_name(name, readings)}") from None
         return [*values, *(readings.get(age, 0.0) for _, age in self._keys)]
+
+    def _order_free(self, given: Mapping[str, float]) -> list[float]:
+        """Signals that no controller has."""
+        for name in self.free:
+            if name not in given:
+                raise ParameterError(
+                    f"A step needs the signal of `{name}`, which no controller of the bench has: write "
+                    f'`free={{"{name}": 0.0}}` with what it shall be. {suggest_name(name, given)}'
+                )
+        return [given[name] for name in self.free]
 
     @property
     def state(self) -> LoopState:
@@ -181,12 +206,21 @@ class LoopState(NamedTuple):
     """Of all drives of the plant, as the supervisor lets them pass."""
 
 
+def _require_controllers(bench: Bench) -> None:
+    """Raise `ParameterError` if nothing in a bench gives a signal."""
+    if not bench.controllers.members():
+        raise ParameterError(
+            "The bench has no controller, so that its loop would give no signal. One that is no kernel runs outside of "
+            "the bench and cannot be compiled: call it in every period, as `simulate_bench` does with `outside`."
+        )
+
+
 def list_reads(bench: Bench) -> tuple[str, ...]:
     """Names of the readings that the parts of a bench need from sensors."""
     parts: list[Any] = [*bench.observers.members().values(), *bench.controllers.members().values()]
     parts += [] if bench.supervisor is None else [bench.supervisor]
     names = [n for one in parts for n in (one.needs() if isinstance(one, AbstractController) else one.reads())]
-    measured = [name for name in names if not name.startswith(ESTIMATED)]
+    measured = [name for name in names if name != PLANNED and not name.startswith(ESTIMATED)]
     return tuple(dict.fromkeys(name.removesuffix(AGE) for name in measured))
 
 
@@ -244,18 +278,20 @@ def _trace_keyed(keyed: Keyed[Bench]) -> TracedLoop:
     paths = tuple(leaf.path for leaf in keyed.part.leaves())
     bench = keyed.part.rebuilt({path: program.parameter(path) for path in paths})
     names, free = (list_reads(bench), [n for n in _list_drives(bench) if n not in bench.controllers.members()])
-    hands = [drive.name for drive in hand_drives(bench)]
-    signals = [*names, *(name + AGE for name in names), *list_references(bench), *hands, *free]
+    references, hands = list_references(bench), [drive.name for drive in hand_drives(bench)]
+    ahead = [one.name for one in list_previews(bench)]
+    signals = [*names, *(name + AGE for name in names), *references, *ahead, *hands, *free]
     labels = [f"i{i}" for i in range(len(signals))]
     found: list[NestedShape] = []
 
     def sorted_out(numbers: Sequence[Scalar]) -> tuple[Numbers, Inputs]:
         split, end = 2 * len(names), len(signals) - len(free)
+        after = split + len(references)
         others = dict(zip(free, numbers[end:], strict=True))
         known = dict(zip(signals[:split], numbers[:split], strict=True))
         middle = end - len(hands)
         by_hand = period.sort_hands(bench, iter(numbers[middle:end]))
-        return known, Inputs(tuple(numbers[split:middle]), by_hand, others, ())
+        return known, Inputs(tuple(numbers[split:after]), tuple(numbers[after:middle]), by_hand, others, ())
 
     def begin(xp: Any, *numbers: Any) -> list[Any]:
         loop = _begin_sample(bench, xp, *sorted_out(numbers))

@@ -27,6 +27,7 @@ from martensite.control.loop.names import (
     NOISE,
     list_drives,
     list_hands,
+    list_previews,
     list_readings,
     list_references,
     name_controller_outputs,
@@ -38,6 +39,7 @@ from martensite.control.loop.names import (
 from martensite.control.loop.parts import Controllers
 from martensite.control.observers.base import ESTIMATED
 from martensite.kernels.compiler import find_compiler
+from martensite.signals.ahead import Ahead
 from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.held import Held
 from martensite.simulate.api import simulate
@@ -165,13 +167,14 @@ def _with_loops(result: Result, bench: Bench, outside: Mapping[str, AbstractDriv
 
 
 def reference_waveforms(bench: Bench) -> dict[str, AbstractWaveform]:
-    """What the controllers of a bench shall follow, and what is set by hand, by the name of the drive."""
+    """What controllers shall follow, now and as far ahead as they look, and what is set by hand, by the drive's name."""
     members, hands = bench.controllers.members(), list_hands(bench)
-    followed = {name: one.reference for name, one in zip(list_references(bench), members.values(), strict=True)}
+    found = {name: one.reference for name, one in zip(list_references(bench), members.values(), strict=True)}
+    found |= {one.name: Ahead(waveform=members[one.drive].reference, lead=one.time) for one in list_previews(bench)}
     for drive, one in members.items():
         if one.manual is not None:
-            followed |= dict(zip(hands[drive], one.manual.waveforms, strict=True))
-    return followed
+            found |= dict(zip(hands[drive], one.manual.waveforms, strict=True))
+    return found
 
 
 def noise_waveforms(bench: Bench, duration: float, seed: int | None) -> dict[str, AbstractWaveform]:

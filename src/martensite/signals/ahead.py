@@ -1,0 +1,24 @@
+"""A waveform as it will be: for who looks ahead."""
+
+from martensite.base.parameters import param, part
+from martensite.signals.base import AbstractWaveform
+from martensite.signals.edges import select_inside
+
+HAIR = 1e-9
+"""Difference of times that is rounding [s]: a jump at the very time that is looked at has come."""
+
+
+class Ahead(AbstractWaveform):
+    """Another waveform, a time earlier: u(t + lead)."""
+
+    waveform: AbstractWaveform = part("the waveform")
+    lead: float = param("s", "how far it looks ahead", low=0.0)
+
+    def value(self, time: float) -> float:
+        """The value of the waveform at `time` + lead [s]."""
+        return self.waveform.value(time + self.lead + HAIR)
+
+    def edges(self, duration: float) -> list[float]:
+        """Those of the waveform, earlier [s]."""
+        found = self.waveform.edges(duration + self.lead)
+        return select_inside((edge - self.lead for edge in found if edge > self.lead), duration)
