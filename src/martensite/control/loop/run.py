@@ -167,7 +167,7 @@ def _with_loops(result: Result, bench: Bench, outside: Mapping[str, AbstractDriv
 
 
 def reference_waveforms(bench: Bench) -> dict[str, AbstractWaveform]:
-    """What controllers shall follow, now and as far ahead as they look, and what is set by hand, by the drive's name."""
+    """What controllers shall follow, now and ahead as far as they look, and what is set by hand, by name of drive."""
     members, hands = bench.controllers.members(), list_hands(bench)
     found = {name: one.reference for name, one in zip(list_references(bench), members.values(), strict=True)}
     found |= {one.name: Ahead(waveform=members[one.drive].reference, lead=one.time) for one in list_previews(bench)}
