@@ -91,7 +91,7 @@ class SelfSensing(UnscentedKalman):
     learning: Scalar = param("1", "by how much parameters walk faster while it calibrates", low=1.0, default=8.0)
     resistivity_walk: Scalar = param("1/s^0.5", "random walk of the resistivities", low=0.0, default=0.0)
     film_walk: Scalar = param("1/s^0.5", "random walk of the film coefficient", low=0.0, default=0.0025)
-    ambient_walk: Scalar = param("K/s^0.5", "random walk of the surroundings", low=0.0, default=0.02)
+    ambient_walk: Scalar = param("K/s^0.5", "random walk of the surroundings", low=0.0, default=0.005)
     transformation_walk: Scalar = param(
         "K/s^0.5", "random walk of the transformation temperatures", low=0.0, default=0.02
     )
