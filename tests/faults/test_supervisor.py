@@ -453,10 +453,9 @@ def test_names_that_do_not_exist_are_refused(check, words):
 
 
 def test_a_bound_follows_the_heat_loss_that_a_reading_is_sure_of() -> None:
-    known = {"limit": 400.0, "power": 4.0, "capacity": 0.02, "conductance": 0.01, "ambient": 300.0}
-    one = ThermalBound(**known, cooling="share")
+    one = bound(cooling="share")
     for share in (0.5, 2.0):
         memory = one.look(floats, (350.0,), {"drive": 0.3}, {"share": share}, 0.02).memory
-        like = ThermalBound(**{**known, "conductance": 0.01 * share})
+        like = bound(conductance=share * one.conductance)
         assert one.find_most(floats, memory, 0.02) == like.find_most(floats, (350.0,), 0.02)
         assert one.remember_allowed(floats, memory, {"drive": 0.3}, 0.02) == (like.after(floats, 350.0, 0.3, 0.02),)
