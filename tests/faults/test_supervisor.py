@@ -450,3 +450,12 @@ def test_a_signal_of_a_cut_that_is_not_safe_is_refused():
 def test_names_that_do_not_exist_are_refused(check, words):
     with pytest.raises(ParameterError, match=words):
         Bench(plant=WIRE, period=0.1, supervisor=Guard(checks=Checks(one=check)))
+
+
+def test_a_bound_follows_the_heat_loss_that_a_reading_is_sure_of() -> None:
+    one = bound(cooling="share")
+    for share in (0.5, 2.0):
+        memory = one.look(floats, (350.0,), {"drive": 0.3}, {"share": share}, 0.02).memory
+        like = bound(conductance=share * one.conductance)
+        assert one.find_most(floats, memory, 0.02) == like.find_most(floats, (350.0,), 0.02)
+        assert one.remember_allowed(floats, memory, {"drive": 0.3}, 0.02) == (like.after(floats, 350.0, 0.3, 0.02),)

@@ -53,8 +53,8 @@ class CompiledProgram:
 
 
 def get_address(array: Any) -> ctypes.c_void_p:
-    """Address of an array in C's order, which must be kept as long as it is used."""
-    return ctypes.c_void_p(array.ctypes.data)
+    """Address of an array in C's order, which keeps the array as long as it is there itself."""
+    return array.ctypes.data_as(ctypes.c_void_p)
 
 
 @cache_answers(64)

@@ -20,10 +20,15 @@ most, and T ≤ T̂. While martensite is left, T is below the end of the transfo
 stress. So T stays below the limit, or below that A_f if it should be higher. Latent heat must be
 left out of C for this: with it, the bound would be too low once all is austenite.
 
+With a reading `cooling`, such as `estimated.least_cooling` of the observer `self-sensing`, G follows it, as far as that
+can be trusted.
+
 What it does not know: a source that heats without a signal, or more than declared, and hot spots.
 Pulses go above the mean of their period by up to P (1 - D) D t/C, t being their period: leave
 that much room below what the element can stand.
 """
+
+from __future__ import annotations
 
 from martensite.base.parameters import option, param, text
 from martensite.base.units import DEGREES
@@ -55,31 +60,42 @@ class ThermalBound(AbstractCheck):
     )
     capacity: Scalar = param("J/K", "heat capacity of the element, without latent heat", above=0.0, typical="0.02 J/K")
     conductance: Scalar = param("W/K", "least heat loss per kelvin", above=0.0, typical="0.01 W/K")
+    cooling: str = text("reading of the least heat loss that is sure now, over `conductance`", default="")
     ambient: Scalar = param("K", "hottest surroundings", above=0.0, typical="30 degC")
 
     def names(self) -> tuple[str, ...]:
         """The drive that heats, and those that are cut."""
         return (self.drive, *self.cuts())
 
+    def reads(self) -> tuple[str, ...]:
+        """What says how well it is cooled, if anything does."""
+        return (self.cooling,) if self.cooling else ()
+
     def rest(self, xp: Namespace, readings: Named) -> Column:
         """As hot as the hottest surroundings."""
         return (self.ambient,)
 
     def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> Looked:
-        """Whether the element may be too hot at the end of the period."""
-        then = self.after(xp, memory[0], wanted[self.drive], dt)
+        """Whether the element may be too hot at the end of the period; remembers how well it is cooled."""
+        memory = (memory[0], *(readings[name] for name in self.reads()))
+        then = self._cooled(memory).after(xp, memory[0], wanted[self.drive], dt)
         return Looked(xp.negate(then <= self.limit), then <= self.limit - self.band, memory)
 
     def find_most(self, xp: Namespace, memory: Column, dt: Scalar) -> Named:
         """Size of the signal under which the bound is at its limit at the end of the period."""
-        kept = xp.exp(-self.conductance * dt / self.capacity)
+        conductance = self._cooled(memory).conductance
+        kept = xp.exp(-conductance * dt / self.capacity)
         settled = (self.limit - memory[0] * kept) / xp.maximum(1.0 - kept, SHORT)
-        share = xp.maximum((settled - self.ambient) * self.conductance / self.power, 0.0)
+        share = xp.maximum((settled - self.ambient) * conductance / self.power, 0.0)
         return {self.drive: self.full * (share if self.rises == "linear" else xp.sqrt(share))}
 
     def remember_allowed(self, xp: Namespace, memory: Column, allowed: Named, dt: Scalar) -> Column:
         """The bound at the end of the period."""
-        return (self.after(xp, memory[0], allowed[self.drive], dt),)
+        return (self._cooled(memory).after(xp, memory[0], allowed[self.drive], dt),)
+
+    def _cooled(self, memory: Column) -> ThermalBound:
+        """With the conductance that is sure now."""
+        return self.rebuilt({"conductance": self.conductance * memory[1]}) if self.cooling else self
 
     def after(self, xp: Namespace, bound: Scalar, signal: Scalar, dt: Scalar) -> Scalar:
         """The bound [K] after a signal of dt [s]."""

@@ -1,6 +1,8 @@
 """Calibration in the loop: what the resistance of a wire is as martensite and as austenite, by one guarded heating.
 
     cold     the probing signal, for `cold`                                R_M: mean of the readings
+    pulse    the largest signal, for an energy of the model; then          has R changed by `visible`?
+             the probing one until `apart` is over
     heat     the heating power grows e-fold in every `growth`              ends where R has changed and no longer does
     soak     a share of the signal reached, for `soak`                     R_A: mean of the readings
     settle   the probing signal, until `duration` is over                  the wire cools and transforms back
@@ -12,8 +14,9 @@ changes is told by two running means, m₁ and m₂, with time constants of 0.3 
 transformation is there once c has been above `seen`, and over when c is below both `flat` and a share of its peak. The
 soak is cooler than the end of the heating and hotter than the start of the way back: hysteresis leaves the room.
 
-A wire whose resistance hardly changes is not seen to transform: heating ends at the latest after `longest`, or at
-`largest`, and nothing is calibrated then. What bounds its temperature in that case is the guard of the loop.
+A wire whose resistance hardly changes is not seen to transform, and would be heated as long as one that loses heat four
+times as fast. A short pulse tells it before: what it heats depends on its energy and hardly on the heat loss. If R does
+not change by `visible` within it, nothing is calibrated. Nor if heating has not ended after `longest`, or at `largest`.
 """
 
 from __future__ import annotations
@@ -25,7 +28,7 @@ from martensite.base.parameters import Parametrised, param
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.signals.base import DRIVE
 
-COLD, HEAT, SOAK, SETTLE, READY = range(5)
+COLD, PULSE, HEAT, SOAK, SETTLE, READY = range(6)
 FAST, SLOW = 0.3, 1.2
 """Time constants of the running means [s]."""
 LEFT = 0.3
@@ -43,12 +46,12 @@ class CalibrationState(NamedTuple):
     clock: Scalar
     """Time in the phase [s]."""
     total: Scalar
-    """Sum of the readings of the phase."""
+    """Sum of the readings of the phase; of a pulse its energy, as a share."""
     count: Scalar
     fast: Scalar
     slow: Scalar
     peak: Scalar
-    """Largest change so far."""
+    """Largest change of the phase so far."""
     flat: Scalar
     """Time since the change is over [s]."""
     signal: Scalar
@@ -68,21 +71,25 @@ class Calibration(Parametrised):
     largest: Scalar = param(DRIVE, "largest signal of the heating", above=0.0, default=1.0)
     begin: Scalar = param("1", "signal at which heating begins, over the probing one", above=1.0, default=4.0)
     cold: Scalar = param("s", "time at the probing signal", above=0.0, default=4.0)
+    pulse: Scalar = param("1", "energy of the pulse, over that for all but latent heat", above=0.0, default=1.6)
+    apart: Scalar = param("s", "time from the pulse to the heating", above=0.0, default=16.0)
+    visible: Scalar = param("1", "change of the resistance that a transformation must have", above=0.0, default=0.03)
     growth: Scalar = param("s", "time in which the signal grows e-fold", above=0.0, default=15.0)
     longest: Scalar = param("s", "longest time of the heating", above=0.0, default=36.0)
     beyond: Scalar = param("s", "time for which it grows on after the end", low=0.0, default=0.3)
     share: Scalar = param("1", "signal of the soak, over the one reached", above=0.0, high=1.0, default=0.7)
     soak: Scalar = param("s", "time in austenite", above=0.0, default=4.0)
-    duration: Scalar = param("s", "time of all of it", above=0.0, default=60.0)
-    seen: Scalar = param("1", "change of the resistance that is one", above=0.0, default=0.008)
+    duration: Scalar = param("s", "time of all of it", above=0.0, default=80.0)
+    seen: Scalar = param("1", "change of the resistance that is one", above=0.0, default=0.006)
     flat: Scalar = param("1", "change of the resistance that is none", above=0.0, default=0.0035)
 
     def check(self) -> None:
         """Raise `ParameterError` unless there is time for all phases."""
-        if not self.cold + self.longest + self.soak < self.duration:
+        taken = self.cold + self.apart + self.longest + self.soak
+        if not taken < self.duration:
             raise ParameterError(
-                f"A calibration of {self.duration:g} s has no time to cool: cold, longest heating and soak take "
-                f"{self.cold + self.longest + self.soak:g} s."
+                f"A calibration of {self.duration:g} s has no time to cool: cold, pulse, longest heating and soak take "
+                f"{taken:g} s."
             )
 
     def rest(self, reading: Scalar) -> CalibrationState:
@@ -91,7 +98,7 @@ class Calibration(Parametrised):
         return CalibrationState(float(COLD), 0.0, 0.0, 0.0, 0.0, *means, 0.0, 0.0, self.probe, *means, 0.0)
 
     def advance(
-        self, xp: Namespace, before: CalibrationState, reading: Scalar, fresh: Scalar, dt: Scalar
+        self, xp: Namespace, before: CalibrationState, reading: Scalar, fresh: Scalar, dt: Scalar, heated: Scalar
     ) -> CalibrationState:
         """A sample later.
 
@@ -101,31 +108,38 @@ class Calibration(Parametrised):
             reading: resistance [ohm].
             fresh: 1 if it is new, else 0.
             dt: time since then [s].
+            heated: energy since then, over that for all of the transformation but its latent heat.
         """
         at = [xp.both(before.phase > k - 0.5, before.phase < k + 0.5) for k in range(READY + 1)]
         found = self._average(
             xp, before._replace(elapsed=before.elapsed + dt, clock=before.clock + dt), at, reading, fresh
         )
         found = self._watch_change(xp, found, at, reading, fresh * dt, dt)
+        given = xp.where(at[PULSE], before.total + heated, found.total)
+        found = found._replace(total=given)
         grown = xp.minimum(before.signal * xp.exp(dt / self.growth), self.largest)
         lost = xp.either(found.clock >= self.longest, before.signal >= self.largest)
         seen = found.flat > HOLDS + self.beyond
         ends = [
             found.clock >= self.cold,
+            found.clock >= self.apart,
             xp.either(seen, lost),
             found.clock >= self.soak,
             found.elapsed >= self.duration,
         ]
         phase, signal = before.phase, before.signal
-        signal = xp.where(at[HEAT], grown, signal)
-        for k, then in enumerate([self.begin * self.probe, self.share * signal, self.probe, self.probe]):
+        pulsed = xp.where(given < self.pulse, signal, self.probe)
+        signal = xp.where(at[HEAT], grown, xp.where(at[PULSE], pulsed, signal))
+        begin = self.begin * self.probe
+        for k, then in enumerate([self.largest, begin, self.share * signal, self.probe, self.probe]):
             over = xp.both(at[k], ends[k])
             phase, signal = xp.where(over, k + 1.0, phase), xp.where(over, then, signal)
         failed = xp.both(at[HEAT], xp.both(lost, xp.negate(seen)))
+        failed = xp.either(failed, xp.both(at[PULSE], xp.both(ends[PULSE], found.peak < self.visible)))
         phase, signal = xp.where(failed, float(SETTLE), phase), xp.where(failed, self.probe, signal)
         moved = phase > before.phase + 0.5
-        total, count, clock = (xp.where(moved, 0.0, x) for x in (found.total, found.count, found.clock))
-        return found._replace(phase=phase, clock=clock, total=total, count=count, signal=signal)
+        total, count, clock, peak = (xp.where(moved, 0.0, x) for x in (given, found.count, found.clock, found.peak))
+        return found._replace(phase=phase, clock=clock, total=total, count=count, peak=peak, signal=signal)
 
     def _average(
         self, xp: Namespace, now: CalibrationState, at: list[Flag], reading: Scalar, fresh: Scalar
@@ -146,8 +160,8 @@ class Calibration(Parametrised):
         fast = now.fast + step / (FAST + dt) * (reading - now.fast)
         slow = now.slow + step / (SLOW + dt) * (reading - now.slow)
         fast, slow = (xp.where(at[COLD], now.martensite, x) for x in (fast, slow))
-        change = xp.abs(fast - slow) / xp.maximum(xp.abs(now.martensite), 1e-12)
-        peak = xp.where(at[HEAT], xp.maximum(now.peak, change), 0.0)
+        change = xp.abs(fast - xp.where(at[PULSE], now.martensite, slow)) / xp.maximum(xp.abs(now.martensite), 1e-12)
+        peak = xp.where(xp.either(at[HEAT], at[PULSE]), xp.maximum(now.peak, change), 0.0)
         level = xp.both(peak > self.seen, change < xp.maximum(self.flat, LEFT * peak))
         stays = xp.both(at[HEAT], xp.either(level, now.flat > HOLDS))
         return now._replace(fast=fast, slow=slow, peak=peak, flat=xp.where(stays, now.flat + dt, 0.0))

@@ -40,7 +40,7 @@ from martensite.base.parameters import Parametrised, option, param, part
 from martensite.base.units import DEGREES, DIFFERENCE
 from martensite.control.observers import covariance, hidden_states
 from martensite.control.observers.base import OBSERVERS, Column, Named, ObserverPeriod, list_required
-from martensite.control.observers.calibration import COLD, READY, SETTLE, SOAK, Calibration, CalibrationState
+from martensite.control.observers.calibration import COLD, HEAT, READY, SETTLE, SOAK, Calibration, CalibrationState
 from martensite.control.observers.covariance import Matrix
 from martensite.control.observers.filter import Forecast, FreeParameter
 from martensite.control.observers.trust import Trust, TrustState
@@ -57,7 +57,9 @@ HALF = 0.5**0.5
 ABOVE = 28.0
 """How far the soak is above the end of the transformation without stress: 17 K for the stress [K]."""
 TINY = 1e-12
-"""Power below which nothing is heated [W]."""
+"""Power below which nothing is heated [W], and least resistance [ohm]."""
+VOUCHED = 2.0
+"""Standard deviations of ln h below its estimate."""
 
 
 class SheetTolerances(Parametrised):
@@ -77,19 +79,19 @@ class SelfSensing(UnscentedKalman):
 
     beta: Scalar = param("1", "weight of the middle in the covariance", low=0.0, default=2.0)
     fraction_noise: Scalar = param("1/s^0.5", "random walk of ξ amid a transformation", low=0.0, default=0.01)
-    temperature_noise: Scalar = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.3)
+    temperature_noise: Scalar = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.15)
     first_fraction: Scalar = param("1", "standard deviation of a pure phase", low=0.0, default=0.001)
     first_temperature: Scalar = param(DEGREES, "standard deviation of T - T_a at the start", low=0.0, default=0.5)
     sheet: SheetTolerances = part("what is known of the wire", default=SheetTolerances())
     start: str = option("whether it calibrates the wire at first", "calibration", "sheet", default="calibration")
     calibration: Calibration = part("how", default=Calibration())
     hot: Scalar = param("K", "T_h, the temperature of the soak; 0: 28 K above A_f", low=0.0, default=0.0)
-    hot_deviation: Scalar = param(DIFFERENCE, "its standard deviation", above=0.0, default=10.0)
+    hot_deviation: Scalar = param(DIFFERENCE, "its standard deviation", above=0.0, default=7.0)
     loss_deviation: Scalar = param("1", "standard deviation of P - Q as a share of it", low=0.0, default=0.1)
     learning: Scalar = param("1", "by how much parameters walk faster while it calibrates", low=1.0, default=8.0)
     resistivity_walk: Scalar = param("1/s^0.5", "random walk of the resistivities", low=0.0, default=0.0)
-    film_walk: Scalar = param("1/s^0.5", "random walk of the film coefficient", low=0.0, default=0.005)
-    ambient_walk: Scalar = param("K/s^0.5", "random walk of the surroundings", low=0.0, default=0.02)
+    film_walk: Scalar = param("1/s^0.5", "random walk of the film coefficient", low=0.0, default=0.0025)
+    ambient_walk: Scalar = param("K/s^0.5", "random walk of the surroundings", low=0.0, default=0.005)
     transformation_walk: Scalar = param(
         "K/s^0.5", "random walk of the transformation temperatures", low=0.0, default=0.02
     )
@@ -148,9 +150,10 @@ class SelfSensing(UnscentedKalman):
         signal = self.model.drives()[0].unit
         return super().estimates() | {
             "calibrating": Output("1", "whether the wire is being calibrated", "c"),
-            "phase": Output("1", "phase of the calibration: cold, heat, soak, settle, ready", "p"),
+            "phase": Output("1", "phase of the calibration: cold, pulse, heat, soak, settle, ready", "p"),
             "probing": Output(signal, "signal of the calibration", "u_c"),
             "confidence": Output("1", "how far the estimates can be trusted", "q"),
+            "least_cooling": Output("1", "least film coefficient that is sure, over that of the model", "κ"),
         }
 
     def first_covariance(self, xp: Namespace, variances: Sequence[Scalar], signals: Column) -> Matrix:
@@ -186,7 +189,7 @@ class SelfSensing(UnscentedKalman):
         rows = self.pair_readings(xp, expected.mean, readings, dt)
         mean, matrix, nis = covariance.condition_on_readings(xp, expected.mean, expected.covariance, rows)
         i, value, variance, fresh = rows[0]
-        own = self.calibration.advance(xp, before, value, fresh, dt)
+        own = self.calibration.advance(xp, before, value, fresh, dt, self._heat_share(xp, expected, going, value))
         mean, matrix = self._restart(xp, (before, own), expected, (mean, matrix), going)
         innovation = (value - expected.mean[i]) / xp.sqrt(expected.covariance[i][i] + variance)
         watched = xp.where(own.phase > READY - 0.5, fresh, 0.0)
@@ -201,7 +204,29 @@ class SelfSensing(UnscentedKalman):
         lasts = xp.where(own.phase < READY - 0.5, 1.0, 0.0)
         spread = xp.sqrt(xp.maximum(found.covariance[1][1], 0.0))
         confidence = (1.0 - lasts) * own.done * self.trust.confidence(xp, trust, spread, dt)
-        return [*estimates, lasts, own.phase, own.signal, confidence], [*own, *trust, *memory]
+        told = lasts, own.phase, own.signal, confidence, self._find_least_cooling(xp, found, own, confidence)
+        return [*estimates, *told], [*own, *trust, *memory]
+
+    def _find_least_cooling(self, xp: Namespace, found: Forecast, own: CalibrationState, confidence: Scalar) -> Scalar:
+        """What is sure: of the sheet; in the pulse, bound by its energy, 1; the most while R shows the end; by h."""
+        k, most = self._index(FILMS), self.sheet.film
+        known = xp.exp(found.mean[k] - VOUCHED * xp.sqrt(xp.maximum(found.covariance[k][k], 0.0)))
+        sure = xp.where(confidence > 0.5, xp.clip(known, 1.0 / most, most), 1.0 / most)
+        heats = xp.where(own.phase < HEAT - 0.5, 1.0, most)
+        return xp.where(xp.both(own.phase > COLD + 0.5, own.phase < SETTLE - 0.5), heats, sure)
+
+    def _heat_share(self, xp: Namespace, expected: Forecast, going: ObserverPeriod, reading: Scalar) -> Scalar:
+        """Energy of a period, over that which heats the element to the soak without a transformation."""
+        (port,), (one,) = self.model.actuators(), self.model.actuators().values()
+        seen = hidden_states.observe_model(xp, self.model, expected.state, going.signals)
+        power, ohm = (seen[self.model.label(port, name)] for name in ("power", "resistance"))
+        energy = one.element.heat_capacity_total() * (self._soaked(xp) - self.model.value_of(AROUND[0]))
+        return power * ohm / xp.maximum(reading, TINY) * going.dt / energy
+
+    def _soaked(self, xp: Namespace) -> Scalar:
+        """Temperature of the soak [K]."""
+        above = self.model.value_of("A_f") + ABOVE if self._paths(("law.A_f",)) else self.hot
+        return xp.where(self.hot > 0.0, self.hot, above)
 
     def _count_common_shift(self, xp: Namespace, estimates: Column) -> list[Scalar]:
         """Estimates, with what all temperatures may be off by together in the spreads of every one."""
@@ -247,11 +272,7 @@ class SelfSensing(UnscentedKalman):
     ) -> tuple[list[Scalar], Matrix]:
         """Unknowns after the soak, and their covariance."""
         around = self.model.value_of("environment.temperature")
-        hot = (
-            xp.where(self.hot > 0.0, self.hot, self.model.value_of("A_f") + ABOVE)
-            if self._paths(("law.A_f",))
-            else self.hot
-        )
+        hot = self._soaked(xp)
         (port,) = self.model.actuators()
         ohm, loss, power = self.reads()[0], self.model.label(port, "heat_loss"), self.model.label(port, "power")
 
