@@ -103,7 +103,7 @@ def build_simavr_line(folder: Path) -> Path:
     cc = find_compiler()
     if cc is None or not Path("/usr/include/simavr/sim_avr.h").exists():
         raise InputError("This needs a C compiler and simavr; on Debian: libsimavr-dev.")
-    found = folder / "simavr_line"
+    found = folder.resolve() / "simavr_line"
     if not found.exists():
         source = Path(__file__).with_name("simavr_line.c")
         run_tool([cc, "-O2", source, "-o", found, "-lsimavr"], folder)

@@ -91,7 +91,8 @@ def build_firmware(scenario: Scenario, board: str, *, name: str = "firmware", li
     first = [known.get(one.name, 0.0) for one in others]
     settings = list_settings(inputs, given, [(one.name, one.unit) for one in others], first)
     room = TOLD - readings - drives - len(inputs.told_channels())
-    told = tuple(range(drives, len(core.outputs)))[: max(room, 0)]
+    more = [k for k in range(drives, len(core.outputs)) if core.outputs[k].name != "alarm"]  # every telemetry has it
+    told = tuple(more[: max(room, 0)])
     digest = zlib.crc32("".join([core.header, core.source, *map(repr, settings)]).encode())
     wanted = tuple(range(2 * readings, len(core.inputs)))
     plan = FirmwarePlan(core, chosen, inputs, given, settings, wanted, drives, told, bench.period, digest)
