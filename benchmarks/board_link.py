@@ -1,4 +1,4 @@
-"""A link over a long time, and under garbled frames, on an emulated Uno: `python -m benchmarks.board_link --minutes 60`.
+"""A link over a long time, and under garbled frames, on an emulated Uno: `python -m benchmarks.board_link`.
 
 The board tells a sample a millisecond. Its bytes are read twice: as they are, which says what it sent, and through a
 line that loses, flips and doubles some of them, which is what the host counts. Nothing may be lost that the host does
@@ -145,6 +145,11 @@ def start_board(folder: Path) -> tuple[SimavrBoard, dict]:
     return board, json.loads((folder / "uno" / "firmware.json").read_text("utf-8"))
 
 
+def print_numbers(found: dict[str, float]) -> None:
+    """A line for each."""
+    print("\n".join(f"{key}: {value:,.10g}" for key, value in found.items()), flush=True)
+
+
 def main() -> None:
     """Print both."""
     words = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -155,11 +160,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         board, firmware = start_board(Path(name))
         try:
-            for found in (
-                log_long(board, firmware, 60.0 * asked.minutes, asked.damage),
-                send_garbled(board, asked.garbled),
-            ):
-                print("\n".join(f"{key}: {value:,.6g}" for key, value in found.items()), flush=True)
+            print_numbers(log_long(board, firmware, 60.0 * asked.minutes, asked.damage))
+            print_numbers(send_garbled(board, asked.garbled))
         finally:
             board.close()
 

@@ -16,6 +16,7 @@ from martensite_hardware.commands.shared import ProjectFolder, hardware
 
 if TYPE_CHECKING:
     from martensite_hardware.firmware.project import Firmware
+    from martensite_hardware.firmware.settings import FirmwarePlan
 
 __all__ = ["boards", "calibrate", "cost", "exports", "learn", "run"]
 
@@ -101,6 +102,35 @@ def _summarise_firmware(found: Firmware) -> Summary:
         Sentence(f"model: {plan.core.size:,} bytes; a step takes at most {count} operations"),
         Sentence(found.tried),
         DataTable(("setting", "value", "unit", "stands in", "about"), rows, right=(1,)),
+        *_warn_of_room(found),
+        Sentence(_describe_limits(plan)),
         Sentence("Gains and offsets are nominal: calibrate the board before it arms on its own readings.", "caution"),
     ]
     return Summary("", blocks, data)
+
+
+def _warn_of_room(found: Firmware) -> list[Block]:
+    board = found.plan.board
+    if found.flash <= board.flash:
+        return []
+    words = (
+        f"It hardly fits: by the length of its C it takes about {1e-3 * found.flash:.2g} kB of flash, and the board "
+        f"has {1e-3 * board.flash:.2g} kB. Take a larger board, such as mega2560 or stm32f405."
+    )
+    return [Sentence(words, "bad")]
+
+
+def _describe_limits(plan: FirmwarePlan) -> str:
+    limits, fixed = plan.limits, {one.name: one.value for one in plan.settings if one.fixed}
+    words = [
+        f"{1e3 * limits.silence:g} ms after it heard the host last",
+        f"after {limits.longest:g} s armed",
+        "when the loop cannot be solved",
+    ]
+    if plan.inputs.supply_channel >= 0:
+        words.append(f"below {fixed['least_supply']:.3g} V of supply")
+    if plan.inputs.current_channel >= 0:
+        words.append(f"above {fixed['most_current']:.3g} A")
+    guard = any(one.name == "alarm" for one in plan.core.outputs)
+    own = " The guard of the scenario is in the loop." if guard else " The scenario has no guard of its own."
+    return f"The board disarms by itself {', '.join(words)}; no duty is above {limits.most_duty:g}.{own}"
