@@ -44,7 +44,10 @@ def replay(
 def fit(
     logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Logs of one board.")],
     free: Annotated[str, Option(help="Numbers of the wire to fit: A_s,A_f,M_s,M_f,h.")],
-    out: Annotated[Path, Option(metavar="FOLDER", help="Where scenario, material and report are written.")],
+    out: Annotated[
+        Path | None,
+        Option(metavar="FOLDER", help="Where scenario, material and report are written [default: nowhere]."),
+    ] = None,
     force: Force = False,
     json: Json = False,
 ) -> None:
@@ -52,13 +55,15 @@ def fit(
 
     Without a scenario, `martensite fit LOG` makes a model of a log.
     """
+    from tempfile import TemporaryDirectory
+
     from martensite.base.files import make_folder
     from martensite.show.terminal import print_summary
     from martensite_hardware.board_log import read_log_scenario
     from martensite_hardware.characterise import characterise as work
     from martensite_hardware.session import read_project_scenario
 
-    if out.exists() and any(out.iterdir()) and not force:
+    if out is not None and out.exists() and any(out.iterdir()) and not force:
         raise InputError(f"`{out}` is not empty; use --force to write into it, or name another folder.")
     text = read_log_scenario(logs[0])
     if not text or any(read_log_scenario(one) != text for one in logs[1:]):
@@ -67,9 +72,13 @@ def fit(
     if bench is None:
         raise InputError("The scenario of the log has no loop, and so no sensors.")
     unknown = work.list_unknown(bench, [name.strip() for name in free.split(",")], {})
-    make_folder(out)
-    with show_spinner("fitting"):
-        found, files = work.fit_courses(text, out, logs, unknown)
+    files: list[Path] = []
+    with TemporaryDirectory() as own, show_spinner("fitting"):
+        if out is not None:
+            make_folder(out)
+        found = work.fit_courses(text, out or Path(own), logs, unknown)
+        if out is not None:
+            files = work.write_fit(found, out)
     print_summary(Summary("", work.describe_fit(found), dict(found.numbers)), json, files)
 
 
@@ -118,5 +127,6 @@ def characterise(
             with show_log(course.name) as watch:
                 session.play(course.levels, word=arm, watch=watch).write(path, session.link.reader.counts)
     with show_spinner("fitting"):
-        found, files = work.fit_courses(firmware["scenario"], out, logs, unknown)
+        found = work.fit_courses(firmware["scenario"], out, logs, unknown)
+        files = work.write_fit(found, out)
     print_summary(Summary("", [*plan, *work.describe_fit(found)], dict(found.numbers)), json, [*logs, *files])
