@@ -12,7 +12,7 @@ from martensite.base.errors import InputError
 from martensite.base.summary import Block, DataTable, Sentence, Summary
 from martensite.cli.options import Force, Json, ScenarioSource, Text, read_positive, spread_options
 from martensite_hardware.commands import calibrate, cost, learn, run
-from martensite_hardware.commands.shared import ProjectFolder, hardware
+from martensite_hardware.commands.options import ProjectFolder, hardware
 
 if TYPE_CHECKING:
     from martensite_hardware.firmware.project import Firmware

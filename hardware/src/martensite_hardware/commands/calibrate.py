@@ -9,7 +9,7 @@ from typer import Option
 from martensite.base.errors import InputError
 from martensite.base.summary import Block, DataTable, Sentence, Summary
 from martensite.cli.options import Json, Text, read_positive, spread_options
-from martensite_hardware.commands.shared import Armed, BoardSource, hardware, open_session
+from martensite_hardware.commands.options import Armed, BoardSource, hardware, open_session
 
 if TYPE_CHECKING:
     pass

@@ -10,7 +10,7 @@ from typer import Option
 from martensite.base.summary import Block, DataTable, Sentence, Summary
 from martensite.cli.options import Json, ScenarioSource, spread_options
 from martensite.cli.progress import show_spinner
-from martensite_hardware.commands.shared import hardware
+from martensite_hardware.commands.options import hardware
 
 if TYPE_CHECKING:
     pass

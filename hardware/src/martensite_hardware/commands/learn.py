@@ -13,7 +13,7 @@ from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.cli.options import FigureFile, Force, Json, Texts, read_positive, spread_options
 from martensite.cli.outputs import Outputs
 from martensite.cli.progress import show_spinner
-from martensite_hardware.commands.shared import Armed, BoardSource, ProjectFolder, hardware, show_log
+from martensite_hardware.commands.options import Armed, BoardSource, ProjectFolder, hardware, show_log
 
 if TYPE_CHECKING:
     pass

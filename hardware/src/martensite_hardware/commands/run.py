@@ -13,7 +13,7 @@ from martensite.base.summary import Block, DataTable, Sentence, Summary
 from martensite.cli.options import Force, Json, Text, read_positive, read_quantity, spread_options
 from martensite.cli.outputs import Outputs
 from martensite.cli.progress import open_bar
-from martensite_hardware.commands.shared import (
+from martensite_hardware.commands.options import (
     Armed,
     BoardSource,
     LogOptions,
