@@ -17,9 +17,11 @@ from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from benchmarks.board_link import log_long, send_garbled, start_board
 from typer.testing import CliRunner
 
 import martensite as ms
@@ -33,7 +35,7 @@ from martensite_hardware.characterise.information import choose_courses, compute
 from martensite_hardware.emulators.avr import SimavrBoard
 from martensite_hardware.emulators.cortex import QemuBoard
 from martensite_hardware.emulators.cost import cost_on_cortex, write_cost
-from martensite_hardware.emulators.toolchains import compile_bare, compile_sketch
+from martensite_hardware.emulators.toolchains import compile_bare, compile_sketch, explain_overflow
 from martensite_hardware.firmware.project import build_firmware
 from martensite_hardware.firmware.settings import Limits
 from martensite_hardware.hil import compare_runs, run_hil
@@ -139,8 +141,49 @@ def test_a_rig_is_calibrated_run_logged_and_replayed(uno: Path, tmp_path: Path) 
     run = ms.load(EXAMPLES / "closed_loop.toml").run()
     ours = np.interp(record["time"], run.times, run.columns["position"])
     assert np.max(np.abs(np.array(record["position"]) - ours)) < 1.8e-4 < 0.1 * np.ptp(ours)
+    assert set(record.columns) == {"time", "status", "alarm", "position", "duty", "supply.voltage"}
+    told = call(app, ["hardware", "fit", str(log), "--free", "h", "--json"])
+    assert told.exit_code == 0, told.stderr
+    found = json.loads(told.stdout)["environment.cooling.h"]
+    assert abs(found - 120.0) < 1.0  # that of the wire in the emulator
     done = call(app, ["hardware", "replay", str(project), str(log), "--json"])
     assert json.loads(done.stdout)["position"]["fit"] > 0.95
+
+
+@needs_avr
+def test_a_host_that_begins_anew_is_heard(board: SimavrBoard) -> None:
+    first = BoardLink(board, now=board.now)
+    for _ in range(40):
+        first.greet()
+    board.run(0.1)
+    assert BoardLink(board, now=board.now).greet().name == "hello"  # it counts from 0 again
+
+
+@needs_avr
+def test_nothing_is_lost_unnoticed_at_1_khz(tmp_path: Path) -> None:
+    fast, firmware = start_board(tmp_path)
+    try:
+        found, garbled = log_long(fast, firmware, 1.0, 2e-4), send_garbled(fast, 300)
+    finally:
+        fast.close()
+    assert found["lost unnoticed"] == 0 and found["lost by the board"] == 0 and found["counted as lost"] > 0
+    assert found["samples told"] > 990 and found["samples logged"] >= found["samples told"] - found["counted as lost"]
+    assert (garbled["accepted"], garbled["alive"]) == (0, True)
+
+
+def test_a_firmware_says_its_parts_its_limits_and_whether_it_fits(tmp_path: Path) -> None:
+    example, out = EXAMPLES / "closed_loop_sensorless.toml", tmp_path / "uno"
+    done = CliRunner().invoke(app, ["export", "firmware", str(example), "--board", "uno", "--out", str(out)])
+    said = " ".join(done.stdout.split())
+    assert "It hardly fits" in said and "40 ms after it heard the host last" in said
+    drawing = ElementTree.parse(out / "wiring.svg").getroot()
+    words = {one.text for one in drawing.iter("{http://www.w3.org/2000/svg}text")}
+    assert {"MOSFET", "A0", "A1", "shunt 0.1 ohm"} <= words
+    parts = (out / "WIRING.md").read_text("utf-8")
+    assert "| 1 | element | wire, diameter 0.15 mm, length 250 mm |" in parts and "| 1 | shunt |" in parts
+    overflow = "firmware.elf section `.text' will not fit in region `text'; region `text' overflowed by 40892 bytes"
+    with pytest.raises(ms.InputError, match="does not fit into the flash of Arduino Uno"):
+        explain_overflow(overflow, "uno")
 
 
 HOST = """
@@ -205,7 +248,7 @@ def test_a_sensorless_loop_on_a_cortex_is_that_of_the_simulation(tmp_path: Path)
     build_firmware(scenario, "stm32f405", limits=Limits(silence=5.0)).write(tmp_path)
     board = QemuBoard(compile_bare(tmp_path))
     try:
-        found = run_hil(scenario, BoardLink(board), read_description(tmp_path), word="ARM", duration=2.0)
+        found = run_hil(scenario, BoardLink(board), read_description(tmp_path), word="ARM", duration=1.0)
     finally:
         board.close()
     far = {name: share for name, _, _, share in compare_runs(scenario, found)}

@@ -10,16 +10,18 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any
 
 from martensite.base.errors import DataError
 from martensite.base.files import replace_file, write_file
 from martensite.base.lazy import import_extra
 from martensite_hardware.link.frames import BoardClock, LinkCounts
 from martensite_hardware.link.messages import Message
+
+if TYPE_CHECKING:
+    import numpy as np
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
 ENDINGS = (".csv", ".parquet", ".mcap")
 
@@ -54,16 +56,44 @@ class BoardLog:
         return ["time", "status", "alarm", *(row["name"] for row in self.firmware["telemetry"])]
 
     def headings(self) -> list[str]:
-        """Names with units."""
+        """Names with units; plain numbers that are no quantity, such as an alarm, have none, lest one be guessed."""
+        from martensite.scenario.layout import CANONICAL
+
         units = ["s", "1", "1", *(row["unit"] for row in self.firmware["telemetry"])]
-        return [f"{name.replace('.', ' ')} [{unit}]" for name, unit in zip(self.names, units, strict=True)]
+        return [
+            f"{name} [{unit}]" if unit != "1" or name.rpartition(".")[2] in CANONICAL else name
+            for name, unit in zip(self.names, units, strict=True)
+        ]
 
     def table(self) -> NDArray[np.float64]:
         """Rows and columns, time from the first sample on; all in SI."""
+        import numpy as np
+
         found = np.array(self._rows, dtype=float).reshape(len(self._rows), len(self.names))
         if len(found):
             found[:, 0] -= found[0, 0]
         return found
+
+    def plot(self) -> Figure:
+        """Every column but the status over time, one above the other.
+
+        Raises:
+            DataError: nothing was heard.
+        """
+        if not self._rows:
+            raise DataError("Nothing was heard from the board: there is nothing to draw.")
+        from martensite.show.figures.style import make_figure, use_style
+
+        table, headings = self.table(), self.headings()
+        shown = [k for k, name in enumerate(self.names) if name not in ("time", "status")]
+        with use_style():
+            figure = make_figure(7.0, 1.0 + 1.6 * len(shown))
+            for row, k in enumerate(shown):
+                axes = figure.add_subplot(len(shown), 1, row + 1)
+                axes.step(table[:, 0], table[:, k], where="post")
+                axes.set(ylabel=headings[k])
+            axes.set(xlabel="time [s]")
+        return figure
 
     def describe(self, counts: LinkCounts) -> dict[str, str]:
         """What goes along with the table."""

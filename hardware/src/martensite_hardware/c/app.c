@@ -301,7 +301,10 @@ static void listen(uint32_t now) {
 /* ------------------------------------------------------------------------------- for ever */
 
 static void watch(uint32_t now) {
-    if (!(flags & FLAG_ARMED)) return;
+    if (!(flags & FLAG_ARMED)) {
+        if (now - heard > APP_SILENCE) link_restart(&line); /* whoever speaks next may count from anywhere */
+        return;
+    }
     if (now - heard > APP_SILENCE) disarm(REASON_SILENCE);
     else if (now - armed_at > APP_LONGEST) disarm(REASON_TIME);
 }

@@ -119,13 +119,18 @@ void board_begin(void) {
     SYST_CSR = 7u;
 }
 
+/* Never less than before: a counter that began anew may be read before its interrupt has counted the millisecond. */
 uint32_t board_micros(void) {
+    static uint32_t last;
     uint32_t ms, left;
     do {
         ms = milliseconds;
         left = SYST_CVR;
     } while (ms != milliseconds);
-    return ms * 1000u + (PER_MS - 1u - left) / (CLOCK / 1000000u);
+    const uint32_t gone = left < PER_MS ? PER_MS - 1u - left : 0u; /* an emulator may say a count more than there is */
+    const uint32_t found = ms * 1000u + gone / (CLOCK / 1000000u);
+    if ((int32_t)(found - last) > 0) last = found;
+    return last;
 }
 
 int board_read(void) {

@@ -29,6 +29,8 @@ WIDTHS = {"K": 5.0, "1": 0.1}
 """How far a number may be off before anything is known, by its unit: kelvin, or a share; assumed."""
 SHARE = 0.2
 """The same for all other units, as a share."""
+RIG = "rig.toml"
+"""The scenario of a fit."""
 MARGIN = 5.0
 """Below the temperature limit of the element [K] that no wire passes."""
 
@@ -78,19 +80,23 @@ def write_rig_scenario(text: str) -> str:
     return as_toml(kept | {"drive": {**source, **followed}})
 
 
-def fit_courses(
-    text: str, folder: Path, logs: Sequence[Path], unknown: Sequence[UnknownNumber]
-) -> tuple[Fit, list[Path]]:
-    """Fit the numbers to the logs of all courses; the fit, and the scenario, material and report that are written."""
+def fit_courses(text: str, folder: Path, logs: Sequence[Path], unknown: Sequence[UnknownNumber]) -> Fit:
+    """Fit the numbers to the logs of all courses; the scenario of the fit, `rig.toml`, is written into the folder."""
     from martensite.fit.api import fit_logs
+
+    scenario = folder / RIG
+    write_file(scenario, write_rig_scenario(text))
+    return fit_logs(scenario, list(logs), [one.path for one in unknown])
+
+
+def write_fit(found: Fit, folder: Path) -> list[Path]:
+    """Write material and report beside the scenario of a fit; all these files."""
     from martensite.fit.material_files import write_material
     from martensite.show.pages import write_report
 
-    scenario, material = folder / "rig.toml", folder / "wire.toml"
-    write_file(scenario, write_rig_scenario(text))
-    found = fit_logs(scenario, list(logs), [one.path for one in unknown])
+    material = folder / "wire.toml"
     write_material(found, material, title="Wire behind a board")
-    return found, [scenario, material, *write_report(found, folder / "report.html")]
+    return [folder / RIG, material, *write_report(found, folder / "report.html")]
 
 
 def describe_plan(unknown: Sequence[UnknownNumber], chosen: ChosenCourses) -> list[Block]:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from martensite.base.errors import InputError, SolveError
 from martensite_hardware.emulators.avr import SimavrBoard
 from martensite_hardware.emulators.cortex import MACHINE
-from martensite_hardware.emulators.toolchains import require_tool, run_tool
+from martensite_hardware.emulators.toolchains import read_sizes, require_tool, run_tool
 
 if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
@@ -137,7 +137,7 @@ def cost_on_avr(core: CCore, folder: Path) -> StepCost:
         failed = board.marks[3] > 0
     finally:
         board.close()
-    return StepCost("ATmega2560", most, *_read_sizes("avr-size", elf), failed, "cycles", 16e6)
+    return StepCost("ATmega2560", most, *read_sizes("avr-size", elf), failed, "cycles", 16e6)
 
 
 def _is_done(board: SimavrBoard) -> bool:
@@ -163,11 +163,5 @@ def cost_on_cortex(core: CCore, folder: Path) -> StepCost:
     if len(numbers) != 6:
         raise SolveError(f"The program that counts said {done.stderr[:200]!r}.")
     most = round(TICK * (numbers[2] - numbers[0]))
-    sizes = _read_sizes("arm-none-eabi-size", elf)
+    sizes = read_sizes("arm-none-eabi-size", elf)
     return StepCost("Cortex-M4F", most, *sizes, numbers[4] > 0, "instructions", 168e6)
-
-
-def _read_sizes(tool: str, elf: Path) -> tuple[int, int]:
-    done = subprocess.run([tool, str(elf)], capture_output=True, text=True, check=True)
-    text, data, bss, *_ = done.stdout.splitlines()[1].split()
-    return int(text) + int(data), int(data) + int(bss)

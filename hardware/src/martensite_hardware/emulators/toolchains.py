@@ -6,6 +6,7 @@ qemu-system-arm for the STM32F405. Nothing of them is part of this package.
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 from collections.abc import Sequence
@@ -13,6 +14,7 @@ from pathlib import Path
 
 from martensite.base.errors import CompileError, InputError
 from martensite.kernels.compiler import find_compiler
+from martensite_hardware.firmware.boards import find_board
 
 CORE = Path("/usr/share/arduino/hardware/arduino/avr")
 """Where Debian keeps the Arduino core for AVR."""
@@ -24,6 +26,10 @@ PACKAGES = {
     "arm-none-eabi-gcc": "gcc-arm-none-eabi and libnewlib-arm-none-eabi",
     "qemu-system-arm": "qemu-system-arm",
 }
+
+STACK = 400
+"""Bytes that calls of the loop and of the link take beside static memory, at least; assumed."""
+LARGER = "Take a larger board, such as mega2560 or stm32f405."
 
 
 def require_tool(name: str) -> str:
@@ -78,8 +84,45 @@ def compile_sketch(folder: Path, board: str, flags: Sequence[str] = ()) -> Path:
     words = ["-x", "c++", "-std=gnu++11", "-fno-exceptions", "-fno-threadsafe-statics", "-include", "Arduino.h"]
     run_tool([plus, *common, *words, "-c", *core.glob("*.cpp"), *folder.glob("*.cpp"), sketch], objects)
     elf = folder / "firmware.elf"
-    run_tool([plus, *common, "-Wl,--gc-sections", *sorted(objects.glob("*.o")), "-lm", "-o", elf], folder)
+    link = [plus, *common, "-Wl,--gc-sections", *sorted(objects.glob("*.o")), "-lm", "-o", elf]
+    try:
+        run_tool(link, folder)
+    except CompileError as error:
+        explain_overflow(str(error), board)
+        raise
+    check_room(elf, "avr-size", board)
     return elf
+
+
+def explain_overflow(said: str, board: str) -> None:
+    """Raise `InputError` if a linker says that a program is too large; it says by how much of flash or RAM."""
+    found = re.search(r"region .?(text|data).? overflowed by (\d+) bytes", said)
+    if found is not None:
+        title, room = find_board(board).title, find_board(board).flash
+        what = "flash" if found[1] == "text" else "RAM"
+        raise InputError(
+            f"This loop does not fit into the {what} of {title}: it has {int(found[2]):,} bytes too many"
+            f"{f' for the {room:,} there are' if what == 'flash' else ''}. {LARGER}"
+        ) from None
+
+
+def read_sizes(tool: str, elf: Path) -> tuple[int, int]:
+    """Flash and static RAM of a program [bytes]."""
+    done = subprocess.run([tool, str(elf)], capture_output=True, text=True, check=True)
+    text, data, bss, *_ = done.stdout.splitlines()[1].split()
+    return int(text) + int(data), int(data) + int(bss)
+
+
+def check_room(elf: Path, tool: str, board: str) -> None:
+    """Raise `InputError` if a program leaves no room on its board; the stack needs `STACK` bytes of the RAM."""
+    flash, ram = read_sizes(tool, elf)
+    known = find_board(board)
+    if flash > known.flash or ram + STACK > known.ram:
+        elf.unlink()
+        raise InputError(
+            f"This loop does not fit {known.title}: it takes {flash:,} of {known.flash:,} bytes of flash, and "
+            f"{ram:,} of {known.ram:,} bytes of RAM, of which the stack needs {STACK}. {LARGER}"
+        )
 
 
 def compile_bare(folder: Path) -> Path:
@@ -103,7 +146,7 @@ def build_simavr_line(folder: Path) -> Path:
     cc = find_compiler()
     if cc is None or not Path("/usr/include/simavr/sim_avr.h").exists():
         raise InputError("This needs a C compiler and simavr; on Debian: libsimavr-dev.")
-    found = folder / "simavr_line"
+    found = folder.resolve() / "simavr_line"
     if not found.exists():
         source = Path(__file__).with_name("simavr_line.c")
         run_tool([cc, "-O2", source, "-o", found, "-lsimavr"], folder)

@@ -151,7 +151,7 @@ def plan_inputs(bench: Bench, board: Board) -> BoardInputs:
     supply = -1
     if pins:
         ratio, gain = choose_divider(volts, board)
-        supply = add_channel("supply_voltage", "V", gain, 0.0, f"divider {ratio:g} : 1 across the supply")
+        supply = add_channel("supply.voltage", "V", gain, 0.0, f"divider {ratio:g} : 1 across the supply")
     return BoardInputs(tuple(channels), tuple(readings), supply, current, most, volts)
 
 

@@ -21,6 +21,8 @@ from martensite.control.loop.names import list_references
 from martensite.control.loop.run import reference_waveforms
 from martensite_hardware.firmware.boards import Board, find_board
 from martensite_hardware.firmware.channels import plan_inputs
+from martensite_hardware.firmware.drawing import draw_wiring
+from martensite_hardware.firmware.parts_list import describe_elements
 from martensite_hardware.firmware.settings import TOLD, FirmwarePlan, Limits, list_settings, print_settings
 from martensite_hardware.firmware.wiring import describe_wiring
 from martensite_hardware.link.messages import VERSION, print_header
@@ -32,6 +34,9 @@ SHARED = ("app.c", "app.h", "board.h", "link.c", "link.h")
 LAYERS = {"arduino": ("board_arduino.cpp",), "stm32f405": ("board_stm32f405.c", "start_stm32f405.c", "stm32f405.ld")}
 STEPS = 400
 """Samples of the scenario over which the loop is tried, at least."""
+
+AROUND, PER_LETTER = 8000.0, 1.2
+"""Flash on an AVR [bytes] of a firmware without its loop, and of a letter of its loop's C; of four examples."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +50,13 @@ class Firmware:
     tried: str
     """How far the loop was tried in float32, in a sentence."""
 
+    @property
+    def flash(self) -> float:
+        """Flash that it takes on an AVR [bytes], roughly, by the length of its loop; 0 for other processors."""
+        if self.plan.board.layer != "arduino" or self.plan.board.steps != 1024:
+            return 0.0
+        return AROUND + PER_LETTER * len(self.plan.core.source)
+
     def write(self, folder: str | Path) -> list[Path]:
         """Write all files, or none, into a folder that is made if it is missing; their paths.
 
@@ -56,6 +68,7 @@ class Firmware:
         with replace_together():
             for name, text in self.texts.items():
                 write_file(home / name, text)
+        (home / "firmware.elf").unlink(missing_ok=True)  # it was made of other files
         return [home / name for name in self.texts]
 
 
@@ -91,19 +104,21 @@ def build_firmware(scenario: Scenario, board: str, *, name: str = "firmware", li
     first = [known.get(one.name, 0.0) for one in others]
     settings = list_settings(inputs, given, [(one.name, one.unit) for one in others], first)
     room = TOLD - readings - drives - len(inputs.told_channels())
-    told = tuple(range(drives, len(core.outputs)))[: max(room, 0)]
+    more = [k for k in range(drives, len(core.outputs)) if core.outputs[k].name != "alarm"]  # every telemetry has it
+    told = tuple(more[: max(room, 0)])
     digest = zlib.crc32("".join([core.header, core.source, *map(repr, settings)]).encode())
     wanted = tuple(range(2 * readings, len(core.inputs)))
     plan = FirmwarePlan(core, chosen, inputs, given, settings, wanted, drives, told, bench.period, digest)
-    return Firmware(name, plan, _collect_texts(name, plan, scenario), tried)
+    return Firmware(name, plan, _collect_texts(name, plan, scenario, describe_elements(bench)), tried)
 
 
-def _collect_texts(name: str, plan: FirmwarePlan, scenario: Scenario) -> dict[str, str]:
+def _collect_texts(name: str, plan: FirmwarePlan, scenario: Scenario, elements: list[str]) -> dict[str, str]:
     home, board = files("martensite_hardware") / "c", plan.board
     found = {one: (home / one).read_text("utf-8") for one in (*SHARED, *LAYERS[board.layer])}
     found |= plan.core.files | {"settings.h": print_settings(plan), "messages.h": print_header()}
     found["firmware.json"] = json.dumps(describe_firmware(name, plan, scenario.text), indent=1) + "\n"
-    found["WIRING.md"] = describe_wiring(name, plan)
+    found["WIRING.md"] = describe_wiring(name, plan, elements)
+    found["wiring.svg"] = draw_wiring(plan, elements)
     if board.layer == "arduino":
         found[f"{name}.ino"] = (home / "firmware.ino").read_text("utf-8")
         found["platformio.ini"] = _print_platformio(board)

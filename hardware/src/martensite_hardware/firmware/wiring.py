@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from martensite_hardware.firmware.parts_list import list_wiring_parts
 from martensite_hardware.firmware.settings import FirmwarePlan
 
 
-def describe_wiring(name: str, plan: FirmwarePlan) -> str:
+def describe_wiring(name: str, plan: FirmwarePlan, elements: list[str]) -> str:
     """`WIRING.md`."""
-    board, inputs, most = plan.board, plan.inputs, plan.inputs.largest_current
+    board, inputs = plan.board, plan.inputs
     rows = [
         f"# Wiring of `{name}` on {board.title}",
         "",
@@ -29,9 +30,13 @@ def describe_wiring(name: str, plan: FirmwarePlan) -> str:
     rows += [
         "| ground of the supply | | ground of the board |",
         "",
-        "Parts: a logic-level MOSFET for each switch that stands twice "
-        f"{most:.3g} A and twice {inputs.supply:g} V; a fuse of {1.25 * most:.3g} A behind the supply; what the second "
-        "column names.",
+        "![wiring](wiring.svg)",
+        "",
+        "## Parts",
+        "",
+        "| count | part | rating |",
+        "|---|---|---|",
+        *(f"| {one.count} | {one.name} | {one.rating} |" for one in list_wiring_parts(plan, elements)),
         "",
         "The gate is held off while the board starts. Signals stay off until the host arms, and go off "
         f"{1e3 * plan.limits.silence:g} ms after it was heard last, below {plan.settings[1].value:.3g} V of supply, "

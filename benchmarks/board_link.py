@@ -1,0 +1,170 @@
+"""A link over a long time, and under garbled frames, on an emulated Uno: `python -m benchmarks.board_link`.
+
+The board tells a sample a millisecond. Its bytes are read twice: as they are, which says what it sent, and through a
+line that loses, flips and doubles some of them, which is what the host counts. Nothing may be lost that the host does
+not count. Then garbled frames go to the board, which may take none of them, crash, or stop to answer.
+
+simavr takes about a second for one of the board.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import random
+import tempfile
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import martensite as ms
+from martensite_hardware.board_log import BoardLog
+from martensite_hardware.emulators.avr import SimavrBoard
+from martensite_hardware.emulators.toolchains import compile_sketch
+from martensite_hardware.firmware.project import build_firmware
+from martensite_hardware.link.frames import FrameReader, encode_frame
+from martensite_hardware.link.host import BoardLink
+from martensite_hardware.link.messages import KINDS
+
+EXAMPLE = Path(__file__).parents[1] / "examples" / "closed_loop.toml"
+PERIOD = 1000
+"""Of a sample [us]."""
+
+
+@dataclass
+class BadLine:
+    """A port to a board whose bytes come damaged, and a reader of what it really sent."""
+
+    board: SimavrBoard
+    rate: float
+    """Damages per byte."""
+    rng: random.Random
+    truth: FrameReader = field(default_factory=FrameReader)
+    sent: list[int] = field(default_factory=list)
+    """Times of the samples that the board told, in its own clock."""
+
+    def read(self, size: int = 1) -> bytes:
+        """What comes of what the board sent."""
+        data = self.board.read(size)
+        self.sent += [m.values["time"] for m in self.truth.feed(data) if m.name == "telemetry"]
+        return self.damage(data)
+
+    def damage(self, data: bytes) -> bytes:
+        """Bytes with some lost, flipped or doubled."""
+        found = bytearray(data)
+        for k in range(len(data) - 1, -1, -1):
+            if self.rng.random() < self.rate:
+                kind = self.rng.randrange(3)
+                found[k : k + 1] = ((), (found[k] ^ 1 << self.rng.randrange(8),), (found[k], found[k]))[kind]
+        return bytes(found)
+
+    def write(self, data: bytes) -> int:
+        """Bytes to the board, whole."""
+        return self.board.write(data)
+
+    def close(self) -> None:
+        """Nothing: the board is another's."""
+
+
+def log_long(board: SimavrBoard, firmware: dict, seconds: float, rate: float) -> dict[str, float]:
+    """What a host and its board say about a log."""
+    line = BadLine(board, 0.0, random.Random(1))
+    link, log = BoardLink(line, now=board.now), BoardLog(firmware)
+    link.greet()
+    line.rate = rate
+    link.command("rate", every=1)
+    begin, clock, end = board.now(), time.perf_counter(), board.now() + seconds
+    while board.now() < end:
+        for message in link.receive():
+            log.take(message)
+    spent = time.perf_counter() - clock
+    line.rate = 0.0
+    for _ in range(3):
+        link.command("rate", every=0)  # its answers carry the board's count
+    for message in link.receive():
+        log.take(message)
+    counts, sent = link.reader.counts, line.truth.counts
+    steps = [(b - a) % (1 << 32) for a, b in zip(line.sent, line.sent[1:], strict=False)]
+    return {
+        "seconds": board.now() - begin,
+        "frames that the board sent": sent.good,
+        "lost by the board": sent.lost + sum(step > 1.5 * PERIOD for step in steps),
+        "taken by the host": counts.good,
+        "counted as lost": counts.lost,
+        "garbled": counts.garbled,
+        "samples told": len(line.sent),
+        "samples logged": len(log),
+        "lost unnoticed": sent.good - counts.good - counts.lost,
+        "wall seconds": spent,
+    }
+
+
+def garble(rng: random.Random) -> bytes:
+    """A frame of a command that was damaged on its way."""
+    kind = rng.choice([one for one in KINDS.values() if one.code < 0x80])
+    whole = encode_frame(kind.code, rng.randrange(65536), rng.randbytes(kind.layout.size))
+    bad = bytearray(whole[:-1])
+    while whole[:-1] in bytes(bad).split(b"\0"):  # a frame that is whole between two ends is not garbled
+        for _ in range(rng.randint(1, 4)):
+            place = rng.randrange(len(bad))
+            match rng.randrange(4):
+                case 0:
+                    bad[place] ^= 1 << rng.randrange(8)
+                case 1:
+                    bad.insert(place, rng.randrange(256))
+                case 2 if len(bad) > 1:
+                    del bad[place]
+                case _:
+                    bad[place:] = rng.randbytes(rng.randrange(1, 30))
+    return bytes(bad) + b"\0"
+
+
+def send_garbled(board: SimavrBoard, count: int) -> dict[str, float]:
+    """How many of many garbled frames a board took; it raises if its processor crashes."""
+    link, rng, taken = BoardLink(board, now=board.now), random.Random(2), 0
+    before = link.greet().values
+    board.turn = 1e-3
+    clock = time.perf_counter()
+    for _ in range(count):
+        board.write(garble(rng))
+        taken += sum(1 for _ in link.receive())
+    board.run(0.5)
+    after = link.greet().values
+    same = after["digest"] == before["digest"] and after["time"] > before["time"]
+    return {"garbled": count, "accepted": taken, "alive": same, "wall seconds": time.perf_counter() - clock}
+
+
+def start_board(folder: Path) -> tuple[SimavrBoard, dict]:
+    """An Uno with a loop of 1 kHz."""
+    text = EXAMPLE.read_text("utf-8").replace('period = "20 ms"', f'period = "{PERIOD} us"')
+    (folder / "fast.toml").write_text(text, "utf-8")
+    build_firmware(ms.load(folder / "fast.toml"), "uno", name="uno").write(folder / "uno")
+    elf = compile_sketch(folder / "uno", "uno")
+    board = SimavrBoard(elf, "uno", 500_000, folder)
+    board.run(0.1)
+    return board, json.loads((folder / "uno" / "firmware.json").read_text("utf-8"))
+
+
+def print_numbers(found: dict[str, float]) -> None:
+    """A line for each."""
+    print("\n".join(f"{key}: {value:,.10g}" for key, value in found.items()), flush=True)
+
+
+def main() -> None:
+    """Print both."""
+    words = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    words.add_argument("--minutes", type=float, default=60.0)
+    words.add_argument("--garbled", type=int, default=100_000)
+    words.add_argument("--damage", type=float, default=2e-5, help="per byte")
+    asked = words.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        board, firmware = start_board(Path(name))
+        try:
+            print_numbers(log_long(board, firmware, 60.0 * asked.minutes, asked.damage))
+            print_numbers(send_garbled(board, asked.garbled))
+        finally:
+            board.close()
+
+
+if __name__ == "__main__":
+    main()
