@@ -130,7 +130,7 @@ def _describe_cuts(sound: Sequence[BenchmarkRow]) -> str:
     who = {name: [one.task for one in cut if one.entry == name] for name in dict.fromkeys(one.entry for one in cut)}
     cool = [f"{one.entry} on {one.task}" for one in cut if one.hottest - KELVIN <= HOT - MARGIN]
     least = f"the {HOT - MARGIN:.0f} °C at which it shall cut"
-    false = f"Nothing was hotter than {least} on {', '.join(cool)}" if cool else f"On all of these some wire passed {least}"
+    false = f"No wire passed {least} on {', '.join(cool)}" if cool else f"Everywhere some wire passed {least}"
     listed = "; ".join(f"{name} on {', '.join(tasks)}" for name, tasks in who.items())
     return f"{said}: {listed}. {false}."
 
