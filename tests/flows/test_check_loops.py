@@ -92,6 +92,15 @@ def test_a_controller_that_answers_the_right_way_has_no_finding() -> None:
     assert list(check_reach(build_example("closed_loop"))) == []
 
 
+def test_one_that_looks_ahead_is_tested_as_well_and_reaches_what_it_leads_to() -> None:
+    assert list(check_sign(build_example("closed_loop_predictive"))) == []
+    pair = build_example("closed_loop_antagonistic")
+    assert list(check_reach(pair)) == []
+    assert pair.list_reached().min() == pytest.approx(-pair.list_reached().max(), rel=1e-6)
+    with pytest.raises(InputError, match="several signals"):
+        list(check_sign(pair))
+
+
 def test_a_reference_beyond_the_stroke_is_out_of_reach() -> None:
     found = find_only(check_reach(build_case(reference__increment="29 mm", reference__count=2)))
     assert (found.fault, found.number, found.unit) == (True, pytest.approx(0.03), "m")

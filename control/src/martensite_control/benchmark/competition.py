@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from martensite.base.errors import DataError
 from martensite.control.loop.bench import Bench
-from martensite_control.benchmark.entries import BenchmarkEntry, convert_reference
+from martensite_control.benchmark.entries import BenchmarkEntry, find_scale
 from martensite_control.benchmark.faults import BEGIN, FAULT_CASES, OVER
 from martensite_control.benchmark.guards import MARGIN
 from martensite_control.benchmark.runs import MEASURES, NO_FAULT, PlantRuns
@@ -232,9 +232,9 @@ class EntryRuns:
         """Its runs on one plant, all in one program."""
         plant = tasks[0].plant
         bench: Bench = self.entry.build_bench(plant)
-        runs = PlantRuns(bench, tasks, draw_wires(bench, wires), faulty=faulty)
-        numbers = self.entry.list_numbers(plant)
-        runs.set_references(np.repeat(convert_reference(numbers, runs.reference.T), wires, axis=1))
+        values = self.entry.list_repetitions(tasks, wires)
+        runs = PlantRuns(bench, tasks, draw_wires(bench, wires), faulty=faulty, values=values)
+        runs.set_references(*find_scale(self.entry.list_numbers(plant)))
         return runs
 
 

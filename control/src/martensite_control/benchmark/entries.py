@@ -4,22 +4,26 @@ An entry stands in `entries/NAME.toml`: its `controller` as in a scenario, `plan
 `free`, which of its numbers are searched, each with bounds and, where it is in signal per unit of what is followed or
 in that unit, `per-span` or `span`: then the bounds are for a span of 1. On a plant whose two drives pull against each
 other the second drive has the same controller with the numbers `negative` of opposite sign and those of `mirror` as
-given there. Numbers found are in `gains.toml`, by entry and plant, with where they come from.
+given there, unless the first one `leads` it. A controller that learns a task is told when it repeats, in the number
+`repeats`; a task that does not is one repetition. Numbers found are in `gains.toml`, by entry and plant, with where
+they come from.
 """
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any, cast
 
+import numpy as np
+
 from martensite.base.errors import UnknownNameError
 from martensite.control.loop.bench import Bench
 from martensite.scenario.scenario import read_scenario
-from martensite_control.benchmark.tasks import ORDER, ZERO, list_plant_drives, load_tasks, read_plant
+from martensite_control.benchmark.tasks import ORDER, ZERO, BenchmarkTask, list_plant_drives, load_tasks, read_plant
 
 FOLDER = Path(__file__).parent
 GAINS = FOLDER / "gains.toml"
@@ -76,6 +80,12 @@ class BenchmarkEntry:
     """Nothing to follow, in the unit of its reference, where that is not what is followed."""
     negative: tuple[str, ...] = ()
     mirror: Mapping[str, Any] | None = None
+    leads: bool = False
+    """Whether the controller of the first drive has the second one as well."""
+    repeats: str = ""
+    """Name of the time after which a task repeats, of a controller that learns."""
+    rounds: int | None = None
+    """Of the search of its numbers, where it gets fewer than the others."""
 
     def build_bench(self, plant: str, numbers: Mapping[str, float] | None = None) -> Bench:
         """A plant under this controller, without a guard.
@@ -100,8 +110,12 @@ class BenchmarkEntry:
 
     def _list_sections(self, plant: str, place: int) -> dict[str, Any]:
         """The section of the controller of a drive."""
-        found = fill_words({**self.controller, **((self.mirror or {}) if place else {})}, plant)
         drives = list_plant_drives(plant)
+        if place and self.leads:
+            return {"kind": "follower", "high": 1.0}
+        found = fill_words({**self.controller, **((self.mirror or {}) if place else {})}, plant)
+        if self.leads and len(drives) > 1:
+            found["leads"] = list(drives[1:])
         if "temperature" in found and len(drives) > 1:
             found["temperature"] = f"{drives[place]}_temperature"
         return found
@@ -109,11 +123,21 @@ class BenchmarkEntry:
     def place_numbers(self, plant: str, numbers: Mapping[str, Any]) -> dict[str, Any]:
         """Numbers by their paths in the bench, for all drives."""
         found: dict[str, Any] = {}
-        for k, drive in enumerate(list_plant_drives(plant)):
+        for k, drive in enumerate(self._list_drives(plant)):
             sign = {name: -1.0 if k and name in self.negative else 1.0 for name in numbers}
             own = {name: value for name, value in numbers.items() if not name.startswith(f"{SCALE}.")}
             found |= {f"controllers.{drive}.{name}": sign[name] * value for name, value in own.items()}
         return found
+
+    def list_repetitions(self, tasks: Sequence[BenchmarkTask], wires: int) -> dict[str, Any]:
+        """When tasks repeat, by path in the bench, shape (tasks × wires,); nothing where nobody learns."""
+        times = np.repeat([one.repetition for one in tasks], wires)
+        drives = self._list_drives(tasks[0].plant) if self.repeats else ()
+        return {f"controllers.{drive}.{self.repeats}": times for drive in drives}
+
+    def _list_drives(self, plant: str) -> tuple[str, ...]:
+        """Drives that have numbers of a controller."""
+        return list_plant_drives(plant)[: 1 if self.leads else None]
 
 
 def fill_words(given: Any, plant: str) -> Any:
@@ -126,9 +150,9 @@ def fill_words(given: Any, plant: str) -> Any:
     return given.replace("[unit]", unit).replace("[output]", output)
 
 
-def convert_reference(numbers: Mapping[str, Any], reference: Any) -> Any:
-    """What a controller is given to follow, of what the task asks for."""
-    return numbers.get(f"{SCALE}.gain", 1.0) * reference + numbers.get(f"{SCALE}.offset", 0.0)
+def find_scale(numbers: Mapping[str, Any]) -> tuple[Any, Any]:
+    """Gain and offset of what a controller is given to follow, on what the task asks for."""
+    return numbers.get(f"{SCALE}.gain", 1.0), numbers.get(f"{SCALE}.offset", 0.0)
 
 
 def find_span(plant: str) -> float:
@@ -177,7 +201,8 @@ def load_gains(entry: str, plant: str) -> dict[str, float]:
 
 ABSENT = {
     "latched": "acts once, on one event, and follows no reference",
-    "mpc": "is no kernel and would run for hours on all wires",
+    "follower": "has the signals of its leader",
+    "mpc": "costs a hundred times the others in a period: an hour for its numbers and all its runs",
 }
 """Kinds of controllers without an entry, and why."""
 

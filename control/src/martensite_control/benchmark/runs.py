@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.names import ALARM, JITTER, NOISE, list_references
+from martensite.control.loop.names import ALARM, JITTER, NOISE, list_previews, list_references
 from martensite.control.loop.parts import FaultTable
 from martensite.simulate.lanes import Lanes
 from martensite.simulate.march import SOLVED
@@ -114,12 +114,20 @@ class PlantRuns:
         for k, task in enumerate(self.tasks):
             own = slice(k * self.wires, (k + 1) * self.wires)
             _, self.signals[:, noisy, own] = draw_noise(self.bench, task.name, self.wires, self.steps + 1)
-        self.set_references(np.repeat(self.reference.T, self.wires, axis=1))
+        self.set_references()
 
-    def set_references(self, wanted: Numbers) -> None:
-        """What the controllers are given to follow, shape (steps + 1, lanes)."""
-        for name in list_references(self.bench):
-            self.signals[:, self.lanes.drives.index(name)] = wanted
+    def set_references(self, gain: Any = 1.0, offset: Any = 0.0) -> None:
+        """Give the controllers what they shall follow, now and as far ahead as they look.
+
+        Args:
+            gain: what the reference of a task is multiplied by, a number or shape (lanes,).
+            offset: what is added then.
+        """
+        leads = dict.fromkeys(list_references(self.bench), 0.0)
+        leads |= {one.name: one.time for one in list_previews(self.bench)}
+        for name, lead in leads.items():
+            rows = np.array([[one.reference.value(float(t) + lead) for t in self.times] for one in self.tasks])
+            self.signals[:, self.lanes.drives.index(name)] = gain * np.repeat(rows.T, self.wires, axis=1) + offset
 
     def run(self, fault: str = NO_FAULT) -> dict[str, Numbers]:
         """Outcomes of every lane under a fault, by measure."""

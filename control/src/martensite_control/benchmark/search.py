@@ -4,7 +4,7 @@ The cost is the mean rms error over the training tasks of a plant, in shares of 
 kelvin above `BELOW` the limit, and 1 for an alarm; none of these tasks is one of the benchmark. The search is the
 cross-entropy method (de Boer et al. (2005)): `CANDIDATES` sets of numbers side by side in C, drawn from a scrambled
 Sobol' sequence first and around the best `ELITE` of all then, for `ROUNDS` rounds, on logarithms of what keeps a sign.
-Every entry gets as many runs, whatever it is.
+Every entry gets as many runs, whatever it is; one that says `rounds`, for its runs are long, gets fewer.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from martensite.base.summary import DataTable, Summary
 from martensite.search.starts import draw_points
-from martensite_control.benchmark.entries import BenchmarkEntry, convert_reference, find_span
+from martensite_control.benchmark.entries import BenchmarkEntry, find_scale, find_span
 from martensite_control.benchmark.runs import PlantRuns
 from martensite_control.benchmark.tasks import TRAINING, load_tasks
 from martensite_control.benchmark.wires import draw_wires
@@ -38,6 +38,8 @@ class FoundGains:
 
     numbers: dict[str, float]
     cost: float
+    source: str
+    """How they were found."""
 
 
 def search_gains(
@@ -45,7 +47,7 @@ def search_gains(
     plant: str,
     *,
     candidates: int = CANDIDATES,
-    rounds: int = ROUNDS,
+    rounds: int | None = None,
     tell: Callable[[int, float], None] | None = None,
 ) -> FoundGains:
     """Numbers of an entry that do best on the training tasks of a plant with its nominal wire.
@@ -54,14 +56,15 @@ def search_gains(
         entry: what is tuned.
         plant: name of the plant.
         candidates: sets of numbers in a round.
-        rounds: how often sets are drawn.
+        rounds: how often sets are drawn; by default as often as for the others, or as the entry says.
         tell: called after every round with its number and the least cost so far.
     """
     rng, bench = np.random.default_rng(SEED), entry.build_bench(plant, {})
     tasks = [one for one in load_tasks(TRAINING).values() if one.plant == plant]
     wires = {path: np.repeat(row, candidates) for path, row in draw_wires(bench, 1).items()}
-    runs = PlantRuns(bench, tasks, wires, faulty=False)
+    runs = PlantRuns(bench, tasks, wires, faulty=False, values=entry.list_repetitions(tasks, candidates))
     places = draw_points(len(entry.free), candidates, SEED)
+    rounds = rounds or entry.rounds or ROUNDS
     best, costs, spread = places, np.full(candidates, np.inf), LEAST_SPREAD
     for k in range(rounds):
         found = _judge_places(entry, plant, runs, places)
@@ -74,7 +77,8 @@ def search_gains(
         if tell is not None:
             tell(k + 1, float(costs[0]))
     numbers = _convert_places(entry, plant, best[:1])
-    return FoundGains({name: float(f"{row[0]:.5g}") for name, row in numbers.items()}, float(costs[0]))
+    source = SOURCE.format(rounds=rounds, candidates=candidates, seed=SEED)
+    return FoundGains({name: float(f"{row[0]:.5g}") for name, row in numbers.items()}, float(costs[0]), source)
 
 
 def _convert_places(entry: BenchmarkEntry, plant: str, places: Numbers) -> dict[str, Numbers]:
@@ -87,10 +91,7 @@ def _judge_places(entry: BenchmarkEntry, plant: str, runs: PlantRuns, places: Nu
     numbers, tasks = entry.list_numbers(plant, _convert_places(entry, plant, places)), len(runs.tasks)
     placed = entry.place_numbers(plant, numbers)
     runs.lanes.set_values({path: np.tile(row, tasks) if np.ndim(row) else row for path, row in placed.items()})
-    wanted = runs.reference.T[:, :, None]
-    runs.set_references(
-        np.broadcast_to(convert_reference(numbers, wanted), (*wanted.shape[:2], len(places))).reshape(len(wanted), -1)
-    )
+    runs.set_references(*(np.tile(row, tasks) if np.ndim(row) else row for row in find_scale(numbers)))
     found = runs.run()
     hot = np.maximum(found["hottest"] - float(runs.limits.min()) + BELOW, 0.0)
     each = np.where(np.isfinite(found["error"]), found["error"], 10.0) + PER_KELVIN * hot + found["alarm"]
@@ -106,20 +107,20 @@ def format_gains(found: Mapping[tuple[str, str], FoundGains]) -> str:
     """The text of `gains.toml`, of numbers by entry and plant."""
     lines = [HEAD]
     for (entry, plant), one in sorted(found.items()):
-        lines += [f"[{entry}.{plant}]", 'kind = "fitted"', f'source = "{SOURCE}"', f"cost = {one.cost:.5g}"]
+        lines += [f"[{entry}.{plant}]", 'kind = "fitted"', f'source = "{one.source}"', f"cost = {one.cost:.5g}"]
         rows = ", ".join(f'"{name}" = {value!r}' for name, value in one.numbers.items())
         lines += [f"numbers = {{ {rows} }}", ""]
     return "\n".join(lines)
 
 
-SOURCE = f"cross-entropy search, {ROUNDS} rounds of {CANDIDATES}, training tasks, nominal wire, seed {SEED}"
+SOURCE = "cross-entropy search, {rounds} rounds of {candidates}, training tasks, nominal wire, seed {seed}"
 
 
 def read_found(path: Path) -> dict[tuple[str, str], FoundGains]:
     """What a file of gains holds, by entry and plant."""
     given = tomllib.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     return {
-        (entry, plant): FoundGains(one["numbers"], one["cost"])
+        (entry, plant): FoundGains(one["numbers"], one["cost"], one["source"])
         for entry, plants in given.items()
         for plant, one in plants.items()
     }

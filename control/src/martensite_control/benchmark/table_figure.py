@@ -10,6 +10,7 @@ import numpy as np
 from martensite.show.figures.style import COOLING, HEATING, INK, QUIET, make_figure, use_style
 from martensite_control.benchmark.competition import BenchmarkTable, rank_entries
 from martensite_control.benchmark.runs import NO_FAULT
+from martensite_control.benchmark.table_summary import HOT
 from martensite_control.benchmark.tasks import load_tasks
 
 if TYPE_CHECKING:
@@ -19,8 +20,6 @@ LEAST, MOST = 0.05, 100.0
 """Errors that are shown, in % of the span."""
 HEAD_HEIGHT = 0.9
 """Room for headings and scales [inch]."""
-HOT = 140.0
-"""Temperature limit of the wires [degC]."""
 
 
 def plot_benchmark(table: BenchmarkTable) -> Figure:

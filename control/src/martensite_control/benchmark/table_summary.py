@@ -14,10 +14,13 @@ from martensite_control.benchmark.competition import (
     rank_entries,
 )
 from martensite_control.benchmark.entries import list_missing, load_entries
+from martensite_control.benchmark.guards import MARGIN
 from martensite_control.benchmark.runs import NO_FAULT
 from martensite_control.benchmark.tasks import load_tasks
 
-KELVIN = 273.15
+KELVIN, HOUR = 273.15, 3600.0
+HOT = 140.0
+"""Temperature limit of the wires [degC]."""
 HEAD = ("entry", "task", "median", "90 %", "settling", "overshoot", "energy", "hottest", "above", "alarms")
 
 
@@ -35,6 +38,7 @@ def _list_blocks(table: BenchmarkTable) -> Iterator[Block]:
         "Ranked by the score: the mean over the tasks of the rms error that 90 % of the wires keep, in % of the span "
         "asked for; a task that an entry does not run counts as 100 %, and a wire above its limit puts it last."
     )
+    yield Sentence(_describe_cuts(sound))
     yield Heading("Without a fault", detail=True)
     order = {name: k for k, name in enumerate(table.entries)}
     rows = sorted(sound, key=lambda one: (tasks.index(one.task), order[one.entry]))
@@ -43,6 +47,8 @@ def _list_blocks(table: BenchmarkTable) -> Iterator[Block]:
         yield Heading("With a fault")
         yield _make_fault_table(table)
         yield Sentence("By fault, over all tasks: highest temperature [°C], and the share of runs above the limit.")
+        yield _make_heat_table(table)
+        yield Sentence("Highest temperature [°C] of any wire on any task, by entry and fault, with the guard.")
     lost = [one for one in table.rows if one.failed > 0.0]
     if lost:
         count = round(sum(one.wires * one.failed for one in lost))
@@ -94,6 +100,39 @@ def _make_fault_table(table: BenchmarkTable) -> DataTable:
         )
         rows.append([fault, f"{worst.hottest - KELVIN:.0f}", worst.entry, f"{above:.1f}", f"{alarms:.0f}"])
     return DataTable(("fault", "hottest", "of", "% above", "% alarms"), rows, right=(1, 3, 4))
+
+
+def _make_heat_table(table: BenchmarkTable) -> DataTable:
+    """Highest temperatures by entry and fault, and without one."""
+    faults = list(dict.fromkeys(one.fault for one in table.rows))
+    rows = [
+        [name, *(_write_hottest(table.select(entry=name, fault=fault)) for fault in faults)] for name in table.entries
+    ]
+    return DataTable(("entry", *faults), rows, right=range(1, 1 + len(faults)))
+
+
+def _write_hottest(rows: Sequence[BenchmarkRow]) -> str:
+    return f"{max(one.hottest for one in rows) - KELVIN:.0f}" if rows else "–"
+
+
+def _describe_cuts(sound: Sequence[BenchmarkRow]) -> str:
+    """Runs without a fault that the guard cut: how many, in how long, of whom, and whether wires were that hot."""
+    known, times = load_tasks(), dict[str, float]()
+    for one in sound:
+        times[one.entry] = times.get(one.entry, 0.0) + one.wires * known[one.task].duration / HOUR
+    cut = [one for one in sound if one.alarms > 0.0]
+    count, runs = round(sum(one.wires * one.alarms for one in cut)), sum(one.wires for one in sound)
+    said = (
+        f"Without a fault the guard cut {count} of {runs} runs, in {min(times.values()):.2g} h or more of every entry"
+    )
+    if not cut:
+        return f"{said}."
+    who = {name: [one.task for one in cut if one.entry == name] for name in dict.fromkeys(one.entry for one in cut)}
+    cool = [f"{one.entry} on {one.task}" for one in cut if one.hottest - KELVIN <= HOT - MARGIN]
+    least = f"the {HOT - MARGIN:.0f} °C at which it shall cut"
+    false = f"No wire passed {least} on {', '.join(cool)}" if cool else f"Everywhere some wire passed {least}"
+    listed = "; ".join(f"{name} on {', '.join(tasks)}" for name, tasks in who.items())
+    return f"{said}: {listed}. {false}."
 
 
 def summarise_parts() -> Summary:

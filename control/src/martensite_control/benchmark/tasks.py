@@ -24,6 +24,7 @@ from martensite.control.loop.names import JITTER, NOISE
 from martensite.control.loop.parts import Controllers
 from martensite.scenario.scenario import read_scenario
 from martensite.signals.base import AbstractWaveform
+from martensite.signals.sine import Sine
 
 Numbers = NDArray[np.float64]
 FOLDER = Path(__file__).parent
@@ -64,6 +65,11 @@ class BenchmarkTask:
     def span(self) -> float:
         """What errors are shares of."""
         return self.high - self.low
+
+    @property
+    def repetition(self) -> float:
+        """Time after which it repeats; what does not repeat is a repetition that is longer than the run [s]."""
+        return 1.0 / self.reference.frequency if isinstance(self.reference, Sine) else 1.1 * self.duration
 
     @property
     def overshoots(self) -> bool:

@@ -19,6 +19,8 @@ from martensite.signals.constant import Constant
 class Follower(AbstractController):
     """The signal that the controller of another drive has planned for this one."""
 
+    holds = False
+
     measured: str = text("reading that its reference is for, if its leader follows that", default="")
     reference: AbstractWaveform = part(
         "what that reading shall be, in its SI unit", WAVEFORMS, default=Constant(level=0.0)

@@ -16,7 +16,7 @@ import numpy as np
 from martensite.base.errors import InputError, MartensiteError
 from martensite.base.formats import write_quantity
 from martensite.base.lazy import import_extra
-from martensite.control.controllers.base import AbstractController
+from martensite.control.controllers.base import AHEAD, AbstractController
 from martensite.control.controllers.mpc import Mpc
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.findings import LoopFinding, check_signals, find_source, list_limits
@@ -119,10 +119,11 @@ class LoopCase:
         return settle(np.interp(np.linspace(0.0, way[-1], SIGNALS), way, coarse.levels))
 
     def list_reached(self) -> Numbers:
-        """Readings on the heating branches of this drive and of others whose controllers hold the same reading."""
-        members = self.bench.controllers.members().items()
-        peers = [name for name, one in members if one.measured == self.controller.measured and name != self.drive]
-        every = [self, *(LoopCase(self.bench, name, dict(members)[name], self.duration, self.others) for name in peers)]
+        """Readings on the heating branches of this drive, of those led, and of those that hold the same reading."""
+        own = self.controller
+        members = {**self.bench.controllers.members(), **dict.fromkeys(own.led_drives(), own), self.drive: own}
+        peers = [(name, one) for name, one in members.items() if one.measured == own.measured and name != self.drive]
+        every = [self, *(LoopCase(self.bench, *peer, self.duration, self.others) for peer in peers)]
         return np.concatenate([one.read(one.heating) for one in every])
 
     def read(self, curve: RestCurve) -> Numbers:
@@ -208,6 +209,8 @@ def check_sign(case: LoopCase) -> Iterator[LoopFinding]:
     """Whether the controller answers too low a reading with the signal that raises it, at once and in the end."""
     if not case.controller.kernel:
         raise InputError(f"`{case.controller.registered_name}` runs outside of the bench")
+    if case.controller.led_drives():
+        raise InputError(f"`{case.controller.registered_name}` answers with several signals at once")
     ends = [read_at_rest(case.bench, case.heating.point(k).outputs) for k in (0, -1)]
     name, (first, last) = case.controller.measured, ends
     rise, middle = last[name] - first[name], 0.5 * (first[name] + last[name])
@@ -232,7 +235,9 @@ def check_sign(case: LoopCase) -> Iterator[LoopFinding]:
 
 def _list_answers(case: LoopCase, readings: Mapping[str, float], reference: float) -> tuple[float, float]:
     """Signals of the controller while it reads the same: the first one, and that after a while."""
-    memory, signals = case.controller.rest(floats, reference, readings), list[float]()
+    previews = case.controller.list_previews().items()  # of its own reference, for it leads nobody
+    ahead = {f"{AHEAD}{name}.{k}": reference for name, times in previews for k in range(len(times) + 1)}
+    memory, readings, signals = case.controller.rest(floats, reference, readings), {**readings, **ahead}, list[float]()
     for _ in range(1 if isinstance(case.controller, Mpc) else LONGER):  # a plan is made anew in every sample
         signal, memory = case.controller.answer(floats, memory, reference, readings, case.bench.period)
         signals.append(float(signal))
