@@ -269,7 +269,8 @@ class BenchBuilder:
         name, table, path = row
         name, unit = self._find_drive(name, path)
         given, below = self._find_reference(name, table, path)
-        if given is None:
+        if given is None:  # what it does not follow is no number of the scenario
+            self.places.note_system(f"controllers.{name}.{REFERENCE}", below)
             return name, self._build_idle(bench, (f"controllers.{name}", table, path), PlaceUnits(unit))
         where, readings = f"controllers.{name}", _list_units(bench)
         built = self._build_idle(bench, (where, table, path), PlaceUnits(unit, readings))
