@@ -159,11 +159,11 @@ def test_nothing_garbled_is_taken(library: Any, seed: int) -> None:
 
 def test_a_check_that_is_not_looked_at_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     code, payload = pack_message("set", place=1, value=2.0)
-    bad = bytearray(encode_frame(code, 0, payload))
-    bad[4] ^= 1
-    monkeypatch.setattr(zlib, "crc32", lambda _: int.from_bytes(b"\0\0\0\0", "little"))
+    monkeypatch.setattr(zlib, "crc32", lambda _: 0x01010101)
+    bad = bytearray(encode_frame(code, 1, payload))
+    bad[4] ^= 2  # the place of the setting
     reader = FrameReader()
-    assert list(reader.feed(bytes(encode_frame(code, 0, payload)))) != []
+    assert list(reader.feed(bytes(bad))) != []
 
 
 def test_clocks_do_not_wrap(library: Any) -> None:

@@ -98,8 +98,7 @@ class BoardLog:
     def describe(self, counts: LinkCounts) -> dict[str, str]:
         """What goes along with the table."""
         plain = {key: value for key, value in self.firmware.items() if key != "scenario"}
-        lost = f"{counts.lost} lost, {counts.garbled} garbled, {counts.doubled} doubled, {counts.reordered} late"
-        return {"written by": "martensite hardware", "frames": lost, "firmware": json.dumps(plain)}
+        return {"written by": "martensite hardware", "frames": counts.describe(), "firmware": json.dumps(plain)}
 
     def write(self, path: Path, counts: LinkCounts) -> None:
         """Write `.csv`, `.parquet` or `.mcap`.

@@ -12,15 +12,14 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from martensite.base.errors import DataError, InputError, SolveError, suggest_name
-from martensite.base.files import read_text_file, write_file
+from martensite.base.files import write_file
 from martensite_hardware.board_log import BoardLog
-from martensite_hardware.session import CALIBRATION, Session
+from martensite_hardware.session import CALIBRATION, Session, load_calibration
 
 READ_FOR = 0.5
 """How long a channel is read for a point [s]."""
@@ -66,7 +65,7 @@ def read_steps(session: Session, channel: str, log: BoardLog) -> tuple[float, fl
     if len(log) < 2:
         raise DataError("The board said too little to calibrate by: is its telemetry on?")
     values = log.table()[:, log.names.index(channel)]
-    numbers = {row["name"]: row["value"] for row in session.firmware["settings"]}
+    numbers = session.settings
     steps = values / numbers[f"gain {channel}"] + numbers[f"offset {channel}"]
     return float(np.mean(steps)), float(np.std(steps))
 
@@ -78,10 +77,10 @@ def add_point(session: Session, channel: str, value: float) -> CalibrationPoint:
     kept = load_calibration(session.project)
     points = kept["points"].setdefault(channel, [])
     points.append([found.steps, found.spread, found.value])
-    numbers = {row["name"]: row["value"] for row in session.firmware["settings"]}
+    numbers = session.settings
     before = numbers[f"gain {channel}"], numbers[f"offset {channel}"]
     gain, offset = solve_points([CalibrationPoint(*row) for row in points], *before)
-    _keep(session, kept, {f"gain {channel}": gain, f"offset {channel}": offset})
+    _keep_settings(session, kept, {f"gain {channel}": gain, f"offset {channel}": offset})
     return found
 
 
@@ -128,26 +127,17 @@ def calibrate_resistor(session: Session, ohms: float, *, word: str) -> float:
     if not len(rows) or np.mean(current) <= 0.0:
         raise SolveError("No current flows through the resistor: check switch, supply and wiring.")
     factor = float(np.mean(rows[:, names.index("voltage")]) / np.mean(current) / ohms)
-    gain = next(row["value"] for row in session.firmware["settings"] if row["name"] == "gain current")
-    _keep(session, load_calibration(session.project), {"gain current": gain * factor})
+    gain = session.settings["gain current"]
+    _keep_settings(session, load_calibration(session.project), {"gain current": gain * factor})
     return factor
 
 
 def accept_nominal(session: Session) -> None:
     """Take the gains and offsets as they are."""
-    _keep(session, load_calibration(session.project), {})
+    _keep_settings(session, load_calibration(session.project), {})
 
 
-def load_calibration(project: Path) -> dict[str, Any]:
-    """Points and settings that are kept for a project; empty ones before there are any."""
-    place = project / CALIBRATION
-    if not place.exists():
-        return {"points": {}, "settings": {}}
-    found: dict[str, Any] = json.loads(read_text_file(place, "calibration"))
-    return found
-
-
-def _keep(session: Session, kept: dict[str, Any], settings: dict[str, float]) -> None:
+def _keep_settings(session: Session, kept: dict[str, Any], settings: dict[str, float]) -> None:
     """Give settings to the board, which is calibrated then, and keep them."""
     kept["settings"] |= settings | {"calibrated": 1.0}
     for name, value in kept["settings"].items():

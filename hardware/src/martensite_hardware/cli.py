@@ -12,7 +12,7 @@ from martensite.base.errors import InputError
 from martensite.base.summary import Block, DataTable, Sentence, Summary
 from martensite.cli.options import Force, Json, ScenarioSource, Text, read_positive, spread_options
 from martensite_hardware.commands import calibrate, cost, learn, run
-from martensite_hardware.commands.options import ProjectFolder, hardware
+from martensite_hardware.commands.options import ProjectFolder, hardware, require_empty
 
 if TYPE_CHECKING:
     from martensite_hardware.firmware.project import Firmware
@@ -57,10 +57,8 @@ def firmware(
         most_duty,
         read_positive("most-current", most_current, "A"),
     )
-    folder = out or Path(f"{source.file.stem}_{board}")
+    folder = require_empty(out or Path(f"{source.file.stem}_{board}"), force)
     found = build_firmware(source.load(), board, name=folder.resolve().name, limits=limits)
-    if folder.exists() and any(folder.iterdir()) and not force:
-        raise InputError(f"`{folder}` is not empty; use --force to write into it, or name another folder.")
     files = found.write(folder)
     print_summary(_summarise_firmware(found), json, files)
 
@@ -78,9 +76,8 @@ def ros2(
     from martensite.show.terminal import print_summary
     from martensite_hardware.ros2.package import build_ros2_package
 
-    texts, folder = build_ros2_package(project, name), out or Path(name)
-    if folder.exists() and any(folder.iterdir()) and not force:
-        raise InputError(f"`{folder}` is not empty; use --force to write into it, or name another folder.")
+    folder = require_empty(out or Path(name), force)
+    texts = build_ros2_package(project, name)
     for path in texts:
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
     with replace_together():

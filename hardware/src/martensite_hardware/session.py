@@ -11,7 +11,7 @@ import json
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -43,7 +43,6 @@ class Session:
     """`firmware.json`, with settings as the board has them."""
     link: BoardLink
     port: Port
-    _beats: float = field(default=-1.0)
 
     @classmethod
     @contextmanager
@@ -71,13 +70,14 @@ class Session:
             line.close()
 
     def _greet(self) -> None:
-        hello = self.link.greet()
-        if hello.values["digest"] != self.firmware["digest"]:
-            raise InputError("The board holds another firmware than this project: write it to the board anew.")
-        place = self.project / CALIBRATION
-        if place.exists():
-            for name, value in json.loads(read_text_file(place, "calibration"))["settings"].items():
-                self.set(name, float(value))
+        self.link.greet(self.firmware["digest"])
+        for name, value in load_calibration(self.project)["settings"].items():
+            self.set(name, float(value))
+
+    @property
+    def settings(self) -> dict[str, float]:
+        """Numbers of the board by name, in SI."""
+        return {row["name"]: row["value"] for row in self.firmware["settings"]}
 
     @property
     def scenario(self) -> Scenario:
@@ -154,7 +154,7 @@ class Session:
             SolveError: the board refuses, or disarms by itself; the log until then is in its `log`.
         """
         log = BoardLog(self.firmware)
-        if next(row["value"] for row in self.firmware["settings"] if row["name"] == "calibrated") < 0.5:
+        if self.settings["calibrated"] < 0.5:
             raise InputError(
                 "This board is not calibrated: `martensite hardware calibrate` sets its gains, and `--nominal` takes "
                 "them as they are."
@@ -177,7 +177,7 @@ class Session:
                     watch(log, passed / duration)
         finally:
             self.link.send("disarm")
-            self.link.port.read(0)
+            self.port.read(0)  # the time of an emulator goes on while it is read from
         return log
 
     def follow(
@@ -233,6 +233,14 @@ def read_project(project: Path) -> dict[str, Any]:
     if not place.exists():
         raise DataError(f"`{project}` holds no firmware.json: write a project by `martensite export firmware`.")
     return cast("dict[str, Any]", json.loads(read_text_file(place, "firmware")))
+
+
+def load_calibration(project: Path) -> dict[str, Any]:
+    """Points and settings that are kept for a project; empty ones before there are any."""
+    place = project / CALIBRATION
+    if not place.exists():
+        return {"points": {}, "settings": {}}
+    return cast("dict[str, Any]", json.loads(read_text_file(place, "calibration")))
 
 
 def read_project_scenario(firmware: Mapping[str, Any], changes: Mapping[str, Any] | None = None) -> Scenario:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, cast
+from typing import Any, TypeVar, cast
 
-from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.namespace import Flag, Namespace, Scalar
+
+Chosen = TypeVar("Chosen", bound=tuple[Any, ...])
 
 
 class NestedShape:
@@ -40,6 +42,12 @@ def name_numbers(nested: Any, path: str = "") -> list[str]:
     rows = enumerate(cast("tuple[Any, ...]", nested))
     before = f"{path}." if path else ""
     return [one for k, item in rows for one in name_numbers(item, f"{before}{names[k] if names else k}")]
+
+
+def choose_tuple(xp: Namespace, flag: Flag, one: Chosen, other: Chosen) -> Chosen:
+    """One of two NamedTuples of scalars: the first where the flag holds."""
+    made: Any = type(one)
+    return made(*(xp.where(flag, a, b) for a, b in zip(one, other, strict=True)))
 
 
 def sum_column(column: Sequence[Scalar]) -> Scalar:

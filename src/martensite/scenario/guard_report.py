@@ -47,7 +47,9 @@ def collect_guard(scenario: Scenario) -> dict[str, Any] | None:
             found = find_worst_case(bench, drive, find_full_signal(one, controllers[drive]))
         except InputError:
             continue
-        worst.append({"drive": drive, **found._asdict(), "limit": one.element.limits.temperature_limit})
+        trusts = getattr(checks.get(found.check), "cooling", "")
+        limit = one.element.limits.temperature_limit
+        worst.append({"drive": drive, **found._asdict(), "limit": limit, "trusts": trusts})
     return {"checks": [_collect_check(scenario, bench, name, one) for name, one in checks.items()], "worst": worst}
 
 
@@ -65,8 +67,9 @@ def describe_guard(found: Mapping[str, Any]) -> Iterator[Block]:
             yield Sentence(words, "caution" if one["free"] > one["limit"] + KELVIN else "")
             continue
         words = f"Whatever is wanted, the element of `{one['drive']}` stays below {guarded} by `{one['check']}`"
+        words += f", as far as `{one['trusts']}` is right" if one["trusts"] else ""
         words += f", in surroundings as they are given; without a guard a full signal leads to {free}."
-        yield Sentence(words, "caution" if one["guarded"] > one["limit"] + KELVIN else "")
+        yield Sentence(words, "caution" if one["trusts"] or one["guarded"] > one["limit"] + KELVIN else "")
 
 
 def _write_temperature(kelvin: float) -> str:

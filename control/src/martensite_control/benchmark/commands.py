@@ -61,14 +61,14 @@ def control(
         refuse_idle("--save", save is not None, "--list runs nothing")
         outputs.answer(_list_parts(), answer.json)
         return
-    table = _run(options) if options.read is None else _read(options.read)
-    _answer(table, outputs, answer.json)
+    table = _run_benchmark(options) if options.read is None else _read_saved(options.read)
+    _answer_table(table, outputs, answer.json)
     lost = [f"{one.entry} on {one.task}" for one in table.select(fault="none") if one.failed > 0.0]
     if lost:
         raise SolveError(f"Runs without a result: {', '.join(dict.fromkeys(lost))}.")
 
 
-def _run(options: BenchmarkOptions) -> BenchmarkTable:
+def _run_benchmark(options: BenchmarkOptions) -> BenchmarkTable:
     from martensite_control.benchmark.competition import EntryRuns, list_faults, run_benchmark
     from martensite_control.benchmark.entries import find_entry, load_entries
     from martensite_control.benchmark.strangers import read_stranger
@@ -86,7 +86,7 @@ def _run(options: BenchmarkOptions) -> BenchmarkTable:
         return run_benchmark(competitors, tasks, faults, wires, workers=options.workers, tell=tell)
 
 
-def _read(path: Path) -> BenchmarkTable:
+def _read_saved(path: Path) -> BenchmarkTable:
     from martensite_control.benchmark.competition import read_table
 
     return read_table(path)
@@ -98,7 +98,7 @@ def _choose_faults(given: list[str], known: list[str]) -> list[str]:
     return known if ALL in given else [name for name in given if name != NONE]
 
 
-def _answer(table: BenchmarkTable, outputs: Outputs, json: bool) -> None:
+def _answer_table(table: BenchmarkTable, outputs: Outputs, json: bool) -> None:
     from martensite_control.benchmark.table_figure import plot_benchmark
     from martensite_control.benchmark.table_files import format_table
     from martensite_control.benchmark.table_summary import summarise_benchmark

@@ -61,7 +61,7 @@ def run_schedule(scenario: Scenario, options: TuneOptions) -> tuple[Summary, Cal
         return plot_margins(loops, scenario.title)
 
     lead = f"# gains scheduled for a largest sensitivity of {wanted:g}\n\n"
-    return _summarise(scenario, found, loops, errors), lambda: lead + found.to_toml(scenario.text), draw
+    return _summarise_schedule(scenario, found, loops, errors), lambda: lead + found.to_toml(scenario.text), draw
 
 
 def _measure_error(scenario: Scenario, bench: Bench, duration: float, drive: str) -> float:
@@ -72,7 +72,9 @@ def _measure_error(scenario: Scenario, bench: Bench, duration: float, drive: str
     return float(np.sqrt(np.mean((reference - np.array(run[find_judged_output(bench, drive)])) ** 2)))
 
 
-def _summarise(scenario: Scenario, found: DesignedSchedule, loops: list[LinearLoop], errors: list[float]) -> Summary:
+def _summarise_schedule(
+    scenario: Scenario, found: DesignedSchedule, loops: list[LinearLoop], errors: list[float]
+) -> Summary:
     margins = [compute_margins(one.loop) for one in loops]
     pairs = list(zip(found.points, margins, strict=False))  # the last loop is that of the dead band
     cells = [

@@ -90,14 +90,14 @@ def list_courses(pace: WirePace) -> Iterator[DutyCourse]:
         yield DutyCourse(f"pulse {share:g}", ((share * rise, full), rest))
     yield DutyCourse("short pulse", ((0.3 * rise, min(1.0, 2.0 * full)), rest))
     shares = np.linspace(0.2, 1.0, 5)
-    yield DutyCourse("staircase", (*_hold([*shares, *shares[-2::-1]], 0.8 * rise, full), rest))
+    yield DutyCourse("staircase", (*_hold_shares([*shares, *shares[-2::-1]], 0.8 * rise, full), rest))
     ramp = np.linspace(0.0, 1.0, 20)
-    yield DutyCourse("ramp", (*_hold([*ramp, *ramp[::-1]], 0.2 * rise, full), rest))
+    yield DutyCourse("ramp", (*_hold_shares([*ramp, *ramp[::-1]], 0.2 * rise, full), rest))
     for turn in (0.6, 0.75, 0.9):
         course = [1.0, 0.4, turn, 0.3, 1.0]
-        yield DutyCourse(f"reversal {turn:g}", (*_hold(course, rise, full), rest))
+        yield DutyCourse(f"reversal {turn:g}", (*_hold_shares(course, rise, full), rest))
 
 
-def _hold(shares: Sequence[float], length: float, full: float) -> Iterator[tuple[float, float]]:
+def _hold_shares(shares: Sequence[float], length: float, full: float) -> Iterator[tuple[float, float]]:
     for share in shares:
         yield length, float(share) * full

@@ -109,7 +109,7 @@ def make_safe(
     points = 2.0 * draw_points(len(unknown), OTHERS, 0) - 1.0
     values = {one.path: one.value + 2.0 * one.width * z for one, z in zip(unknown, points.T, strict=True)}
     for _ in range(TRIES):
-        rows, names = _march(plant, course, values, OTHERS)
+        rows, names = _march_wires(plant, course, values, OTHERS)
         fine = np.isfinite(rows).all(axis=(0, 1))
         hottest = float(np.max(rows[:, names.index("hottest")][:, fine], initial=0.0))
         if fine.mean() >= FINITE and hottest <= limit:
@@ -125,7 +125,7 @@ def compute_information(bench: Bench, unknown: Sequence[UnknownNumber], course: 
     for k, one in enumerate(unknown):
         values[one.path][2 * k] += NUDGE * one.width
         values[one.path][2 * k + 1] -= NUDGE * one.width
-    rows, names = _march(bench.plant, course, values, 2 * count)
+    rows, names = _march_wires(bench.plant, course, values, 2 * count)
     every = max(1, round(bench.period / STEP))
     found = np.zeros((count, count))
     for mounted in bench.sensors.members().values():
@@ -142,7 +142,7 @@ def compute_information(bench: Bench, unknown: Sequence[UnknownNumber], course: 
     return found
 
 
-def _march(
+def _march_wires(
     plant: AbstractSystem, course: DutyCourse, values: Mapping[str, Numbers], count: int
 ) -> tuple[Numbers, list[str]]:
     """Outputs of wires under a course, (steps, outputs, wires), and their names."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 from typer import Option
@@ -13,10 +13,7 @@ from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.cli.options import FigureFile, Force, Json, Texts, read_positive, spread_options
 from martensite.cli.outputs import Outputs
 from martensite.cli.progress import show_spinner
-from martensite_hardware.commands.options import Armed, BoardSource, ProjectFolder, hardware, show_log
-
-if TYPE_CHECKING:
-    pass
+from martensite_hardware.commands.options import Armed, BoardSource, ProjectFolder, hardware, require_empty, show_log
 
 
 @hardware.command("replay")
@@ -63,8 +60,8 @@ def fit(
     from martensite_hardware.characterise import characterise as work
     from martensite_hardware.session import read_project_scenario
 
-    if out is not None and out.exists() and any(out.iterdir()) and not force:
-        raise InputError(f"`{out}` is not empty; use --force to write into it, or name another folder.")
+    if out is not None:
+        require_empty(out, force)
     text = read_log_scenario(logs[0])
     if not text or any(read_log_scenario(one) != text for one in logs[1:]):
         raise InputError("The logs carry no scenario, or several: say it by `martensite fit LOG --scenario FILE`.")
@@ -108,8 +105,7 @@ def characterise(
     from martensite_hardware.session import Session, read_project, read_project_scenario
 
     seconds, firmware = read_positive("time", budget, "s"), read_project(source.project)
-    if out.exists() and any(out.iterdir()) and not force:
-        raise InputError(f"`{out}` is not empty; use --force to write into it, or name another folder.")
+    require_empty(out, force)
     bench = read_project_scenario(firmware).bench
     if bench is None:
         raise InputError("The firmware has no loop, and so no sensors.")

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from typer import Option
 
+from martensite.base.errors import InputError
 from martensite.base.summary import Block, DataTable, Sentence, Summary
 from martensite.cli.options import FigureFile, Force, Json, Text
 from martensite.cli.outputs import Outputs
@@ -56,6 +57,13 @@ Armed = Annotated[
 ]
 
 
+def require_empty(folder: Path, force: bool) -> Path:
+    """A folder that is empty, or not there; `InputError` for another one, unless it may be written into."""
+    if folder.exists() and any(folder.iterdir()) and not force:
+        raise InputError(f"`{folder}` is not empty; use --force to write into it, or name another folder.")
+    return folder
+
+
 @contextmanager
 def open_session(source: BoardSource) -> Iterator[Session]:
     """The board of a project, let go in the end."""
@@ -96,10 +104,7 @@ def answer_log(session: Session, found: BoardLog, options: LogOptions, before: l
         if len(found)
         else []
     )
-    words = (
-        f"{len(found)} samples; frames: {counts.good} good, {counts.lost} lost, {counts.garbled} garbled, "
-        f"{counts.doubled} doubled, {counts.reordered} late"
-    )
+    words = f"{len(found)} samples; frames: {counts.good} good, {counts.describe()}"
     blocks: list[Block] = [
         *(before or []),
         Sentence(words),

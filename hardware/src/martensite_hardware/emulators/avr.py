@@ -12,10 +12,9 @@ from pathlib import Path
 
 from martensite.base.errors import SolveError
 from martensite_hardware.emulators.toolchains import MCUS, build_simavr_line
+from martensite_hardware.firmware.boards import find_board
 
 ASKED, ANSWERED, MARKS = struct.Struct("<I8HH"), struct.Struct("<Q2HBH"), struct.Struct("<16I")
-FULL = 5.0
-"""Full scale of its converter [V]."""
 
 
 @dataclass
@@ -27,8 +26,6 @@ class SimavrBoard:
     baud: int
     folder: Path
     """Where the program that holds it is, or is made."""
-    clock: float = 16e6
-    """[Hz]"""
     turn: float = 0.5e-3
     """Time that passes in a read [s]."""
     volts: list[float] = field(default_factory=lambda: [0.0] * 8)
@@ -45,6 +42,11 @@ class SimavrBoard:
         program = build_simavr_line(self.folder)
         words = [program, self.elf, MCUS[self.board][0], f"{self.clock:.0f}", str(self.baud)]
         self._process = subprocess.Popen(list(map(str, words)), stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+
+    @property
+    def clock(self) -> float:
+        """Cycles in a second."""
+        return find_board(self.board).clock
 
     def now(self) -> float:
         """Time since its reset [s]."""
@@ -70,7 +72,8 @@ class SimavrBoard:
             raise SolveError("simavr has no pipes.")
         data, self._waiting = bytes(self._waiting), bytearray()
         try:
-            levels = [round(1e3 * min(max(one, 0.0), FULL)) for one in self.volts]
+            full = find_board(self.board).volts
+            levels = [round(1e3 * min(max(one, 0.0), full)) for one in self.volts]
             pipe_in.write(ASKED.pack(round(seconds * self.clock), *levels, len(data)) + data)
             pipe_in.flush()
             self.cycles, first, second, crashed, count = ANSWERED.unpack(pipe_out.read(ANSWERED.size))

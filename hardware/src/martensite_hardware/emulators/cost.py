@@ -17,6 +17,7 @@ from martensite.base.errors import InputError, SolveError
 from martensite_hardware.emulators.avr import SimavrBoard
 from martensite_hardware.emulators.cortex import MACHINE
 from martensite_hardware.emulators.toolchains import read_sizes, require_tool, run_tool
+from martensite_hardware.firmware.boards import find_board
 
 if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
@@ -137,7 +138,7 @@ def cost_on_avr(core: CCore, folder: Path) -> StepCost:
         failed = board.marks[3] > 0
     finally:
         board.close()
-    return StepCost("ATmega2560", most, *read_sizes("avr-size", elf), failed, "cycles", 16e6)
+    return StepCost("ATmega2560", most, *read_sizes("avr-size", elf), failed, "cycles", find_board("mega2560").clock)
 
 
 def _is_done(board: SimavrBoard) -> bool:
@@ -164,4 +165,4 @@ def cost_on_cortex(core: CCore, folder: Path) -> StepCost:
         raise SolveError(f"The program that counts said {done.stderr[:200]!r}.")
     most = round(TICK * (numbers[2] - numbers[0]))
     sizes = read_sizes("arm-none-eabi-size", elf)
-    return StepCost("Cortex-M4F", most, *sizes, numbers[4] > 0, "instructions", 168e6)
+    return StepCost("Cortex-M4F", most, *sizes, numbers[4] > 0, "instructions", find_board("stm32f405").clock)

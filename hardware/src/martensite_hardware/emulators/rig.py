@@ -16,7 +16,7 @@ from martensite.base.errors import SolveError
 from martensite.kernels import floats
 from martensite.physics.electrical.base import AbstractSwitch
 from martensite.simulate.lanes import Lanes
-from martensite_hardware.emulators.avr import FULL, SimavrBoard
+from martensite_hardware.emulators.avr import SimavrBoard
 from martensite_hardware.firmware.boards import find_board
 from martensite_hardware.firmware.channels import BoardInputs, plan_inputs
 
@@ -90,11 +90,11 @@ class EmulatedRig:
 
     def _set_volts(self) -> None:
         """Voltages at the converter, by the nominal gains of the wiring list."""
-        channels = self._inputs.channels
-        for k, one in enumerate(channels):
+        own = find_board(self.board.board)
+        for k, one in enumerate(self._inputs.channels):
             if one.pin >= 0:
                 value = self._find_value(k) / one.gain + one.offset
-                self.board.volts[find_analog(self.board.board, one.pin)] = value * FULL / 1024.0
+                self.board.volts[one.pin - (own.first_analog or 0)] = value * own.volts / own.steps
 
     def _find_value(self, k: int) -> float:
         """What channel k measures, in SI."""
@@ -113,11 +113,6 @@ class EmulatedRig:
         if k == reading.channel:
             return current * ohms * (1.0 + float(getattr(mounted.sensor, "relative_noise", 0.0)) * noise)
         return current
-
-
-def find_analog(board: str, pin: int) -> int:
-    """Place of an analogue pin among A0 to A7."""
-    return pin - {"uno": 14, "mega2560": 54}[board]
 
 
 def start_rig(scenario: Scenario, elf: Path, board: str, folder: Path) -> EmulatedRig:

@@ -35,13 +35,15 @@ class Board:
     encoder_pins: tuple[int, ...]
     platformio: dict[str, str]
     """Platform and board of PlatformIO; empty where it has no part in it."""
+    first_analog: int | None = None
+    """Number of the pin that is printed as A0; None where pins are printed by their numbers."""
 
     def name_pin(self, pin: int) -> str:
         """A pin of a channel as it is printed on the board."""
         if self.layer == "stm32f405":
             return f"PA{pin}"
-        analog = {"uno": 14, "mega2560": 54}.get(self.name)
-        return f"A{pin - analog}" if analog is not None and pin >= analog else str(pin)
+        first = self.first_analog
+        return f"A{pin - first}" if first is not None and pin >= first else str(pin)
 
     def name_drive_pin(self, pin: int) -> str:
         """A pin of a switch as it is printed on the board."""

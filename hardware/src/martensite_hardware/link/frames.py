@@ -56,6 +56,10 @@ class LinkCounts:
     unknown: int = 0
     """Good frames whose message is none: another version at the other end."""
 
+    def describe(self) -> str:
+        """What was not taken, in words."""
+        return f"{self.lost} lost, {self.garbled} garbled, {self.doubled} doubled, {self.reordered} late"
+
 
 @dataclass
 class FrameReader:
@@ -85,7 +89,7 @@ class FrameReader:
         self._kept += piece[: max(room, 0)]
 
     def _read_frame(self, frame: bytes) -> Iterator[Message]:
-        plain = _unstuff(frame)
+        plain = _unstuff_frame(frame)
         if plain is None:
             self.counts.garbled += 1
             return
@@ -119,7 +123,7 @@ class FrameReader:
         return False
 
 
-def _unstuff(frame: bytes) -> bytes | None:
+def _unstuff_frame(frame: bytes) -> bytes | None:
     """The plain bytes of a frame, or None if its check is wrong."""
     if len(frame) > LONGEST:
         return None

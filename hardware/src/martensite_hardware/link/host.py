@@ -75,17 +75,17 @@ class BoardLink:
         return number
 
     def receive(self) -> Iterator[Message]:
-        """What has come since it was last asked, oldest first."""
+        """What has come since it was last asked, oldest first; what is not taken stays for the next time."""
+        self._waiting.extend(self.reader.feed(self.port.read(4096)))
         while self._waiting:
             yield self._waiting.popleft()
-        yield from self.reader.feed(self.port.read(4096))
 
-    def greet(self) -> Message:
-        """Who is there: the board's `hello`.
+    def greet(self, digest: int | None = None) -> Message:
+        """Who is there: the board's `hello`; of the firmware with that digest, if one is given.
 
         Raises:
             SolveError: nobody answers.
-            InputError: the board speaks another version.
+            InputError: the board speaks another version, or holds another firmware.
         """
         self.reader.restart()
         found = self._ask(
@@ -96,6 +96,8 @@ class BoardLink:
             raise InputError(
                 f"The board speaks version {version} of the link, this program {VERSION}: write the firmware anew."
             )
+        if digest not in (None, found.values["digest"]):
+            raise InputError("The board holds another firmware than this project: write it to the board anew.")
         return found
 
     @property
@@ -142,10 +144,11 @@ class BoardLink:
         for _ in range(TRIES):
             number, until = self.send(name, **values), self.now() + WAIT
             while self.now() < until:
-                for message in self.reader.feed(self.port.read(4096)):
-                    if fits(message, number):
-                        return message
-                    self._waiting.append(message)
+                came = list(self.reader.feed(self.port.read(4096)))  # also what comes behind an answer
+                found = next((one for one in came if fits(one, number)), None)
+                self._waiting.extend(one for one in came if one is not found)
+                if found is not None:
+                    return found
         raise SolveError(
             f"The board does not answer `{name}` ({TRIES} tries in {TRIES * WAIT:g} s): check the cable, the baud "
             "rate, and that the firmware runs."

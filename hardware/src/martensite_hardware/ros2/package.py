@@ -75,8 +75,8 @@ def print_firmware_header(firmware: Mapping[str, Any]) -> str:
             "namespace firmware {",
             f"constexpr std::uint32_t digest = {firmware['digest']:#x};",
             f"constexpr int baud = {find_board(firmware['board']).baud};",
-            f"constexpr const char *states[] = {{{', '.join(map(_quote, states))}}};",
-            f"constexpr const char *commands[] = {{{', '.join(_quote(name) for _, name, _ in commands)}}};",
+            f"constexpr const char *states[] = {{{', '.join(map(_quote_text, states))}}};",
+            f"constexpr const char *commands[] = {{{', '.join(_quote_text(name) for _, name, _ in commands)}}};",
             f"constexpr std::uint8_t places[] = {{{', '.join(str(place) for place, _, _ in commands)}}};",
             f"constexpr double first[] = {{{', '.join(repr(float(value)) for _, _, value in commands)}}};",
             "}  // namespace firmware",
@@ -107,7 +107,7 @@ def print_description(firmware: Mapping[str, Any], name: str) -> str:
     )
 
 
-def _quote(text: str) -> str:
+def _quote_text(text: str) -> str:
     return f'"{text}"'
 
 

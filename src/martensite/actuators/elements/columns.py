@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 from martensite.actuators.elements.network import Column
 from martensite.kernels.namespace import Flag, Namespace, Scalar
+from martensite.kernels.nested import choose_tuple
 
 LARGE = 1e300
 """Where nothing is."""
@@ -122,7 +123,7 @@ class Bracket(NamedTuple):
 
     def choose(self, xp: Namespace, flag: Flag, other: Bracket) -> Bracket:
         """Another one where the flag holds."""
-        return Bracket(*(xp.where(flag, b, a) for a, b in zip(self, other, strict=True)))
+        return choose_tuple(xp, flag, other, self)
 
 
 class Turn(NamedTuple):

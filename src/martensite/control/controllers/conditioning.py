@@ -25,6 +25,7 @@ from martensite.base.parameters import Parametrised, option, param, part, text
 from martensite.base.units import SIGNAL_RATE
 from martensite.control.controllers.shaping import ShapedReference
 from martensite.kernels.namespace import Flag, Namespace, Scalar
+from martensite.kernels.nested import choose_tuple
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.signals.step import Step
@@ -184,7 +185,7 @@ def continue_control(
         after = [xp.where(taken, new, old) for new, old in zip(tracked, after, strict=True)]
         if shaped is not None and one.follows_reading:
             resting = one.shaping.begin(readings[one.measured]) if one.shaping else shaped
-            shaped = ShapedReference(*(xp.where(taken, new, old) for new, old in zip(resting, shaped, strict=True)))
+            shaped = choose_tuple(xp, taken, resting, shaped)
     return signal, Conditioned(filters, shaped, signal, tuple(after)).flatten(one)
 
 

@@ -27,7 +27,7 @@ from martensite.control.controllers.base import CONTROLLERS, AbstractController,
 from martensite.control.controllers.pid import PidGains, PidMemory
 from martensite.control.controllers.repeated_task import RepeatedTask, TaskMemory
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import NestedShape, flatten_numbers
+from martensite.kernels.nested import NestedShape, choose_tuple, flatten_numbers
 
 
 class LearningMemory(NamedTuple):
@@ -113,7 +113,7 @@ class IterativeLearning(AbstractLearning):
         now, pid = self.advance_task(xp, before.task, dt), before.pid
         if self.between == "reset":
             first = self.law.rest(xp, reference, found)
-            pid = PidMemory(*(xp.where(now.begins, a, b) for a, b in zip(first, pid, strict=True)))
+            pid = choose_tuple(xp, now.begins, first, pid)
         feed = now.learned
         left = {"low": self.law.low - feed, "high": self.law.high - feed}
         added, pid = self.law.rebuilt(left).answer(xp, self.gains, pid, reference, found, dt, self.sampled)

@@ -19,7 +19,7 @@ Ziegler and Nichols (1942), Tyreus and Luyben (1992), Seborg et al. (2011, no ov
 
 import math
 from collections.abc import Mapping
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import ParameterError
@@ -28,7 +28,7 @@ from martensite.base.units import DIFFERENCE, LEVEL
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
 from martensite.control.controllers.pid import Gains, PidLaw, PidMemory
 from martensite.kernels.namespace import Flag, Namespace, Scalar
-from martensite.kernels.nested import NestedShape, flatten_numbers
+from martensite.kernels.nested import NestedShape, choose_tuple, flatten_numbers
 from martensite.signals.base import DRIVE
 from martensite.signals.levels import HIGH, MARGIN
 
@@ -90,7 +90,6 @@ class TuningMemory(NamedTuple):
     pid: PidMemory
 
 
-Parts = TypeVar("Parts", RelayCycle, RelaySums)
 NOTHING = RelaySums(0.0, 0.0, 0.0, 0.0, 0.0)
 
 
@@ -173,7 +172,7 @@ class RelayTuning(AbstractController):
         gains = self._find_gains(xp, after)
         fresh = self.law.rest(xp, reference, found)
         fresh = fresh._replace(integral=mean - gains.Kp * (self.law.weight * reference - found))
-        pid = PidMemory(*(xp.where(begins, a, b) for a, b in zip(fresh, before.pid, strict=True)))
+        pid = choose_tuple(xp, begins, fresh, before.pid)
         signal, pid = self.law.answer(xp, gains, pid, reference, found, dt)
         relay = after.bias + self.amplitude * (2.0 * after.cycle.on - 1.0)
         signal = xp.where(after.stage > -0.5, signal, xp.clip(0.0, self.law.low, self.law.high))
@@ -206,9 +205,11 @@ class RelayTuning(AbstractController):
         turned = xp.both(on > 0.5, one.on < 0.5)
         lowest, highest = xp.minimum(away, one.lowest), xp.maximum(away, one.highest)
         whole = RelayCycle(on, one.length + dt, one.heated + dt * one.on, lowest, highest)
-        cycle = _choose(xp, turned, RelayCycle(on, 0.0, 0.0, away, away), whole)
+        cycle = choose_tuple(xp, turned, RelayCycle(on, 0.0, 0.0, away, away), whole)
         turns = before.turns + xp.where(turned, 1.0, 0.0)
-        sums = _choose(xp, xp.both(turned, turns > self.skipped + 1.5), _add_cycle(before.sums, whole), before.sums)
+        sums = choose_tuple(
+            xp, xp.both(turned, turns > self.skipped + 1.5), _add_cycle(before.sums, whole), before.sums
+        )
         after = before._replace(elapsed=before.elapsed + dt, turns=turns, cycle=cycle, sums=sums)
         after = self._balance_relay(xp, after, whole, xp.both(turned, turns > 1.5))
         return self._judge_cycles(xp, before, after)
@@ -241,7 +242,7 @@ class RelayTuning(AbstractController):
             stage=stage,
             gain=xp.where(tuned, gain, before.gain),
             period=xp.where(tuned, period, before.period),
-            sums=_choose(xp, enough, NOTHING, sums),
+            sums=choose_tuple(xp, enough, NOTHING, sums),
         )
         return found, after.bias + self.amplitude * (2.0 * share - 1.0)
 
@@ -259,7 +260,3 @@ def _add_cycle(sums: RelaySums, whole: RelayCycle) -> RelaySums:
         sums.heated + whole.heated,
         sums.ranges + whole.highest - whole.lowest,
     )
-
-
-def _choose(xp: Namespace, flag: Flag, one: Parts, other: Parts) -> Parts:
-    return type(one)(*(xp.where(flag, a, b) for a, b in zip(one, other, strict=True)))

@@ -142,8 +142,8 @@ class RepeatedTask(Parametrised):
         moved = before._replace(
             elapsed=elapsed,
             place=place,
-            ahead=_choose(xp, due, ahead, before.ahead),
-            past=_choose(xp, due, past, before.past),
+            ahead=_choose_line(xp, due, ahead, before.ahead),
+            past=_choose_line(xp, due, past, before.past),
         )
         one, other = moved.ahead[:2]
         learned = one + elapsed / self.spacing * (other - one)
@@ -182,7 +182,7 @@ class RepeatedTask(Parametrised):
         smooth = (1.0 - self.forgetting) * sum(c * w for c, w in zip(find_weights(half), waiting, strict=True))
         return memory._replace(
             ahead=(*memory.ahead[:-1], xp.where(now.due, smooth, memory.ahead[-1])),
-            waiting=_choose(xp, now.due, waiting[: 2 * half], memory.waiting),
+            waiting=_choose_line(xp, now.due, waiting[: 2 * half], memory.waiting),
             score=score,
         )
 
@@ -197,7 +197,7 @@ class RepeatedTask(Parametrised):
         diverged = xp.both(streak > PATIENCE - 0.5, rms > self.growth * start)
         learning = xp.where(diverged, 0.0, before.learning)
         after = TaskScore(0.0, before.repetition + 1.0, rms, streak, start, learning)
-        return TaskScore(*_choose(xp, now.begins, after, before._replace(squares=squares)))
+        return TaskScore(*_choose_line(xp, now.begins, after, before._replace(squares=squares)))
 
 
 def find_weights(half: int) -> list[float]:
@@ -205,7 +205,7 @@ def find_weights(half: int) -> list[float]:
     return [math.comb(2 * half, i) / 4.0**half for i in range(2 * half + 1)]
 
 
-def _choose(xp: Namespace, flag: Flag, one: Sequence[Scalar], other: Sequence[Scalar]) -> Line:
+def _choose_line(xp: Namespace, flag: Flag, one: Sequence[Scalar], other: Sequence[Scalar]) -> Line:
     """One of two lines, place by place; a long one in a loop, which a C compiler reads sooner."""
 
     def choose(a: Scalar, b: Scalar) -> tuple[Scalar]:

@@ -18,6 +18,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels.dual import value_and_slope
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import choose_tuple
 from martensite.physics.kinetics.barriers import BarrierConstants
 from martensite.physics.laws.base import AbstractLaw, Fractions
 
@@ -157,7 +158,7 @@ class AbstractLayers(AbstractLaw):
             drive = xp.where(share > PRESENT, pull.drive(stress, threshold), NEVER)
             ahead = drive > best
             best = xp.where(ahead, drive, best)
-            chosen = Pull(*(xp.where(ahead, a, b) for a, b in zip(pull, chosen, strict=True)))
+            chosen = choose_tuple(xp, ahead, pull, chosen)
         return chosen
 
     def overshoot(self, xp: Namespace, pull: Pull, stress: Scalar, temperature: Scalar) -> Scalar:

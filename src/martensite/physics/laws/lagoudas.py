@@ -35,6 +35,7 @@ from typing import ClassVar, NamedTuple
 
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import choose_tuple
 from martensite.physics.kinetics.diagram import find_side_strain
 from martensite.physics.kinetics.hardening import apply_waist, compute_hardening, hardening_integral, invert_hardening
 from martensite.physics.kinetics.surfaces import AbstractSurfaceLaw, StraightPath, WorkScale
@@ -216,7 +217,7 @@ class Lagoudas(AbstractSurfaceLaw):
         turn = way.at(self.reverse_peak(xp, self.scale(xp), way, strain))
         there, _ = super().kinetics(xp, memory, *turn, dt)
         stop = there.fraction < memory.fraction
-        memory = LagoudasMemory(*(xp.where(stop, a, b) for a, b in zip(there, memory, strict=True)))
+        memory = choose_tuple(xp, stop, there, memory)
         return super().kinetics(xp, memory, stress, temperature, dt)
 
     def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
