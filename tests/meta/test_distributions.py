@@ -57,3 +57,27 @@ def test_every_study_has_its_entry_point() -> None:
     folders = {path.parent.name for path in (ROOT / "studies" / "src").rglob("claims.toml")}
     assert {module.rpartition(".")[2] for module in points.values()} == folders
     assert {name: STUDIES[name].__module__ for name in points} == points
+
+
+def read_recipe() -> dict[str, dict[str, Any]]:
+    """The packages of the recipe for conda, by their names."""
+    yaml = pytest.importorskip("yaml")  # of the documentation's tools
+    recipe = yaml.safe_load((ROOT / "packaging" / "conda" / "recipe.yaml").read_text("utf-8"))
+    assert recipe["context"]["version"] == CORE["version"]
+    return {output["package"]["name"]: output for output in recipe["outputs"]}
+
+
+@pytest.mark.parametrize("folder", ("", *APART))
+def test_the_recipe_for_conda_asks_for_the_same(folder: str) -> None:
+    project = read_project(folder)
+    made = read_recipe()[project["name"]]
+    pinned = [line.replace("==${{ version }}", f"=={CORE['version']}") for line in made["requirements"]["run"]]
+    wanted = [f"python{project['requires-python']}", *(d.partition(";")[0] for d in project["dependencies"])]
+    assert [line.replace(" ", "") for line in pinned] == [line.replace(" ", "").lower() for line in wanted]
+    assert f"install {f'./{folder}' if folder else '.'} " in made["build"]["script"]
+
+
+def test_a_recipe_that_asks_for_less_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(CORE, "version", "0.0.0")
+    with pytest.raises(AssertionError):
+        read_recipe()
