@@ -5,7 +5,7 @@ import { Message } from "../ui/message.tsx";
 import { StudyProgress } from "./progress.tsx";
 import { list, listed, running, trouble } from "./state.ts";
 import type { Listed } from "./types.ts";
-import { TallyLine } from "./verdict.tsx";
+import { describeTally, TallyLine } from "./verdict.tsx";
 import { Words } from "./words.tsx";
 
 function Card({ study }: { study: Listed }) {
@@ -21,6 +21,7 @@ function Card({ study }: { study: Listed }) {
           <Words text={study.guide[0]} />
         </p>
       )}
+      {study.tally && <p>{describeTally(study.tally)}</p>}
       <p class="small">
         {study.tally ? <TallyLine tally={study.tally} /> : <span class="soft">Not computed yet.</span>}
         {study.missing.length > 0 && <span class="soft"> Some measured data are not on this machine.</span>}

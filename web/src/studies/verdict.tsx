@@ -14,6 +14,19 @@ export const VERDICTS: [verdict: Verdict, sign: string, about: string][] = [
 const known = (verdict: Verdict): [Verdict, string, string] => VERDICTS.find(([name]) => name === verdict) ?? [verdict, "", ""];
 const style = (verdict: Verdict): string => `verdict ${verdict.replaceAll(" ", "-")}`;
 
+/** Place of a verdict: what was compared stands before what cannot be. */
+export const rank = (verdict: Verdict): number => VERDICTS.findIndex(([name]) => name === verdict);
+
+/** What a tally means, in a sentence: only what can be compared can fail. */
+export function describeTally(tally: Tally): string {
+  const [found, apart] = [tally.reproduced, tally.disagrees];
+  const wrong = tally.misprint + tally["self-contradictory"];
+  const open = tally["not comparable"] + tally.recovery;
+  const first = found + apart ? `Of ${found + apart} printed numbers that can be compared, ${found} ${found === 1 ? "is" : "are"} found again.` : "No printed number can be compared.";
+  const second = wrong ? ` ${wrong} ${wrong === 1 ? "contradicts" : "contradict"} the source itself.` : "";
+  return `${first}${second}${open ? ` ${open} cannot be judged: their ground stands beside them.` : ""}`;
+}
+
 export function VerdictMark({ verdict }: { verdict: Verdict }) {
   const [, sign, about] = known(verdict);
   return (
