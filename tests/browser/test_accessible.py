@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page, expect
 
 PAGES = ("bench", "studies", "identify", "size", "sweep")
@@ -75,6 +76,12 @@ def unnamed(page: Page) -> list[str]:
     return found
 
 
+def list_violations(page: Page) -> list[str]:
+    """What axe-core finds: its rules for WCAG 2.2 AA and good practice."""
+    found = Axe().run(page).response["violations"]
+    return [f"{one['id']}: {node['html'][:120]}" for one in found for node in one["nodes"]]
+
+
 @pytest.mark.parametrize("theme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", PAGES)
 def test_a_page_has_no_faults(page: Page, name: str, theme: str) -> None:
@@ -84,6 +91,7 @@ def test_a_page_has_no_faults(page: Page, name: str, theme: str) -> None:
         page.evaluate("() => new Promise((done) => requestAnimationFrame(() => setTimeout(done)))")
         assert page.evaluate(AUDIT) == [], screen
     assert unnamed(page) == []
+    assert list_violations(page) == []
 
 
 @pytest.mark.parametrize("name", PAGES)
@@ -125,3 +133,21 @@ def test_the_audit_notices_faults(page: Page) -> None:
     ):
         assert words in faults, words
     assert any(one.startswith("button without a name") for one in unnamed(page))
+    assert {"button-name", "color-contrast", "image-alt"} <= {one.partition(":")[0] for one in list_violations(page)}
+
+
+def test_a_number_to_vary_is_chosen_by_arrow_keys(page: Page) -> None:
+    opened(page, "sweep")
+    field = page.get_by_role("combobox", name="Add a number to vary")
+    options = page.get_by_role("listbox", name="Numbers of the scenario").get_by_role("option")
+    field.fill("diameter")
+    expect(options.first).to_have_attribute("aria-selected", "true")
+    assert list_violations(page) == []  # with the list open, too
+    field.fill("temperature")
+    second = options.nth(1)
+    name = second.locator("strong").inner_text()
+    field.press("ArrowDown")
+    expect(field).to_have_attribute("aria-activedescendant", second.get_attribute("id") or "")
+    field.press("Enter")
+    expect(page.get_by_text(name, exact=True).first).to_be_visible()
+    expect(field).to_have_value("")

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { difference, digits, toShown } from "../src/lib/numbers.ts";
+import { difference, digits, readComma, toShown } from "../src/lib/numbers.ts";
 
 test("numbers have so many digits, and no tail of zeros", () => {
   assert.equal(digits(1234.5678), "1235");
@@ -20,4 +20,10 @@ test("temperatures are shown with their offset, differences without", () => {
   assert.ok(Math.abs(toShown(293.15, celsius) - 20) < 1e-9);
   assert.equal(difference(5, celsius), 5);
   assert.equal(toShown(0.002, { factor: 1000, offset: 0 }), 2);
+});
+
+test("a decimal comma is a point, one between thousands is left to be refused", () => {
+  for (const [typed, read] of [["0,2", "0.2"], ["0,381 mm", "0.381 mm"], ["-1,5e-3", "-1.5e-3"], [",5", ".5"], ["1000,25", "1000.25"], ["0.2", "0.2"]] as const)
+    assert.equal(readComma(typed), read);
+  for (const typed of ["1,000", "1,000,000 Pa", "1,000.5"]) assert.equal(readComma(typed), typed);
 });

@@ -1,6 +1,6 @@
 // Positions of a slider and the values they stand for, in the unit that is shown.
 
-import { digits, toShown } from "../lib/numbers.ts";
+import { digits, readComma, toShown } from "../lib/numbers.ts";
 import type { NumberNode, SliderRange } from "./types.ts";
 
 export const POSITIONS = 200;
@@ -65,6 +65,6 @@ const BARE = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 
 /** What is sent for what was typed: a bare number is in the shown unit, all else the server reads. */
 export function typed(node: NumberNode, text: string): string | number {
-  const trimmed = text.trim();
+  const trimmed = readComma(text.trim());
   return BARE.test(trimmed) ? quantity(node, Number(trimmed)) : trimmed;
 }

@@ -1,7 +1,7 @@
 // A field for a number that is kept in SI and shown in a unit that people read.
 
 import { useSignal } from "@preact/signals";
-import { digits } from "../lib/numbers.ts";
+import { digits, readComma } from "../lib/numbers.ts";
 
 interface NumberProps {
   label: string;
@@ -17,7 +17,7 @@ export function NumberField({ label, value, how, onChange, placeholder = "", hid
   const wrong = useSignal(false);
   const shown = value === null ? "" : digits(value * how.factor + how.offset, 7);
   const change = (text: string): void => {
-    const plain = text.trim().replace(",", ".");
+    const plain = readComma(text.trim());
     const number = Number(plain);
     wrong.value = plain !== "" && !Number.isFinite(number);
     if (!wrong.value) onChange(plain === "" ? null : (number - how.offset) / how.factor);

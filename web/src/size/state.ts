@@ -2,6 +2,7 @@
 
 import { computed, signal } from "@preact/signals";
 import { call, sentence, superseded } from "../lib/api.ts";
+import { readComma } from "../lib/numbers.ts";
 import { watched } from "../state/jobs.ts";
 import { place, remember } from "../state/route.ts";
 import type { Checked, Fields, Form, Note, Sizing } from "./types.ts";
@@ -22,7 +23,7 @@ export const answer = computed<Sizing | null>(() => {
   return job?.state === "done" && job.outcome && typeof job.outcome === "object" ? job.outcome : null;
 });
 
-const written = (now: Fields): Fields => Object.fromEntries(Object.entries(now).filter(([, text]) => text.trim()));
+const written = (now: Fields): Fields => Object.fromEntries(Object.entries(now).filter(([, text]) => text.trim()).map(([name, text]) => [name, readComma(text)]));
 
 /** Whether the answer is for another form than the one that is shown. */
 export const outdated = computed(() => {

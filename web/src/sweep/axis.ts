@@ -1,5 +1,6 @@
 // One axis of a sweep as the form holds it, and the words that the library takes.
 
+import { readComma } from "../lib/numbers.ts";
 import type { Target } from "./types.ts";
 
 export type Kind = "range" | "list" | "normal";
@@ -51,10 +52,11 @@ const spaced = (...pieces: string[]): string => pieces.map((piece) => piece.trim
 export function wordsOf(axis: AxisChoice, grid: boolean): string {
   const { name, unit } = axis;
   if (axis.kind === "list") return `${name}=${NUMBER_LAST.test(axis.list) ? spaced(axis.list, unit) : axis.list.trim()}`;
+  const [low, high, mean, deviation] = [axis.low, axis.high, axis.mean, axis.deviation].map((text) => readComma(text.trim()));
   if (axis.kind === "normal") {
-    return `${name}=${spaced(axis.mean.trim() && spaced(axis.mean, unit), "+-", axis.deviation, axis.deviationUnit)}`;
+    return `${name}=${spaced(mean ? spaced(mean, unit) : "", "+-", deviation ?? "", axis.deviationUnit)}`;
   }
   const levels = grid && axis.levels.trim() ? `:${axis.levels.trim()}` : "";
-  const range = spaced(`${axis.low.trim()}..${axis.high.trim()}`, unit);
+  const range = spaced(`${low}..${high}`, unit);
   return `${name}=${range}${levels}${axis.log ? " log" : ""}`;
 }

@@ -23,6 +23,8 @@ const bounds = ({ low, high, open, unit }: Target): string => {
 export function Picker() {
   const typed = useSignal("");
   const open = useSignal(false);
+  /** Place of the number that Enter takes; the arrow keys move it. */
+  const active = useSignal(0);
   const field = useRef<HTMLInputElement>(null);
   const taken = new Set(choices.value.axes.map((axis) => axis.name));
   const matching = (): Target[] => {
@@ -39,40 +41,61 @@ export function Picker() {
     typed.value = "";
     shut();
   };
-  const close = (event: KeyboardEvent): void => {
+  const show = (): void => {
+    open.value = true;
+    active.value = 0;
+  };
+  const press = (event: KeyboardEvent): void => {
+    const last = Math.min(found.length, MOST) - 1;
+    const moves: Record<string, number> = { ArrowDown: active.value + 1, ArrowUp: active.value - 1, Home: 0, End: last };
+    const next = moves[event.key];
     if (event.key === "Escape") shut();
+    else if (event.key === "Enter") found.slice(active.value, active.value + 1).forEach(take);
+    else if (next !== undefined && open.value && last >= 0) {
+      event.preventDefault();
+      active.value = Math.min(Math.max(next, 0), last);
+      document.getElementById(`sweep-found-${active.value}`)?.scrollIntoView({ block: "nearest" });
+    } else if (event.key === "ArrowDown") show();
   };
   const left = (event: FocusEvent): void => {
     const to = event.relatedTarget;
     if (!(to instanceof Node && event.currentTarget instanceof Node && event.currentTarget.contains(to))) open.value = false;
   };
   return (
-    <div class="sweep-picker" onKeyDown={close} onFocusOut={left}>
+    <div class="sweep-picker" onFocusOut={left}>
       <label for="sweep-search">Add a number to vary</label>
       <input
-        id="sweep-search" ref={field} type="search" autocomplete="off" placeholder="diameter, A_s, duty …"
-        value={typed.value} aria-expanded={open.value} aria-controls="sweep-found"
-        onFocus={() => (open.value = true)} onClick={() => (open.value = true)}
-        onInput={(event) => ((typed.value = event.currentTarget.value), (open.value = true))}
-        onKeyDown={(event) => event.key === "Enter" && matching().slice(0, 1).forEach(take)}
+        id="sweep-search" ref={field} type="search" autocomplete="off" placeholder="diameter, A_s, duty …" value={typed.value}
+        role="combobox" list={undefined} aria-autocomplete="list" aria-expanded={open.value} aria-controls="sweep-found"
+        aria-activedescendant={open.value && found.length ? `sweep-found-${active.value}` : undefined}
+        onFocus={show} onClick={show} onKeyDown={press}
+        onInput={(event) => {
+          typed.value = event.currentTarget.value;
+          show();
+        }}
       />
-      {open.value && (
-        <ul id="sweep-found" class="sweep-found" aria-label="Numbers of the scenario">
-          {found.slice(0, MOST).map((one) => (
-            <li key={one.name}>
-              <button type="button" class="quiet" onClick={() => take(one)}>
-                <strong>{one.name}</strong> <span>{one.words}</span>
-                <small class="soft">
-                  {one.about}
-                  {bounds(one) && ` (${bounds(one)})`}
-                </small>
-              </button>
-            </li>
-          ))}
-          {!found.length && <li class="soft">{form.value ? "Nothing of that name can be varied." : "Reading the scenario …"}</li>}
-          {found.length > MOST && <li class="soft">{found.length - MOST} more; type to narrow them.</li>}
-        </ul>
-      )}
+      <ul id="sweep-found" class="sweep-found" role="listbox" aria-label="Numbers of the scenario" hidden={!open.value || !found.length}>
+        {open.value && found.slice(0, MOST).map((one, k) => (
+          <li
+            key={one.name} id={`sweep-found-${k}`} role="option" aria-selected={k === active.value}
+            onMouseDown={(event) => event.preventDefault()} onClick={() => take(one)}
+          >
+            <strong>{one.name}</strong> <span>{one.words}</span>
+            <small class="soft">
+              {one.about}
+              {bounds(one) && ` (${bounds(one)})`}
+            </small>
+          </li>
+        ))}
+      </ul>
+      {open.value && <p class="sweep-found-more soft" role="status">{counted(found.length, form.value !== null)}</p>}
     </div>
   );
+}
+
+/** What is not in the list, in words. */
+function counted(found: number, known: boolean): string {
+  if (!known) return "Reading the scenario …";
+  if (!found) return "Nothing of that name can be varied.";
+  return found > MOST ? `${found - MOST} more; type to narrow them.` : `${found} found; the arrow keys choose.`;
 }
