@@ -13,7 +13,7 @@ from martensite.design.sizing.remarks import find_tightest, list_margins
 from martensite.design.sizing.request import WireRequest
 from martensite.scenario.exact_text import convert_to_plain
 from martensite.scenario.scenario import read_scenario
-from martensite_app.calls import sizing
+from martensite_app.calls import size_map, sizing
 from martensite_app.calls.sizing import EXAMPLE
 from martensite_app.messages import BadMessageError
 from martensite_app.worker import Desk
@@ -191,3 +191,34 @@ def test_the_check_takes_only_its_conditions(desk: Desk) -> None:
     assert len(row) == len(answer["columns"]) and row[1] == "90"
     with pytest.raises(InputError, match="has no unit"):
         sizing.compare_catalogue({"fields": {"stress": "150"}}, desk)
+
+
+# ---------------------------------------------------------------- the map, and the loop
+
+
+def test_the_map_is_that_of_the_sizings(desk: Desk, found: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(size_map, "FORCES", 3)
+    monkeypatch.setattr(size_map, "STROKES", 1)
+    monkeypatch.setattr(size_map, "list_levels", lambda middle, count: [middle, 80.0 * middle, 1.2 * middle][:count])
+    told: list[dict[str, Any]] = []
+    asked = {"fields": SMALL | {"strands": "1"}}
+    answer = size_map.map_wishes(asked, Desk(desk.folder, lambda note: told.append(dict(note))))
+    check_answer(answer, "size", "Mapped")
+    cells = {cell["column"]: cell for cell in answer["cells"]}
+    alone = sizing.size_wires(asked, desk)["candidates"]
+    assert cells[0]["does"] == sum(one["feasible"] for one in alone)
+    assert cells[0]["robust"] == sum(one["feasible"] and not one["frail"] for one in alone)
+    assert cells[0]["best"]["size"] == alone[0]["size"]
+    assert cells[1]["best"] is None and cells[1]["reason"]
+    assert [note["done"] for note in told] == [0, 1, 2, 3] and told[1]["cell"][
+        "column"
+    ] == 1  # the wish is in the middle
+
+
+def test_a_wire_that_was_found_moves_in_a_loop(found: dict[str, Any]) -> None:
+    scenario = read_scenario(found["candidates"][0]["loop"])
+    result = scenario.run()
+    reached = max(result["position"])
+    assert reached == pytest.approx(0.9 * 3e-3, rel=0.03)
+    assert not result.status.failed and result.alarms == []
+    assert scenario.bench is not None

@@ -22,18 +22,18 @@ def test_a_wrong_unit_is_refused_beside_its_field(page: Page) -> None:
     expect(page.get_by_role("alert")).to_have_text("The unit `kgf` cannot be converted to `Hz`.")
     expect(page.get_by_label("rate")).to_have_attribute("aria-invalid", "true")
     page.get_by_label("rate").fill("0.05 Hz")
-    page.get_by_label("force").fill("0.8 kgf")
+    page.get_by_role("textbox", name="force").fill("0.8 kgf")
     page.get_by_label("supply").focus()
     expect(page.get_by_role("alert")).to_have_count(0)
     expect(page).to_have_url(re.compile(r"force=0\.8\+kgf"))
-    page.get_by_label("force").fill("")
+    page.get_by_role("textbox", name="force").fill("")
     page.get_by_role("button", name="Find wires").click()
     expect(page.get_by_role("alert")).to_have_text("Fill in `force` first.")
 
 
 def test_a_link_brings_the_form_and_wires_are_found(page: Page) -> None:
     visit(page, f"size?{SMALL}")
-    expect(page.get_by_label("force")).to_have_value("0.5 N")
+    expect(page.get_by_role("textbox", name="force")).to_have_value("0.5 N")
     page.get_by_role("button", name="Find wires").click()
     expect(page.get_by_role("progressbar")).to_be_visible()
     wires = page.get_by_role("region", name="Wires", exact=True)
@@ -51,10 +51,10 @@ def test_a_link_brings_the_form_and_wires_are_found(page: Page) -> None:
     wires.locator("tr.reason").last.click()
     expect(chosen.get_by_text("Not met:").first).to_be_visible()
 
-    page.get_by_label("force").fill("0.6 N")
+    page.get_by_role("textbox", name="force").fill("0.6 N")
     expect(page.get_by_text("these wires are for force 0.5 N")).to_be_visible()
     page.reload()  # the form is in the address, and the job is found again
-    expect(page.get_by_label("force")).to_have_value("0.6 N")
+    expect(page.get_by_role("textbox", name="force")).to_have_value("0.6 N")
     expect(page.get_by_text("wires do, the best first.")).to_be_visible()
 
 

@@ -35,6 +35,7 @@ ROUTES: Mapping[str, tuple[str, str]] = {
     # sizing
     "size_form": ("sizing", "describe_sizing"),
     "size": ("sizing", "size_wires"),
+    "size_map": ("size_map", "map_wishes"),
     "size_catalogue": ("sizing", "compare_catalogue"),
     # studies
     "studies": ("studies", "list_studies"),

@@ -2,7 +2,7 @@
 
 import { useEffect } from "preact/hooks";
 import { Catalogue } from "../size/catalogue.tsx";
-import { ask, check, fromAddress, show, sizing, tab, type Tab } from "../size/state.ts";
+import { ask, check, fromAddress, mapping, show, sizing, tab, type Tab } from "../size/state.ts";
 import { Wires } from "../size/wires.tsx";
 import { place } from "../state/route.ts";
 
@@ -15,6 +15,7 @@ export function Page() {
   useEffect(() => {
     if (!sizing.job.value) void sizing.resume();
     if (!check.job.value) void check.resume();
+    if (!mapping.job.value) void mapping.resume();
   }, []);
   useEffect(() => {
     if (place.value.page !== "size") return;

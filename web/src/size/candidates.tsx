@@ -1,5 +1,6 @@
 // The wires that were judged: those that do, and on demand the others with their reasons.
 
+import { useSignal } from "@preact/signals";
 import { digits } from "../lib/numbers.ts";
 import type { Candidate, Sizing } from "./types.ts";
 
@@ -14,6 +15,13 @@ function visible(candidates: Candidate[], all: boolean): number[] {
   const good = every.filter((k) => candidates[k]?.feasible);
   return good.length > 0 ? good : every.slice(0, NEAREST);
 }
+
+const ORDERS: [name: string, key: (found: Candidate) => number][] = [
+  ["robust first, then least energy", () => 0],
+  ["least energy in a cycle", (found) => found.drive?.energy ?? Infinity],
+  ["most spare in every limit", (found) => found.tightest.share],
+  ["fewest wires", (found) => found.count],
+];
 
 interface RowProps {
   found: Candidate;
@@ -33,7 +41,7 @@ function Row({ found, number, chosen, onChoose }: RowProps) {
             {number}
           </button>
         </td>
-        <td class={found.feasible ? "does" : "does-not"}>{found.feasible ? "✓ does" : "✗ no"}</td>
+        <td class={found.feasible ? "does" : "does-not"}>{found.feasible ? (found.frail.length ? "✓ does" : "✓ robust") : "✗ no"}</td>
         {cells.map((cell, k) => (
           <td key={k} class={k + 1 >= WORDS ? "right" : undefined}>
             {cell}
@@ -64,12 +72,27 @@ interface Props {
 export function Candidates({ sizing, all, onAll, chosen, onChoose }: Props) {
   const { candidates, columns } = sizing;
   const good = candidates.filter((found) => found.feasible).length;
+  const robust = candidates.filter((found) => found.feasible && found.frail.length === 0).length;
+  const order = useSignal(0);
+  const key = ORDERS[order.value]?.[1] ?? (() => 0);
+  const does = (k: number): number => Number(!candidates[k]?.feasible);
+  const rows = visible(candidates, all).sort((a, b) => does(a) - does(b) || key(candidates[a] as Candidate) - key(candidates[b] as Candidate));
   return (
     <section class="panel stack candidates" aria-label="Wires">
       <div class="row">
         <span role="status">
-          {good === 0 ? "No wire meets the request; the nearest come first." : `${good} of ${candidates.length} wires do, the best first.`}
+          {good === 0 ? "No wire meets the request; the nearest come first." : `${good} of ${candidates.length} wires do, the best first. ${robust} of them ${robust === 1 ? "withstands" : "withstand"} a warmer day and more load.`}
         </span>
+        <label class="row">
+          Order
+          <select value={order.value} onChange={(event) => (order.value = Number(event.currentTarget.value))}>
+            {ORDERS.map(([name], k) => (
+              <option key={name} value={k}>
+                {name}
+              </option>
+            ))}
+          </select>
+        </label>
         <label class="row">
           <input type="checkbox" checked={all} onChange={(event) => onAll(event.currentTarget.checked)} />
           Show those that do not, too
@@ -90,7 +113,7 @@ export function Candidates({ sizing, all, onAll, chosen, onChoose }: Props) {
             </tr>
           </thead>
           <tbody>
-            {visible(candidates, all).map((k) => (
+            {rows.map((k) => (
               <Row key={k} found={candidates[k] as Candidate} number={k + 1} chosen={chosen === k} onChoose={() => onChoose(k)} />
             ))}
           </tbody>

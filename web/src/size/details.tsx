@@ -3,10 +3,10 @@
 import { save } from "../lib/api.ts";
 import { openInBench } from "../state/scenario.ts";
 import { Message } from "../ui/message.tsx";
+import { Circuit } from "./circuit.tsx";
+import { fileName } from "./state.ts";
 import { Margins } from "./margins.tsx";
 import type { Candidate } from "./types.ts";
-
-const fileName = (found: Candidate): string => `flexinol-${found.size.replace(" mm", "mm")}-${found.alloy}.toml`;
 
 function Scenario({ found }: { found: Candidate }) {
   const text = found.scenario;
@@ -19,6 +19,11 @@ function Scenario({ found }: { found: Candidate }) {
       <button type="button" onClick={() => save(fileName(found), text)}>
         Save scenario
       </button>
+      {found.loop && (
+        <button type="button" onClick={() => openInBench(found.loop ?? "")} title="A transistor, a position sensor and a PID controller around it">
+          Open in a loop
+        </button>
+      )}
     </div>
   );
 }
@@ -36,6 +41,7 @@ export function Details({ found, number }: { found: Candidate; number: number })
         </Message>
       ))}
       <Scenario found={found} />
+      <Circuit found={found} />
       <Margins margins={found.margins} />
       <ul class="sentences">
         {found.sentences.map((sentence) => (
@@ -45,6 +51,11 @@ export function Details({ found, number }: { found: Candidate; number: number })
       {found.warnings.map((warning) => (
         <Message key={warning} kind="caution">
           Warning: {warning}.
+        </Message>
+      ))}
+      {found.frail.map((words) => (
+        <Message key={words} kind="note">
+          Not robust: {words}.
         </Message>
       ))}
       {found.doubts.map((doubt) => (

@@ -5,12 +5,13 @@ import { call, sentence, superseded } from "../lib/api.ts";
 import { readComma } from "../lib/numbers.ts";
 import { watched } from "../state/jobs.ts";
 import { place, remember } from "../state/route.ts";
-import type { Checked, Fields, Form, Note, Sizing } from "./types.ts";
+import type { Candidate, Cell, Checked, Fields, Form, Mapped, MapNote, Note, Sizing } from "./types.ts";
 
 export type Tab = "wires" | "catalogue";
 
 export const sizing = watched<Note, Sizing>("size");
 export const check = watched<Note, Checked>("size_catalogue");
+export const mapping = watched<MapNote, Mapped>("size_map");
 export const fields = signal<Fields>({});
 export const tab = signal<Tab>("wires");
 export const form = signal<Form | null>(null);
@@ -87,4 +88,23 @@ export async function ask(): Promise<void> {
 }
 
 export const begin = (): Promise<void> => sizing.begin({ fields: written(fields.value) });
+export const beginMap = (): Promise<void> => mapping.begin({ fields: written(fields.value) });
+
+/** Cells of the newest map so far, and its axes; null before the first. */
+export const mapped = computed<{ forces: number[]; strokes: number[]; cells: Cell[] } | null>(() => {
+  const job = mapping.job.value;
+  const first = job?.trail[0] ?? job?.last;
+  if (!job || !first) return null;
+  const cells = job.trail.flatMap((note) => (note.cell ? [note.cell] : []));
+  return { forces: first.forces, strokes: first.strokes, cells };
+});
+
+/** Wish for another force [N] and stroke [m], as of a point on the map, and look for its wires. */
+export async function wish(force: number, stroke: number): Promise<void> {
+  fill({ ...fields.value, force: `${Number(force.toPrecision(3))} N`, stroke: `${Number((1e3 * stroke).toPrecision(3))} mm` });
+  await begin();
+}
+
 export const beginCheck = (): Promise<void> => check.begin({ fields: written(fields.value) });
+
+export const fileName = (found: Candidate): string => `flexinol-${found.size.replace(" mm", "mm")}-${found.alloy}.toml`;

@@ -50,7 +50,17 @@ export interface Candidate {
   margins: Margin[];
   tightest: Margin;
   scenario: string | null;
+  /** The same wire in a loop that a board can run. */
+  loop: string | null;
   no_scenario: string;
+  /** What a warmer day or more load would do to it; empty if it withstands both. */
+  frail: string[];
+  /** Wires side by side. */
+  count: number;
+  wiring: "single" | "series" | "parallel" | null;
+  strand_resistance: number;
+  /** What the supply gives during a pulse, in SI; null if it was not simulated. */
+  drive: { current: number; voltage: number; power: number; energy: number } | null;
 }
 
 export interface Sizing {
@@ -73,4 +83,32 @@ export interface Checked {
 export interface Note {
   done: number;
   of: number;
+}
+
+/** How wires do for a force and a stroke near the wish. */
+export interface Cell {
+  column: number;
+  row: number;
+  /** Wires that do, and those of them that withstand a warmer day and more load. */
+  does: number;
+  robust: number;
+  best: { size: string; alloy: string; count: number } | null;
+  /** Why the nearest does not; empty if one does. */
+  reason: string;
+}
+
+export interface Mapped {
+  asked: Fields;
+  /** [N] */
+  forces: number[];
+  /** [m] */
+  strokes: number[];
+  cells: Cell[];
+  of: number;
+}
+
+export interface MapNote extends Note {
+  cell: Cell | null;
+  forces: number[];
+  strokes: number[];
 }

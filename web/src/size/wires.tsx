@@ -6,6 +6,7 @@ import { Message } from "../ui/message.tsx";
 import { Candidates } from "./candidates.tsx";
 import { Details } from "./details.tsx";
 import { Form } from "./form.tsx";
+import { WishMap } from "./map.tsx";
 import { answer, begin, outdated, sizing } from "./state.ts";
 import type { Sizing } from "./types.ts";
 import { Work } from "./work.tsx";
@@ -47,6 +48,7 @@ export function Wires() {
       <Form busy={busy} onBegin={() => void begin()} />
       <div class="stack">
         <Work watched={sizing} what="Simulating wires" />
+        {(found || busy) && <WishMap />}
         {found && <Answer found={found} />}
         {!found && !busy && <p class="soft">Every size and alloy of the maker's catalogue is simulated against the request; the best wires come first.</p>}
       </div>

@@ -17,6 +17,7 @@ from martensite.design.sizing.scenario import format_scenario
 from martensite.physics.materials.wires import WireCatalogue, load_wires
 from martensite.scenario.catalogue import describe_class
 from martensite.show.summaries import sizing as words
+from martensite_app.calls.size_loop import format_loop
 from martensite_app.messages import BadMessageError, JsonTable, Request, require_entry
 from martensite_app.worker import Desk
 
@@ -177,6 +178,7 @@ def _describe_candidate(request: WireRequest, number: int, found: Candidate, cat
         "margins": [_describe_margin(limit) for limit in limits],
         "tightest": _describe_margin(find_tightest(limits)),
         "scenario": text,
+        "loop": None if text is None else format_loop(request, found, text),
         "no_scenario": refused,
     }
 

@@ -168,7 +168,7 @@ def size_wire(
         found.append(judge_candidate(request, size, alloy))
         if progress is not None:
             progress(len(found), len(pairs))
-    ranked = sorted(found, key=_rank_candidates)
+    ranked = sorted(found, key=rank_candidates)
     fits = any(one.feasible for one in ranked) or len(found) < len(pairs)
     return Sizing(request, ranked, () if fits else find_changes(request, ranked))
 
@@ -180,7 +180,7 @@ def list_sizes(request: WireRequest, catalogue: WireCatalogue) -> list[WireSize]
     return sizes + [catalogue.interpolate(diameter) for diameter in thicker]
 
 
-def _rank_candidates(candidate: Candidate) -> tuple[float, ...]:
+def rank_candidates(candidate: Candidate) -> tuple[float, ...]:
     """Feasible ones by robustness, energy and length, then simulated ones by cooling time, then the rest."""
     drive, length = candidate.drive, candidate.statics.strand.length
     if drive is None or candidate.cycle is None:
