@@ -4,6 +4,8 @@ import functools
 import gc
 import os
 import signal
+import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -15,7 +17,8 @@ from martensite.kernels.compiler import find_compiler
 from martensite.scenario import binary_files, container_files, netcdf
 
 # measured data may lie in a folder `shared/data` beside the checkout; else such tests skip
-BESIDE = Path(__file__).resolve().parents[2] / "shared" / "data"
+HERE = Path(__file__).resolve().parent
+BESIDE = HERE.parents[1] / "shared" / "data"
 if "MARTENSITE_DATA" not in os.environ and BESIDE.is_dir():
     os.environ["MARTENSITE_DATA"] = str(BESIDE)
 
@@ -54,6 +57,18 @@ def c_compiler() -> str:
     if found is None:
         pytest.skip("no C compiler on this machine (install gcc or clang)")
     return found
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection(session: pytest.Session) -> None:
+    """In a fresh checkout one worker compiles what all import, and the others wait; each would compile it anew."""
+    config, last = session.config, max(HERE.glob("*/test_*.py"))
+    first = getattr(config, "workerinput", {}).get("workerid", "gw0") == "gw0"
+    patience = time.monotonic() + 120.0
+    if first or sys.dont_write_bytecode or config.args != config.getini("testpaths"):
+        return
+    while not any(last.parent.glob(f"__pycache__/{last.stem}.*")) and time.monotonic() < patience:
+        time.sleep(0.2)
 
 
 def pytest_collection_finish() -> None:

@@ -5,14 +5,14 @@ shares of their ranges, against a run with steps of 0.25 ms. The printed numbers
 for this project by solvers that share no code with the package (benchmarks/problem_a.py).
 """
 
-import math
 from functools import cache
 
 import numpy as np
 import pytest
 from benchmarks.problem_a import RANGE_P, REFERENCE_P, REFERENCE_R
-from builders import SINE_A, ZERO, FunctionWaveform, problem_a, volts_a
+from builders import SINE_A, ZERO, problem_a, volts_a
 
+from martensite.signals.held import Held
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.simulate.api import simulate
 from martensite_studies.readings import choose_runtime
@@ -30,9 +30,8 @@ def judged(result):
 
 @cache
 def run(rule, step, wave="sine"):
-    """Judged columns, (4, samples); what the others are compared with runs in C if it can."""
-    on = choose_runtime() if step == FINE else "floats"
-    wanted = simulate(problem_a(rule), WAVES[wave], 60.0, step=step, samples=601, runtime=on)
+    """Judged columns, (4, samples), in C if it can: it computes what floats do."""
+    wanted = simulate(problem_a(rule), WAVES[wave], 60.0, step=step, samples=601, runtime=choose_runtime())
     return judged(wanted)
 
 
@@ -83,8 +82,8 @@ def test_a_first_order_scheme_is_noticed():
     """The drive taken at the beginning of each step instead of its middle."""
 
     def lagged(step):
-        wave = FunctionWaveform(function=lambda t: volts_a(step * math.floor(t / step)))
-        return judged(simulate(problem_a(), wave, 60.0, step=step, samples=601))
+        wave = Held(values=tuple(volts_a(step * k) for k in range(round(60.0 / step))), frequency=1.0 / step)
+        return judged(simulate(problem_a(), wave, 60.0, step=step, samples=601, runtime=choose_runtime()))
 
     errors = [shares(lagged(step), run("resume", FINE))[1][-1] for step in STEPS]
     assert slope(STEPS, errors) == pytest.approx(1.0, abs=0.15)
@@ -104,7 +103,8 @@ def test_step_doubling_is_a_sound_estimate(rule, step):
 @pytest.mark.parametrize("rule", RULES)
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-5])
 def test_the_tolerance_is_met(rule, wave, tolerance):
-    result = simulate(problem_a(rule), WAVES[wave], 60.0, tolerance=tolerance, samples=601)
+    posed = problem_a(rule)
+    result = simulate(posed, WAVES[wave], 60.0, tolerance=tolerance, samples=601, runtime=choose_runtime())
     true = shares(judged(result), run(rule, FINE, wave))[0].max()
     assert result.accuracy is not None
     assert result.accuracy <= tolerance

@@ -158,9 +158,9 @@ def check_cuts(law: AbstractLaw) -> None:
     """How a path is cut into steps changes nothing, where time does not matter."""
     if depends_on_time(law):
         return
-    for points, start in _draw_paths():
+    for number, (points, start) in enumerate(_draw_paths()):
         whole = find_end(law, points, start)
-        for substeps in (7, 40):
+        for substeps in (7, 40) if number % 4 == 0 else (7,):  # many cuts of a path cost as much as ten others
             cut = find_end(law, points, start, substeps)
             apart = max(abs(a - b) for a, b in zip(whole, cut, strict=True))
             require_condition(
