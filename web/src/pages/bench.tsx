@@ -1,10 +1,13 @@
 // The bench: the scenario's numbers at the left, what comes of them at the right.
 
+import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { Insight } from "../bench/insight.tsx";
+import { Measures } from "../bench/measures.tsx";
 import { Controls } from "../form/controls.tsx";
 import { Documents } from "../form/documents.tsx";
 import { call } from "../lib/api.ts";
-import { Charts } from "../plots/charts.tsx";
+import { Charts, Planes } from "../plots/charts.tsx";
 import { Compare } from "../plots/compare.tsx";
 import { Warnings } from "../plots/warnings.tsx";
 import { Player } from "../scene/player.tsx";
@@ -48,21 +51,36 @@ export function Page() {
     return () => leave.forEach((end) => end());
   }, []);
   useEffect(() => void begin(), [place.value]);
+  const sheet = useSignal(false);
   return (
-    <div class="bench" aria-busy={computing.value}>
-      <section class="bench-controls stack" aria-label="Scenario">
+    <div class={`bench ${sheet.value ? "with-sheet" : ""}`} aria-busy={computing.value}>
+      <section class="bench-controls stack" id="bench-controls" aria-label="Scenario">
         <Documents />
         <Controls />
       </section>
       <section class="bench-results stack" aria-label="Results">
-        <Title />
+        <div class="bench-head">
+          <Title />
+          <Compare />
+        </div>
         {refused.value && <Message kind="error">{refused.value}</Message>}
+        <Measures />
+        <Insight />
         <Warnings />
-        <Scene />
-        <Player />
-        <Compare />
+        <div class="bench-view">
+          <div class="stack bench-space">
+            <Scene />
+            <Player />
+          </div>
+          <Planes />
+        </div>
         <Charts />
       </section>
+      <div class="bench-bar">
+        <button type="button" class="main" aria-expanded={sheet.value} aria-controls="bench-controls" onClick={() => (sheet.value = !sheet.value)}>
+          {sheet.value ? "Close controls" : "Change something …"}
+        </button>
+      </div>
     </div>
   );
 }

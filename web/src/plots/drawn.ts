@@ -90,3 +90,11 @@ export function rowAt(times: number[], time: number): number {
   }
   return Math.max(low, 0);
 }
+
+/** Height of the planes beside the mechanism, two of which fit on the screen with what is above them [px]. */
+export const planeHeight = signal(heightNow());
+addEventListener("resize", () => (planeHeight.value = heightNow()));
+
+function heightNow(): number {
+  return Math.round(Math.min(Math.max((innerHeight - 430) / 2, 170), 320));
+}

@@ -11,7 +11,7 @@ export interface Place {
 function read(): Place {
   const [path = "", query = ""] = location.hash.replace(/^#\/?/, "").split("?");
   const [page = "", ...rest] = path.split("/").map(decodeURIComponent);
-  return { page: page || "bench", rest, query: new URLSearchParams(query) };
+  return { page: page || "start", rest, query: new URLSearchParams(query) };
 }
 
 export const place = signal<Place>(read());
