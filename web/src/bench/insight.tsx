@@ -8,22 +8,10 @@ import type { Run } from "../lib/types.ts";
 import { printed } from "../plots/drawn.ts";
 import { pin, pinned, run } from "../state/run.ts";
 import { Table } from "../ui/table.tsx";
-import { promise } from "../views/insight.ts";
 import { measures } from "../views/results.ts";
-import { followTrials, insight, remedies, trials, trying, tryRemedies, type Trial } from "./trials.ts";
+import { followTrials, insight, promised, remedies, trials, trying, tryRemedies, type Trial } from "./trials.ts";
 
-const COLUMNS = ["stroke", "error", "up", "down", "temperature", "stress"];
-
-/** The first trial that brings something, as a sentence. */
-function best(now: Run): string {
-  const aim = insight.value?.aim;
-  if (!aim) return "";
-  for (const { remedy, run: found } of trials.value) {
-    const said = found && promise(now, found, aim, remedy.words, remedy.wires);
-    if (said) return said;
-  }
-  return "";
-}
+const COLUMNS = ["stroke", "error", "up", "down", "temperature", "stress", "energy"];
 
 function tryOut({ changes }: Trial): void {
   if (!pinned.value.some((one) => one.run === run.value)) pin();
@@ -35,14 +23,15 @@ const capital = (words: string): string => words.charAt(0).toUpperCase() + words
 /** What the trials gave, beside the run itself. */
 function Trials({ now }: { now: Run }) {
   const own = measures(now).filter((one) => COLUMNS.includes(one.key));
-  const cells = (of: Run | null): string[] =>
+  const cells = (of: Run | null, wires = 1): string[] =>
     own.map(({ key }) => {
       const found = of && measures(of).find((one) => one.key === key);
-      return !found || found.value === null ? "–" : `${digits(toShown(found.value, found.how), 3)} ${printed(found.how.shown)}`;
+      const factor = key === "energy" ? wires : 1;
+      return !found || found.value === null ? "–" : `${digits(factor * toShown(found.value, found.how), 3)} ${printed(found.how.shown)}`;
     });
   const rows = trials.value.map((trial) => [
     <span title={trial.remedy.about}>{capital(trial.remedy.words)}</span>,
-    ...cells(trial.run),
+    ...cells(trial.run, trial.remedy.wires),
     trial.run?.alarms.length ? `${trial.run.alarms.length} beyond limits` : "",
     trial.run ? (
       <button type="button" onClick={() => tryOut(trial)} aria-label={`Try it: ${trial.remedy.words}`} title="Pins this run and puts the other on the bench">
@@ -82,18 +71,18 @@ export function Insight() {
   const said = insight.value;
   // what is open stays in step with the next run
   useEffect(() => {
-    if (open.value && !trying.value && remedies.value.length) void tryRemedies(Infinity);
+    if (open.value && !trying.value && remedies.value.length) void tryRemedies(true);
   }, [now, remedies.value.length, trying.value]);
   if (!now || !said) return null;
   const ask = (): void => {
     open.value = !open.value;
-    if (open.value) void tryRemedies(Infinity);
+    if (open.value) void tryRemedies(true);
   };
   return (
     <section class="panel insight" aria-label="What limits this run" aria-busy={trying.value}>
       <div class="insight-said">
         <p>
-          {said.sentence} <span class="insight-promise">{best(now)}</span>
+          {said.sentence} <span class="insight-promise">{promised.value}</span>
         </p>
         {remedies.value.length > 0 && (
           <button type="button" aria-expanded={open.value} onClick={ask}>

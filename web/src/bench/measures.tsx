@@ -28,7 +28,7 @@ function Tile({ one, then, name }: { one: Measure; then: Measure | undefined; na
     <div class="measure" title={one.about}>
       <dt>{one.name}</dt>
       <dd>
-        <strong>{one.value === null ? "–" : digits(toShown(one.value, one.how), 3)}</strong> <span class="small soft">{one.value === null ? "not in this run" : unit}</span>
+        <strong>{one.value === null ? "–" : digits(toShown(one.value, one.how), one.key === "efficiency" ? 2 : 3)}</strong> <span class="small soft">{one.value === null ? "not in this run" : unit}</span>
         {change && (
           <span class={`change small ${change.good}`}>
             <span aria-hidden="true">
@@ -59,7 +59,7 @@ export function Measures() {
   const then = pin ? measuresOf(pin.run) : [];
   const isSame = pin?.run === now || pin?.run.text === now.text;
   return (
-    <section class="panel measures" aria-label="Key results">
+    <section class={`panel measures ${pin && !isSame ? "compared" : ""}`} aria-label="Key results">
       <dl>
         {measuresOf(now).map((one) => (
           <Tile key={one.key} one={one} then={then.find((other) => other.key === one.key)} name={pin?.name ?? ""} />

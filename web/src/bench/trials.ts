@@ -6,7 +6,7 @@ import { call, superseded } from "../lib/api.ts";
 import type { Run } from "../lib/types.ts";
 import { computing, run } from "../state/run.ts";
 import { text } from "../state/scenario.ts";
-import { insightOf } from "../views/insight.ts";
+import { insightOf, promise } from "../views/insight.ts";
 import { entriesOf, remediesOf, type Changes, type Remedy } from "../views/remedies.ts";
 import { cycleOf, peakOf, tracked } from "../views/results.ts";
 
@@ -25,6 +25,8 @@ export const trying = signal(false);
 const CALM = 700;
 /** A controlled run that takes longer is not tried again without being asked for [s]; others are compiled by then. */
 const QUICK = 1;
+/** So many remedies are tried without being asked for. */
+const FEW = 2;
 /** How near to the old peak temperature a trial comes, as a share of the rise, and in how many runs. */
 const [NEAR, MOST] = [0.02, 4];
 
@@ -40,29 +42,49 @@ export const remedies = computed<Remedy[]>(() => {
 /** How much hotter than its surroundings a wire gets [K]. */
 const rise = (of: Run): number => (peakOf(of, "hottest") ?? 0) - (of.columns[of.ports.length > 1 ? `${of.ports[0]}.temperature` : "temperature"]?.[0] ?? 0);
 
+/** Shares of the heat that were found, by remedy: the next run begins with them. */
+const found = new Map<string, number>();
+
 async function tried(remedy: Remedy, before: Run): Promise<Trial> {
-  let share = remedy.share ?? 1;
+  let share = remedy.share === null ? 1 : (found.get(remedy.key) ?? remedy.share);
   for (let k = 1; ; k++) {
     const changes = remedy.changes(share);
-    const found = await call<Run>("run", { text: before.text, changes }, "remedy");
-    const ratio = rise(before) / rise(found);
-    if (remedy.share === null || k === MOST || Math.abs(ratio - 1) < NEAR || !Number.isFinite(ratio)) return { remedy, run: found, changes };
+    const after = await call<Run>("run", { text: before.text, changes }, "remedy");
+    const ratio = rise(before) / rise(after);
+    if (remedy.share === null || !Number.isFinite(ratio)) return { remedy, run: after, changes };
+    if (Math.abs(ratio - 1) < NEAR || k === MOST) {
+      found.set(remedy.key, share);
+      return { remedy, run: after, changes };
+    }
     share *= ratio;
   }
 }
 
-/** Try remedies that were not tried yet, so many of them. */
-export async function tryRemedies(most: number): Promise<void> {
+/** What the first trial that brings something gave, in a sentence; empty if none did. */
+export const promised = computed(() => {
+  const [now, aim] = [run.value, insight.value?.aim];
+  if (!now || !aim) return "";
+  for (const { remedy, run: after } of trials.value) {
+    const said = after && promise(now, after, aim, remedy.words, remedy.wires);
+    if (said) return said;
+  }
+  return "";
+});
+
+/** Try remedies that were not tried yet: all, or until one brings something. */
+export async function tryRemedies(isAll: boolean): Promise<void> {
   const before = run.peek();
   if (!before || trying.peek()) return;
-  const open = (): Remedy | undefined => remedies.peek().slice(0, most).find((one) => !trials.peek().some((trial) => trial.remedy.key === one.key));
+  const left = (): Remedy | undefined => remedies.peek().find((one, k) => (isAll || k < FEW) && !trials.peek().some((trial) => trial.remedy.key === one.key));
+  const open = (): Remedy | undefined => (isAll || !promised.peek() ? left() : undefined);
   trying.value = true;
   try {
     for (let remedy = open(); remedy && run.peek() === before; remedy = open()) {
       const changes = remedy.changes(remedy.share ?? 1);
-      const found = await tried(remedy, before).catch((error: unknown) => (superseded(error) ? null : { remedy: remedy!, run: null, changes }));
-      if (!found || run.peek() !== before) return;
-      trials.value = [...trials.peek(), found];
+      const one = remedy;
+      const trial = await tried(one, before).catch((error: unknown) => (superseded(error) ? null : { remedy: one, run: null, changes }));
+      if (!trial || run.peek() !== before) return;
+      trials.value = [...trials.peek(), trial];
     }
   } finally {
     trying.value = false;
@@ -82,6 +104,6 @@ export function followTrials(): () => void {
     clearTimeout(waiting);
     const isNew = remedies.value.length > 0 && trials.value.length === 0;
     const isCalm = !computing.value && !trying.value && text.value === now?.text;
-    if (now && isNew && isCalm && (now.seconds < QUICK || !tracked(now))) waiting = window.setTimeout(() => void tryRemedies(1), CALM);
+    if (now && isNew && isCalm && (now.seconds < QUICK || !tracked(now))) waiting = window.setTimeout(() => void tryRemedies(false), CALM);
   });
 }

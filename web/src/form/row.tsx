@@ -57,7 +57,7 @@ export function Row({ node, children }: { node: SingleNode; children: ComponentC
             {node.origin.kind}
           </span>
         )}
-        {node.sort === "number" && <Pin path={node.path} title={node.title} />}
+        {(node.sort === "number" || isOnTop(node.path)) && <Pin path={node.path} title={node.title} />}
         <button
           type="button"
           class="quiet info"

@@ -45,6 +45,11 @@ function Title() {
   );
 }
 
+/** Bring the sliders of the sheet into view, and the numbers that they change above it. */
+function showBoth(): void {
+  for (const name of [".top-controls", ".measures"]) document.querySelector(name)?.scrollIntoView({ block: "start" });
+}
+
 export function Page() {
   useEffect(() => {
     const leave = [followDocument(), followInAddress()];
@@ -52,6 +57,10 @@ export function Page() {
   }, []);
   useEffect(() => void begin(), [place.value]);
   const sheet = useSignal(false);
+  const flip = (): void => {
+    sheet.value = !sheet.value;
+    if (sheet.value) requestAnimationFrame(showBoth);
+  };
   return (
     <div class={`bench ${sheet.value ? "with-sheet" : ""}`} aria-busy={computing.value}>
       <section class="bench-controls stack" id="bench-controls" aria-label="Scenario">
@@ -77,7 +86,7 @@ export function Page() {
         <Charts />
       </section>
       <div class="bench-bar">
-        <button type="button" class="main" aria-expanded={sheet.value} aria-controls="bench-controls" onClick={() => (sheet.value = !sheet.value)}>
+        <button type="button" class="main" aria-expanded={sheet.value} aria-controls="bench-controls" onClick={flip}>
           {sheet.value ? "Close controls" : "Change something …"}
         </button>
       </div>

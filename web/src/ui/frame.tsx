@@ -47,7 +47,7 @@ export function Frame({ children }: { children: ComponentChildren }) {
   const { page } = place.value;
   const open = useSignal(false);
   useSignalEffect(() => void (place.value, (open.value = false)));
-  const here = NAMES.find(([name]) => name === page)?.[1] ?? "Pages";
+  const here = NAMES.find(([name]) => name === page)?.[1] ?? "Start";
   return (
     <>
       <a class="skip" href="#main" onClick={(event) => (event.preventDefault(), document.getElementById("main")?.focus())}>
@@ -57,7 +57,7 @@ export function Frame({ children }: { children: ComponentChildren }) {
         <a class="brand" href="#/start" title="What do you want to know?" aria-current={page === "start" ? "page" : undefined}>
           <img src="icon.svg" alt="" width="22" height="22" /> martensite
         </a>
-        <button type="button" class="frame-menu" aria-expanded={open.value} aria-controls="pages" onClick={() => (open.value = !open.value)}>
+        <button type="button" class="frame-menu" aria-expanded={open.value} aria-controls="pages" aria-label={`${here}, other pages`} onClick={() => (open.value = !open.value)}>
           {here}
         </button>
         <nav id="pages" aria-label="Pages" class={open.value ? "open" : undefined}>

@@ -56,8 +56,9 @@ function ofSeveral(run: Run, up: number, down: number | null): Insight {
 }
 
 function ofLoop(run: Run, { rms, cooling }: { rms: number; cooling: number }): Insight {
-  const side = cooling >= 0.5 ? `${percent(cooling)} of its square arise while the wire must cool` : `${percent(1 - cooling)} of its square arise while the wire must heat`;
-  return { aim: "error", sentence: `The position is off by ${way(run, rms)} RMS, ${percent(rms / (run.stroke || rms))} of the stroke, and ${side}.` };
+  const [share, action] = cooling >= 0.5 ? [cooling, "cool"] : [1 - cooling, "heat"];
+  const size = `${way(run, rms)} RMS, ${percent(rms / (run.stroke || rms))} of the stroke`;
+  return { aim: "error", sentence: `The position is off by ${size}; ${percent(share)} of the squared error arise while the wire has to ${action}.` };
 }
 
 /** Time or error that is judged [SI]; null if the run does not show it. */
@@ -78,7 +79,7 @@ export function promise(before: Run, after: Run, aim: Aim, words: string, wires 
   if (then === null || then === 0) return "";
   if (aim === "motion") return now > 1.2 * then ? `With ${words}, it moves by about ${way(after, now)}.` : "";
   if (now > 0.95 * then) return "";
-  if (aim === "error") return `With ${words}, it would be about ${way(after, now)}.`;
+  if (aim === "error") return `With ${words}, it would be off by about ${way(after, now)}.`;
   const action = aim === "heating" ? "go out" : "come back";
   const cost = (wires * (energyOf(after) ?? 0)) / (energyOf(before) ?? 1);
   const price = Math.abs(cost - 1) > 0.05 && cost > 0 ? `, for ${digits(cost, 2)} times the energy` : "";

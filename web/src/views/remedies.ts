@@ -144,10 +144,16 @@ function loaded(entries: Entries): Remedy | null {
   return { key: "loaded", words: `a quarter more ${names}`, about: "Stress shifts the transformation to higher temperatures, so that it returns sooner.", ...plain({ [node.path]: scaled(node, 1.25) }) };
 }
 
+function gained(entries: Entries): Remedy | null {
+  const node = [...entries.numbers.values()].find((one) => /^controllers?\.(\w+\.)?Kp$/.test(one.path));
+  if (!node?.value) return null;
+  return { key: "gained", words: "twice the proportional gain", about: "It heats more for the same error, if the drive has it to give.", ...plain({ [node.path]: scaled(node, 2) }) };
+}
+
 /** What might help, the likeliest first. */
 export function remediesOf(entries: Entries, aim: Aim, off: number | null): Remedy[] {
   const cool = [thinner(entries), blown(entries, off), warmer(entries, 0.85), loaded(entries), colder(entries)];
   const heat = [warmer(entries, 1.25), thinner(entries)];
-  const found = aim === "heating" || aim === "motion" ? heat : cool;
+  const found = aim === "heating" || aim === "motion" ? heat : aim === "error" ? [gained(entries), ...cool] : cool;
   return found.filter((one) => one !== null);
 }
