@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { Busy, busy } from "../bench/busy.tsx";
 import { Insight } from "../bench/insight.tsx";
 import { Measures } from "../bench/measures.tsx";
 import { Controls } from "../form/controls.tsx";
@@ -62,7 +63,7 @@ export function Page() {
     if (sheet.value) requestAnimationFrame(showBoth);
   };
   return (
-    <div class={`bench ${sheet.value ? "with-sheet" : ""}`} aria-busy={computing.value}>
+    <div class={`bench ${sheet.value ? "with-sheet" : ""} ${busy.value ? "stale" : ""}`} aria-busy={computing.value}>
       <section class="bench-controls stack" id="bench-controls" aria-label="Scenario">
         <Documents />
         <Controls />
@@ -72,6 +73,7 @@ export function Page() {
           <Title />
           <Compare />
         </div>
+        <Busy />
         {refused.value && <Message kind="error">{refused.value}</Message>}
         <Measures />
         <Insight />
