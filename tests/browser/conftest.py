@@ -54,7 +54,7 @@ def chromium() -> Iterator[Browser]:
 
 @pytest.fixture
 def page(chromium: Browser, bench: Bench, tmp_path: Path) -> Iterator[Page]:
-    """A page of a fresh browser that holds the token; on a screen of 1280 by 800."""
+    """A page of a fresh browser that holds the token, on the bench; on a screen of 1280 by 800."""
     context = chromium.new_context(
         viewport={"width": 1280, "height": 800}, accept_downloads=True, reduced_motion="reduce"
     )
@@ -65,7 +65,7 @@ def page(chromium: Browser, bench: Bench, tmp_path: Path) -> Iterator[Page]:
     made.on("pageerror", lambda error: said.append(str(error)))
     made.on("request", lambda request: asked.append(request.url))
     made.set_default_timeout(PATIENCE)
-    made.goto(bench.address)
+    made.goto(f"{bench.address}#/bench")
     yield made
     context.close()
     assert [text for text in said if DRAWN_BY_PROCESSOR not in text] == []

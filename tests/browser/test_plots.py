@@ -33,7 +33,7 @@ def changed(watt: str) -> str:
 
 
 def panel(page: Page, title: str) -> Locator:
-    figure = page.locator("figure").filter(has=page.locator("figcaption", has_text=title))
+    figure = page.locator(".charts figure").filter(has=page.locator("figcaption", has_text=title))
     return figure.first
 
 
@@ -57,8 +57,9 @@ def time_of(page: Page) -> str:
 
 def test_every_chart_is_drawn_and_follows_the_document(page: Page) -> None:
     opened(page)
-    expect(page.locator(".charts canvas")).to_have_count(12)
-    charts = page.locator(".charts canvas").all()
+    drawn = page.locator(".charts canvas, .planes canvas")
+    expect(drawn).to_have_count(12)
+    charts = drawn.all()
     until(page, lambda: all(chart.evaluate(INKED) > 3 for chart in charts))
     loop = panel(page, "Strain – wire temperature")
     expect(loop).to_have_count(1)
@@ -68,7 +69,7 @@ def test_every_chart_is_drawn_and_follows_the_document(page: Page) -> None:
     assert page.locator(".charts *").count() == count
     page.get_by_text("Curves", exact=True).click()
     page.get_by_label("electrical resistance").check()
-    expect(page.locator(".charts canvas")).to_have_count(13)
+    expect(drawn).to_have_count(13)
     light = picture(loop)
     page.get_by_role("button", name="Switch to dark").click()
     until(page, lambda: picture(loop) != light)

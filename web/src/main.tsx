@@ -11,6 +11,7 @@ type Loaded = { Page: ComponentType };
 
 /** Each page is loaded when it is first opened. */
 const PAGES: Record<string, () => Promise<Loaded>> = {
+  start: () => import("./pages/start.tsx"),
   bench: () => import("./pages/bench.tsx"),
   studies: () => import("./pages/studies.tsx"),
   identify: () => import("./pages/identify.tsx"),

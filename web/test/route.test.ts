@@ -11,10 +11,12 @@ before(async () => {
   ({ remember } = await import("../src/state/route.ts"));
 });
 
-test("an address without a page is that of the bench", () => {
-  line.hash = "";
-  remember("bench", { scenario: "abc" });
-  assert.equal(line.hash, "#/bench?scenario=abc");
+test("an address without a page is that of the start, with a scenario that of the bench", () => {
+  for (const [hash, page] of [["", "start"], ["#/?scenario=x", "bench"]] as const) {
+    line.hash = hash;
+    remember(page, { scenario: "abc" });
+    assert.equal(line.hash, `#/${page}?scenario=abc`);
+  }
 });
 
 test("what a page remembers goes behind its own name", () => {

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from martensite.base.errors import DataError, ParameterError
@@ -23,6 +24,8 @@ from martensite_app.worker import Desk
 if TYPE_CHECKING:
     from martensite.signals.records import Record
 
+NEW = Path(__file__).parent / "forms" / "new.toml"
+"""A new scenario of the bench."""
 LONGEST_TEXT = 2**20
 MOST_SAMPLES = 200_001
 MOST_STEPS = 2_000_000
@@ -89,9 +92,10 @@ def _list_files(node: Any, path: str) -> Iterator[str]:
 
 
 def list_standalone() -> dict[str, str]:
-    """Name and text of every scenario that stands by itself."""
+    """Name and text of every scenario that stands by itself, first the one that is new on the bench."""
     data = "flexinol-isobaric/"  # measured by others, not packaged
-    return {n: text for n, text in _list_texts() if data not in text and not _is_following(text)}
+    others = {n: text for n, text in _list_texts() if data not in text and not _is_following(text)}
+    return {"dead_weight": NEW.read_text("utf-8"), **others}
 
 
 def list_following() -> dict[str, str]:

@@ -1,10 +1,16 @@
 // The form of the scenario: a search, what was assumed, what is missing, and all sections.
 
+import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { Message } from "../ui/message.tsx";
 import { matching, Section } from "./group.tsx";
 import { Wanting } from "./missing.tsx";
+import { withoutTop } from "./pinned.ts";
 import { followForm, form, notes, search, trouble, wanting } from "./state.ts";
+import { TopControls } from "./top.tsx";
+
+/** Whether all parameters are shown, not only those on top. */
+export const showsAll = signal(false);
 
 /** Sections that are open at first. */
 const CLOSED = ["run", "environment"];
@@ -46,16 +52,30 @@ export function Controls() {
       <Message kind="note">There is no form, since the scenario cannot be built. Edit its text, undo, or choose another one.</Message>
     ) : null;
   }
-  const sections = matching(now.sections, search.value);
   return (
     <div class="form">
-      <Search />
       <Notes />
       {wanting.value && <Wanting />}
+      <TopControls />
+      <button type="button" class="all-button" aria-expanded={showsAll.value} aria-controls="all-parameters" onClick={() => (showsAll.value = !showsAll.value)}>
+        All parameters
+      </button>
+      <div id="all-parameters" class="form" hidden={!showsAll.value}>
+        {showsAll.value && <All />}
+      </div>
+    </div>
+  );
+}
+
+function All() {
+  const sections = matching(withoutTop(form.value?.sections ?? []), search.value);
+  return (
+    <>
+      <Search />
       {sections.map((section) => (
         <Section key={section.path} group={section} open={!CLOSED.includes(section.path)} />
       ))}
-      {sections.length === 0 && <p class="soft small">No parameter has “{search.value}” in its name or meaning.</p>}
-    </div>
+      {sections.length === 0 && <p class="soft small">No parameter has “{search.value}” in its name or meaning, beside those on top.</p>}
+    </>
   );
 }

@@ -3,6 +3,7 @@
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { Details, hint } from "./details.tsx";
+import { isOnTop, putOnTop } from "./pinned.ts";
 import { refusals } from "./state.ts";
 import { Symbol } from "../ui/symbol.tsx";
 import type { SingleNode } from "./types.ts";
@@ -19,6 +20,19 @@ const capital = (words: string): string => words.charAt(0).toUpperCase() + words
 
 export function nameOf(node: SingleNode): ComponentChildren {
   return node.symbol ? <Symbol text={node.symbol} /> : capital(node.title);
+}
+
+/** Keep a control on top, or take it away from there. */
+function Pin({ path, title }: { path: string; title: string }) {
+  const on = isOnTop(path);
+  const label = on ? `Take ${title} off the top` : `Keep ${title} on top`;
+  return (
+    <button type="button" class="quiet info pin" aria-pressed={on} aria-label={label} title={label} onClick={() => putOnTop(path, !on)}>
+      <svg viewBox="0 0 16 16" width="13" height="13" aria-hidden="true">
+        <path d="M5 1.5h6l-1 5 2.5 3h-9l2.5-3zM8 9.5v5" fill={on ? "currentColor" : "none"} stroke="currentColor" stroke-width="1.4" stroke-linejoin="round" />
+      </svg>
+    </button>
+  );
 }
 
 export function Row({ node, children }: { node: SingleNode; children: ComponentChildren }) {
@@ -43,6 +57,7 @@ export function Row({ node, children }: { node: SingleNode; children: ComponentC
             {node.origin.kind}
           </span>
         )}
+        {(node.sort === "number" || isOnTop(node.path)) && <Pin path={node.path} title={node.title} />}
         <button
           type="button"
           class="quiet info"

@@ -136,7 +136,7 @@ export function send(changes: Changes, ofDrag = 0): void {
 }
 
 /** A value of a slider in motion. */
-export function slide(path: string, value: string | number): void {
+export function slide(path: string, value: unknown): void {
   const now = performance.now();
   if (path !== dragged.path || now - dragged.at > 1000) {
     drag += 1;

@@ -1,10 +1,14 @@
 // The bench: the scenario's numbers at the left, what comes of them at the right.
 
+import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { Busy, busy } from "../bench/busy.tsx";
+import { Insight } from "../bench/insight.tsx";
+import { Measures } from "../bench/measures.tsx";
 import { Controls } from "../form/controls.tsx";
 import { Documents } from "../form/documents.tsx";
 import { call } from "../lib/api.ts";
-import { Charts } from "../plots/charts.tsx";
+import { Charts, Planes } from "../plots/charts.tsx";
 import { Compare } from "../plots/compare.tsx";
 import { Warnings } from "../plots/warnings.tsx";
 import { Player } from "../scene/player.tsx";
@@ -42,27 +46,52 @@ function Title() {
   );
 }
 
+/** Bring the sliders of the sheet into view, and the numbers that they change above it. */
+function showBoth(): void {
+  for (const name of [".top-controls", ".measures"]) document.querySelector(name)?.scrollIntoView({ block: "start" });
+}
+
 export function Page() {
   useEffect(() => {
     const leave = [followDocument(), followInAddress()];
     return () => leave.forEach((end) => end());
   }, []);
   useEffect(() => void begin(), [place.value]);
+  const sheet = useSignal(false);
+  const flip = (): void => {
+    sheet.value = !sheet.value;
+    if (sheet.value) requestAnimationFrame(showBoth);
+  };
   return (
-    <div class="bench" aria-busy={computing.value}>
-      <section class="bench-controls stack" aria-label="Scenario">
+    <div class={`bench ${sheet.value ? "with-sheet" : ""} ${busy.value ? "stale" : ""}`} aria-busy={computing.value}>
+      <section class="bench-controls stack" id="bench-controls" aria-label="Scenario">
         <Documents />
         <Controls />
       </section>
       <section class="bench-results stack" aria-label="Results">
-        <Title />
+        <div class="bench-head">
+          <Title />
+          <Compare />
+        </div>
+        <Busy />
         {refused.value && <Message kind="error">{refused.value}</Message>}
+        <Measures />
+        <Insight />
         <Warnings />
-        <Scene />
-        <Player />
-        <Compare />
+        <div class="bench-view">
+          <div class="stack bench-space">
+            <Scene />
+            <Player />
+          </div>
+          <Planes />
+        </div>
         <Charts />
       </section>
+      <div class="bench-bar">
+        <button type="button" class="main" aria-expanded={sheet.value} aria-controls="bench-controls" onClick={flip}>
+          {sheet.value ? "Close controls" : "Change something …"}
+        </button>
+      </div>
     </div>
   );
 }

@@ -120,6 +120,11 @@ export function Chart(props: ChartProps) {
     });
   }, [props.picture]);
 
+  useLayoutEffect(() => {
+    const u = chart.current;
+    if (u && u.height !== props.height) u.setSize({ width: u.width, height: props.height });
+  }, [props.height]);
+
   return <div class="chart" ref={place} role="img" aria-label={props.about} style={{ height: `${props.height}px` }} />;
 }
 

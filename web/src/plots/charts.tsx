@@ -1,11 +1,25 @@
-// All charts of the run: curves over time at the left, loops and the phase diagram at the right.
+// All charts of the run: curves over time at the left, further loops at the right.
 
 import { run } from "../state/run.ts";
 import { Panels, Ports, WholeTime } from "./chooser.tsx";
+import { planeHeight } from "./drawn.ts";
 import { Exports } from "./exports.tsx";
 import { Key, Loops } from "./loops.tsx";
 import { Phase } from "./phase.tsx";
 import { Traces } from "./traces.tsx";
+
+/** The hysteresis loop and the phase diagram, which stand beside the mechanism. */
+export function Planes() {
+  const now = run.value;
+  if (!now?.ports.length) return null;
+  return (
+    <section class="planes panel" aria-label="Loop and phase diagram">
+      <Loops of={now} isBeside />
+      <Key of={now} />
+      <Phase of={now} height={planeHeight.value} />
+    </section>
+  );
+}
 
 export function Charts() {
   const now = run.value;
@@ -22,11 +36,10 @@ export function Charts() {
       </div>
       <div class="charts-columns">
         <Traces of={now} />
-        {now.ports.length > 0 && (
+        {now.loops.length > 1 && (
           <div class="loops">
             <Key of={now} />
-            <Loops of={now} />
-            <Phase of={now} />
+            <Loops of={now} isBeside={false} />
           </div>
         )}
       </div>

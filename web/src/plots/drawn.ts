@@ -90,3 +90,15 @@ export function rowAt(times: number[], time: number): number {
   }
   return Math.max(low, 0);
 }
+
+/** Height of what stands above and between the planes, and of the bar at the end of a small screen [px]. */
+const [ABOVE, BAR, SMALL] = [430, 70, 1100];
+
+/** Height of the planes beside the mechanism, two of which fit on the screen with what is above them [px]. */
+export const planeHeight = signal(heightNow());
+addEventListener("resize", () => (planeHeight.value = heightNow()));
+
+function heightNow(): number {
+  const free = innerHeight - ABOVE - (innerWidth <= SMALL ? BAR : 0);
+  return Math.round(Math.min(Math.max(free / 2, 150), 320));
+}

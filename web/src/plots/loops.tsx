@@ -2,13 +2,13 @@
 
 import { useMemo } from "preact/hooks";
 import type { Loop, Run } from "../lib/types.ts";
-import { axisLabel, beside, portsOf, shownColumn, type Beside } from "./drawn.ts";
+import { axisLabel, beside, planeHeight, portsOf, shownColumn, type Beside } from "./drawn.ts";
 import { LoopChart } from "./loop.tsx";
 import { liveLook, type Look } from "./palette.ts";
 import { around, type Curve, type Mark, type Picture } from "./picture.ts";
 import { Swatch } from "./swatch.tsx";
 
-export const HEIGHT = 196;
+const HEIGHT = 196;
 
 /** How parts are drawn by sense: thick where heated, thin where cooled. */
 export const SENSES: { sense: number; word: string; look: Look }[] = [
@@ -62,14 +62,14 @@ function pictureOf(of: Run, loop: Loop, ports: string[], pins: Beside[]): Pictur
   };
 }
 
-function One({ of, loop }: { of: Run; loop: Loop }) {
+function One({ of, loop, height }: { of: Run; loop: Loop; height: number }) {
   const pins = beside.value;
   const ports = portsOf(of);
   const picture = useMemo(() => pictureOf(of, loop, ports, pins), [of, loop, pins, ports.join()]);
   const pair = Object.values(loop.ports)[0];
   if (!picture || !pair) return null;
   const [x, y] = pair.map((name) => of.outputs[name]?.long_name.split(",")[0]);
-  return <LoopChart title={`${y} – ${x}`} about={`${y} over ${x}`} picture={picture} height={HEIGHT} />;
+  return <LoopChart title={`${y} – ${x}`} about={`${y} over ${x}`} picture={picture} height={height} />;
 }
 
 /** What thick and thin curves mean, or which port has which. */
@@ -91,11 +91,12 @@ export function Key({ of }: { of: Run }) {
   );
 }
 
-export function Loops({ of }: { of: Run }) {
+/** The loop that stands beside the mechanism is the first; others are among the charts. */
+export function Loops({ of, isBeside }: { of: Run; isBeside: boolean }) {
   return (
     <>
-      {of.loops.map((loop) => (
-        <One key={loop.key} of={of} loop={loop} />
+      {(isBeside ? of.loops.slice(0, 1) : of.loops.slice(1)).map((loop) => (
+        <One key={loop.key} of={of} loop={loop} height={isBeside ? planeHeight.value : HEIGHT} />
       ))}
     </>
   );

@@ -4,7 +4,7 @@ import { useMemo } from "preact/hooks";
 import type { Band, Output, Run } from "../lib/types.ts";
 import { axisLabel, beside, portsOf, shownColumn, shownValues, type Beside } from "./drawn.ts";
 import { LoopChart } from "./loop.tsx";
-import { HEIGHT, path } from "./loops.tsx";
+import { path } from "./loops.tsx";
 import { liveLook } from "./palette.ts";
 import { around, type Numbers, type Picture, type Strip } from "./picture.ts";
 
@@ -55,7 +55,7 @@ function pictureOf(of: Run, pins: Beside[], drawn: string[]): { picture: Picture
   return { picture, sentence: diagram.sentence };
 }
 
-export function Phase({ of }: { of: Run }) {
+export function Phase({ of, height }: { of: Run; height: number }) {
   const pins = beside.value;
   const ports = portsOf(of);
   const found = useMemo(() => pictureOf(of, pins, ports), [of, pins, ports.join()]);
@@ -66,7 +66,7 @@ export function Phase({ of }: { of: Run }) {
         title="phase diagram"
         about="Phase diagram: stress over temperature, with the bands in which the law transforms; a band begins at its dashed line"
         picture={found.picture}
-        height={HEIGHT}
+        height={height}
       />
       {found.sentence && <p class="soft small">{found.sentence}</p>}
     </>

@@ -3,6 +3,7 @@
 import { digits, toShown, difference } from "../lib/numbers.ts";
 import type { Alarm, Run } from "../lib/types.ts";
 import { cursor, run } from "../state/run.ts";
+import { concerns } from "../views/results.ts";
 import { printed } from "./drawn.ts";
 
 const KINDS: Record<string, string> = {
@@ -54,30 +55,48 @@ function One({ alarm }: { alarm: Alarm }) {
   );
 }
 
-/** Sentences that are not about an alarm that is listed. */
-function others(now: Run): string[] {
+/** Sentences about the run that are not about an alarm that is listed; and those of the document that do not concern it. */
+function others(now: Run): { near: string[]; far: string[] } {
   const told = new Set(now.alarms.map((alarm) => alarm.sentence));
-  return [...now.warnings.filter((one) => !told.has(one)).map((one) => one.replace(/^Warning: /, "")), ...now.cautions];
+  const warned = now.warnings.filter((one) => !told.has(one)).map((one) => one.replace(/^Warning: /, ""));
+  return { near: warned.filter((one) => concerns(now, one)), far: [...warned.filter((one) => !concerns(now, one)), ...now.cautions] };
+}
+
+/** What is unusual of the document; nothing that happens in this run. */
+function Notes({ sentences }: { sentences: string[] }) {
+  return (
+    <details class="warnings-notes small">
+      <summary>
+        {sentences.length === 1 ? "1 note" : `${sentences.length} notes`} on this scenario
+      </summary>
+      <ul>
+        {sentences.map((sentence) => (
+          <li key={sentence}>{sentence}</li>
+        ))}
+      </ul>
+    </details>
+  );
 }
 
 export function Warnings() {
   const now = run.value;
   if (!now) return null;
-  const sentences = others(now);
-  const count = now.alarms.length + sentences.length;
-  if (!count) return null;
+  const { near, far } = others(now);
+  const count = now.alarms.length + near.length;
+  if (!count && !far.length) return null;
   return (
     <section class="warnings" aria-label="Warnings">
-      <ul>
+      {count > 0 && (<ul>
         {now.alarms.map((alarm) => (
           <One key={`${alarm.kind} ${alarm.column}`} alarm={alarm} />
         ))}
-        {sentences.map((sentence) => (
+        {near.map((sentence) => (
           <li key={sentence}>
             <span aria-hidden="true">△</span> {sentence}
           </li>
         ))}
-      </ul>
+      </ul>)}
+      {far.length > 0 && <Notes sentences={far} />}
     </section>
   );
 }

@@ -40,10 +40,15 @@ function keep(): void {
   remember("size", query);
 }
 
+/** In the address: whether a form that is still empty is filled with the example. */
+const EXAMPLE = "example";
+let exemplary = false;
+
 /** Take the form from the address; an address without one leaves the form as it is. */
 export function fromAddress(): void {
   const found: Fields = {};
-  for (const [name, text] of place.value.query) if (name !== "tab") found[name] = text;
+  for (const [name, text] of place.value.query) if (name !== "tab" && name !== EXAMPLE) found[name] = text;
+  exemplary ||= place.value.query.has(EXAMPLE);
   if (place.value.query.has("tab")) tab.value = "catalogue";
   if (Object.keys(found).length > 0) fields.value = found;
   keep();
@@ -78,6 +83,8 @@ export async function ask(): Promise<void> {
     const found = await call<Form>("size_form", { fields: written(fields.value) }, "size form");
     form.value = found;
     trouble.value = "";
+    if (exemplary && Object.keys(written(fields.value)).length === 0) fill({ ...found.example });
+    exemplary = false;
     if (found.unknown.length === 0) return;
     trouble.value = `The address names fields that there are not: ${found.unknown.join(", ")}.`;
     fields.value = Object.fromEntries(Object.entries(fields.value).filter(([name]) => !found.unknown.includes(name)));

@@ -11,7 +11,8 @@ export interface Place {
 function read(): Place {
   const [path = "", query = ""] = location.hash.replace(/^#\/?/, "").split("?");
   const [page = "", ...rest] = path.split("/").map(decodeURIComponent);
-  return { page: page || "bench", rest, query: new URLSearchParams(query) };
+  const asked = new URLSearchParams(query);
+  return { page: page || (asked.has("scenario") ? "bench" : "start"), rest, query: asked };
 }
 
 export const place = signal<Place>(read());

@@ -1,6 +1,6 @@
 // Header with the names of the pages and the choice of light or dark; the page below it.
 
-import { useSignal } from "@preact/signals";
+import { useSignal, useSignalEffect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { place } from "../state/route.ts";
 
@@ -44,17 +44,23 @@ function ThemeSwitch() {
 }
 
 export function Frame({ children }: { children: ComponentChildren }) {
-  const page = place.value.page;
+  const { page } = place.value;
+  const open = useSignal(false);
+  useSignalEffect(() => void (place.value, (open.value = false)));
+  const here = NAMES.find(([name]) => name === page)?.[1] ?? "Start";
   return (
     <>
       <a class="skip" href="#main" onClick={(event) => (event.preventDefault(), document.getElementById("main")?.focus())}>
         Skip to the page
       </a>
       <header class="frame">
-        <strong class="brand">
+        <a class="brand" href="#/start" title="What do you want to know?" aria-current={page === "start" ? "page" : undefined}>
           <img src="icon.svg" alt="" width="22" height="22" /> martensite
-        </strong>
-        <nav aria-label="Pages">
+        </a>
+        <button type="button" class="frame-menu" aria-expanded={open.value} aria-controls="pages" aria-label={`${here}, other pages`} onClick={() => (open.value = !open.value)}>
+          {here}
+        </button>
+        <nav id="pages" aria-label="Pages" class={open.value ? "open" : undefined}>
           {NAMES.map(([name, title, about]) => (
             <a key={name} href={`#/${name}`} title={about} aria-current={page === name ? "page" : undefined}>
               {title}

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any, cast
 
 from martensite.base.files import toml_document
 from martensite.scenario.overrides import as_toml
-from martensite_app.documents import read_request_scenario
+from martensite_app.documents import NEW, read_request_scenario
 from martensite_app.forms import controls, documents
 from martensite_app.forms.controls import EntrySpot
 from martensite_app.forms.form_types import MissingNumbers, ScenarioForm, SingleNode
@@ -17,8 +16,6 @@ from martensite_app.forms.sections import MATERIAL, describe_scenario
 from martensite_app.forms.table_filler import MissingNumber
 from martensite_app.messages import BadMessageError, JsonTable, Request, require_entry
 from martensite_app.worker import Desk
-
-NEW = Path(__file__).parents[1] / "forms" / "new.toml"
 
 
 def build_form(request: Request, desk: Desk) -> ScenarioForm:

@@ -1,0 +1,33 @@
+// Says that a run is being made, if it takes long enough to be noticed.
+
+import { signal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { computing, run } from "../state/run.ts";
+
+/** From when a run is told, and from when it is told why [ms]. */
+const [TOLD, EXPLAINED] = [500, 2500];
+
+/** 0: nothing to tell; 1: a run is made; 2: it takes long. */
+export const busy = signal<0 | 1 | 2>(0);
+
+function follow(): () => void {
+  let waiting: number[] = [];
+  const stop = (): void => waiting.forEach(clearTimeout);
+  const leave = computing.subscribe((now) => {
+    stop();
+    if (!now) busy.value = 0;
+    else waiting = [window.setTimeout(() => (busy.value = 1), TOLD), window.setTimeout(() => (busy.value = 2), EXPLAINED)];
+  });
+  return () => (stop(), leave());
+}
+
+export function Busy() {
+  useEffect(follow, []);
+  const what = run.value ? "The run of what has changed is being made" : "The first run is being made";
+  return (
+    <p class="busy small" role="status">
+      {busy.value > 0 && `${what} …`}
+      {busy.value > 1 && " What is new in kind is compiled once, in some seconds."}
+    </p>
+  );
+}

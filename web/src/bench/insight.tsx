@@ -1,0 +1,106 @@
+// One sentence on what limits this run, and what would help: each answer is a run of its own.
+
+import { useSignal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { digits, toShown } from "../lib/numbers.ts";
+import { send } from "../form/state.ts";
+import type { Run } from "../lib/types.ts";
+import { printed } from "../plots/drawn.ts";
+import { pin, pinned, run } from "../state/run.ts";
+import { Table } from "../ui/table.tsx";
+import { measures } from "../views/results.ts";
+import { followTrials, insight, promised, remedies, trials, trying, tryRemedies, type Trial } from "./trials.ts";
+
+const COLUMNS = ["stroke", "error", "up", "down", "temperature", "stress", "energy"];
+
+function tryOut({ changes }: Trial): void {
+  if (!pinned.value.some((one) => one.run === run.value)) pin();
+  send(changes);
+}
+
+const capital = (words: string): string => words.charAt(0).toUpperCase() + words.slice(1);
+
+/** What the trials gave, beside the run itself. */
+function Trials({ now }: { now: Run }) {
+  const own = measures(now).filter((one) => COLUMNS.includes(one.key));
+  const cells = (of: Run | null, wires = 1): string[] =>
+    own.map(({ key }) => {
+      const found = of && measures(of).find((one) => one.key === key);
+      const factor = key === "energy" ? wires : 1;
+      return !found || found.value === null ? "–" : `${digits(factor * toShown(found.value, found.how), 3)} ${printed(found.how.shown)}`;
+    });
+  const rows = trials.value.map((trial) => [
+    <span title={trial.remedy.about}>{capital(trial.remedy.words)}</span>,
+    ...cells(trial.run, trial.remedy.wires),
+    trial.run?.alarms.length ? `${trial.run.alarms.length} beyond limits` : "",
+    trial.run ? (
+      <button type="button" onClick={() => tryOut(trial)} aria-label={`Try it: ${trial.remedy.words}`} title="Pins this run and puts the other on the bench">
+        Try it
+      </button>
+    ) : (
+      "cannot be run"
+    ),
+  ]);
+  return (
+    <Table
+      caption="What would help, each as a run of its own"
+      headings={["with", ...own.map((one) => one.name), "warnings", ""]}
+      rows={[["This run", ...cells(now), now.alarms.length ? `${now.alarms.length} beyond limits` : "", ""], ...rows]}
+      right={own.map((_, k) => k + 1)}
+    />
+  );
+}
+
+function About() {
+  return (
+    <details class="small insight-about">
+      <summary>How this is computed</summary>
+      <p>
+        Times are read from the curves of this run: out from the beginning of heat to 90 % of the stroke, back from its end until 10 % are left. What would help is not
+        estimated: the scenario is run again with the change. Where wires are to get as hot as they did, up to four runs find the heat for that.
+      </p>
+      <p>Life is left out: the sources at hand name a number of cycles for one stress of straight wires only, and no model here turns a run into cycles. Size tells what they name.</p>
+    </details>
+  );
+}
+
+export function Insight() {
+  const open = useSignal(false);
+  useEffect(followTrials, []);
+  const now = run.value;
+  const said = insight.value;
+  // what is open stays in step with the next run
+  useEffect(() => {
+    if (open.value && !trying.value && remedies.value.length) void tryRemedies(true);
+  }, [now, remedies.value.length, trying.value]);
+  if (!now || !said) return null;
+  const ask = (): void => {
+    open.value = !open.value;
+    if (open.value) void tryRemedies(true);
+  };
+  return (
+    <section class="panel insight" aria-label="What limits this run" aria-busy={trying.value}>
+      <div class="insight-said">
+        <p>
+          {said.sentence} <span class="insight-promise">{promised.value}</span>
+        </p>
+        {remedies.value.length > 0 && (
+          <button type="button" aria-expanded={open.value} onClick={ask}>
+            What would help?
+          </button>
+        )}
+      </div>
+      {open.value && (
+        <>
+          {trying.value && (
+            <p class="small soft" role="status">
+              Trying {trials.value.length + 1} of {remedies.value.length} …
+            </p>
+          )}
+          {trials.value.length > 0 && <Trials now={now} />}
+          <About />
+        </>
+      )}
+    </section>
+  );
+}
