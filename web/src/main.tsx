@@ -3,7 +3,9 @@
 import "./style/all.css";
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { render, type ComponentType } from "preact";
+import { awaitServer } from "./lib/connection.ts";
 import { place } from "./state/route.ts";
+import { openSession } from "./state/session.ts";
 import { Frame } from "./ui/frame.tsx";
 import { Message } from "./ui/message.tsx";
 
@@ -34,7 +36,10 @@ function Current() {
       ({ Page }) => {
         if (place.peek().page === name) shown.value = { name, Page };
       },
-      () => (failed.value = "This page could not be loaded; is `martensite app` still running?"),
+      () => {
+        failed.value = "This page could not be loaded; is `martensite app` still running?";
+        void awaitServer().then(() => location.reload()); // browsers remember what could not be loaded
+      },
     );
   });
   if (failed.value) return <Message kind="error">{failed.value}</Message>;
@@ -52,6 +57,8 @@ function App() {
 
 const root = document.getElementById("page");
 if (root) {
-  root.textContent = "";
-  render(<App />, root);
+  void openSession().finally(() => {
+    root.textContent = "";
+    render(<App />, root);
+  });
 }

@@ -4,6 +4,7 @@ import { computed, signal } from "@preact/signals";
 import { call, sentence, superseded } from "../lib/api.ts";
 import { watched } from "../state/jobs.ts";
 import { place, remember } from "../state/route.ts";
+import { keepSignals } from "../state/session.ts";
 import type { Checked, Fields, Form, Note, Sizing } from "./types.ts";
 
 export type Tab = "wires" | "catalogue";
@@ -13,6 +14,7 @@ export const check = watched<Note, Checked>("size_catalogue");
 export const fields = signal<Fields>({});
 export const tab = signal<Tab>("wires");
 export const form = signal<Form | null>(null);
+keepSignals("size", { fields, tab });
 /** Sentence of a form that could not be had. */
 export const trouble = signal("");
 
