@@ -2,7 +2,7 @@
 
 import "./style/all.css";
 import { useSignal, useSignalEffect } from "@preact/signals";
-import { render, type ComponentType } from "preact";
+import { Component, render, type ComponentChildren, type ComponentType } from "preact";
 import { awaitServer } from "./lib/connection.ts";
 import { place } from "./state/route.ts";
 import { openSession } from "./state/session.ts";
@@ -19,6 +19,21 @@ const PAGES: Record<string, () => Promise<Loaded>> = {
   size: () => import("./pages/size.tsx"),
   sweep: () => import("./pages/sweep.tsx"),
 };
+
+/** Says so when a page cannot be drawn, as with a project that somebody has written by hand. */
+class Guarded extends Component<{ children: ComponentChildren }, { fault: string }> {
+  override state = { fault: "" };
+
+  static getDerivedStateFromError(error: unknown): { fault: string } {
+    return { fault: String(error) };
+  }
+
+  render(): ComponentChildren {
+    const { fault } = this.state;
+    if (!fault) return this.props.children;
+    return <Message kind="error">This page cannot be drawn from what is kept: {fault}. “Project, Begin anew” leaves that behind.</Message>;
+  }
+}
 
 function Current() {
   const shown = useSignal<{ name: string; Page: ComponentType } | null>(null);
@@ -44,7 +59,7 @@ function Current() {
   });
   if (failed.value) return <Message kind="error">{failed.value}</Message>;
   const now = shown.value;
-  return now ? <now.Page key={now.name} /> : <p class="starting">Loading …</p>;
+  return now ? <Guarded key={now.name}><now.Page /></Guarded> : <p class="starting">Loading …</p>;
 }
 
 function App() {

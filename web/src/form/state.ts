@@ -137,6 +137,7 @@ keepPart(
   () => wished.value,
   (kept) => {
     if (!Object.keys(kept as Changes).length) return;
+    wished.value = kept as Changes;
     const end = effect(() => {
       if (!run.value) return; // what was on the bench comes first
       queueMicrotask(() => (end(), send(kept as Changes)));

@@ -74,16 +74,17 @@ export async function keepFile(key: string, file: Blob): Promise<void> {
 
 export const readFile = (key: string): Promise<Blob | undefined> => through<Blob>(FILES, "readonly", (store) => store.get(key));
 
-/** Forget the oldest sessions, and files that none of the others names. */
-export async function forgetOldest(): Promise<void> {
+/** Forget sessions, and files that none of the others names: the oldest, or all but one. */
+export async function forgetSessions(only = ""): Promise<void> {
   const sessions = await listSessions();
-  const over = sessions.slice(MOST);
+  const left = only ? sessions.filter((one) => one.id === only) : sessions.slice(0, MOST);
+  const over = sessions.filter((one) => !left.includes(one));
   for (const { id } of over) {
     if (await database()) await through(SESSIONS, "readwrite", (store) => store.delete(id));
     else localStorage.removeItem(PREFIX + id);
   }
   if (!over.length) return;
-  const named = JSON.stringify(sessions.slice(0, MOST));
+  const named = JSON.stringify(left);
   const keys = (await through(FILES, "readonly", (store) => store.getAllKeys())) ?? [];
   for (const key of keys) if (!named.includes(String(key))) await through(FILES, "readwrite", (store) => store.delete(key));
 }

@@ -2,7 +2,7 @@
 
 import { signal } from "@preact/signals";
 import { save } from "../lib/api.ts";
-import { keepFile, listSessions, readFile } from "../lib/store.ts";
+import { forgetSessions, keepFile, listSessions, readFile } from "../lib/store.ts";
 import { makeId, tab } from "../lib/tab.ts";
 import { keepSignals, readDocument, replaceDocument, type SessionDocument } from "./session.ts";
 
@@ -115,6 +115,9 @@ export async function openProject(file: File): Promise<void> {
 export async function listEarlier(): Promise<{ title: string; at: number; document: SessionDocument }[]> {
   return (await listSessions()).filter((one) => one.id !== tab).slice(0, 8);
 }
+
+/** Forget all sessions but this one; other open tabs keep their own when they go on. */
+export const forgetEarlier = (): Promise<void> => forgetSessions(tab);
 
 /** Begin without anything; what is here stays among the earlier sessions. */
 export const beginAnew = (): Promise<void> => replaceDocument({ version: 1, place: "#/bench", title: "Session", parts: {} });

@@ -4,7 +4,7 @@
 // It is kept in IndexedDB a moment after every change, and once more, at once, when the page goes.
 
 import { effect, type Signal } from "@preact/signals";
-import { forgetOldest, keepSession, listSessions, readSession, type Stored } from "../lib/store.ts";
+import { forgetSessions, keepSession, listSessions, readSession, type Stored } from "../lib/store.ts";
 import { claimTab, isNew, makeId, tab } from "../lib/tab.ts";
 
 export interface SessionDocument {
@@ -179,7 +179,7 @@ export async function openSession(): Promise<void> {
     resting = { ...found.parts };
     if (isNew && location.hash.includes("scenario=")) {
       earlier = found; // the link's scenario stands by itself
-      for (const name of ["bench", ...LINKED]) delete resting[name];
+      for (const name of ["bench", "wished", ...LINKED]) delete resting[name];
     }
     if (!location.hash && found.place) {
       history.replaceState(null, "", found.place);
@@ -193,7 +193,7 @@ export async function openSession(): Promise<void> {
   addEventListener("hashchange", touch);
   touch();
   Object.assign(globalThis, { martensiteSession: readDocument }); // to look at, and for tests
-  setTimeout(() => void forgetOldest().catch(() => undefined), 5000);
+  setTimeout(() => void forgetSessions().catch(() => undefined), 5000);
 }
 
 /** Put another document in the place of this one, which stays among the earlier sessions; the page loads anew. */

@@ -4,7 +4,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { sentence } from "../lib/api.ts";
 import { Menu } from "../plots/menu.tsx";
-import { beginAnew, ENDING, listEarlier, notes, openProject, saveProject } from "../state/project.ts";
+import { beginAnew, ENDING, forgetEarlier, listEarlier, notes, openProject, saveProject } from "../state/project.ts";
 import { replaceDocument } from "../state/session.ts";
 import { Message } from "./message.tsx";
 
@@ -82,6 +82,9 @@ export function ProjectMenu() {
                   {one.title}, {when(one.at)}
                 </button>
               ))}
+              <button type="button" class="quiet small" onClick={() => void attempt(forgetEarlier).then(list)}>
+                Forget all of these
+              </button>
             </div>
           )}
           <p class="small soft">All of it is kept in this browser as you work.</p>
