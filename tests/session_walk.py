@@ -14,13 +14,19 @@ from pathlib import Path
 from typing import Any
 
 from app_server import Bench, running
-from playwright.sync_api import Browser, BrowserContext, Page, expect
+from playwright.sync_api import Browser, BrowserContext, expect
 
 READY = """() => {
     const { parts } = globalThis.martensiteSession?.() ?? {};
-    return parts?.bench?.text && !Object.keys(parts.wished ?? {}).length && !document.querySelector("main [aria-busy=true], main .starting");
+    const busy = document.querySelector("main [aria-busy=true], main .starting");
+    return parts?.bench?.text && !Object.keys(parts.wished ?? {}).length && !busy;
 }"""
-FLAT = "HTMLCanvasElement.prototype.getContext = ((known) => function (kind, ...how) { return kind.startsWith('webgl') ? null : known.call(this, kind, ...how); })(HTMLCanvasElement.prototype.getContext);"
+FLAT = """(() => {
+    const known = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...how) {
+        return kind.startsWith("webgl") ? null : known.call(this, kind, ...how);
+    };
+})()"""
 """Without the picture in space, which takes most of the time of a reload."""
 TITLE = "Constant power by PWM, 0.1 mm wire"
 
@@ -34,7 +40,9 @@ class Walk:
         self.servers = contextlib.ExitStack()
         self.starts = 0
         self.bench = self._start()
-        self.context: BrowserContext = browser.new_context(viewport={"width": 1280, "height": 800}, reduced_motion="reduce")
+        self.context: BrowserContext = browser.new_context(
+            viewport={"width": 1280, "height": 800}, reduced_motion="reduce"
+        )
         self.context.set_default_timeout(30_000)
         self.context.add_init_script(FLAT)
         self.page = self.context.new_page()
@@ -225,7 +233,10 @@ class Walk:
 
     def _check_bench(self, parts: dict[str, Any]) -> None:
         bench, runs = parts["bench"], parts.get("runs", {"pins": [], "cursor": 0.0})
-        found, wanted = [length_of(text) for text in (*bench["before"], bench["text"])], [float(x) for x in self.lengths]
+        found, wanted = (
+            [length_of(text) for text in (*bench["before"], bench["text"])],
+            [float(x) for x in self.lengths],
+        )
         assert found == wanted, f"lengths {found} instead of {wanted}"
         assert [length_of(text) for text in bench["after"]] == [float(x) for x in self.undone]
         pins = {one["id"]: (one["name"], length_of(one["text"])) for one in runs["pins"]}

@@ -41,12 +41,13 @@ keepPart(
   "runs",
   () => {
     const all = [...pinned.value.map(({ id, name, run: { text } }) => ({ id, name, text })), ...waiting.value.map(({ id, name, text }) => ({ id, name, text }))];
-    return { cursor: cursor.value, pins: all.sort((a, b) => a.id - b.id) };
+    return { cursor: cursor.value, count: pins, pins: all.sort((a, b) => a.id - b.id) };
   },
   (kept) => {
-    const found = kept as { cursor?: unknown; pins?: Partial<Waiting>[] };
+    const found = kept as { cursor?: unknown; count?: unknown; pins?: Partial<Waiting>[] };
     batch(() => {
       if (typeof found.cursor === "number" && found.cursor >= 0) cursor.value = found.cursor;
+      if (typeof found.count === "number") pins = found.count;
       if (!Array.isArray(found.pins)) return;
       waiting.value = found.pins.filter(isWaiting).map((one) => ({ ...one, trouble: "" }));
       pinned.value = [];
