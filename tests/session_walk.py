@@ -273,7 +273,7 @@ class Walk:
 
     def walk(self, count: int, restarts: int) -> None:
         """Random actions; the server dies at some of them."""
-        anywhere = [self.go] * 3 + [self.reload] * 4 + [self.note, self.reopen]
+        anywhere = [self.go] * 3 + [self.reload] * 3 + [self.note, self.reopen]
         there = {
             "bench": [self.type_length] * 3
             + [self.undo, self.redo, self.pin, self.rename, self.unpin, self.move, self.choose_panel, self.find]

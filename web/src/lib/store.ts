@@ -14,6 +14,8 @@ export interface Stored {
 const NAME = "martensite";
 const [SESSIONS, FILES] = ["sessions", "files"];
 const PREFIX = "martensite-session-";
+/** From then on a database that does not open is none [ms]. */
+const PATIENCE = 2000;
 /** Sessions that are kept beside those of open tabs. */
 const MOST = 20;
 
@@ -35,7 +37,8 @@ function database(): Promise<IDBDatabase | null> {
         request.result.createObjectStore(SESSIONS, { keyPath: "id" }).createIndex("at", "at");
         request.result.createObjectStore(FILES);
       };
-      return await asked(request);
+      const none = new Promise<null>((tell) => setTimeout(() => tell(null), PATIENCE));
+      return await Promise.race([asked(request), none]);
     } catch {
       return null;
     }

@@ -3,7 +3,7 @@
 
 const PLACE = "martensite-tab";
 /** A page that is being reloaded holds its lock for a moment [ms]. */
-const PATIENCE = 500;
+const PATIENCE = 1000;
 
 /** Where pages may keep nothing, as in a report that is opened from a mail. */
 function read(): string {
