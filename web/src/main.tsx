@@ -20,6 +20,16 @@ const PAGES: Record<string, () => Promise<Loaded>> = {
   sweep: () => import("./pages/sweep.tsx"),
 };
 
+const RELOADED = "martensite-reloaded";
+
+/** Load the page anew, as browsers remember what could not be loaded; not again and again. */
+function reloadOnce(): void {
+  const last = Number(sessionStorage.getItem(RELOADED) ?? 0);
+  if (Date.now() - last < 30_000) return;
+  sessionStorage.setItem(RELOADED, String(Date.now()));
+  location.reload();
+}
+
 /** Says so when a page cannot be drawn, as with a project that somebody has written by hand. */
 class Guarded extends Component<{ children: ComponentChildren }, { fault: string }> {
   override state = { fault: "" };
@@ -53,7 +63,7 @@ function Current() {
       },
       () => {
         failed.value = "This page could not be loaded; is `martensite app` still running?";
-        void awaitServer().then(() => location.reload()); // browsers remember what could not be loaded
+        void awaitServer().then(reloadOnce);
       },
     );
   });
