@@ -46,11 +46,11 @@ class Bench:
 
 
 @contextmanager
-def running(folder: Path) -> Iterator[Bench]:
+def running(folder: Path, port: int = 0) -> Iterator[Bench]:
     """A bench that keeps its files in `folder`."""
     command = [sys.executable, "-m", "martensite", "app", "--no-browser", "--json"]
     process = subprocess.Popen(
-        [*command, "--folder", str(folder)],
+        [*command, "--folder", str(folder), "--port", str(port)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -1,25 +1,37 @@
 // Bundles the page into app/src/martensite_app/static, which is committed: users need no Node.
 //   node build.mjs [FOLDER]     another folder, which the server takes from MARTENSITE_STATIC
 import { build } from "esbuild";
-import { copyFile, mkdir, readdir, rm } from "node:fs/promises";
+import { copyFile, mkdir, readdir, readFile, rm, writeFile } from "node:fs/promises";
 
 const out = process.argv[2] ?? "../app/src/martensite_app/static";
 
 await rm(out, { recursive: true, force: true });
 await mkdir(out, { recursive: true });
+const how = {
+  bundle: true,
+  target: ["es2022", "chrome125", "firefox128", "safari18"],
+  minify: true,
+  jsx: "automatic",
+  jsxImportSource: "preact",
+  charset: "utf8",
+};
 await build({
+  ...how,
   entryPoints: ["src/main.tsx"],
   outdir: out,
   entryNames: "bench",
   chunkNames: "[name]-[hash]",
-  bundle: true,
   splitting: true,
   format: "esm",
-  target: ["es2022", "chrome125", "firefox128", "safari18"],
-  minify: true,
   legalComments: "linked",
-  jsx: "automatic",
-  jsxImportSource: "preact",
-  charset: "utf8",
 });
 for (const name of await readdir("public")) await copyFile(`public/${name}`, `${out}/${name}`);
+
+// the page of a report: one file, into which data are put
+const { outputFiles } = await build({
+  ...how, entryPoints: ["src/report/main.tsx"], outdir: "report", write: false, format: "iife", legalComments: "inline",
+});
+const [script, styles] = [".js", ".css"].map((ending) => outputFiles.find((one) => one.path.endsWith(ending)).text);
+const page = await readFile("src/report/page.html", "utf8");
+const filled = page.replace("STYLES", () => styles).replace("SCRIPT", () => script.replaceAll("</script", "<\\/script"));
+await writeFile(`${out}/report.html`, filled);

@@ -1,19 +1,23 @@
 """Who may speak to the server of the bench."""
 
+import os
 import re
 import socket
 import subprocess
 import sys
+import time
+from pathlib import Path
 
 import httpx
 import pytest
-from app_server import TAB, Bench
+from app_server import TAB, Bench, running
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from martensite.base.errors import InputError
+from martensite_app.earlier_tokens import LONGEST_KEPT, TokenRecord, digest_token
 from martensite_app.request_guard import NAMES
-from martensite_app.server import bind_socket
+from martensite_app.server import bind_socket, make_folder
 
 ELSEWHERE = ("http://evil.example", "null", "http://127.0.0.1:1", "https://127.0.0.1", "")
 """Origins of other pages; an empty one is none that a browser sends."""
@@ -223,3 +227,70 @@ def test_a_port_that_is_none(port: int) -> None:
 def test_a_port_that_is_taken(bench: Bench) -> None:
     with pytest.raises(InputError, match=f"Port {bench.port} cannot be used"):
         bind_socket(bench.port)
+
+
+# ---------------------------------------------------------------- a server that comes back
+
+
+def cookie_of(bench: Bench) -> dict[str, str]:
+    return {"Cookie": f"martensite-{bench.port}={bench.token}"}
+
+
+def test_a_tab_goes_on_when_the_server_is_started_again_on_its_port(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    with running(tmp_path / "new" / "folder") as first:
+        pass
+    with running(tmp_path / "new" / "folder") as again:
+        assert again.port == first.port  # the usual one, without being asked for
+        assert again.token != first.token
+        with httpx.Client(base_url=again.origin) as tab:
+            answer = tab.get("/api/status", headers=cookie_of(first))
+            assert answer.status_code == 200
+            assert f"martensite-{again.port}={again.token};" in answer.headers["set-cookie"]
+            assert "HttpOnly" in answer.headers["set-cookie"]
+            assert "set-cookie" not in tab.get("/api/status", headers=cookie_of(again)).headers
+            for stranger in (
+                {"Authorization": f"Bearer {first.token}"},
+                {"Cookie": f"martensite-{again.port}={digest_token(first.token)}"},
+                {**cookie_of(first), "Origin": "http://evil.example"},
+                {**cookie_of(first), "Sec-Fetch-Site": "cross-site"},
+            ):
+                refused = httpx.get(f"{again.origin}/api/status", headers=stranger)
+                assert refused.status_code in (401, 403)
+                assert "set-cookie" not in refused.headers
+            assert httpx.get(f"{again.origin}/", params={"token": first.token}).status_code == 401
+    kept = tmp_path / "cache/martensite/app" / f"{first.port}.json"
+    assert first.token not in kept.read_text()
+    if os.name == "posix":
+        assert kept.stat().st_mode & 0o777 == 0o600
+        assert kept.parent.stat().st_mode & 0o777 == 0o700
+
+
+def test_what_others_could_have_written_and_what_is_old_opens_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    record = TokenRecord(tmp_path)
+    record.add_start(8000, "a")
+    record.add_start(8000, "b")
+    assert record.list_earlier(8000) == {digest_token("a"), digest_token("b")}
+    assert record.list_earlier(8001) == frozenset()
+    assert record.find_port() == 8000
+    if os.name == "posix":
+        (tmp_path / "8000.json").chmod(0o620)
+        assert record.list_earlier(8000) == frozenset()
+        (tmp_path / "8000.json").chmod(0o600)
+    for broken in ("[1]", "{", '[["a"]]', '{"a": 1}', '[["a", "b"]]'):
+        (tmp_path / "8000.json").write_text(broken)
+        assert record.list_earlier(8000) == frozenset()
+    record.add_start(8000, "c")
+    later = time.time() + LONGEST_KEPT + 1
+    monkeypatch.setattr(time, "time", lambda: later)
+    assert record.list_earlier(8000) == frozenset()
+
+
+def test_a_folder_that_cannot_be_made_is_said(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot be the folder of the bench"):
+        make_folder(tmp_path / "file" / "below")

@@ -13,6 +13,7 @@ import pytest
 from app_server import Bench
 from playwright.sync_api import Browser, Page, expect
 
+from martensite.cli.web_bench import pack_text
 from martensite.scenario.scenario import read_scenario
 
 TEXT = (Path(__file__).parents[2] / "examples/constant_power.toml").read_text("utf-8")
@@ -21,9 +22,10 @@ LONG = 20_000
 """Patience with processes that start on a busy machine [ms]."""
 
 
-def unpack_text(letters: str) -> str:
-    """The text that `martensite.cli.web_bench.pack_text` has packed into letters of an address."""
-    return zlib.decompress(base64.urlsafe_b64decode(letters + "=" * (-len(letters) % 4)), -15).decode()
+def unpack_link(letters: str) -> str:
+    """The scenario in the letters of an address."""
+    data = zlib.decompress(base64.urlsafe_b64decode(letters + "=" * (-len(letters) % 4)))
+    return json.loads(data)["text"]
 
 
 STORED: dict[str, Any] = {
@@ -61,9 +63,9 @@ def other(chromium: Browser, bench: Bench) -> Iterator[Page]:
 
 
 def ask(page: Page, bench: Bench, levels: tuple[str, str]) -> None:
-    """Fill the form for two axes of a short scenario, which it takes from an earlier visit."""
-    kept = json.dumps({"source": "earlier", "document": SHORT})
-    page.evaluate("kept => sessionStorage.setItem('martensite-sweep', kept)", kept)
+    """Fill the form for two axes of a short scenario, which it takes from the bench."""
+    page.goto(f"{bench.origin}/#/bench?scenario={pack_text(SHORT)}")
+    expect(page.get_by_text("41 samples")).to_be_visible()
     page.goto(f"{bench.origin}/#/sweep")
     for words, name in (("diam", "element.diameter"), ("high", "drive.waveform.high")):
         page.get_by_label("Add a number to vary").fill(words)
@@ -113,7 +115,7 @@ def test_a_map_is_made_and_a_run_opens_in_the_bench(page: Page, bench: Bench) ->
     page.wait_for_function("() => location.hash.length > 100")
     expect(page.get_by_text("steps in")).to_be_visible()
     letters = re.search(r"scenario=([\w-]+)", page.url)
-    scenario = read_scenario(unpack_text(letters[1] if letters else ""))
+    scenario = read_scenario(unpack_link(letters[1] if letters else ""))
     spread = (0.08 + 0.04 * 2 / 5) * 1e-3
     assert scenario.single_system.value_of("element.diameter") == pytest.approx(spread, rel=1e-12)
     assert scenario.single_waveform.value_of("high") == pytest.approx(0.405, rel=1e-12)

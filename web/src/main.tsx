@@ -2,8 +2,10 @@
 
 import "./style/all.css";
 import { useSignal, useSignalEffect } from "@preact/signals";
-import { render, type ComponentType } from "preact";
+import { Component, render, type ComponentChildren, type ComponentType } from "preact";
+import { awaitServer } from "./lib/connection.ts";
 import { place } from "./state/route.ts";
+import { openSession } from "./state/session.ts";
 import { Frame } from "./ui/frame.tsx";
 import { Message } from "./ui/message.tsx";
 
@@ -18,6 +20,31 @@ const PAGES: Record<string, () => Promise<Loaded>> = {
   size: () => import("./pages/size.tsx"),
   sweep: () => import("./pages/sweep.tsx"),
 };
+
+const RELOADED = "martensite-reloaded";
+
+/** Load the page anew, as browsers remember what could not be loaded; not again and again. */
+function reloadOnce(): void {
+  const last = Number(sessionStorage.getItem(RELOADED) ?? 0);
+  if (Date.now() - last < 30_000) return;
+  sessionStorage.setItem(RELOADED, String(Date.now()));
+  location.reload();
+}
+
+/** Says so when a page cannot be drawn, as with a project that somebody has written by hand. */
+class Guarded extends Component<{ children: ComponentChildren }, { fault: string }> {
+  override state = { fault: "" };
+
+  static getDerivedStateFromError(error: unknown): { fault: string } {
+    return { fault: String(error) };
+  }
+
+  render(): ComponentChildren {
+    const { fault } = this.state;
+    if (!fault) return this.props.children;
+    return <Message kind="error">This page cannot be drawn from what is kept: {fault}. “Project, Begin anew” leaves that behind.</Message>;
+  }
+}
 
 function Current() {
   const shown = useSignal<{ name: string; Page: ComponentType } | null>(null);
@@ -35,12 +62,15 @@ function Current() {
       ({ Page }) => {
         if (place.peek().page === name) shown.value = { name, Page };
       },
-      () => (failed.value = "This page could not be loaded; is `martensite app` still running?"),
+      () => {
+        failed.value = "This page could not be loaded; is `martensite app` still running?";
+        void awaitServer().then(reloadOnce);
+      },
     );
   });
   if (failed.value) return <Message kind="error">{failed.value}</Message>;
   const now = shown.value;
-  return now ? <now.Page key={now.name} /> : <p class="starting">Loading …</p>;
+  return now ? <Guarded key={now.name}><now.Page /></Guarded> : <p class="starting">Loading …</p>;
 }
 
 function App() {
@@ -53,6 +83,8 @@ function App() {
 
 const root = document.getElementById("page");
 if (root) {
-  root.textContent = "";
-  render(<App />, root);
+  void openSession().finally(() => {
+    root.textContent = "";
+    render(<App />, root);
+  });
 }

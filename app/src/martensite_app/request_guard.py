@@ -5,8 +5,10 @@ It speaks with this machine's browser, from the server's own page, with its toke
 Loopback is reachable by every page that the browser shows. So a request is refused unless it is
 meant for this server (header Host: no rebinding of names), comes from its own page or from no page
 (Origin, Sec-Fetch-Site), and holds the token of this run: in a cookie, which the address with
-`?token=` sets, or as `Authorization: Bearer`. Who connects and does not ask within `REQUEST_WAIT` is
-sent away: whoever can connect could otherwise hold sockets for ever, without any token.
+`?token=` sets, or as `Authorization: Bearer`. A cookie of an earlier start on this port is exchanged
+for that of this one (`earlier_tokens`), so that a tab goes on when the server comes back. Who
+connects and does not ask within `REQUEST_WAIT` is sent away: whoever can connect could otherwise hold
+sockets for ever, without any token.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ from starlette.responses import PlainTextResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
+from martensite_app.earlier_tokens import digest_token
 from martensite_app.messages import Refusal, Written, write_message
 
 POLICY = (
@@ -88,6 +91,8 @@ class RequestGuard:
     app: ASGIApp
     token: str
     port: int
+    earlier: frozenset[str] = frozenset()
+    """Digests of the tokens of earlier starts, whose cookies are exchanged."""
 
     @property
     def cookie(self) -> str:
@@ -102,13 +107,12 @@ class RequestGuard:
         try:
             host = self._answer_place(scope)
             entered = self._let_in(scope)
-            if entered is None:
-                self._is_known(scope)
+            renewed = self._renew_cookie(scope) if entered is None else None
         except Refusal as refusal:
             sending = _with_headers(send, f"{NAMES[0]}:{self.port}")
             await _refuse(scope, receive, sending, refusal)
             return
-        await (entered or self.app)(scope, receive, _with_headers(send, host))
+        await (entered or self.app)(scope, receive, _with_headers(send, host, renewed))
 
     def _answer_place(self, scope: Scope) -> str:
         """The name it is asked by; what is meant for, or comes from, elsewhere is refused."""
@@ -128,13 +132,19 @@ class RequestGuard:
                 raise Refusal("Other pages may not use this server.", 403)
         return host
 
-    def _is_known(self, scope: Scope) -> None:
-        """Refuse who does not hold the token."""
+    def _renew_cookie(self, scope: Scope) -> str | None:
+        """Refuse who does not hold the token; the new cookie of who holds that of an earlier start."""
         headers = Headers(scope=scope)
         scheme, _, given = headers.get("authorization", "").partition(" ")
-        held = given if scheme.lower() == "bearer" else _read_cookie(headers, self.cookie)
-        if not self._is_right(held):
+        bearer = scheme.lower() == "bearer"
+        held = given if bearer else _read_cookie(headers, self.cookie)
+        if self._is_right(held):
+            return None
+        if bearer or scope["type"] != "http" or digest_token(held) not in self.earlier:
             raise Refusal(STRANGER, 401)
+        answer = Response()
+        self._set_cookie(answer)
+        return answer.headers["set-cookie"]
 
     def _is_right(self, held: str) -> bool:
         return hmac.compare_digest(held.encode("utf-8", "replace"), self.token.encode())
@@ -147,10 +157,13 @@ class RequestGuard:
         if not tokens or not self._is_right(tokens[0]):
             return None
         response = RedirectResponse("/", 303)
+        self._set_cookie(response)
+        return response
+
+    def _set_cookie(self, response: Response) -> None:
         # lax: the first page may be opened from elsewhere, such as a terminal in a browser;
         # what else comes from elsewhere is refused by its Sec-Fetch-Site and Origin
         response.set_cookie(self.cookie, self.token, httponly=True, samesite="lax")
-        return response
 
 
 def _read_cookie(headers: Headers, name: str) -> str:
@@ -161,8 +174,8 @@ def _read_cookie(headers: Headers, name: str) -> str:
     return "" if found is None else found.value
 
 
-def _with_headers(send: Send, host: str) -> Send:
-    """Adds to answers what keeps the page to this server."""
+def _with_headers(send: Send, host: str, cookie: str | None = None) -> Send:
+    """Adds to answers what keeps the page to this server, and a cookie."""
 
     async def sending(message: Message) -> None:
         if message["type"] == "http.response.start":
@@ -170,6 +183,8 @@ def _with_headers(send: Send, host: str) -> Send:
             headers["Content-Security-Policy"] = POLICY.format(host=host)
             for name, value in HEADERS.items():
                 headers.setdefault(name, value)
+            if cookie is not None:
+                headers.append("Set-Cookie", cookie)
         await send(message)
 
     return sending

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from martensite.base.errors import InputError
+from martensite_app.earlier_tokens import TokenRecord
 
 LOOPBACK = "127.0.0.1"
 
@@ -53,16 +54,45 @@ def bind_socket(port: int) -> socket.socket:
     return made
 
 
+def bind_usual_port(port: int, record: TokenRecord) -> socket.socket:
+    """A socket on the port; for port 0 on the one that was used last, if it is free.
+
+    Pages keep their work by address, and so do bookmarks.
+
+    Raises:
+        InputError: the port is taken, or none.
+    """
+    usual = record.find_port() if port == 0 else 0
+    with suppress(InputError):
+        if usual:
+            return bind_socket(usual)
+    return bind_socket(port)
+
+
+def make_folder(folder: Path) -> Path:
+    """The folder in which files are kept; made if it is not there.
+
+    Raises:
+        InputError: it cannot be made, or is a file.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"`{folder}` cannot be the folder of the bench ({error.strerror}).") from None
+    return folder.resolve()
+
+
 def serve_bench(port: int = 0, folder: Path | None = None, ready: Callable[[Served], None] = lambda at: None) -> None:
     """Serve the bench until it is interrupted (Ctrl-C) or told to end (SIGTERM, SIGHUP).
 
     Args:
-        port: on loopback; 0 for a free one.
-        folder: where uploaded files and sweeps are kept; one that ends with the server if None.
+        port: on loopback; 0 for the one that was used last, or else a free one.
+        folder: where uploaded files and sweeps are kept, made if need be; one that ends with the
+            server if None.
         ready: called with the address before the first request.
 
     Raises:
-        InputError: the port cannot be used, or the extra `app` is not installed.
+        InputError: port or folder cannot be used, or the extra `app` is not installed.
     """
     try:
         import uvicorn
@@ -77,12 +107,15 @@ def serve_bench(port: int = 0, folder: Path | None = None, ready: Callable[[Serv
         raise InputError(f"The page of the bench is not in `{STATIC}`; build it: `npm run build` in `web`.")
     with ExitStack() as stack:
         stack.enter_context(_end_on_signals())
-        opened = stack.enter_context(bind_socket(port))
         if folder is None:
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="martensite-")))
+        folder, record = make_folder(folder), TokenRecord.of_user()
+        opened = stack.enter_context(bind_usual_port(port, record))
         at = Served(opened.getsockname()[1], secrets.token_urlsafe(24))
+        earlier = record.list_earlier(at.port)
+        record.add_start(at.port, at.token)
         config = uvicorn.Config(
-            build_site(folder.resolve(), at.token, at.port),
+            build_site(folder, at.token, at.port, earlier),
             log_level="warning",
             access_log=False,
             http=TimedProtocol,

@@ -213,8 +213,11 @@ async def _answer_gone(request: Request, error: Exception) -> Response:
     return Response(status_code=499)
 
 
-def build_site(folder: Path, token: str, port: int) -> ASGIApp:
-    """The whole application: files are kept in `folder`, who holds `token` may come in."""
+def build_site(folder: Path, token: str, port: int, earlier: frozenset[str] = frozenset()) -> ASGIApp:
+    """The whole application: files are kept in `folder`, who holds `token` may come in.
+
+    Cookies whose digest is in `earlier` are exchanged for that of the token.
+    """
     shared = Site(WorkerPool(folder), PageJobs(folder), UploadFolder(folder))
 
     @asynccontextmanager
@@ -250,4 +253,4 @@ def build_site(folder: Path, token: str, port: int) -> ASGIApp:
         },
         lifespan=lifespan,
     )
-    return RequestGuard(inside, token, port)
+    return RequestGuard(inside, token, port, earlier)

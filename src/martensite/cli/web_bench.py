@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from martensite.base.errors import DataError
 from martensite.base.lazy import import_extra
 from martensite.cli.app import app
 from martensite.cli.options import Json
@@ -29,10 +28,10 @@ def bench_app(
     scenario: Annotated[
         Path | None, typer.Argument(metavar="[SCENARIO]", help="A scenario file to begin with.")
     ] = None,
-    port: Annotated[int, typer.Option(help="Port on this machine; 0 for a free one.")] = 0,
+    port: Annotated[int, typer.Option(help="Port on this machine; 0 for the last one, or a free one.")] = 0,
     no_browser: Annotated[bool, typer.Option("--no-browser", help="Only print the address.")] = False,
     folder: Annotated[
-        Path | None, typer.Option(help="Where files are kept [default: a folder that ends with the bench].")
+        Path | None, typer.Option(help="Where files are kept, made if need be [default: one that ends with it].")
     ] = None,
     json: Json = False,
 ) -> None:
@@ -43,8 +42,6 @@ def bench_app(
     served = import_extra("martensite_app.server", "app", "the web bench")
 
     text = None if scenario is None else _read_text(scenario)
-    if folder is not None and not folder.is_dir():
-        raise DataError(f"There is no folder `{folder}`; create it first.")
     served.serve_bench(port, folder, _make_opener(text, no_browser, json))
 
 

@@ -3,8 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { call, sentence } from "../lib/api.ts";
-import { packed } from "../lib/pack.ts";
-import { canRedo, canUndo, redo, text, undo } from "../state/scenario.ts";
+import { canRedo, canUndo, makeLink, redo, text, undo } from "../state/scenario.ts";
 import { Message } from "../ui/message.tsx";
 import { Editor } from "./editor.tsx";
 import { textOf } from "./files.ts";
@@ -33,10 +32,10 @@ function onKey(event: KeyboardEvent): void {
 }
 
 async function copyLink(): Promise<string> {
-  const link = `${location.origin}/#/bench?scenario=${await packed(text.value)}`;
+  const link = `${location.origin}/#/bench?scenario=${await makeLink()}`;
   try {
     await navigator.clipboard.writeText(link);
-    return "The link is copied. It opens this scenario on this machine.";
+    return "The link is copied. It opens this scenario with pinned runs, cursor and view, in a bench on this machine.";
   } catch {
     return `The browser does not allow copying; the link is ${link}`;
   }
@@ -111,7 +110,7 @@ export function Documents() {
         <button type="button" title="Edit the scenario as text" onClick={() => (editing.value = true)}>
           Text …
         </button>
-        <button type="button" title="Copy an address that holds this scenario" onClick={async () => void (said.value = await copyLink())}>
+        <button type="button" title="Copy an address that holds this scenario, pinned runs, cursor and view" onClick={async () => void (said.value = await copyLink())}>
           Link
         </button>
         <button type="button" aria-label="Undo" title="Undo (Ctrl+Z)" disabled={!canUndo.value} onClick={() => leave(undo)}>

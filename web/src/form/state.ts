@@ -5,8 +5,9 @@
 
 import { batch, effect, signal } from "@preact/signals";
 import { call, sentence, superseded } from "../lib/api.ts";
-import { refused, tryChanges } from "../state/run.ts";
+import { refused, run, tryChanges } from "../state/run.ts";
 import { change, text } from "../state/scenario.ts";
+import { keepPart } from "../state/session.ts";
 import type { ScenarioForm, NumberNode, SingleNode, SliderRange } from "./types.ts";
 
 export const form = signal<ScenarioForm | null>(null);
@@ -129,9 +130,25 @@ let pending: { changes: Changes; drag: number } | null = null;
 let drag = 0;
 let dragged = { path: "", at: 0, taken: false };
 
+/** What was asked for and is not answered yet; a reload asks for it again. */
+const wished = signal<Changes>({});
+keepPart(
+  "wished",
+  () => wished.value,
+  (kept) => {
+    if (!Object.keys(kept as Changes).length) return;
+    wished.value = kept as Changes;
+    const end = effect(() => {
+      if (!run.value) return; // what was on the bench comes first
+      queueMicrotask(() => (end(), send(kept as Changes)));
+    });
+  },
+);
+
 /** Try numbers; the newest of each waits until the last request is answered. */
 export function send(changes: Changes, ofDrag = 0): void {
   pending = { changes: { ...pending?.changes, ...changes }, drag: ofDrag };
+  wished.value = { ...wished.value, ...changes };
   if (!busy) void pump();
 }
 
@@ -152,6 +169,7 @@ export const grip = (): void => void (dragged.path = "");
 /** Go to another document of this session: what a slider still waits to try belongs to this one. */
 export function leave(go: () => void): void {
   pending = null;
+  wished.value = {};
   grip();
   go();
 }
@@ -174,6 +192,7 @@ async function pump(): Promise<void> {
 
 function settle(paths: string[], words: string): void {
   const next = { ...refusals.value };
+  wished.value = Object.fromEntries(Object.entries(wished.value).filter(([path]) => pending?.changes[path] !== undefined || !paths.includes(path)));
   for (const path of paths) {
     if (words) next[path] = words;
     else delete next[path];

@@ -1,8 +1,12 @@
-// What the reader has chosen on the way to a fit; kept in this tab, so that a reload finds it again.
+// What the reader has chosen on the way to a fit; kept in the session, with the file.
 
-import { computed, effect, signal } from "@preact/signals";
-import { call, sentence, superseded, type Uploaded, upload } from "../lib/api.ts";
+import { computed, signal } from "@preact/signals";
+import { call, isThere, sentence, superseded, type Uploaded, upload } from "../lib/api.ts";
+import { connection } from "../lib/connection.ts";
+import { keepFile, readFile } from "../lib/store.ts";
+import { makeId } from "../lib/tab.ts";
 import { watched } from "../state/jobs.ts";
+import { keepSignals } from "../state/session.ts";
 import type { Note, Outcome, RecordsView, ScenarioView, TableView } from "./types.ts";
 
 export const STEPS = ["File", "Records", "Scenario", "Fit", "Result"] as const;
@@ -35,7 +39,8 @@ export interface Choice {
 
 export interface State {
   step: number;
-  file: { key: string; name: string; bytes: number } | null;
+  /** Its key on the server, and that of its content in the browser; the measured one of the package has none. */
+  file: { key: string; name: string; bytes: number; content?: string } | null;
   separator: string;
   drop: boolean;
   /** Time between rows [s], where no column is the time. */
@@ -61,24 +66,9 @@ const EMPTY: State = {
   step: 0, file: null, separator: "auto", drop: false, interval: null, columns: [], cuts: [], text: "", origin: "",
   free: {}, each: [], ignored: [], method: "trf", loss: "linear", starts: 0, holdOut: "auto", dropped: "",
 };
-const PLACE = "martensite-identify";
 
-function kept(): State {
-  try {
-    return { ...EMPTY, ...(JSON.parse(sessionStorage.getItem(PLACE) ?? "{}") as Partial<State>) };
-  } catch {
-    return EMPTY;
-  }
-}
-
-export const state = signal<State>(kept());
-effect(() => {
-  try {
-    sessionStorage.setItem(PLACE, JSON.stringify(state.value));
-  } catch {
-    // full, or not allowed: the state is lost on a reload
-  }
-});
+export const state = signal<State>(EMPTY);
+keepSignals("identify", { state });
 export const put = (patch: Partial<State>): void => void (state.value = { ...state.value, ...patch });
 
 export const table = signal<TableView | null>(null);
@@ -122,15 +112,29 @@ export const fitRequest = computed(() => {
   };
 });
 
+/** Bring the file to the server again if that has forgotten it; whether it had. */
+export async function restoreFile(): Promise<boolean> {
+  const { file } = state.value;
+  if (!file || connection.value !== "there" || (await isThere(file.key))) return false;
+  const content = file.content && (await readFile(file.content));
+  if (file.content && !content) return false;
+  const found = content ? await upload(new File([content], file.name)) : await call<Uploaded>("sample_log", {});
+  if (state.value.file?.key !== file.key) return false;
+  put({ file: { ...file, key: found.key } });
+  return true;
+}
+
 /** Ask the server; what it refuses is told, and gives null. */
 export async function asked<T>(name: string, request: object, words: string): Promise<T | null> {
   busy.value = words;
+  const before = state.value.file?.key;
   try {
     const found = await call<T>(name, request, `identify ${name}`);
     refused.value = "";
     return found;
   } catch (error) {
     if (superseded(error)) return null;
+    if (before && (request as { key?: string }).key === before && (await restoreFile())) return asked(name, { ...request, key: state.value.file?.key }, words);
     refused.value = sentence(error);
     return null;
   } finally {
@@ -156,7 +160,7 @@ export async function readTable(fresh: boolean): Promise<void> {
 export async function takeFile(file: File | "sample"): Promise<void> {
   busy.value = "Uploading …";
   try {
-    const found = file === "sample" ? await call<Uploaded>("sample_log", {}) : await upload(file);
+    const found = file === "sample" ? await call<Uploaded>("sample_log", {}) : { ...(await upload(file)), content: await keepContent(file) };
     reading.request = "";
     table.value = records.value = scenario.value = null;
     // the measured one is a slow loop without times: any will do
@@ -168,6 +172,12 @@ export async function takeFile(file: File | "sample"): Promise<void> {
   } finally {
     busy.value = "";
   }
+}
+
+async function keepContent(file: File): Promise<string> {
+  const key = makeId();
+  await keepFile(key, file).catch(() => undefined); // no room: it is lost with the server
+  return key;
 }
 
 let reading = { request: "", done: Promise.resolve(false) };
@@ -223,6 +233,7 @@ export async function beginFit(further: object = {}): Promise<void> {
   refused.value = "";
   put({ dropped: "", step: 3 });
   fitting.job.value = null;
+  await restoreFile();
   await fitting.begin({ ...fitRequest.value, ...further });
 }
 

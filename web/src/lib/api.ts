@@ -1,5 +1,8 @@
 // The server's addresses: quick calls, jobs, files. A refusal is an error with its sentence.
 
+import { awaitServer } from "./connection.ts";
+import { makeId, tab } from "./tab.ts";
+
 export class Refusal extends Error {
   constructor(
     message: string,
@@ -16,16 +19,8 @@ export const sentence = (error: unknown): string => (error instanceof Error ? er
 /** Whether a call ended because a newer one of its lane came. */
 export const superseded = (error: unknown): boolean => error instanceof Refusal && error.kind === "superseded";
 
-/** Identity of this tab; it outlives a reload, so that jobs are found again. */
-export const tab: string = (() => {
-  const known = sessionStorage.getItem("martensite-tab");
-  const made = known ?? crypto.randomUUID();
-  sessionStorage.setItem("martensite-tab", made);
-  return made;
-})();
-
 /** Identity of this loaded page: a copied tab does not go over the calls of its original. */
-const load = crypto.randomUUID().slice(0, 8);
+const load = makeId().slice(0, 8);
 
 async function answered<T>(response: Response): Promise<T> {
   const text = await response.text();
@@ -50,6 +45,7 @@ async function asked<T>(path: string, options: RequestInit = {}): Promise<T> {
     response = await fetch(path, { ...options, headers: { "X-Tab": tab, "X-Quietly": "1", ...options.headers } });
   } catch (error) {
     if (error instanceof DOMException && error.name === "AbortError") throw error;
+    void awaitServer();
     throw new Refusal("The server does not answer; is `martensite app` still running?", "lost", 0);
   }
   return answered<T>(response);
@@ -57,20 +53,36 @@ async function asked<T>(path: string, options: RequestInit = {}): Promise<T> {
 
 const running = new Map<string, AbortController>();
 
-/** A quick call. A newer one of the same lane goes over an older, which then ends as `superseded`. */
+/** So many times a call is asked again after the server was gone: what ends it may be the call itself. */
+const MOST_TRIES = 3;
+
+/** Whether a call was not answered because the server is not there, or does not know this browser. */
+const lost = (error: unknown): boolean => error instanceof Refusal && (error.status === 0 || error.status === 401);
+
+/** A quick call. A newer one of the same lane goes over an older, which then ends as `superseded`. One that the
+ * server did not answer is asked again when it is back. */
 export async function call<T>(name: string, request: object = {}, lane = ""): Promise<T> {
   const control = new AbortController();
   if (lane) {
     running.get(lane)?.abort();
     running.set(lane, control);
   }
-  try {
-    return await asked<T>(`/api/call/${name}`, {
+  const ask = (): Promise<T> =>
+    asked<T>(`/api/call/${name}`, {
       method: "POST",
       body: JSON.stringify(request),
       headers: lane ? { "X-Lane": `${load} ${lane}` } : {},
       signal: control.signal,
     });
+  try {
+    for (let tries = 1; ; tries++) {
+      try {
+        return await ask();
+      } catch (error) {
+        if (!lost(error) || tries >= MOST_TRIES) throw error;
+        await awaitServer();
+      }
+    }
   } catch (error) {
     if (error instanceof DOMException) throw new Refusal("A newer request came.", "superseded", 409);
     throw error;
@@ -102,11 +114,14 @@ export const jobs = (): Promise<JobSummary[]> => asked("/api/jobs");
 
 export const cancelJob = (id: string): Promise<JobSummary> => asked(`/api/jobs/${id}`, { method: "DELETE" });
 
+/** Code with which the server closes on a job that it does not have. */
+const GONE = 4404;
+
 /** Listen to a job until it ends: first all that is known of it, then notes, then its end. */
 export function watchJob<Note, Outcome>(
   id: string,
   heard: (message: { job?: Job<Note, Outcome>; note?: Note }) => void,
-  lost: (reason: string) => void,
+  lost: (reason: string, gone: boolean) => void,
 ): () => void {
   const address = `${location.origin.replace("http", "ws")}/api/jobs/${id}/watch?tab=${tab}`;
   const socket = new WebSocket(address);
@@ -117,7 +132,7 @@ export function watchJob<Note, Outcome>(
     heard(message);
   };
   socket.onclose = (event) => {
-    if (!over) lost(event.reason || "The connection to the job was lost.");
+    if (!over) lost(event.reason || "The connection to the job was lost.", event.code === GONE);
   };
   return () => {
     over = true;
@@ -129,6 +144,14 @@ export interface Uploaded {
   key: string;
   name: string;
   bytes: number;
+}
+
+/** Whether the server has a file: it forgets all of them when it ends. */
+export async function isThere(key: string): Promise<boolean> {
+  return fetch(`/api/files/${key}`, { method: "HEAD", headers: { "X-Quietly": "1" } }).then(
+    (found) => found.ok && !found.headers.has("X-Refused"),
+    () => false,
+  );
 }
 
 export const upload = (file: File): Promise<Uploaded> =>

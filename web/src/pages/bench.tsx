@@ -14,8 +14,9 @@ import { Warnings } from "../plots/warnings.tsx";
 import { Player } from "../scene/player.tsx";
 import { Scene } from "../scene/scene.tsx";
 import { place } from "../state/route.ts";
-import { computing, followDocument, refused, run } from "../state/run.ts";
-import { change, followInAddress, fromAddress, text } from "../state/scenario.ts";
+import { computing, followDocument, followWaiting, refused, run } from "../state/run.ts";
+import { broken, change, followInAddress, fromAddress, text } from "../state/scenario.ts";
+import { BrokenLink } from "../ui/broken-link.tsx";
 import { Message } from "../ui/message.tsx";
 
 const FIRST = "constant_power";
@@ -27,6 +28,10 @@ interface Listed {
 /** Begin with the scenario of the address, with what was on the bench, or with the first one. */
 async function begin(): Promise<void> {
   if ((await fromAddress()) || text.value) return;
+  await beginFirst();
+}
+
+async function beginFirst(): Promise<void> {
   const { scenarios } = await call<Listed>("scenarios");
   const first = scenarios.find((one) => one.name === FIRST) ?? scenarios[0];
   if (first) change(first.text);
@@ -53,7 +58,7 @@ function showBoth(): void {
 
 export function Page() {
   useEffect(() => {
-    const leave = [followDocument(), followInAddress()];
+    const leave = [followDocument(), followInAddress(), followWaiting()];
     return () => leave.forEach((end) => end());
   }, []);
   useEffect(() => void begin(), [place.value]);
@@ -62,6 +67,7 @@ export function Page() {
     sheet.value = !sheet.value;
     if (sheet.value) requestAnimationFrame(showBoth);
   };
+  if (broken.value) return <BrokenLink onFirst={() => void beginFirst()} />;
   return (
     <div class={`bench ${sheet.value ? "with-sheet" : ""} ${busy.value ? "stale" : ""}`} aria-busy={computing.value}>
       <section class="bench-controls stack" id="bench-controls" aria-label="Scenario">

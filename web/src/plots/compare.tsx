@@ -2,7 +2,7 @@
 
 import { batch } from "@preact/signals";
 import { openInBench } from "../state/scenario.ts";
-import { pin, pinned, run, unpin, type Pinned } from "../state/run.ts";
+import { pin, pinned, run, unpin, waiting, type Pinned, type Waiting } from "../state/run.ts";
 import { Differences, Results } from "./differences.tsx";
 import { hidden } from "./drawn.ts";
 import { liveLook, pinLook } from "./palette.ts";
@@ -49,6 +49,18 @@ function One({ one }: { one: Pinned }) {
   );
 }
 
+/** A pinned run that is computed anew. */
+function Coming({ one }: { one: Waiting }) {
+  return (
+    <li class="off">
+      <Swatch look={pinLook(one.id)} /> {one.name}: {one.trouble || "is computed anew …"}
+      <button type="button" class="quiet" onClick={() => drop(one.id)} aria-label={`Unpin ${one.name}`} title="Unpin">
+        ✕
+      </button>
+    </li>
+  );
+}
+
 export function Compare() {
   const now = run.value;
   if (!now) return null;
@@ -63,6 +75,9 @@ export function Compare() {
         )}
         {pins.map((one) => (
           <One key={one.id} one={one} />
+        ))}
+        {waiting.value.map((one) => (
+          <Coming key={one.id} one={one} />
         ))}
         <li>
           <button type="button" onClick={pin} title="Keep this run in all charts beneath those to come">

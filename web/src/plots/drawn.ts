@@ -4,6 +4,7 @@ import { computed, signal } from "@preact/signals";
 import { toShown } from "../lib/numbers.ts";
 import type { Output, Run } from "../lib/types.ts";
 import { pinned, run } from "../state/run.ts";
+import { keepPart } from "../state/session.ts";
 import { pinLook, type Look } from "./palette.ts";
 
 /** Pinned runs that are not drawn. */
@@ -40,6 +41,26 @@ export const panelChoice = signal<Readonly<Record<string, boolean>>>({});
 
 /** Part of the time that is shown [s]; null for all. */
 export const zoom = signal<[number, number] | null>(null);
+
+interface View {
+  hidden: number[];
+  port: string | null;
+  panels: Record<string, boolean>;
+  zoom: [number, number] | null;
+}
+
+keepPart(
+  "view",
+  (): View => ({ hidden: [...hidden.value], port: portChoice.value, panels: panelChoice.value, zoom: zoom.value }),
+  (kept) => {
+    const found = kept as Partial<View>;
+    const [from, to] = Array.isArray(found.zoom) ? found.zoom : [];
+    hidden.value = new Set(Array.isArray(found.hidden) ? found.hidden : []);
+    portChoice.value = typeof found.port === "string" ? found.port : null;
+    panelChoice.value = typeof found.panels === "object" ? found.panels : {};
+    zoom.value = typeof from === "number" && typeof to === "number" && from < to ? [from, to] : null;
+  },
+);
 
 export const duration = (of: Run): number => of.times.at(-1) ?? 0;
 

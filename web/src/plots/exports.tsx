@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { call, save, sentence, take } from "../lib/api.ts";
+import { makeReport } from "../report/make.ts";
 import { run } from "../state/run.ts";
 import { Menu } from "./menu.tsx";
 import { Message } from "../ui/message.tsx";
@@ -19,13 +20,12 @@ export function Exports() {
   const now = run.value;
   if (!now) return null;
 
-  async function make(what: string, name: string): Promise<void> {
-    if (busy.value || !now) return;
+  async function make(name: string, work: () => Promise<void>): Promise<void> {
+    if (busy.value) return;
     busy.value = name;
     failed.value = "";
     try {
-      const file = await call<{ key: string; name: string }>("export", { text: now.text, what });
-      take(file.key, file.name);
+      await work();
     } catch (error) {
       failed.value = sentence(error);
     } finally {
@@ -33,15 +33,29 @@ export function Exports() {
     }
   }
 
-  const document = (): void => save(`${now.title.replace(/[^\w.() -]+/g, "_").slice(0, 60)}.toml`, now.text);
+  const title = now.title.replace(/[^\w.() -]+/g, "_").slice(0, 60);
+  const document = (): void => save(`${title}.toml`, now.text);
+  const report = async (): Promise<void> => save(`${title}.html`, new Blob([await makeReport()], { type: "text/html" }));
+  const file = async (what: string): Promise<void> => {
+    const made = await call<{ key: string; name: string }>("export", { text: now.text, what });
+    take(made.key, made.name);
+  };
   return (
     <Menu name="Export">
       <div class="stack">
         <button type="button" onClick={document} title="The document of this run; `martensite run` takes it">
           Scenario, TOML
         </button>
+        <button
+          type="button"
+          title="One file for somebody without an installation: charts that answer, results, sources, notes, scenario"
+          disabled={busy.value !== ""}
+          onClick={() => void make("Live report", report)}
+        >
+          Live report, HTML
+        </button>
         {FILES.map(([what, name, about]) => (
-          <button key={what} type="button" title={about} disabled={busy.value !== ""} onClick={() => void make(what, name)}>
+          <button key={what} type="button" title={about} disabled={busy.value !== ""} onClick={() => void make(name, () => file(what))}>
             {name}
           </button>
         ))}

@@ -1,6 +1,7 @@
 // Mouse and finger on a chart: a click picks, a drag zooms, a drag of the time line (or of a finger
 // over a chart of time) moves the cursor, a double click shows all.
 
+import { signal } from "@preact/signals";
 import type uPlot from "uplot";
 import { cursor } from "../state/run.ts";
 import type { ChartProps } from "./chart.tsx";
@@ -8,6 +9,9 @@ import type { ChartProps } from "./chart.tsx";
 /** How near to the time line a drag takes it, and how far a drag goes before it is one [px]. */
 const NEAR = 7;
 const LEAST = 5;
+
+/** Whether the time cursor goes where the mouse points, as in a report. */
+export const pointed = signal(false);
 
 export function pointing(u: uPlot, props: { current: ChartProps }): () => void {
   const { over } = u;
@@ -33,6 +37,7 @@ export function pointing(u: uPlot, props: { current: ChartProps }): () => void {
     const { x, y } = place(event);
     if (!begun) {
       over.style.cursor = near(x) ? "ew-resize" : "";
+      if (pointed.peek() && event.pointerType !== "touch") pick(x, y);
       return;
     }
     if (begun.scrub) return pick(x, y);

@@ -2,6 +2,7 @@
 
 import { computed, effect, signal } from "@preact/signals";
 import { cursor, run } from "../state/run.ts";
+import { keepSignals } from "../state/session.ts";
 
 /** Times as fast as the clock; "fit" is what makes a run last `USUAL` seconds. */
 export type Speed = number | "fit";
@@ -13,6 +14,7 @@ const LONGEST = 0.25;
 export const speed = signal<Speed>("fit");
 export const loops = signal(true);
 export const playing = signal(false);
+keepSignals("player", { loops });
 
 export const begin = computed(() => run.value?.times[0] ?? 0);
 export const end = computed(() => run.value?.times.at(-1) ?? 0);

@@ -5,6 +5,7 @@ import { call, sentence, superseded } from "../lib/api.ts";
 import { readComma } from "../lib/numbers.ts";
 import { watched } from "../state/jobs.ts";
 import { place, remember } from "../state/route.ts";
+import { keepSignals } from "../state/session.ts";
 import type { Candidate, Cell, Checked, Fields, Form, Mapped, MapNote, Note, Sizing } from "./types.ts";
 
 export type Tab = "wires" | "catalogue";
@@ -15,6 +16,7 @@ export const mapping = watched<MapNote, Mapped>("size_map");
 export const fields = signal<Fields>({});
 export const tab = signal<Tab>("wires");
 export const form = signal<Form | null>(null);
+keepSignals("size", { fields, tab });
 /** Sentence of a form that could not be had. */
 export const trouble = signal("");
 

@@ -2,6 +2,8 @@
 
 import { signal, type Signal } from "@preact/signals";
 import { beginJob, cancelJob, type Job, jobs, sentence, watchJob } from "../lib/api.ts";
+import { awaitServer } from "../lib/connection.ts";
+import { keepPart } from "./session.ts";
 
 export interface Watched<Note, Outcome> {
   job: Signal<Job<Note, Outcome> | null>;
@@ -14,6 +16,28 @@ export interface Watched<Note, Outcome> {
 }
 
 const AGAIN = 1000;
+/** The longest job that is kept with the session [characters of JSON]. */
+const MOST_KEPT = 2 ** 20;
+const ENDED = "The server was ended before this was done. Begin it again.";
+
+/** Newest job of every kind, so far as it is known. */
+const known = signal<Record<string, Job>>({});
+const takers = new Map<string, (job: Job) => void>();
+
+keepPart(
+  "jobs",
+  () => known.value,
+  (kept) => {
+    known.value = kept as Record<string, Job>;
+    for (const [name, job] of Object.entries(known.value)) takers.get(name)?.(job);
+  },
+);
+
+function remember(name: string, job: Job | null): void {
+  const { [name]: _, ...others } = known.peek();
+  const short = job && { ...job, trail: job.trail.slice(0, 1) };
+  known.value = job && JSON.stringify(job).length <= MOST_KEPT ? { ...others, [name]: job } : short && JSON.stringify(short).length <= MOST_KEPT ? { ...others, [name]: short } : others;
+}
 
 /** One kind of long work, by the name of its call. */
 export function watched<Note, Outcome>(name: string): Watched<Note, Outcome> {
@@ -21,21 +45,39 @@ export function watched<Note, Outcome>(name: string): Watched<Note, Outcome> {
   const trouble = signal("");
   let leave = (): void => {};
 
+  const take = (found: Job): void => void (job.value ??= found as Job<Note, Outcome>);
+  takers.set(name, take);
+  const before = known.peek()[name];
+  if (before) take(before);
+
   function follow(id: string, tries = 5): void {
     leave();
     leave = watchJob<Note, Outcome>(
       id,
       (message) => {
         trouble.value = "";
-        if (message.job) job.value = message.job;
+        if (message.job) {
+          job.value = message.job;
+          remember(name, message.job as Job);
+        }
         const now = job.value;
         if (message.note && now) job.value = { ...now, last: message.note, trail: [...now.trail, message.note] };
       },
-      (reason) => {
+      (reason, gone) => {
+        if (gone) return end();
         trouble.value = reason;
-        if (tries > 0) setTimeout(() => follow(id, tries - 1), AGAIN);
+        if (tries > 0) setTimeout(() => void awaitServer().then(() => follow(id, tries - 1)), AGAIN);
       },
     );
+  }
+
+  /** The server does not have it any more: what was done is known, what was not is lost. */
+  function end(): void {
+    trouble.value = "";
+    const now = job.value;
+    if (now?.state !== "running") return;
+    job.value = { ...now, state: "failed", outcome: ENDED };
+    remember(name, job.value as Job);
   }
 
   const attempt = async (action: () => Promise<void>): Promise<void> => {
@@ -56,6 +98,7 @@ export function watched<Note, Outcome>(name: string): Watched<Note, Outcome> {
       attempt(async () => {
         const found = (await jobs()).find((one) => one.call === name);
         if (found) follow(found.id);
+        else end();
       }),
   };
 }

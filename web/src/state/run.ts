@@ -4,6 +4,7 @@ import { batch, computed, effect, signal } from "@preact/signals";
 import { call, sentence, superseded } from "../lib/api.ts";
 import type { Run } from "../lib/types.ts";
 import { change, text } from "./scenario.ts";
+import { keepPart } from "./session.ts";
 
 export const run = signal<Run | null>(null);
 /** The sentence of what was refused last; empty if the curves show the document. */
@@ -21,6 +22,67 @@ export interface Pinned {
 
 export const pinned = signal<Pinned[]>([]);
 let pins = 0;
+
+/** A pinned run that has to be computed anew, after a reload or from a link. */
+export interface Waiting {
+  id: number;
+  name: string;
+  text: string;
+  /** Why it cannot be computed; empty if it was not tried yet. */
+  trouble: string;
+}
+
+export const waiting = signal<Waiting[]>([]);
+
+const isWaiting = (one: Partial<Waiting> | null): one is Waiting =>
+  typeof one?.id === "number" && typeof one.name === "string" && typeof one.text === "string";
+
+keepPart(
+  "runs",
+  () => {
+    const all = [...pinned.value.map(({ id, name, run: { text } }) => ({ id, name, text })), ...waiting.value.map(({ id, name, text }) => ({ id, name, text }))];
+    return { cursor: cursor.value, count: pins, pins: all.sort((a, b) => a.id - b.id) };
+  },
+  (kept) => {
+    const found = kept as { cursor?: unknown; count?: unknown; pins?: Partial<Waiting>[] };
+    batch(() => {
+      if (typeof found.cursor === "number" && found.cursor >= 0) cursor.value = found.cursor;
+      if (typeof found.count === "number") pins = found.count;
+      if (!Array.isArray(found.pins)) return;
+      waiting.value = found.pins.filter(isWaiting).map((one) => ({ ...one, trouble: "" }));
+      pinned.value = [];
+      pins = Math.max(pins, 0, ...waiting.value.map((one) => one.id));
+    });
+  },
+);
+
+/** Compute pinned runs that wait, one after the other, once the run on the bench is there. */
+export function followWaiting(): () => void {
+  let busy = false;
+  return effect(() => {
+    const next = waiting.value.find((one) => !one.trouble);
+    if (!run.value || !next || busy) return;
+    busy = true;
+    call<Run>("run", { text: next.text, changes: {} })
+      .then(
+        (found) => settle(next.id, { id: next.id, name: next.name, run: found }),
+        (error: unknown) => (waiting.value = waiting.value.map((one) => (one.id === next.id ? { ...one, trouble: sentence(error) } : one))),
+      )
+      .finally(() => {
+        busy = false;
+        waiting.value = [...waiting.value]; // the next one
+      });
+  });
+}
+
+/** A run that waited is there, unless it was unpinned meanwhile. */
+function settle(id: number, made: Pinned): void {
+  if (!waiting.value.some((one) => one.id === id)) return;
+  batch(() => {
+    waiting.value = waiting.value.filter((one) => one.id !== id);
+    pinned.value = [...pinned.value, made].sort((a, b) => a.id - b.id);
+  });
+}
 
 /** Row of the run's samples at the time of the cursor. */
 export const row = computed(() => {
@@ -85,4 +147,7 @@ export function pin(): void {
   pinned.value = [...pinned.value, { id: pins, name: `${pins}: ${run.value.title}`, run: run.value }];
 }
 
-export const unpin = (id: number): void => void (pinned.value = pinned.value.filter((one) => one.id !== id));
+export function unpin(id: number): void {
+  pinned.value = pinned.value.filter((one) => one.id !== id);
+  waiting.value = waiting.value.filter((one) => one.id !== id);
+}

@@ -3,10 +3,10 @@
 import { computed, effect, signal } from "@preact/signals";
 import { call, sentence, superseded } from "../lib/api.ts";
 import { text } from "../state/scenario.ts";
+import { keepSignals } from "../state/session.ts";
 import { axisOf, wordsOf, type AxisChoice } from "./axis.ts";
 import type { Estimate, Form, Plan, Target } from "./types.ts";
 
-const KEPT = "martensite-sweep";
 const FIRST = "constant_power";
 const WAIT = 200;
 /** Scenario on the bench, as a choice beside the packaged ones. */
@@ -29,14 +29,6 @@ const EMPTY: Choices = {
   source: BENCH, document: "", axes: [], design: "grid", count: "64", seed: "0", measures: [], step: "", runtime: "", workers: "0",
 };
 
-function remembered(): Choices {
-  try {
-    return { ...EMPTY, ...(JSON.parse(sessionStorage.getItem(KEPT) ?? "{}") as Partial<Choices>) };
-  } catch {
-    return EMPTY;
-  }
-}
-
 export interface Packaged {
   name: string;
   title: string;
@@ -44,7 +36,8 @@ export interface Packaged {
 }
 
 export const packaged = signal<Packaged[]>([]);
-export const choices = signal<Choices>(remembered());
+export const choices = signal<Choices>(EMPTY);
+keepSignals("sweep", { choices });
 export const form = signal<Form | null>(null);
 export const plan = signal<Plan | null>(null);
 export const estimate = signal<Estimate | null>(null);
@@ -132,11 +125,10 @@ export async function measureTime(): Promise<void> {
   }
 }
 
-/** Keep the form, describe its scenario, and check it, whenever it changes. */
+/** Describe the scenario of the form, and check it, whenever it changes. */
 export function followForm(): () => void {
   let waiting = 0;
   const leave = [
-    effect(() => sessionStorage.setItem(KEPT, JSON.stringify(choices.value))),
     effect(() => {
       const document = documentNow.value;
       if (document) void describe(document);

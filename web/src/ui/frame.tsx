@@ -3,6 +3,8 @@
 import { useSignal, useSignalEffect } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { place } from "../state/route.ts";
+import { Connection } from "./connection.tsx";
+import { ProjectMenu } from "./project.tsx";
 
 const NAMES: [page: string, name: string, about: string][] = [
   ["bench", "Bench", "Simulate an actuator"],
@@ -67,8 +69,10 @@ export function Frame({ children }: { children: ComponentChildren }) {
             </a>
           ))}
         </nav>
+        <ProjectMenu />
         <ThemeSwitch />
       </header>
+      <Connection />
       <main id="main" tabIndex={-1}>
         {children}
       </main>

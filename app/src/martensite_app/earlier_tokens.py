@@ -1,0 +1,85 @@
+"""Tokens of earlier starts on a port, so that an open tab goes on when the server comes back.
+
+Every start makes a token of its own. What is kept of it, in the user's cache folder and readable by
+nobody else, is its digest: enough to know a cookie of an earlier start again, and nothing that
+opens the bench. Such a cookie is exchanged for the new one; it is good for a while only, and for
+the same port only. The port that was used last is kept beside them: pages keep their work by
+address.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import time
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+from martensite.base.files import cache_folder
+
+LONGEST_KEPT = 30 * 86400.0
+"""Seconds after its start for which a token is known again."""
+MOST_KEPT = 8
+"""Starts on a port that are remembered."""
+_PORT_KEPT = "port"
+
+
+def digest_token(token: str) -> str:
+    """What is kept of a token; nobody gets back from it to the token, which is random."""
+    return hashlib.sha256(token.encode("utf-8", "replace")).hexdigest()
+
+
+@dataclass(frozen=True)
+class TokenRecord:
+    """What is remembered of earlier starts; nothing where the cache folder cannot be used."""
+
+    folder: Path
+
+    @classmethod
+    def of_user(cls) -> TokenRecord:
+        """The record in the user's cache folder."""
+        return cls(cache_folder() / "app")
+
+    def list_earlier(self, port: int) -> frozenset[str]:
+        """Digests of the tokens of earlier starts on a port that are not too old."""
+        return frozenset(digest for digest, _ in self._read_starts(port))
+
+    def find_port(self) -> int:
+        """The port that was used last; 0 if none is known."""
+        port = self._read(_PORT_KEPT)
+        return port if isinstance(port, int) and 0 < port <= 65535 else 0
+
+    def add_start(self, port: int, token: str) -> None:
+        """Remember a start."""
+        starts = [*self._read_starts(port), (digest_token(token), time.time())]
+        self._write(str(port), starts[-MOST_KEPT:])
+        self._write(_PORT_KEPT, port)
+
+    def _read_starts(self, port: int) -> list[tuple[str, float]]:
+        found = self._read(str(port))
+        rows = cast("list[Any]", found) if isinstance(found, list) else []
+        oldest = time.time() - LONGEST_KEPT
+        with suppress(TypeError, ValueError):
+            return [(str(digest), float(began)) for digest, began in rows if float(began) > oldest]
+        return []
+
+    def _read(self, name: str) -> Any:
+        """What a file of the record holds; None if there is none, or others could have written it."""
+        with suppress(OSError, ValueError), (self.folder / f"{name}.json").open(encoding="utf-8") as file:
+            known = os.fstat(file.fileno())
+            if os.name != "posix" or (known.st_uid == os.getuid() and not known.st_mode & 0o077):
+                return json.load(file)
+        return None
+
+    def _write(self, name: str, content: Any) -> None:
+        with suppress(OSError):
+            self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            made = self.folder / f"{name}.{os.getpid()}.new"
+            with suppress(FileNotFoundError):
+                made.unlink()
+            with os.fdopen(os.open(made, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:
+                json.dump(content, file)
+            made.replace(self.folder / f"{name}.json")

@@ -1,0 +1,30 @@
+// A report of what is on the bench, for somebody without an installation.
+
+import { form } from "../form/state.ts";
+import { call } from "../lib/api.ts";
+import { notes } from "../state/project.ts";
+import { cursor, pinned, run } from "../state/run.ts";
+import { readPart } from "../state/session.ts";
+import { fillReport, type ReportData } from "./data.ts";
+
+type Differences = ReportData["differences"];
+
+/** The whole file.
+ * @throws Error with a sentence. */
+export async function makeReport(): Promise<string> {
+  const now = run.value;
+  if (!now) throw new Error("There is no run to be reported yet.");
+  const pins = pinned.value;
+  const texts = [now, ...pins.map((pin) => pin.run)].map((one) => one.text);
+  const differences: Differences = pins.length ? (await call<{ rows: Differences }>("differences", { texts })).rows : [];
+  const page = await fetch("report.html").then((found) => (found.ok ? found.text() : Promise.reject(new Error("The page of the report is not there."))));
+  return fillReport(page, {
+    run: now,
+    pins,
+    notes: notes.value,
+    made: `Made by martensite on ${new Date().toLocaleDateString("en", { dateStyle: "long" })}`,
+    differences,
+    sections: form.value?.sections ?? [],
+    parts: { runs: { cursor: cursor.value }, view: readPart("view") },
+  });
+}
