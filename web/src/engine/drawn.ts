@@ -37,7 +37,7 @@ export function drawRun(scenario: Scenario, core: RunCore): Run {
     outputs: scenario.outputs,
     traces: scenario.traces,
     loops: scenario.loops,
-    stretches: {},
+    stretches: Object.fromEntries(scenario.ports.map((port) => [port, [[0, 0, rows.length - 1]]])),
     phase: { diagrams: [], ports: {} },
     energy: { courses: [], efficiency: null, sentence: "" },
     key: [],

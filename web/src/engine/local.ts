@@ -3,6 +3,7 @@
 import { Refusal } from "../lib/refusal.ts";
 import type { Run } from "../lib/types.ts";
 import { compareDocuments, fillForm, findKnown, readChanges, writeChanged } from "./documents.ts";
+import { movable } from "./fixed.ts";
 import { predictInputs, SERVER, type Changes } from "./inputs.ts";
 import type { Manifest, RunCore, Scenario } from "./types.ts";
 import { drawRun } from "./drawn.ts";
@@ -116,6 +117,7 @@ const calls: Record<string, (request: Request) => Promise<unknown>> = {
   form: async (request) => {
     if (!request["text"] || (request["removed"] as string[] | undefined)?.length) throw new Refusal(`This page cannot do that by itself. ${SERVER}`, "server", 501);
     const { scenario, text, changes } = await understand(request["text"] as string, (request["changes"] as Request | undefined) ?? {});
+    movable.value = new Set(scenario.controls.map((one) => one.path));
     return fillForm(scenario, text, changes, predictInputs(scenario, changes));
   },
   run: async (request): Promise<Run> => {

@@ -30,7 +30,7 @@ from martensite_app.static_site.flat_inputs import DriveShape, list_inputs
 
 SAME = 1e-12
 """Share of a number up to which it is the same."""
-PARTS = (0.37, 0.001, 1.0, 0.61)
+PARTS = (0.37, 0.001, 1.0)
 """Where between the value and an end of its slider a control is tried; hardly changed, too."""
 SHORTER = (1.0, 0.95, 0.75, 0.5, 0.25, 0.1)
 """Shares of the way to an end that are tried as the end of the range."""
@@ -190,10 +190,11 @@ class _Measurement:
             if not values:
                 return []
             try:
-                shown = not control.terms
+                shown = not control.terms or any(name.startswith("form:") for name in control.terms)
                 rows = list[tuple[float, dict[str, float]]]()
                 for x in values:
                     rows.append((x, self.build([(control.node, x)], shown)))
+                    shown = shown and self._moves_others(control, rows[0][1])
                     if self.cautions != control.said and (control.tried or len(rows) > 1):
                         raise UnmappedError("it changes the cautions")
                     control.said = self.cautions
@@ -206,6 +207,11 @@ class _Measurement:
             control.low, control.high = min(control.low, reached), max(control.high, reached)
             return rows
         return []
+
+    def _moves_others(self, control: MappedControl, row: Numbers) -> bool:
+        """Whether numbers that other controls show follow from it."""
+        before, own = self.map.numbers, f"form:{control.path}"
+        return any(n.startswith("form:") and n != own and not _is_same(x, before[n]) for n, x in row.items())
 
     def _choose_value(self, control: MappedControl, end: float, share: float) -> float:
         """A value of a share of the way to an end."""
@@ -220,7 +226,9 @@ class _Measurement:
     def _fit(self, control: MappedControl, rows: Sequence[tuple[float, Numbers]]) -> None:
         """Terms of all numbers that moved; those there are must hold."""
         before, terms = self.map.numbers, dict(control.terms)
-        for name in dict.fromkeys(n for _, row in rows for n in row if not _is_same(row[n], before[n])):
+        own = f"form:{control.path}"
+        moved = (n for _, row in rows for n in row if n != own and not _is_same(row[n], before.get(n, math.nan)))
+        for name in dict.fromkeys(moved):
             if name not in terms:
                 if control.tried or control.terms:
                     raise UnmappedError(f"`{name}` follows from it on one side only")
@@ -260,7 +268,7 @@ class _Measurement:
         try:
             if shared:
                 self._fit_products(a, b, shared)
-            for x, y in itertools.product((one.low, one.high), (two.low, two.high)):
+            for x, y in ((one.low, two.high), (one.high, two.low)):
                 if x != one.value and y != two.value:
                     self._check_pair(a, b, x, y)
         except UnmappedError:

@@ -24,11 +24,13 @@ RUNS = "runs"
 """Folder of scenarios and modules in that of the page."""
 MARK = '<meta name="martensite-runs" content="runs/manifest.json">'
 """Says to the page that there is no server."""
+FIRST = "constant_power"
+"""The scenario with which the bench begins."""
 Tell = Callable[[str], None]
 
 
-def write_site(folder: Path, names: list[str] | None = None, tell: Tell = lambda words: None) -> JsonTable:
-    """Write the page with scenarios of the package, all that run without files of their own by default.
+def write_site(folder: Path, texts: Mapping[str, str], tell: Tell = lambda words: None) -> JsonTable:
+    """Write the page with scenarios, texts by name; the first is shown first.
 
     Raises:
         DataError: the folder is there and holds something else.
@@ -37,11 +39,9 @@ def write_site(folder: Path, names: list[str] | None = None, tell: Tell = lambda
     """
     find_wasm_compiler()
     _prepare_folder(folder)
-    texts = list_standalone()
-    chosen = {name: texts[name] for name in names or texts if can_offer(texts[name])}
     listed = list[JsonTable]()
-    with ProcessPoolExecutor(max(1, min(len(chosen), os.cpu_count() or 1))) as pool:
-        jobs = {name: pool.submit(describe_scenario_files, name, text) for name, text in chosen.items()}
+    with ProcessPoolExecutor(max(1, min(len(texts), os.cpu_count() or 1))) as pool:
+        jobs = {name: pool.submit(describe_scenario_files, name, text) for name, text in texts.items()}
         for name, job in jobs.items():
             files, entry = job.result()
             for file, content in files.items():
@@ -52,6 +52,12 @@ def write_site(folder: Path, names: list[str] | None = None, tell: Tell = lambda
     (folder / RUNS / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
     _write_page(folder)
     return manifest
+
+
+def list_offered() -> dict[str, str]:
+    """Name and text of the scenarios of the package that the page can run, that of the default wire first."""
+    known = {name: text for name, text in list_standalone().items() if can_offer(text)}
+    return {FIRST: known[FIRST], **known}
 
 
 def can_offer(text: str) -> bool:
