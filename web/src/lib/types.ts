@@ -122,6 +122,8 @@ export interface SceneData {
   high: [number, number, number];
   /** Names of columns by port, and by time whether the element hangs slack. */
   ports: Record<string, { temperature: string; martensite_fraction: string; force: string; slack: number[] }>;
+  /** Why nothing is drawn. */
+  sentence?: string;
 }
 
 export interface Run {

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.assembly.lengths import measure_lengths
@@ -17,6 +18,7 @@ from martensite.scenario.scenario import Scenario
 from martensite.simulate.result import Result
 from martensite_app.messages import JsonTable
 from martensite_app.views.columns import choose_rows
+from martensite_app.views.formulas import Formulas, rebuild_recorded
 
 MOST, LEAST = 241, 61
 """Pictures of a run: as many, and as few where there are many shapes."""
@@ -54,6 +56,31 @@ def describe_scene(scenario: Scenario, result: Result) -> JsonTable:
             }
             for port in system.actuators()
         },
+    }
+
+
+def describe_shapes(scenario: Scenario, result: Result) -> JsonTable:
+    """The drawing of the mechanism as formulas of its outputs over time and of all parameters."""
+    table = Formulas()
+    system, columns = rebuild_recorded(scenario, table), result.columns
+    firsts: Any = {name: [table.leaf("first", name, column[0])] for name, column in columns.items()}
+    lengths = measure_lengths(system, firsts)
+    outputs: Any = {name: table.leaf("y", name, columns[name][0]) for name in system.mechanism.outputs()}
+    shapes = system.mechanism.draw_shapes(DrawingState(outputs, lengths))
+    found = table.collect(shapes=[_record_shape(shape, system) for shape in shapes])
+    return found | {"ports": {p: {name: system.label(p, name) for name in SHOWN} for p in system.actuators()}}
+
+
+def _record_shape(shape: DrawingShape, system: AbstractSystem) -> JsonTable:
+    element = _describe_element(system.actuators()[shape.port].element) if shape.port else {}
+    return {
+        "name": shape.name,
+        "kind": shape.kind,
+        "size": shape.size,
+        "points": shape.points,
+        "turn": shape.turn if shape.kind in TURNING else None,
+        "port": shape.port or None,
+        **element,
     }
 
 

@@ -57,8 +57,8 @@ class TracePanel:
         self.ports.setdefault(port, []).append(column)
 
 
-def list_panels(result: Result, outside: Outside | None = None) -> list[JsonTable]:
-    """The panels over time, from top to bottom."""
+def list_panels(result: Result, outside: Outside | None = None, *, repeated: bool = False) -> list[JsonTable]:
+    """The panels over time, from top to bottom; with columns that repeat an earlier one only if asked for."""
     panels: dict[str, TracePanel] = {}
     homes = _find_homes(result, outside)
     for name in result.columns:
@@ -66,7 +66,7 @@ def list_panels(result: Result, outside: Outside | None = None) -> list[JsonTabl
         if key not in panels:
             title = OUTPUTS[key].long_name if key in OUTPUTS else _find_title(result, key, name)
             panels[key] = TracePanel(key, title, usual, (0.0, 1.0) if key in FRACTIONS else ())
-        if not _is_repeated(result, panels[key], port, name):
+        if repeated or not _is_repeated(result, panels[key], port, name):
             panels[key].add(port, name)
     for panel in panels.values():
         if sum(name in result.system.mechanism.outputs() for name in panel.ports.get("", [])) > 1:
