@@ -39,34 +39,35 @@ export interface RunCore {
   samples: number;
   /** Of the calculation [s]. */
   seconds: number;
+  /** Sentences about the march: what is not accounted for, where it stopped, a tolerance that was missed. */
+  warnings: string[];
+  cautions: string[];
 }
 
-/** Constants of a module; the C stands in martensite/simulate. */
+/** Lengths of what a module reads and writes; its C stands in martensite/simulate. */
 export interface Layout {
   /** `adaptive` and `fixed` are `march_on` on a block; `given` is `march` of a system in discrete time. */
   march: "adaptive" | "fixed" | "given";
   size: number;
   drives: number;
   inputs: number;
+  /** Where among the inputs of a step the signal of every drive is. */
+  places: number[];
   outputs: number;
   judged: number;
   envelope: number;
   parameters: number;
+  reports: number;
   /** Numbers that are said of a run before the ranges of what is judged. */
   said: number;
   order: 2 | 4;
 }
 
-/** How an entry of the inputs follows from controls: a sum of products of functions of one control each. */
-export interface Term {
-  entry: number;
-  coefficient: number;
-  /** Controls (by number) and the functions of each. */
-  of: [control: number, shape: Shape][];
-}
+/** How an entry of the inputs moves with a control: coefficient times the change of a function of it. */
+export type Term = [entry: number, shape: Shape, coefficient: number];
 
-/** x, 1/x, x², √x, x³, 1/x². */
-export type Shape = "x" | "1/x" | "x2" | "root" | "x3" | "1/x2";
+/** x, a power of it, or its inverse. */
+export type Shape = "x" | "1/x" | "x2" | "root" | "x3" | "1/x2" | "x4" | "1/root";
 
 /** A number control of the form that the page can change by itself. */
 export interface Control {
@@ -75,15 +76,33 @@ export interface Control {
   /** Range in which the map was measured, in SI. */
   low: number;
   high: number;
-  /** Numbers of controls which may not be changed together with this one. */
-  apart: number[];
+  terms: Term[];
+  /** Cautions that come with any change of it. */
+  said: string[];
 }
 
-/** Segments and tones of a drive: where they begin among the inputs. */
+/** A drive: so many segments and tones from an entry of the inputs on, column by column; or readings. */
 export interface DriveAt {
   segments: number;
   tones: number;
   at: number;
+  /** Which of the readings, if there are no segments. */
+  readings: number;
+  /** Whether it is read at the end of a step. */
+  ahead: boolean;
+}
+
+/** A bound of the envelope, in words. */
+export interface Bound {
+  /** Output of the module that is bounded. */
+  output: number;
+  words: string;
+  shown: string;
+  factor: number;
+  offset: number;
+  reason: string;
+  port: string;
+  name: string;
 }
 
 /** What the page knows of a scenario. */
@@ -96,34 +115,46 @@ export interface Scenario {
   module: string;
   layout: Layout;
   form: ScenarioForm;
-  /** Unit spellings by SI unit: SI = number * size + zero. */
+  /** Spellings of units by SI unit: SI = number * size + zero. */
   units: Record<string, Record<string, [size: number, zero: number]>>;
-  /** Inputs at the packaged numbers, in one list: parameters, then what `places` names. */
-  inputs: number[];
+  /** Inputs at the packaged numbers; infinite ones as text. */
+  inputs: (number | string)[];
   places: {
     duration: number;
     tolerance: number;
     samples: number;
-    /** Longest step; -1 for none. */
     step: number;
-    /** First step of the mechanism [s], which may be infinite (written as null). */
     mechanism: number;
     inertial: number;
-    limits: number;
+    interval: number;
+    low: number;
+    high: number;
     drives: DriveAt[];
+    /** Numbers that the form shows and that follow from other controls. */
+    shown: [entry: number, path: string][];
   };
+  /** Readings of drives at every step, of 8 bytes in base 64. */
+  readings: string[];
   controls: Control[];
-  terms: Term[];
+  /** Coefficients of products of two changes. */
+  products: [entry: number, one: number, other: number, coefficient: number][];
+  /** Controls which may not be changed together. */
+  apart: [one: number, other: number][];
+  /** Paths of controls that need the server. */
+  elsewhere: string[];
   /** Paths of parameters, in the order of the inputs. */
   parameters: string[];
-  /** Names of the outputs of the module, columns first, profiles after. */
+  /** Names of the outputs of the module: columns first, profiles after. */
   names: string[];
   columns: number;
-  /** Places of judged outputs, the least range of each that counts. */
+  /** Places of judged outputs among all, and the least range of each that counts. */
   judged: [output: number, least: number][];
-  /** Port and output of every bound. */
-  envelope: [port: string, output: string][];
+  envelope: Bound[];
+  /** Names of accounts; whether there are balances of heat and work. */
   accounts: string[];
+  balances: { heat: boolean; work: boolean };
+  /** Sentences of statuses by their number. */
+  statuses: Record<string, string>;
   outputs: Record<string, Output>;
   coordinate: string;
   ports: string[];
@@ -137,5 +168,5 @@ export interface Scenario {
 /** The scenarios of the page. */
 export interface Manifest {
   version: string;
-  scenarios: { name: string; title: string; text: string; file: string }[];
+  scenarios: { name: string; title: string; text: string; file: string; module: string }[];
 }

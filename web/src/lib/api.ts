@@ -1,20 +1,18 @@
 // The server's addresses: quick calls, jobs, files. A refusal is an error with its sentence.
 
-export class Refusal extends Error {
-  constructor(
-    message: string,
-    readonly kind: string,
-    readonly status: number,
-  ) {
-    super(message);
-  }
-}
+import { answerLocally, isStatic } from "../engine/local.ts";
+import { SERVER } from "../engine/inputs.ts";
+import { Refusal } from "./refusal.ts";
+
+export { Refusal };
 
 /** What went wrong, in words. */
 export const sentence = (error: unknown): string => (error instanceof Error ? error.message : String(error));
 
 /** Whether a call ended because a newer one of its lane came. */
 export const superseded = (error: unknown): boolean => error instanceof Refusal && error.kind === "superseded";
+
+const NO_SERVER = `This page has no server. ${SERVER}`;
 
 /** Identity of this tab; it outlives a reload, so that jobs are found again. */
 export const tab: string = (() => {
@@ -45,6 +43,7 @@ async function answered<T>(response: Response): Promise<T> {
 }
 
 async function asked<T>(path: string, options: RequestInit = {}): Promise<T> {
+  if (isStatic()) throw new Refusal(NO_SERVER, "server", 501);
   let response: Response;
   try {
     response = await fetch(path, { ...options, headers: { "X-Tab": tab, "X-Quietly": "1", ...options.headers } });
@@ -59,6 +58,7 @@ const running = new Map<string, AbortController>();
 
 /** A quick call. A newer one of the same lane goes over an older, which then ends as `superseded`. */
 export async function call<T>(name: string, request: object = {}, lane = ""): Promise<T> {
+  if (isStatic()) return answerLocally<T>(name, request);
   const control = new AbortController();
   if (lane) {
     running.get(lane)?.abort();
