@@ -22,7 +22,7 @@ interface Limits {
 }
 
 /** Actuators whose laws are alike in kind and numbers share a diagram. */
-export function describePhase(columns: Columns, parameters: Values, { lines }: Views): Phase {
+export function describePhase(columns: Columns, parameters: Values, { lines }: Pick<Views, "lines">): Phase {
   const known = new Computed(lines, parameters);
   const limits = findLimits(columns, lines.ports);
   const laws: string[] = [];

@@ -14,10 +14,12 @@ const MOST_NUMBERS = 60_000;
 /** Quantum as a share of the size of the picture. */
 const FINENESS = 1e-5;
 
+const OTHER_PARTS = "With these numbers the mechanism has other parts than the drawing that the page has of it.";
+
 type Point = [number, number, number];
 
 /** Shapes once, and where they are over time. */
-export function drawScene(times: Numbers, columns: Columns, parameters: Values, { scene }: Views): SceneData {
+export function drawScene(times: Numbers, columns: Columns, parameters: Values, { scene }: Pick<Views, "scene">): SceneData {
   const count = scene.shapes.reduce((sum, shape) => sum + 3 * shape.points.length, 0);
   const rows = chooseRows(times.length, Math.max(Math.min(MOST, Math.floor(MOST_NUMBERS / Math.max(count, 1))), LEAST));
   const known = new Computed(scene, parameters, columns, rows);
@@ -40,7 +42,7 @@ export function drawScene(times: Numbers, columns: Columns, parameters: Values, 
     low,
     high,
     ports: Object.fromEntries(Object.entries(scene.ports).map(([port, names]) => [port, { ...names, slack: listSlack(columns[names.force]!, rows) }])),
-    ...(holds ? {} : { sentence: "With these numbers the mechanism has other parts than the drawing that the page has of it." }),
+    ...(scene.sentence || !holds ? { sentence: scene.sentence || OTHER_PARTS } : {}),
   };
 }
 

@@ -15,9 +15,7 @@ import { listWarnings } from "./warnings.ts";
 const NOTHING = 1e-12;
 
 /** What of a scenario the views need. */
-export type Described = Pick<Scenario, "title" | "described" | "outputs" | "coordinate" | "ports" | "traces" | "loops" | "cautions" | "envelope" | "accounts"> & {
-  views: Views;
-};
+export type Described = Pick<Scenario, "title" | "described" | "outputs" | "coordinate" | "ports" | "traces" | "loops" | "views">;
 
 /** The run as the server tells it (martensite_app.calls.scenarios). */
 export function describeRun(core: RunCore, scenario: Described, values: Values = core.parameters): Run {
@@ -25,7 +23,7 @@ export function describeRun(core: RunCore, scenario: Described, values: Values =
   const { views, outputs, ports } = scenario;
   const rows = chooseRows(times.length);
   const thinned = Object.fromEntries(Object.entries(columns).map(([name, column]) => [name, pick(column, rows)]));
-  const { alarms, warnings } = listAlarms({ times, columns, outputs, parameters: values, views }, (found) => listWarnings(core, scenario, values, found));
+  const { alarms, warnings } = listAlarms({ times, columns, outputs, parameters: values, views }, (found) => listWarnings(core, views, values, found));
   const energies = integrateEnergies(times, columns, values, views);
   const temperature = (port: string): string => (views.elements.prefixed ? `${port}.temperature` : "temperature");
   return {
@@ -39,10 +37,10 @@ export function describeRun(core: RunCore, scenario: Described, values: Values =
     stroke: range(columns, scenario.coordinate),
     coordinate: scenario.coordinate,
     ports,
-    cautions: scenario.cautions,
+    cautions: core.cautions,
     warnings,
     alarms,
-    runtime: "wasm",
+    runtime: "WebAssembly",
     seconds: core.seconds,
     times: pick(times, rows),
     columns: thinned,

@@ -77,17 +77,10 @@ export interface Views {
   elements: Table & { ports: Record<string, PortRows>; supply: number | null; alone: boolean; prefixed: boolean };
   laws: LawWords[];
   doubts: Record<string, Doubt[]>;
-  balances: ("heat" | "work")[];
   guard: { column: string; checks: Record<string, string[]>; limited: number; period: number } | null;
-  /** What is said of steps that are too long. */
-  long_step: string;
-  /** What is said where a run leaves each of its bounds, in their order. */
-  exits: { words: string; reason: string; shown: string; size: number; zero: number }[];
-  /** Of a bench [s]; 0 without. */
-  period: number;
   key: { strokes: Stroke[]; peaks: Peak[] };
   /** Powers hold for a period. */
   held: boolean;
   lines: Table & { numbers: Record<string, Record<string, number>>; ports: LinesAt[] };
-  scene: Table & { shapes: ShapeRows[]; ports: Record<string, { temperature: string; martensite_fraction: string; force: string }> };
+  scene: Table & { shapes: ShapeRows[]; ports: Record<string, { temperature: string; martensite_fraction: string; force: string }>; sentence: string };
 }

@@ -5,30 +5,21 @@ import type { Alarm } from "../lib/types.ts";
 import { highest, lowest } from "./columns.ts";
 import type { Numbers } from "./excursions.ts";
 import { Computed, general, type Values } from "./formulas.ts";
-import type { Described } from "./run.ts";
 import type { Doubt, LawWords, Views } from "./types.ts";
 
 /** Share of a stress from which a law is doubtful, from which on it is said. */
 const NEAR = 0.8;
 /** Compression [Pa] from which on it is said that a law knows tension only. */
 const NOTICEABLE = 5e6;
-/** Energies [J] that are nothing to balance. */
-const LEAST_HEAT = 1e-9;
-const LEAST_WORK = 1e-12;
 
-/** In the order in which a run in Python says them. */
-export function listWarnings(core: RunCore, scenario: Described, values: Values, alarms: Alarm[]): string[] {
-  const { views } = scenario;
+/** What the march says, alarms, doubts about laws, and what the guard did. */
+export function listWarnings(core: RunCore, views: Views, values: Values, alarms: Alarm[]): string[] {
   const doubts = views.laws.flatMap((law) => describeDoubts(core, views, values, law));
   return [
-    ...describeBalances(core, scenario),
-    ...describeExit(core, views),
+    ...core.warnings,
     ...alarms.map((one) => one.sentence),
-    ...(core.status === "LONG_STEP" ? [`Warning: ${views.long_step}`] : []),
     ...new Set(doubts),
-    ...describeAccuracy(core),
     ...describeGuard(core, views),
-    ...describeEnd(core, views),
   ];
 }
 
@@ -74,42 +65,6 @@ function countOpenTurns(values: Numbers): number {
   return most;
 }
 
-function describeBalances(core: RunCore, { views, accounts }: Described): string[] {
-  const own = (name: string): number => core.accounts[accounts.indexOf(name)] ?? 0;
-  const stored = own("sensible") + own("latent");
-  const held = own("springs") + own("gravity") + own("kinetic") + own("magnetic");
-  const share = {
-    heat: [Math.abs(core.putIn - core.lost - stored), Math.max(Math.abs(core.putIn), Math.abs(core.lost), Math.abs(stored)), LEAST_HEAT],
-    work: [
-      Math.abs(own("work") - held - own("dissipated") - own("outside")),
-      Math.max(own("exchanged"), Math.abs(held), Math.abs(own("dissipated"))),
-      LEAST_WORK,
-    ],
-  } as const;
-  return views.balances.flatMap((words) => {
-    const [missing, most, least] = share[words];
-    if (!(most > least) || missing / most <= core.tolerance) return [];
-    return [`Warning: ${exponential(missing / most)} of the ${words} is not accounted for, more than the tolerance of ${exponential(core.tolerance)}.`];
-  });
-}
-
-function describeExit({ exit }: RunCore, { exits }: Views): string[] {
-  if (!exit) return [];
-  const { words, shown, size, zero, reason } = exits[exit.place]!;
-  const bound = exit.value > 0 ? exit.high : exit.low;
-  const told = (value: number): string => `${general((value - zero) / size, 5)} ${shown}`;
-  const beyond = zero > 0 && exit.value <= 0 ? "absolute zero" : reason;
-  return [`The run stopped at t = ${general(exit.time, 6)} s: the ${words} came to ${told(exit.value)}, beyond ${told(bound)}, ${beyond}.`];
-}
-
-function describeAccuracy({ accuracy, tolerance, steps, status }: RunCore): string[] {
-  if (accuracy === null || accuracy <= tolerance || status === "OUT_OF_ENVELOPE") return [];
-  return [
-    `Warning: the tolerance of ${exponential(tolerance)} was not reached in ${steps.toLocaleString("en-US")} steps; ` +
-      `what is judged may be off by ${exponential(accuracy)} of its range.`,
-  ];
-}
-
 /** What the guard of a loop did. */
 function describeGuard(core: RunCore, { guard }: Views): string[] {
   const raised = guard && core.columns[guard.column];
@@ -123,18 +78,3 @@ function describeGuard(core: RunCore, { guard }: Views): string[] {
     );
   });
 }
-
-/** A run in periods that ends at another time than was asked for. */
-function describeEnd({ times, duration, status }: RunCore, { period }: Views): string[] {
-  const end = times.at(-1)!;
-  if (!period || status === "OUT_OF_ENVELOPE" || Math.abs(end - duration) <= 1e-6 * duration) return [];
-  const told = (value: number): string => general(value, 6);
-  return [
-    `Warning: The run ends at ${told(end)} s instead of ${told(duration)} s: it goes in periods of ${told(period)} s. ` +
-      "Try a duration that is a multiple of it.",
-  ];
-}
-
-/** As Python writes it with the format `.1e`. */
-const exponential = (value: number): string =>
-  value.toExponential(1).replace(/e([+-])(\d)$/, "e$10$2");

@@ -18,8 +18,7 @@ from martensite_app.messages import JsonTable
 from martensite_app.static_site.flat_inputs import SEGMENT, TONE
 from martensite_app.static_site.input_map import InputMap, list_numbers
 from martensite_app.static_site.run_module import RunSource, describe_layout
-from martensite_app.views.columns import list_columns
-from martensite_app.views.traces import list_loops, list_panels
+from martensite_app.views.page import describe_page
 
 SCALARS = ("duration", "tolerance", "samples", "step", "mechanism", "inertial", "interval")
 SPELLINGS = (
@@ -37,9 +36,7 @@ def describe_static(name: str, text: str, made: InputMap, source: RunSource, mod
     entries = {entry: k for k, entry in enumerate(order)}
     return {
         "name": name,
-        "title": scenario.title,
         "text": text,
-        "described": scenario.whole.description(),
         "module": module,
         "layout": describe_layout(compiled, source),
         "form": made.form,
@@ -49,7 +46,6 @@ def describe_static(name: str, text: str, made: InputMap, source: RunSource, mod
         "readings": [base64.b64encode(one.tobytes()).decode() for one in made.samples],
         **_describe_map(made, entries),
         **_describe_outputs(scenario, compiled),
-        "views": None,
     }
 
 
@@ -137,12 +133,7 @@ def _describe_outputs(scenario: Scenario, compiled: CompiledMarch) -> JsonTable:
         "accounts": list(ACCOUNTS),
         "balances": {"heat": book.heat, "work": book.work},
         "statuses": {str(int(one)): one.sentence for one in Status},
-        "outputs": list_columns(result)["outputs"],
-        "coordinate": result.coordinate,
-        "ports": list(system.actuators()),
-        "traces": list_panels(result, scenario.outside),
-        "loops": list_loops(result),
-        "cautions": scenario.cautions,
+        **describe_page(scenario, result),
     }
 
 

@@ -78,20 +78,6 @@ def _describe_missing(sentence: str) -> JsonTable:
     return {"courses": [], "efficiency": None, "sentence": sentence}
 
 
-def describe_phase(result: Result) -> JsonTable:
-    """Bands of the laws of a run; actuators with the same law share a diagram."""
-    laws: dict[AbstractLaw, int] = {}
-    ports: dict[str, JsonTable] = {}
-    highest, coldest = _find_limits(result)
-    for port, actuator in result.system.actuators().items():
-        ports[port] = {
-            "diagram": laws.setdefault(actuator.element.law, len(laws)),
-            "x": result.system.label(port, "temperature"),
-            "y": result.system.label(port, "stress"),
-        }
-    return {"diagrams": [_describe_diagram(law, highest, coldest) for law in laws], "ports": ports}
-
-
 def _find_limits(result: Result) -> tuple[float, float]:
     """Highest stress [Pa] and lowest temperature [K] of the diagrams, rounded outwards."""
     system = result.system

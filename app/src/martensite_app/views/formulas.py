@@ -20,6 +20,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, cast
 
 from martensite.actuators.assembly import AbstractSystem
+from martensite.base.parameters import Parametrised
 from martensite.control.loop.bench import Bench
 from martensite.kernels.floats import expand_power, find_whole_exponent, power
 from martensite.scenario.scenario import Scenario
@@ -29,6 +30,11 @@ LEAVES = frozenset({"p", "c", "y", "first"})
 """What a row begins with that is computed from no other."""
 SAME = frozenset({"detach", "store", "implicit_root"})
 """Operations that are their first argument."""
+
+
+def write_number(value: float) -> float | str:
+    """A number as JavaScript reads it, which knows what is infinite by name."""
+    return value if math.isfinite(value) else "NaN" if math.isnan(value) else f"{'-' * (value < 0.0)}Infinity"
 
 
 class Formulas:
@@ -49,7 +55,7 @@ class Formulas:
         if isinstance(value, Recorded):
             return value
         number = float(value)
-        return self._add(["c", number if math.isfinite(number) else str(number)], number)
+        return self._add(["c", write_number(number)], number)
 
     def apply(self, name: str, plain: Callable[..., Any], numbers: Sequence[Any]) -> Recorded:
         """What an operation makes of numbers."""
@@ -185,9 +191,22 @@ class Recorded:
 
 def rebuild_recorded(scenario: Scenario, table: Formulas) -> AbstractSystem:
     """The system of a scenario, its plant if it has loops, with recorded numbers for parameters."""
-    numbers = {leaf.path: table.leaf("p", leaf.path, leaf.value) for leaf in scenario.whole.leaves()}
-    whole = scenario.whole.rebuilt(numbers)
+    whole = record_part(scenario.whole, "", table)
     return whole.plant if isinstance(whole, Bench) else whole
+
+
+def record_part(part: Any, path: str, table: Formulas) -> Any:
+    """A part that stands at a path, with a dot behind it, with recorded numbers for parameters."""
+    return part.rebuilt({leaf.path: table.leaf("p", path + leaf.path, leaf.value) for leaf in part.leaves()})
+
+
+def locate_part(whole: Parametrised, part: object) -> str | None:
+    """The path of a part with a dot behind it; None if it is not in the tree."""
+    for name, child in whole.children():
+        below = "" if child is part else locate_part(child, part)
+        if below is not None:
+            return f"{name}.{below}"
+    return None
 
 
 def explore(build: Callable[[Sequence[bool]], tuple[Formulas, Any]], most: int = 8) -> Iterator[tuple[Formulas, Any]]:

@@ -14,7 +14,6 @@ from martensite.actuators.assembly import AbstractSystem, Actuator, Machine
 from martensite.actuators.mechanisms.load_line import AbstractLoadLine
 from martensite.base import units
 from martensite.base.formats import choose_difference_unit, typeset_unit
-from martensite.base.status import Status
 from martensite.control.checks.base import LIMITED
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import ALARM
@@ -24,13 +23,11 @@ from martensite.physics.kinetics.return_points import DEPTH
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.scenario.scenario import Scenario
 from martensite.show.summaries.run import PEAKS
-from martensite.simulate.compiled import ENVELOPE, compile_march
-from martensite.simulate.envelope import BEYOND, WORDS
 from martensite.simulate.result import Result
 from martensite_app.messages import JsonTable
 from martensite_app.views.columns import describe_column
 from martensite_app.views.diagrams import describe_lines
-from martensite_app.views.formulas import Formulas, explore, rebuild_recorded
+from martensite_app.views.formulas import Formulas, explore, locate_part, rebuild_recorded, record_part, write_number
 from martensite_app.views.scene import describe_shapes
 from martensite_app.views.traces import list_loops, list_panels
 
@@ -56,17 +53,23 @@ def describe_page(scenario: Scenario, result: Result | None = None) -> JsonTable
             "elements": _describe_elements(scenario, result),
             "laws": [_describe_law(port, one) for port, one in result.system.actuators().items()],
             "doubts": {port: _list_doubts(scenario, result, port) for port in result.system.actuators()},
-            "balances": _list_balances(scenario),
             "guard": _describe_guard(result),
             "key": _describe_key(result),
-            "long_step": Status.LONG_STEP.sentence,
-            "exits": _list_exits(result),
-            "period": result.system.period if isinstance(result.system, Bench) else 0.0,
             "held": result.system.sample_time() > 0.0,
-            "lines": describe_lines(scenario, result),
-            "scene": describe_shapes(scenario, result),
+            **describe_formulas(scenario, result),
         },
     }
+
+
+def describe_formulas(scenario: Scenario, result: Result) -> JsonTable:
+    """What the page computes of every run: the lines of the laws, and the mechanism in space."""
+    return {"lines": describe_lines(scenario, result), "scene": describe_shapes(scenario, result)}
+
+
+def list_parameters(scenario: Scenario, views: JsonTable) -> dict[str, float | str]:
+    """The parameters that some formulas take, by path."""
+    asked = {row[1] for one in views.values() for row in one["rows"] if row[0] == "p"}
+    return {leaf.path: write_number(leaf.value) for leaf in scenario.whole.leaves() if leaf.path in asked}
 
 
 def _describe_elements(scenario: Scenario, result: Result) -> JsonTable:
@@ -114,14 +117,21 @@ def _describe_law(port: str, one: Actuator) -> JsonTable:
 
 def _list_doubts(scenario: Scenario, result: Result, port: str) -> list[JsonTable]:
     """The stress from which its law is doubtful and the sentence, for every outcome of what the law asks."""
+    known = result.system.actuators()[port].element.law
+    path = locate_part(scenario.whole, known)
+    if not isinstance(known, AbstractLaw):
+        return []
 
     def build(forced: Sequence[bool]) -> tuple[Formulas, Any]:
         table = Formulas(forced)
-        law = rebuild_recorded(scenario, table).actuators()[port].element.law
+        law: AbstractLaw = (
+            rebuild_recorded(scenario, table).actuators()[port].element.law
+            if path is None
+            else record_part(known, path, table)
+        )
         try:
             return table, law.doubt()
         except TypeError:  # found on floats alone: known for these numbers
-            known = result.system.actuators()[port].element.law
             for own, leaf in zip(law.leaves(), known.leaves(), strict=True):
                 table.choose(table.constant(own.value == leaf.value))
             return table, known.doubt()
@@ -130,28 +140,6 @@ def _list_doubts(scenario: Scenario, result: Result, port: str) -> list[JsonTabl
         table.collect(stress=doubt and doubt.stress, sentence=doubt and doubt.sentence)
         for table, doubt in explore(build)
     ]
-
-
-def _list_balances(scenario: Scenario) -> list[str]:
-    if scenario.system.sample_time() or scenario.bench is not None:
-        return []
-    book = compile_march(scenario.system).book
-    return [name for name, known in (("heat", book.heat), ("work", book.work)) if known]
-
-
-def _list_exits(result: Result) -> list[JsonTable]:
-    """What is said where a run leaves each of its bounds, in their order."""
-    ports = list(result.system.actuators())
-    found: list[JsonTable] = []
-    for port in ports:
-        for name in ENVELOPE:
-            unit = result.unit(result.system.label(port, name))
-            shown = units.of_column(name, unit)
-            size, zero = units.find_conversion(shown, unit)
-            where = f" of `{port}`" if len(ports) > 1 else ""
-            words = {"words": WORDS[name] + where, "reason": BEYOND[name]}
-            found.append({**words, "shown": shown, "size": size, "zero": zero})
-    return found
 
 
 def _describe_guard(result: Result) -> JsonTable | None:
