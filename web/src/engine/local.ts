@@ -122,7 +122,8 @@ const calls: Record<string, (request: Request) => Promise<unknown>> = {
   },
   run: async (request): Promise<Run> => {
     const { scenario, text, changes } = await understand(request["text"] as string, (request["changes"] as Request | undefined) ?? {});
-    return drawRun(scenario, await runLocally(scenario, changes, text));
+    const core = await runLocally(scenario, changes, text);
+    return { ...drawRun(scenario, core), cautions: core.cautions };
   },
   compare: async (request) => compareDocuments(request["texts"] as string[]),
 };

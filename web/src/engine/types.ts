@@ -3,6 +3,7 @@
 
 import type { ScenarioForm } from "../form/types.ts";
 import type { Loop, Output, Panel } from "../lib/types.ts";
+import type { Views } from "../views/types.ts";
 
 /** A run, with all its samples, in SI. */
 export interface RunCore {
@@ -162,7 +163,7 @@ export interface Scenario {
   loops: Loop[];
   cautions: string[];
   /** What else the views need; made by martensite_app.views. */
-  views: unknown;
+  views: Views;
 }
 
 /** The scenarios of the page. */

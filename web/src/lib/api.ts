@@ -2,6 +2,7 @@
 
 import { answerLocally, isStatic } from "../engine/local.ts";
 import { SERVER } from "../engine/inputs.ts";
+import { completeAnswer } from "../views/answer.ts";
 import { Refusal } from "./refusal.ts";
 
 export { Refusal };
@@ -65,12 +66,13 @@ export async function call<T>(name: string, request: object = {}, lane = ""): Pr
     running.set(lane, control);
   }
   try {
-    return await asked<T>(`/api/call/${name}`, {
+    const answer = await asked<unknown>(`/api/call/${name}`, {
       method: "POST",
       body: JSON.stringify(request),
       headers: lane ? { "X-Lane": `${load} ${lane}` } : {},
       signal: control.signal,
     });
+    return completeAnswer(name, answer) as T;
   } catch (error) {
     if (error instanceof DOMException) throw new Refusal("A newer request came.", "superseded", 409);
     throw error;

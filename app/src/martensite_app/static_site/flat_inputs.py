@@ -4,7 +4,6 @@
     duration, tolerance, samples, step, mechanism, inertial, interval
     low:K, high:K                bounds of the envelope
     drive:I.start:K, …           segments and tones of the waveform of a drive
-    form:PATH                    a number that the form shows
 
 A waveform of a system in discrete time is read at its samples. Where its segments do not say what is
 read there, as with noise, the readings themselves are kept.

@@ -27,10 +27,7 @@ STRING = """#include <stddef.h>
 void *memcpy(void *, const void *, size_t);
 void *memset(void *, int, size_t);
 """
-EXPORTED = {
-    "march": ("march",),
-    "march_on": ("march_on", "size_of_block"),
-}
+EXPORTED = {"march": ("march",), "march_on": ("march_on", "size_of_block")}
 
 
 @dataclass(frozen=True)

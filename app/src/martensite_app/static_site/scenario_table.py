@@ -18,8 +18,7 @@ from martensite_app.messages import JsonTable
 from martensite_app.static_site.flat_inputs import SEGMENT, TONE
 from martensite_app.static_site.input_map import InputMap, list_numbers
 from martensite_app.static_site.run_module import RunSource, describe_layout
-from martensite_app.views.columns import list_columns
-from martensite_app.views.traces import list_loops, list_panels
+from martensite_app.views.page import describe_page
 
 SCALARS = ("duration", "tolerance", "samples", "step", "mechanism", "inertial", "interval")
 SPELLINGS = (
@@ -37,9 +36,7 @@ def describe_static(name: str, text: str, made: InputMap, source: RunSource, mod
     entries = {entry: k for k, entry in enumerate(order)}
     return {
         "name": name,
-        "title": scenario.title,
         "text": text,
-        "described": scenario.whole.description(),
         "module": module,
         "layout": describe_layout(compiled, source),
         "form": made.form,
@@ -49,7 +46,6 @@ def describe_static(name: str, text: str, made: InputMap, source: RunSource, mod
         "readings": [base64.b64encode(one.tobytes()).decode() for one in made.samples],
         **_describe_map(made, entries),
         **_describe_outputs(scenario, compiled),
-        "views": None,
     }
 
 
@@ -61,8 +57,7 @@ def order_entries(made: InputMap, compiled: CompiledMarch) -> list[str]:
     for number, shape in enumerate(made.drives):
         found += [f"drive:{number}.{name}:{k}" for name in SEGMENT for k in range(shape.segments)]
         found += [f"drive:{number}.{name}:{k}" for name in TONE for k in range(shape.tones)]
-    moved = {name for control in made.controls for name in control.terms}
-    return [*found, *sorted(name for name in moved if name.startswith("form:"))]
+    return found
 
 
 def _write_number(value: float) -> float | str:
@@ -82,19 +77,27 @@ def _list_places(made: InputMap, compiled: CompiledMarch, entries: dict[str, int
         "low": first,
         "high": first + len(compiled.envelope),
         "drives": drives,
-        "shown": [[k, name.removeprefix("form:")] for name, k in entries.items() if name.startswith("form:")],
+        "shown": _list_shown(made, entries),
     }
 
 
+def _list_shown(made: InputMap, entries: dict[str, int]) -> list[tuple[int, str]]:
+    """Parameters that follow from a control of another path, and that a control of their own shows."""
+    places, own = made.scenario.places, {node["path"]: node["value"] for node in list_numbers(made.form)}
+    moved = {name: control.path for control in made.controls for name in control.terms if name.startswith("p:")}
+    found = ((name, places.path(name.removeprefix("p:")), by) for name, by in moved.items())
+    return [(entries[name], path) for name, path, by in found if path != by and own.get(path) == made.numbers[name]]
+
+
 def _describe_map(made: InputMap, entries: dict[str, int]) -> JsonTable:
-    """Controls and how inputs follow from them; what a control shows of itself is no input."""
+    """Controls and how inputs follow from them."""
     controls = [
         {
             "path": one.path,
             "value": one.value,
             "low": one.low,
             "high": one.high,
-            "terms": [[entries[n], *t] for n, t in one.terms.items() if n != f"form:{one.path}"],
+            "terms": [[entries[name], *term] for name, term in one.terms.items()],
             "said": list(one.said),
         }
         for one in made.controls
@@ -137,12 +140,7 @@ def _describe_outputs(scenario: Scenario, compiled: CompiledMarch) -> JsonTable:
         "accounts": list(ACCOUNTS),
         "balances": {"heat": book.heat, "work": book.work},
         "statuses": {str(int(one)): one.sentence for one in Status},
-        "outputs": list_columns(result)["outputs"],
-        "coordinate": result.coordinate,
-        "ports": list(system.actuators()),
-        "traces": list_panels(result, scenario.outside),
-        "loops": list_loops(result),
-        "cautions": scenario.cautions,
+        **describe_page(scenario, result),
     }
 
 
