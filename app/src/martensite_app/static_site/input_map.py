@@ -5,7 +5,8 @@ became another one is told as a sum,
 
     e = e0 + Σ c_a Δg_a + Σ c_ab Δg_a Δg_b,   Δg_a = g_a(x_a) - g_a(x_a0),
 
-with a function g of each control: its value, a power of it, or its inverse. What is fitted through
+with a function g of each control: its value, a power of it, or its inverse; a number whose inverse is such a sum,
+as a power by resistances in series, is told by that. What is fitted through
 two values must hold at others, up to both ends of the range; where it does not, the range ends
 earlier, or the control is left out. Two controls that some number follows from, or that a builder
 may compare, are tried together; those that do not fit are kept apart.
@@ -45,6 +46,7 @@ FUNCTIONS: dict[str, Callable[[float], float]] = {
     "1/root": lambda x: 1.0 / math.sqrt(x),
 }
 Numbers = Mapping[str, float]
+Row = tuple[float, Numbers]
 
 
 class UnmappedError(Exception):
@@ -61,7 +63,8 @@ class MappedControl:
     high: float = 0.0
     terms: dict[str, tuple[str, float]] = field(default_factory=dict[str, tuple[str, float]])
     """Name of a number -> function and coefficient."""
-    tried: list[float] = field(default_factory=list[float])
+    rows: list[Row] = field(default_factory=list[Row])
+    """Values that were tried, and the numbers that came of them."""
     said: tuple[str, ...] = ()
     """Cautions that come with any change of it."""
 
@@ -79,6 +82,11 @@ class MappedControl:
 Pair = tuple[int, int]
 
 
+def _invert(value: float, inverted: bool) -> float:
+    """A number, or its inverse."""
+    return (1.0 / value if value else math.inf) if inverted else value
+
+
 @dataclass
 class InputMap:
     """What is known of a scenario and its controls."""
@@ -94,6 +102,8 @@ class InputMap:
     products: dict[tuple[str, int, int], float] = field(default_factory=dict[tuple[str, int, int], float])
     """Coefficients of products, by number and both controls."""
     apart: set[Pair] = field(default_factory=set[Pair])
+    inverted: set[str] = field(default_factory=set[str])
+    """Numbers of which the inverse is such a sum."""
 
     def predict(self, changes: Mapping[int, float]) -> dict[str, float]:
         """The numbers under changes of controls."""
@@ -102,10 +112,12 @@ class InputMap:
             for name in self.controls[k].terms:
                 moved.setdefault(name, {})[k] = self.controls[k].change(name, value)
         for name, steps in moved.items():
-            total = self.numbers[name] + sum(self.controls[k].terms[name][1] * step for k, step in steps.items())
+            inverted = name in self.inverted
+            begin = _invert(self.numbers[name], inverted)
+            total = begin + sum(self.controls[k].terms[name][1] * step for k, step in steps.items())
             for (a, x), (b, y) in itertools.combinations(sorted(steps.items()), 2):
                 total += self.products.get((name, a, b), 0.0) * x * y
-            found[name] = total
+            found[name] = _invert(total, inverted)
         return found
 
 
@@ -233,11 +245,11 @@ class _Measurement:
             if not values:
                 continue
             try:
-                self._fit(control, [(x, self.build([(node, x)])) for x in values])
+                control.rows = [(x, self.build([(node, x)])) for x in values]
+                self._fit(control)
             except UnmappedError as error:
                 reason = str(error)
                 continue
-            control.tried = list(values)
             control.low, control.high = min(value, *values), max(value, *values)
             control.said = self.cautions
             return control
@@ -253,28 +265,46 @@ class _Measurement:
         how = control.node
         return _read_shown(how, float(f"{found * how['factor'] + how['offset']:.6g}"))
 
-    def _fit(self, control: MappedControl, rows: Sequence[tuple[float, Numbers]]) -> None:
+    def _fit(self, control: MappedControl) -> None:
         """Functions of all numbers that moved."""
         before = self.map.numbers
-        moved = dict.fromkeys(n for _, row in rows for n, x in row.items() if not _is_same(x, before[n]))
-        control.terms = {name: self._choose_function(control, name, rows) for name in moved}
+        moved = dict.fromkeys(n for _, row in control.rows for n, x in row.items() if not _is_same(x, before[n]))
+        control.terms = {name: self._find_function(control, name) for name in moved}
 
-    def _choose_function(
-        self, control: MappedControl, name: str, rows: Sequence[tuple[float, Numbers]]
-    ) -> tuple[str, float]:
-        before, (at, row) = self.map.numbers[name], rows[0]
+    def _find_function(self, control: MappedControl, name: str) -> tuple[str, float]:
+        """How a number follows from a control; if only its inverse does simply, that of all controls is told."""
+        inverted = name in self.map.inverted
+        found = self._choose_function(control, name, inverted)
+        if found is None and not inverted:
+            found = self._choose_function(control, name, True)
+            others = [one for one in self.map.controls if name in one.terms]
+            anew = [self._choose_function(one, name, True) for one in others]
+            if found is not None and None not in anew:
+                self.map.inverted.add(name)
+                for one, term in zip(others, anew, strict=True):
+                    one.terms[name] = cast("tuple[str, float]", term)
+                return found
+            found = None
+        if found is None:
+            raise UnmappedError(f"`{name}` is no simple function of it")
+        return found
+
+    def _choose_function(self, control: MappedControl, name: str, inverted: bool) -> tuple[str, float] | None:
+        """The function through the rows of a control; None if no known one is."""
+        before = _invert(self.map.numbers[name], inverted)
+        rows = [(x, _invert(row[name], inverted)) for x, row in control.rows]
+        at, value = rows[0]
         positive = control.value > 0.0 and all(x > 0.0 for x, _ in rows)
         for word, function in FUNCTIONS.items():
             if word not in ("x", "x2", "x3") and not positive:
                 continue
-            slope = (row[name] - before) / (function(at) - function(control.value))
+            slope = (value - before) / (function(at) - function(control.value))
             if not math.isfinite(slope):
                 continue
             slope = float(round(slope)) if abs(slope - round(slope)) < SAME * abs(slope) else slope
-            others = (before + slope * (function(x) - function(control.value)) for x, _ in rows)
-            if all(_is_same(x, one[name]) for x, (_, one) in zip(others, rows, strict=True)):
+            if all(_is_same(before + slope * (function(x) - function(control.value)), y, 3.0) for x, y in rows):
                 return word, slope
-        raise UnmappedError(f"`{name}` is no simple function of it")
+        return None
 
     def _reach_ends(self) -> None:
         """Widen the range of every control as far as its map holds: to the ends of its slider, or less far."""
@@ -311,7 +341,7 @@ class _Measurement:
         shared = [name for name in one.terms if name in two.terms]
         if not shared:
             return
-        x, y = one.tried[0], two.tried[0]
+        x, y = one.rows[0][0], two.rows[0][0]
         try:
             row = self.build([(one.node, x), (two.node, y)])
         except UnmappedError:
@@ -319,8 +349,10 @@ class _Measurement:
             return
         found = made.predict({a: x, b: y})
         for name in shared:
-            if not _is_same(row[name], found[name]):
-                made.products[name, a, b] = (row[name] - found[name]) / (one.change(name, x) * two.change(name, y))
+            if not _is_same(row[name], found[name], 3.0):
+                inverted = name in made.inverted
+                missing = _invert(row[name], inverted) - _invert(found[name], inverted)
+                made.products[name, a, b] = missing / (one.change(name, x) * two.change(name, y))
 
     def _try_pairs(self) -> None:
         """Try pairs of which some number follows, or which a builder may compare, at opposite ends."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from importlib.metadata import version
 from pathlib import Path
@@ -38,7 +38,7 @@ def write_site(folder: Path, texts: Mapping[str, str], tell: Tell = lambda words
         CompileError: the compiler failed.
     """
     find_wasm_compiler()
-    _prepare_folder(folder)
+    prepare_folder(folder)
     listed = list[JsonTable]()
     with ProcessPoolExecutor(max(1, min(len(texts), os.cpu_count() or 1))) as pool:
         jobs = {name: pool.submit(describe_scenario_files, name, text) for name, text in texts.items()}
@@ -48,10 +48,8 @@ def write_site(folder: Path, texts: Mapping[str, str], tell: Tell = lambda words
                 (folder / RUNS / file).write_bytes(content)
             listed.append(entry)
             tell(f"{name}: {sum(map(len, files.values())) / 1e3:.0f} kB")
-    manifest = {"version": version("martensite"), "scenarios": listed}
-    (folder / RUNS / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
-    _write_page(folder)
-    return manifest
+    copy_page(folder)
+    return write_manifest(folder, listed)
 
 
 def list_offered() -> dict[str, str]:
@@ -82,13 +80,22 @@ def name_module(source: RunSource) -> str:
     return f"{source.digest}.wasm"
 
 
-def _prepare_folder(folder: Path) -> None:
+def prepare_folder(folder: Path) -> None:
+    """Make the folder; `DataError` if it holds something else than such a page."""
     if folder.exists() and (not folder.is_dir() or (any(folder.iterdir()) and not (folder / RUNS).is_dir())):
         raise DataError(f"`{folder}` holds something else than a static bench; name a new or empty folder.")
     (folder / RUNS).mkdir(parents=True, exist_ok=True)
 
 
-def _write_page(folder: Path) -> None:
+def write_manifest(folder: Path, scenarios: Sequence[JsonTable]) -> JsonTable:
+    """Write which scenarios the page has."""
+    manifest: JsonTable = {"version": version("martensite"), "scenarios": list(scenarios)}
+    (folder / RUNS / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
+    return manifest
+
+
+def copy_page(folder: Path) -> None:
+    """Put the page there, which learns from it that there is no server."""
     for path in STATIC.iterdir():
         shutil.copyfile(path, folder / path.name)
     index = (folder / "index.html").read_text("utf-8")
