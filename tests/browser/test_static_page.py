@@ -6,7 +6,6 @@ import threading
 from collections.abc import Iterator
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
-from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -67,7 +66,10 @@ def test_a_field_runs_the_wire_without_a_server(page: Page) -> None:
 def test_what_needs_the_server_is_grey_and_says_so(page: Page) -> None:
     length = page.locator("#form-element-length")
     expect(length).to_be_disabled()
-    expect(page.locator("fieldset.fixed", has=length)).to_have_attribute("title", "This control needs the server. "
-        "Install martensite on this machine to change it: pip install 'martensite[app]', then martensite app.")
+    expect(page.locator("fieldset.fixed", has=length)).to_have_attribute(
+        "title",
+        "This control needs the server. "
+        "Install martensite on this machine to change it: pip install 'martensite[app]', then martensite app.",
+    )
     page.goto(f"{page.url.split('#')[0]}#/sweep")
     expect(page.get_by_text("This page has no server").first).to_be_visible()

@@ -33,6 +33,8 @@ SAME = 1e-12
 """Share of a number up to which it is the same."""
 SHORTER = (1.0, 0.95, 0.75, 0.5, 0.25, 0.1)
 """Shares of the way to an end that are tried as the end of the range."""
+HARDLY = 0.001
+"""Share of the way that hardly changes anything: what is said of a control is said there already."""
 TOGETHER = 8
 """So many trials are made in one."""
 FUNCTIONS: dict[str, Callable[[float], float]] = {
@@ -139,6 +141,9 @@ def list_numbers(form: ScenarioForm) -> Iterator[NumberNode]:
 class _Measurement:
     """Builds a scenario again and again."""
 
+    reason = ""
+    """Why the last trial failed."""
+
     def __init__(self, text: str) -> None:
         self.text = text
         scenario = build_packaged(text)
@@ -192,7 +197,8 @@ class _Measurement:
         made = self.map
         row = self.build([(made.controls[k].node, value) for k, value in changes.items()])
         found = made.predict(changes)
-        if self.cautions != tuple(one for k in changes for one in made.controls[k].said):
+        moved = [made.controls[k] for k, value in changes.items() if value != made.controls[k].value]
+        if self.cautions != tuple(caution for one in moved for caution in one.said):
             raise UnmappedError("it changes the cautions")
         wrong = [name for name, value in row.items() if not _is_same(found[name], value, 10.0)]
         if wrong:
@@ -250,7 +256,6 @@ class _Measurement:
             except UnmappedError as error:
                 reason = str(error)
                 continue
-            control.low, control.high = min(value, *values), max(value, *values)
             control.said = self.cautions
             return control
         raise UnmappedError(reason)
@@ -309,28 +314,26 @@ class _Measurement:
     def _reach_ends(self) -> None:
         """Widen the range of every control as far as its map holds: to the ends of its slider, or less far."""
         made = self.map
-        near = [(k, self._choose_value(one, one.node["slider"]["high"], 0.001)) for k, one in enumerate(made.controls) if one.node["slider"]]
-        for k in self.sort_out([{k: x} for k, x in near if x != made.controls[k].value]):
-            made.controls[near[k][0]].low = math.nan  # cautions that come late
         for upward in (True, False):
-            open_ones = list(range(len(made.controls)))
+            ways = [(k, self._choose_end(one, upward, HARDLY)) for k, one in enumerate(made.controls)]
+            late = self.sort_out([{k: x} for k, x in ways])  # what is said only further on, or refused at once
+            left = [k for number, (k, _) in enumerate(ways) if number not in late]
             for share in SHORTER:
-                trials = [(k, self._choose_end(made.controls[k], upward, share)) for k in open_ones]
+                trials = [(k, self._choose_end(made.controls[k], upward, share)) for k in left]
                 failed = self.sort_out([{k: x} for k, x in trials])
-                for number, (k, x) in enumerate(trials):
-                    if number not in failed:
-                        one = made.controls[k]
-                        one.low, one.high = min(one.low, x), max(one.high, x)
-                open_ones = [trials[number][0] for number in failed]
-        late = [k for k, one in enumerate(made.controls) if math.isnan(one.low)]
-        for k in late:
-            made.left_out[made.controls[k].path] = "it changes the cautions"
-        made.controls = [one for k, one in enumerate(made.controls) if k not in late]
+                for k, x in (trial for number, trial in enumerate(trials) if number not in failed):
+                    one = made.controls[k]
+                    one.low, one.high = min(one.low, x), max(one.high, x)
+                left = [trials[number][0] for number in failed]
+        made.left_out |= {one.path: self.reason for one in made.controls if one.low == one.high}
+        made.controls = [one for one in made.controls if one.low < one.high]
 
     def _choose_end(self, control: MappedControl, upward: bool, share: float) -> float:
+        """A value on the way to an end of the slider; that of the control itself where there is no way."""
         slider = control.node["slider"]
-        assert slider is not None
-        return self._choose_value(control, slider["high" if upward else "low"], share)
+        return (
+            control.value if slider is None else self._choose_value(control, slider["high" if upward else "low"], share)
+        )
 
     # ------------------------------------------------------------ two controls
 

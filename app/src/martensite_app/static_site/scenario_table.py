@@ -12,7 +12,7 @@ from martensite.base import units
 from martensite.base.errors import MartensiteError
 from martensite.base.status import Status
 from martensite.scenario.scenario import Scenario
-from martensite.simulate.compiled import ENVELOPE, CompiledMarch, compile_march
+from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.envelope import BEYOND, WORDS, Envelope
 from martensite_app.messages import JsonTable
 from martensite_app.static_site.flat_inputs import SEGMENT, TONE
@@ -165,5 +165,4 @@ def _list_bounds(scenario: Scenario, compiled: CompiledMarch) -> Sequence[Any]:
                 "name": name,
             }
         )
-    assert len(found) == len(compiled.envelope) == len(ENVELOPE) * len(system.actuators())
     return found
