@@ -17,9 +17,9 @@ const how = {
 };
 await build({
   ...how,
-  entryPoints: ["src/main.tsx"],
+  entryPoints: { bench: "src/main.tsx", engine: "src/engine/worker.ts" },
   outdir: out,
-  entryNames: "bench",
+  entryNames: "[name]",
   chunkNames: "[name]-[hash]",
   splitting: true,
   format: "esm",

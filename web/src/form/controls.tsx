@@ -2,6 +2,8 @@
 
 import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { movable } from "../engine/fixed.ts";
+import { SERVER } from "../engine/inputs.ts";
 import { Message } from "../ui/message.tsx";
 import { matching, Section } from "./group.tsx";
 import { Wanting } from "./missing.tsx";
@@ -55,6 +57,7 @@ export function Controls() {
   return (
     <div class="form">
       <Notes />
+      {movable.value && <p class="soft small">Grey controls need the server. {SERVER}</p>}
       {wanting.value && <Wanting />}
       <TopControls />
       <button type="button" class="all-button" aria-expanded={showsAll.value} aria-controls="all-parameters" onClick={() => (showsAll.value = !showsAll.value)}>

@@ -1,23 +1,21 @@
 // The server's addresses: quick calls, jobs, files. A refusal is an error with its sentence.
 
+import { answerLocally, isStatic } from "../engine/local.ts";
+import { SERVER } from "../engine/inputs.ts";
+import { completeAnswer } from "../views/answer.ts";
 import { awaitServer } from "./connection.ts";
+import { Refusal } from "./refusal.ts";
 import { makeId, tab } from "./tab.ts";
 
-export class Refusal extends Error {
-  constructor(
-    message: string,
-    readonly kind: string,
-    readonly status: number,
-  ) {
-    super(message);
-  }
-}
+export { Refusal };
 
 /** What went wrong, in words. */
 export const sentence = (error: unknown): string => (error instanceof Error ? error.message : String(error));
 
 /** Whether a call ended because a newer one of its lane came. */
 export const superseded = (error: unknown): boolean => error instanceof Refusal && error.kind === "superseded";
+
+const NO_SERVER = `This page has no server. ${SERVER}`;
 
 /** Identity of this loaded page: a copied tab does not go over the calls of its original. */
 const load = makeId().slice(0, 8);
@@ -40,6 +38,7 @@ async function answered<T>(response: Response): Promise<T> {
 }
 
 async function asked<T>(path: string, options: RequestInit = {}): Promise<T> {
+  if (isStatic()) throw new Refusal(NO_SERVER, "server", 501);
   let response: Response;
   try {
     response = await fetch(path, { ...options, headers: { "X-Tab": tab, "X-Quietly": "1", ...options.headers } });
@@ -62,13 +61,14 @@ const lost = (error: unknown): boolean => error instanceof Refusal && (error.sta
 /** A quick call. A newer one of the same lane goes over an older, which then ends as `superseded`. One that the
  * server did not answer is asked again when it is back. */
 export async function call<T>(name: string, request: object = {}, lane = ""): Promise<T> {
+  if (isStatic()) return answerLocally<T>(name, request);
   const control = new AbortController();
   if (lane) {
     running.get(lane)?.abort();
     running.set(lane, control);
   }
-  const ask = (): Promise<T> =>
-    asked<T>(`/api/call/${name}`, {
+  const ask = (): Promise<unknown> =>
+    asked<unknown>(`/api/call/${name}`, {
       method: "POST",
       body: JSON.stringify(request),
       headers: lane ? { "X-Lane": `${load} ${lane}` } : {},
@@ -77,7 +77,7 @@ export async function call<T>(name: string, request: object = {}, lane = ""): Pr
   try {
     for (let tries = 1; ; tries++) {
       try {
-        return await ask();
+        return completeAnswer(name, await ask()) as T;
       } catch (error) {
         if (!lost(error) || tries >= MOST_TRIES) throw error;
         await awaitServer();

@@ -122,9 +122,12 @@ export interface SceneData {
   high: [number, number, number];
   /** Names of columns by port, and by time whether the element hangs slack. */
   ports: Record<string, { temperature: string; martensite_fraction: string; force: string; slack: number[] }>;
+  /** Why nothing is drawn. */
+  sentence?: string;
 }
 
-export interface Run {
+/** What the server and a run in the page tell alike. */
+export interface RunTold {
   text: string;
   title: string;
   described: string;
@@ -145,9 +148,18 @@ export interface Run {
   outputs: Record<string, Output>;
   traces: Panel[];
   loops: Loop[];
-  stretches: Record<string, Stretch[]>;
-  phase: Phase;
   energy: Energy;
   key: KeyResult[];
+}
+
+/** What the server answers: the page makes the rest by formulas of these parameters. */
+export interface RunAnswer extends RunTold {
+  parameters: Record<string, number | string>;
+  views: unknown;
+}
+
+export interface Run extends RunTold {
+  stretches: Record<string, Stretch[]>;
+  phase: Phase;
   scene: SceneData;
 }

@@ -18,9 +18,9 @@ from martensite_app.engine import run_fast
 from martensite_app.messages import BadMessageError, JsonTable, Request, require_entry
 from martensite_app.uploads import UploadFolder
 from martensite_app.views.columns import list_columns
-from martensite_app.views.diagrams import describe_energy, describe_phase
-from martensite_app.views.scene import describe_scene
-from martensite_app.views.traces import list_alarms, list_loops, list_panels, list_stretches
+from martensite_app.views.diagrams import describe_energy
+from martensite_app.views.page import describe_formulas, list_parameters
+from martensite_app.views.traces import list_alarms, list_loops, list_panels
 from martensite_app.worker import Desk
 
 
@@ -96,14 +96,15 @@ def _summarise_run(scenario: Scenario, result: Result) -> JsonTable:
 
 
 def _draw_run(scenario: Scenario, result: Result) -> JsonTable:
+    """What is drawn; the page makes the rest from `views` and `parameters` (`web/src/views/answer.ts`)."""
+    views = describe_formulas(scenario, result)
     return {
         "traces": list_panels(result, scenario.outside),
         "loops": list_loops(result),
-        "stretches": list_stretches(result),
-        "phase": describe_phase(result),
         "energy": describe_energy(result),
         "key": tabulate_key_results(result).rows,
-        "scene": describe_scene(scenario, result),
+        "parameters": list_parameters(scenario, views),
+        "views": views,
     }
 
 

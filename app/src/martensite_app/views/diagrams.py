@@ -15,13 +15,16 @@ from functools import lru_cache
 from typing import Any
 
 from martensite.base.errors import MartensiteError
+from martensite.base.parameters import describe_structure
 from martensite.design.analysis.energy import find_ways, integrate_energies
 from martensite.physics.laws.base import AbstractLaw
-from martensite.show.figures.phase_diagram import LEAST_STRESS, Band, find_bands
+from martensite.scenario.scenario import Scenario
+from martensite.show.figures.phase_diagram import CRITICAL, LEAST_STRESS, SHIFTED, Band, confirm_lines, find_bands
 from martensite.simulate.result import Result
 from martensite.simulate.transformation_points import find_isobar
 from martensite_app.messages import JsonTable
 from martensite_app.views.columns import choose_rows
+from martensite_app.views.formulas import Formulas, rebuild_recorded
 
 PRESCRIBED = "A drive that prescribes the temperature takes whatever energy it needs; there is no balance."
 NO_ELEMENT = "Nothing is heated here, so there is no energy to be balanced."
@@ -30,6 +33,8 @@ HEADROOM = 1.12
 """The diagram reaches so far beyond the highest stress of the run."""
 STRESSES, TEMPERATURES = 100e6, 10.0
 """Limits are rounded outwards to multiples of these [Pa], [K]: a slider asks for the same ones."""
+COLDER = 15.0
+"""How far below the finish of the transformation a diagram reaches [K]."""
 NO_LINES = "This law has no transformation lines in the plane of temperature and stress."
 
 
@@ -73,20 +78,6 @@ def _describe_missing(sentence: str) -> JsonTable:
     return {"courses": [], "efficiency": None, "sentence": sentence}
 
 
-def describe_phase(result: Result) -> JsonTable:
-    """Bands of the laws of a run; actuators with the same law share a diagram."""
-    laws: dict[AbstractLaw, int] = {}
-    ports: dict[str, JsonTable] = {}
-    highest, coldest = _find_limits(result)
-    for port, actuator in result.system.actuators().items():
-        ports[port] = {
-            "diagram": laws.setdefault(actuator.element.law, len(laws)),
-            "x": result.system.label(port, "temperature"),
-            "y": result.system.label(port, "stress"),
-        }
-    return {"diagrams": [_describe_diagram(law, highest, coldest) for law in laws], "ports": ports}
-
-
 def _find_limits(result: Result) -> tuple[float, float]:
     """Highest stress [Pa] and lowest temperature [K] of the diagrams, rounded outwards."""
     system = result.system
@@ -108,4 +99,48 @@ def _describe_diagram(law: AbstractLaw, highest: float, coldest: float) -> JsonT
 
 @lru_cache(maxsize=64)
 def _find_bands(law: AbstractLaw, highest: float, coldest: float) -> list[Band]:
-    return find_bands(law, highest, min(coldest, find_isobar(law).M_f - 15.0))
+    return find_bands(law, highest, min(coldest, _find_finish(law) - COLDER))
+
+
+def _find_finish(law: AbstractLaw) -> float:
+    """M_f [K]: of its numbers, or else as an isobar shows it."""
+    known = {leaf.path: leaf.value for leaf in law.leaves()}
+    return known["M_f"] if "M_f" in known else find_isobar(law).M_f
+
+
+def describe_lines(scenario: Scenario, result: Result) -> JsonTable:
+    """How the page finds the lines of the law at every port.
+
+    `numbers` are formulas of the law's own parameters, by name. Of a `kind` strips or detwinning they give the lines;
+    other lines were found by driving the law, and hold for the `values` that they were found with.
+    """
+    table = Formulas()
+    recorded = rebuild_recorded(scenario, table).actuators()
+    limits, structures = _find_limits(result), dict[Any, int]()
+    ports: list[JsonTable] = []
+    numbers: dict[str, JsonTable] = {}
+    for port, actuator in result.system.actuators().items():
+        law: AbstractLaw = actuator.element.law
+        values = {leaf.path: leaf.value for leaf in law.leaves()}
+        numbers[port] = {leaf.path: leaf.value for leaf in recorded[port].element.law.leaves()}
+        kind = _find_kind(law, values)
+        ports.append(
+            {
+                "port": port,
+                "x": result.system.label(port, "temperature"),
+                "y": result.system.label(port, "stress"),
+                "structure": structures.setdefault(describe_structure(law), len(structures)),
+                "kind": kind,
+                "driven": {**_describe_diagram(law, *limits), "values": values} if kind == "driven" else None,
+            }
+        )
+    return table.collect(numbers=numbers) | {"ports": ports}
+
+
+def _find_kind(law: AbstractLaw, values: dict[str, float]) -> str:
+    try:
+        if all(name in values for name in SHIFTED) and confirm_lines(law, values):
+            return "detwinning" if all(name in values for name in CRITICAL) else "strips"
+    except MartensiteError:  # the diagram says it
+        pass
+    return "driven"

@@ -19,19 +19,17 @@ from martensite.control.loop.names import ALARM, MEASURED
 from martensite.control.observers.base import ESTIMATED
 from martensite.show.figures.bench_loops import find_alarmed_spans
 from martensite.show.figures.bench_loops import find_loops as controlled
-from martensite.show.figures.hysteresis import LOOPS, find_senses, split_runs
+from martensite.show.figures.hysteresis import LOOPS
 from martensite.show.figures.labels import FRACTIONS
 from martensite.simulate.alarms import Alarm, farthest_changes, undelivered_margins
 from martensite.simulate.result import Result
 from martensite_app.messages import JsonTable
-from martensite_app.views.columns import choose_rows, describe_column
+from martensite_app.views.columns import describe_column
 
 TOGETHER = {"hottest": "temperature", "oriented_fraction": "martensite_fraction", "heat_loss": "power"}
 """Output of an actuator -> the one in whose panel it stands."""
 USUAL = ("temperature", "martensite_fraction", "stress", "drive")
 """Panels of actuators that are shown until others are chosen."""
-MOST_TURNS = 32
-"""Most stretches of heating and cooling that are told apart."""
 Outside = Mapping[str, AbstractController]
 LEVELS = ("temperature", "stress")
 """Kinds whose limit is a level of the column itself."""
@@ -57,8 +55,8 @@ class TracePanel:
         self.ports.setdefault(port, []).append(column)
 
 
-def list_panels(result: Result, outside: Outside | None = None) -> list[JsonTable]:
-    """The panels over time, from top to bottom."""
+def list_panels(result: Result, outside: Outside | None = None, *, repeated: bool = False) -> list[JsonTable]:
+    """The panels over time, from top to bottom; with columns that repeat an earlier one only if asked for."""
     panels: dict[str, TracePanel] = {}
     homes = _find_homes(result, outside)
     for name in result.columns:
@@ -66,7 +64,7 @@ def list_panels(result: Result, outside: Outside | None = None) -> list[JsonTabl
         if key not in panels:
             title = OUTPUTS[key].long_name if key in OUTPUTS else _find_title(result, key, name)
             panels[key] = TracePanel(key, title, usual, (0.0, 1.0) if key in FRACTIONS else ())
-        if not _is_repeated(result, panels[key], port, name):
+        if repeated or not _is_repeated(result, panels[key], port, name):
             panels[key].add(port, name)
     for panel in panels.values():
         if sum(name in result.system.mechanism.outputs() for name in panel.ports.get("", [])) > 1:
@@ -147,21 +145,6 @@ def list_loops(result: Result) -> list[JsonTable]:
         pair = [system.label(ports[0], "temperature"), result.coordinate]
         found.append({"key": "stroke", "ports": {ports[0]: pair}})
     return found if ports else []
-
-
-def list_stretches(result: Result) -> dict[str, list[tuple[int, int, int]]]:
-    """Where each actuator is heated (1), cooled (-1) or kept (0): sense, first and last row.
-
-    Rows are those of `columns`. A path that turns more often than `TURNED` times is not told
-    apart.
-    """
-    kept = choose_rows(len(result.times))
-    found: dict[str, list[tuple[int, int, int]]] = {}
-    for port in result.system.actuators():
-        column = result.columns[result.system.label(port, "temperature")]
-        own = split_runs(find_senses([column[i] for i in kept]))
-        found[port] = own if len(own) <= MOST_TURNS else [(0, 0, len(kept) - 1)]
-    return found
 
 
 def list_alarms(result: Result) -> list[JsonTable]:

@@ -8,11 +8,21 @@
 double exp(double), log(double), sin(double), cos(double), fmin(double, double), sqrt(double), fabs(double);
 
 #define rint(x) __builtin_elementwise_roundeven(x)
+#define ceil(x) __builtin_ceil(x)
+#define isfinite(x) __builtin_isfinite(x)
+#define isnan(x) __builtin_isnan(x)
 
 /* Of positive bases. The error is that of the logarithm times the exponent: below 2e-13 up to 1e304. */
 static inline double pow(double base, double exponent)
 {
     return exp(exponent * log(base));
+}
+
+/* Of positive numbers. */
+static inline double cbrt(double x)
+{
+    const double root = exp(log(x) / 3.0);
+    return root - (root * root * root - x) / (3.0 * root * root);
 }
 
 /* By Lambert's continued fraction up to 1, beyond by an exponential. */

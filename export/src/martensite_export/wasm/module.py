@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from gzip import compress
@@ -101,12 +101,23 @@ def find_wasm_compiler() -> list[str]:
 
 
 def _compile_core(core: CCore, slopes: CoreSlopes | None) -> bytes:
-    """The module. The environment variable `MARTENSITE_CFLAGS` has the last word on the flags."""
-    more = os.environ.get("MARTENSITE_CFLAGS", "").split()
     vectors = VECTORS if slopes and slopes.width > 1 else ()
-    command = [*find_wasm_compiler(), *FLAGS, *vectors, *more, "-I.", "lanes.c", "-o", "made.wasm", *LINKED]
+    return compile_sources({**core.files, **list_sources(core, slopes)}, ["lanes.c"], vectors)
+
+
+def compile_sources(sources: Mapping[str, str], compiled: Sequence[str], more: Sequence[str] = ()) -> bytes:
+    """A module of C sources, by the names of their files, some of which are compiled with more flags.
+
+    The environment variable `MARTENSITE_CFLAGS` has the last word on the flags.
+
+    Raises:
+        InputError: there is no compiler for it.
+        CompileError: the compiler failed.
+    """
+    last = os.environ.get("MARTENSITE_CFLAGS", "").split()
+    command = [*find_wasm_compiler(), *FLAGS, *more, *last, "-I.", *compiled, "-o", "made.wasm", *LINKED]
     with tempfile.TemporaryDirectory() as folder:
-        for name, text in {**core.files, **list_sources(core, slopes)}.items():
+        for name, text in sources.items():
             (Path(folder) / name).write_text(text, encoding="utf-8", newline="\n")
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         if done.returncode:
@@ -114,14 +125,19 @@ def _compile_core(core: CCore, slopes: CoreSlopes | None) -> bytes:
         return (Path(folder) / "made.wasm").read_bytes()
 
 
+def write_math() -> str:
+    """What stands for math.h where there is no libm."""
+    series = f"#define ERFCX_CENTRE {ERFCX_CENTRE}\n#define ERFCX_SERIES {', '.join(map(repr, ERFCX))}\n"
+    return series + _read_text("math.h")
+
+
 def list_sources(core: CCore, slopes: CoreSlopes | None = None) -> dict[str, str]:
     """What is compiled with a core: its lanes, with slopes if it has any, and what stands for libm."""
-    series = f"#define ERFCX_CENTRE {ERFCX_CENTRE}\n#define ERFCX_SERIES {', '.join(map(repr, ERFCX))}\n"
     begin = f'#include "{core.name}.c"\n#define CORE(name) {core.name}_##name\n'
     lanes = begin + _read_text("lanes.c")
     if slopes:
         lanes += f"\n{slopes.source}\n{_read_text('slopes.c')}{slopes.step_source}"
-    return {"math.h": series + _read_text("math.h"), "lanes.c": lanes}
+    return {"math.h": write_math(), "lanes.c": lanes}
 
 
 def _read_text(name: str) -> str:

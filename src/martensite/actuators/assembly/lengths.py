@@ -4,15 +4,15 @@ from collections.abc import Mapping, Sequence
 
 from martensite.actuators.assembly.base import AbstractSystem
 from martensite.actuators.elements.base import AbstractElement
-from martensite.kernels import floats
+from martensite.kernels.recorded import xp
 
 
 def measure_lengths(system: AbstractSystem, columns: Mapping[str, Sequence[float]]) -> dict[str, float]:
     """Length of the element at each port at rest [m], from the first sample of the columns of a run."""
-    forces = system.mechanism.first_forces(floats, [columns[name][0] for name in system.mechanism.signals()])
+    forces = system.mechanism.first_forces(xp, [columns[name][0] for name in system.mechanism.signals()])
     starts = [columns[system.label(port, "drive")][0] for port in system.actuators()]
     return {
-        port: _find_natural_length(one.element) + one.element.elongation(floats, one.start(floats, force, drive), force)
+        port: _find_natural_length(one.element) + one.element.elongation(xp, one.start(xp, force, drive), force)
         for (port, one), force, drive in zip(system.actuators().items(), forces, starts, strict=True)
     }
 

@@ -7,10 +7,10 @@ bends as if by a force at its tip, w = x_tip (3 s² - s³)/2, whatever the modes
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_bar
+from martensite.kernels.recorded import xp
 
 if TYPE_CHECKING:
     from martensite.actuators.mechanisms.beam_motor import BeamMotor
@@ -28,8 +28,8 @@ def drawn_beam(mechanism: BeamMotor, reading: DrawingState) -> list[DrawingShape
     thick, tall = 0.008 * reach, 0.1 * reach
     shares = [k / PIECES for k in range(PIECES + 1)]
     bent = [(reach * s, 0.0, 0.5 * tip * s * s * (3.0 - s)) for s in shares]
-    lowest = -max(tall, 1.15 * across)
-    arm = max(r, 0.03 * reach)
+    lowest = -xp.maximum(tall, 1.15 * across)
+    arm = xp.maximum(r, 0.03 * reach)
     near, out = 1.5 * thick, 4.0 * thick
     axis = ((reach, -near, tip), (reach, -out, tip))
     found = [
@@ -52,5 +52,5 @@ def _measure_reach(mechanism: BeamMotor) -> tuple[float, float]:
     """Way of the wire across the beam, and length of the beam as it is drawn [m]."""
     if mechanism.ports():
         way, angle = mechanism.wire_length, mechanism.wire_angle
-        return way * math.sin(angle), way * math.cos(angle)
-    return 0.0, max(15.0 * mechanism.eccentricity, SHORTEST)
+        return way * xp.sin(angle), way * xp.cos(angle)
+    return 0.0, xp.maximum(15.0 * mechanism.eccentricity, SHORTEST)

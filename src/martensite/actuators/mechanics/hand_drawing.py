@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import reduce
 from typing import TYPE_CHECKING, NamedTuple
 
 from martensite.actuators.mechanisms.drawing import (
@@ -24,6 +25,7 @@ from martensite.actuators.mechanisms.drawing import (
     measure_length,
     trace_arc,
 )
+from martensite.kernels.recorded import xp
 
 if TYPE_CHECKING:
     from martensite.actuators.mechanisms.hand import Hand
@@ -62,12 +64,12 @@ class FingerLengths(NamedTuple):
 def drawn_hand(hand: Hand, reading: DrawingState) -> list[DrawingShape]:
     """Palm, holder of the thumb, forearm, and all fingers."""
     reach = hand.proximal_length + hand.distal_length
-    apart, wide = 3.0 * max(hand.offset, hand.knuckle), 0.7 * reach
+    apart, wide = 3.0 * xp.maximum(hand.offset, hand.knuckle), 0.7 * reach
     wide = 0.5 * hand.span if hand.contact == "cylinder" else wide
     places = (FingerPlace(wide, 0.0, -1.0), FingerPlace(-wide, apart, 1.0), FingerPlace(-wide, -apart, 1.0))
     thick, edge = 0.25 * hand.offset, 1.5 * hand.knuckle
     above = _compute_lift(hand, 4)
-    far = wide - max(*reading.lengths.values(), 2.5 * wide)
+    far = wide - reduce(xp.maximum, reading.lengths.values(), 2.5 * wide)
     arm = ((wide, 0.0, above), (far, 0.0, above))
     found = [
         DrawingShape("palm", "plate", _draw_upright(-wide, apart + edge, above), thick),
@@ -90,13 +92,13 @@ def _draw_upright(x: float, half: float, above: float) -> tuple[Point, ...]:
 
 def _compute_lift(hand: Hand, tendon: int) -> float:
     """How far above the hinges a tendon turns into the forearm: clear of bent fingers [m]."""
-    return max(hand.sizes()) * (hand.distal_length + (0.5 + 0.5 * tendon) * hand.offset)
+    return reduce(xp.maximum, hand.sizes()) * (hand.distal_length + (0.5 + 0.5 * tendon) * hand.offset)
 
 
 def _draw_finger(
     hand: Hand, name: str, size: float, place: FingerPlace, reading: DrawingState
 ) -> Iterator[DrawingShape]:
-    wrapped = min(max(-hand.lowest, LEAST_WRAP), MOST_WRAP)
+    wrapped = xp.clip(-hand.lowest, LEAST_WRAP, MOST_WRAP)
     sizes = FingerLengths(
         size * hand.offset,
         size * hand.bracket,
@@ -131,13 +133,14 @@ def _draw_finger(
         # an extensor comes on to its knuckle along the tangent
         turn = _find_height(way[0], lift, wrapped if k == 1 else 0.0)
         path = [place.at(point, aside) for point in (turn, *way)]
-        whole = math.dist(turn, way[0]) + measure_length([(a, b, 0.0) for a, b in home])
+        whole = measure_length([(a, b, 0.0) for a, b in (turn, way[0])])
+        whole += measure_length([(a, b, 0.0) for a, b in home])
         yield from lead_wire(port, path, reading.lengths[port] - whole, (-1.0, 0.0, 0.0))
 
 
 def _find_height(point: Flat, lift: float, leaning: float) -> Flat:
     """Where a line through a point, leaning inwards by an angle, is so far above the hinges."""
-    return -lift, point[1] + math.tan(leaning) * (lift + point[0])
+    return -lift, point[1] + xp.tan(leaning) * (lift + point[0])
 
 
 def _draw_brackets(
@@ -157,13 +160,13 @@ def _draw_brackets(
 def _trace_tendons(sizes: FingerLengths, first: float, second: float, passing: bool) -> list[list[Flat]]:
     """Ways of flexor and extensor of the proximal joint, then of the distal one."""
     r, g, knuckle, reach, _, wrapped = sizes
-    met = 2.0 * math.atan2(g, r)
-    one, two = min(first, met), min(second, met)
+    met = 2.0 * xp.atan2(g, r)
+    one, two = xp.minimum(first, met), xp.minimum(second, met)
     ends = 0.3 * reach, 0.3 * sizes.distal
     axis = [(-g, 0.0), (0.0, 0.0)]
     over = [(-g, r), _locate_proximal(sizes, one, g, r)]
     at_joint = [_locate_proximal(sizes, first, reach - g, r), *_trace_distal(sizes, first, two, (g, g + ends[1]), r)]
-    touching = math.asin(min(knuckle / reach, 0.9))
+    touching = xp.asin(xp.minimum(knuckle / reach, 0.9))
     return [
         [*over, _locate_proximal(sizes, one, g + ends[0], r)],
         [*_wind_extensor(knuckle, first, wrapped), _locate_proximal(sizes, first, ends[0], -knuckle)],
@@ -179,7 +182,7 @@ def _trace_tendons(sizes: FingerLengths, first: float, second: float, passing: b
 def _wind_extensor(radius: float, angle: float, wrapped: float) -> list[Flat]:
     """An extensor on its knuckle, from where it comes on to where the bent phalanx takes it."""
     quarter = 0.5 * math.pi
-    return trace_arc(radius, -wrapped - quarter, max(angle, -wrapped) - quarter, ARC)
+    return trace_arc(radius, -wrapped - quarter, xp.maximum(angle, -wrapped) - quarter, ARC)
 
 
 def _trace_distal(
@@ -189,10 +192,10 @@ def _trace_distal(
 
 
 def _locate_proximal(sizes: FingerLengths, angle: float, along: float, inwards: float) -> Flat:
-    c, s = math.cos(angle), math.sin(angle)
+    c, s = xp.cos(angle), xp.sin(angle)
     return c * along - s * inwards, s * along + c * inwards
 
 
 def _locate_distal(sizes: FingerLengths, first: float, second: float, along: float, inwards: float) -> Flat:
-    c, s = math.cos(second), math.sin(second)
+    c, s = xp.cos(second), xp.sin(second)
     return _locate_proximal(sizes, first, sizes.proximal + c * along - s * inwards, s * along + c * inwards)

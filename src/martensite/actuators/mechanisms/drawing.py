@@ -1,7 +1,8 @@
 r"""How a mechanism is drawn: named shapes of a kind, with points in space, at one time.
 
-A mechanism answers `draw_shapes(reading)` in plain floats, once for every picture. All pictures of a run
-have the same shapes with the same numbers of points; only places and turns change. Joints and the
+A mechanism answers `draw_shapes(reading)`, once for every picture, by the functions of `xp`, which take floats and what
+stands for numbers in the browser. All pictures of a run have the same shapes with the same numbers of points; only
+places and turns change. Joints and the
 ways of wires are those of its kinematics; what its kinematics leave open (how thick a bar is, how
 far a wire runs on behind its last bracket) is drawn in proportion.
 
@@ -12,9 +13,11 @@ its way over the mechanism is shorter than that, the rest runs on behind the fix
 it is longer, a tether makes up for it (`led`).
 """
 
-import math
 from collections.abc import Mapping, Sequence
+from functools import reduce
 from typing import NamedTuple
+
+from martensite.kernels.recorded import xp
 
 Point = tuple[float, float, float]
 
@@ -72,12 +75,17 @@ class DrawingState(NamedTuple):
 
 def measure_length(points: Sequence[Point]) -> float:
     """Of the line through points [m]."""
-    return math.fsum(map(math.dist, points, points[1:]))
+    return sum(map(measure_distance, points, points[1:]))
+
+
+def measure_distance(first: Point, second: Point) -> float:
+    """Of two points [m]."""
+    return xp.sqrt(sum((a - b) * (a - b) for a, b in zip(first, second, strict=True)))
 
 
 def locate_along(first: Point, second: Point, way: float) -> Point:
     """The point at a distance [m] from the first towards the second."""
-    share = way / (math.dist(first, second) or 1.0)
+    share = way / (measure_distance(first, second) or 1.0)
     x, y, z = ((1.0 - share) * a + share * b for a, b in zip(first, second, strict=True))
     return x, y, z
 
@@ -97,10 +105,10 @@ def lead_wire(port: str, path: Sequence[Point], rest: float, away: Point) -> lis
         points = (move_point(path[0], away, rest), *path)
         return [DrawingShape(port, "wire", points, 0.0, port)]
     behind, k = -rest, 0
-    while k < len(path) - 2 and behind >= math.dist(path[k], path[k + 1]):
-        behind -= math.dist(path[k], path[k + 1])
+    while k < len(path) - 2 and behind >= measure_distance(path[k], path[k + 1]):
+        behind -= measure_distance(path[k], path[k + 1])
         k += 1
-    cut = locate_along(path[k], path[k + 1], min(behind, 0.9 * math.dist(path[k], path[k + 1])))
+    cut = locate_along(path[k], path[k + 1], xp.minimum(behind, 0.9 * measure_distance(path[k], path[k + 1])))
     tether = DrawingShape(f"{port} tether", "tether", (*path[: k + 1], cut), 0.0)
     return [tether, DrawingShape(port, "wire", (cut, *path[k + 1 :]), 0.0, port)]
 
@@ -108,10 +116,10 @@ def lead_wire(port: str, path: Sequence[Point], rest: float, away: Point) -> lis
 def trace_arc(radius: float, first: float, last: float, segments: int) -> list[tuple[float, float]]:
     """Points of a circle about 0 from angle to angle [rad]: a polygon as long as the arc [m]."""
     step = (last - first) / segments
-    half = 0.5 * abs(step)
-    outside = radius * (half / math.sin(half) if half > 1e-6 else 1.0)
+    half = xp.maximum(0.5 * abs(step), 1e-6)
+    outside = radius * half / xp.sin(half)
     angles = [first + k * step for k in range(segments + 1)]
-    return [(outside * math.cos(angle), outside * math.sin(angle)) for angle in angles]
+    return [(outside * xp.cos(angle), outside * xp.sin(angle)) for angle in angles]
 
 
 def draw_bar(name: str, size: float, *points: Point, kind: str = "link") -> DrawingShape:
@@ -137,8 +145,8 @@ def draw_force(name: str, touching: Point, axis: Point, force: float) -> Drawing
 
 def draw_weight(name: str, at: Point, mass: float, least: float, most: float) -> DrawingShape:
     """A cube of steel of a mass [kg], with half an edge between two limits [m]."""
-    half = 0.5 * math.cbrt(mass / DENSITY)
-    return DrawingShape(name, "weight", (at,), min(max(half, least), most))
+    half = 0.5 * xp.power(mass / DENSITY, 1.0 / 3.0)
+    return DrawingShape(name, "weight", (at,), xp.clip(half, least, most))
 
 
 def draw_lifted(by: float) -> list[DrawingShape]:
@@ -155,7 +163,7 @@ def draw_hanging(
     ports: Sequence[str], shortened: Sequence[float], turned: Sequence[float], reading: DrawingState
 ) -> list[DrawingShape]:
     """What is drawn of a mechanism that says nothing: elements side by side, `shortened` [m], discs `turned` [rad]."""
-    longest = max(reading.lengths.values(), default=0.1)
+    longest = reduce(xp.maximum, reading.lengths.values()) if reading.lengths else 0.1
     apart = 0.3 * longest
     wide = 0.5 * apart * max(len(ports), len(turned), 1)
     found = [draw_bar("ceiling", 0.02 * longest, (-wide, 0.0, 0.0), (wide, 0.0, 0.0), kind="ground")]

@@ -63,6 +63,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.recorded import xp
 
 
 @MECHANISMS.register("finger")
@@ -244,8 +245,8 @@ class Finger(grasp.AbstractGrasp):
             grasped = self._draw_grasp(reading)
         # what every pass has on either side of the hinge
         rest = (reading.lengths[port] - measure_length(_trace_path(self, 0.0, 0.0, 0.0))) / _count_passes(self)
-        beyond = min(2.0 * g, 0.4 * max(rest, 0.0))
-        behind = max(rest - beyond, 0.0)
+        beyond = xp.minimum(2.0 * g, 0.4 * xp.maximum(rest, 0.0))
+        behind = xp.maximum(rest - beyond, 0.0)
         path = _trace_path(self, angle, behind, beyond)
         return [
             draw_bar("near phalanx", thick, (-1.1 * behind - 2.0 * g, 0.0, 0.0), hinge, kind="ground"),
@@ -253,7 +254,7 @@ class Finger(grasp.AbstractGrasp):
             draw_bar("near bracket", 0.5 * thick, (-g, 0.0, 0.0), (-g, 0.0, -r), kind="ground"),
             draw_bar("far bracket", 0.5 * thick, turn_point(angle, g, 0.0), turn_point(angle, g, -r)),
             draw_pin("hinge", hinge, 0.8 * r, 0.5 * r),
-            *lead_wire(port, path, min(rest, 0.0) * _count_passes(self), (-1.0, 0.0, 0.0)),
+            *lead_wire(port, path, xp.minimum(rest, 0.0) * _count_passes(self), (-1.0, 0.0, 0.0)),
             *_draw_spring(self, angle),
             *grasped,
         ]
@@ -269,7 +270,7 @@ class Finger(grasp.AbstractGrasp):
 
 def turn_point(angle: float, x: float, z: float, y: float = 0.0) -> Point:
     """A point of the far phalanx, turned about +y."""
-    c, s = math.cos(angle), math.sin(angle)
+    c, s = xp.cos(angle), xp.sin(angle)
     return c * x + s * z, y, c * z - s * x
 
 
@@ -280,7 +281,7 @@ def _count_passes(finger: Finger) -> int:
 def _trace_path(finger: Finger, angle: float, behind: float, beyond: float) -> list[Point]:
     """All passes over the hinge, side by side, with so much [m] on either side of it."""
     r, g, passes = finger.offset, finger.bracket, _count_passes(finger)
-    apart, met = min(0.6, 1.6 / passes) * r, min(angle, 2.0 * math.atan2(g, r))
+    apart, met = min(0.6, 1.6 / passes) * r, xp.minimum(angle, 2.0 * xp.atan2(g, r))
     found: list[Point] = []
     for k in range(passes):
         y = apart * (k - 0.5 * (passes - 1))
@@ -300,9 +301,9 @@ def _draw_spring(finger: Finger, angle: float) -> list[DrawingShape]:
         ]
     stretched = finger.extension + a * angle
     start, slim = -a * (3.0 + finger.highest), 0.4 * wide
-    end = start + max(2.0 * a + stretched, 0.5 * a)
+    end = start + xp.maximum(2.0 * a + stretched, 0.5 * a)
     top, bottom = 0.5 * math.pi, 0.5 * math.pi - 0.4
-    rim = [(x, 0.0, z) for x, z in trace_arc(a, top, bottom - max(angle, -0.4), ARC)]
+    rim = [(x, 0.0, z) for x, z in trace_arc(a, top, bottom - xp.maximum(angle, -0.4), ARC)]
     axis = ((0.0, -wide, 0.0), (0.0, wide, 0.0))
     return [
         draw_bar("holder of the spring", slim, (start, 0.0, 0.0), (start, 0.0, a), kind="ground"),

@@ -34,6 +34,7 @@ from martensite.actuators.mechanisms.joints import find_stop_energy, stop_torque
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.recorded import xp
 
 
 @MECHANISMS.register("lever")
@@ -142,13 +143,13 @@ class Lever(AbstractMultibody):
         """Both arms, the weight on a thread, and the wire from its fixed point."""
         angle, (port,) = reading.outputs["angle"], self.ports()
         leaves, a, b = self.wire_angle, self.arm, self.weight_arm
-        fixed = (a - self.distance * math.cos(leaves), 0.0, self.distance * math.sin(leaves))
-        away = (-math.cos(leaves), 0.0, math.sin(leaves))
-        end = (a * math.cos(angle), 0.0, a * math.sin(angle))
+        fixed = (a - self.distance * xp.cos(leaves), 0.0, self.distance * xp.sin(leaves))
+        away = (-xp.cos(leaves), 0.0, xp.sin(leaves))
+        end = (a * xp.cos(angle), 0.0, a * xp.sin(angle))
         rises = self.weight_angle + angle
-        hook = (b * math.cos(rises), 0.0, b * math.sin(rises))
+        hook = (b * xp.cos(rises), 0.0, b * xp.sin(rises))
         hung = (hook[0], 0.0, hook[2] - 0.3 * b)
-        pivot, thick, most = (0.0, 0.0, 0.0), 0.04 * max(a, b), 0.3 * b
+        pivot, thick, most = (0.0, 0.0, 0.0), 0.04 * xp.maximum(a, b), 0.3 * b
         block = ((fixed[0] - 2.0 * thick, 0.0, fixed[2]), (fixed[0] + 2.0 * thick, 0.0, fixed[2]))
         found = [
             draw_bar("bearing", thick, (0.0, 0.0, -4.0 * thick), pivot, kind="ground"),

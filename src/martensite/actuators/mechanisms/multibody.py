@@ -41,6 +41,7 @@ from martensite.base.parameters import option, param
 from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.recorded import xp
 from martensite.physics.laws.coupling import StepReport
 
 
@@ -309,8 +310,8 @@ class AbstractMultibody(AbstractMechanism):
 
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
         """Its elements, as they get shorter, and its angles, unless it has a shape of its own."""
-        home = self.home(floats)
+        home = self.home(xp)
         place = [reading.outputs.get(c.name, h) for c, h in zip(self.coordinates(), home, strict=True)]
         turned = [q for c, q in zip(self.coordinates(), place, strict=True) if c.unit == "rad"]
-        shortened = [float(by) for by in self.contraction(floats, place)]
+        shortened = list(self.contraction(xp, place))
         return draw_hanging(self.ports(), shortened, turned, reading)

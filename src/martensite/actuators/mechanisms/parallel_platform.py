@@ -20,7 +20,6 @@ as the `first` spring pulls; a positive β lowers the vertex of the `second`.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 from martensite.actuators.mechanics.motion import Motion
@@ -30,8 +29,8 @@ from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, 
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
-from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.recorded import xp
 
 
 @MECHANISMS.register("parallel-platform")
@@ -131,9 +130,9 @@ class ParallelPlatform(AbstractMultibody):
         alpha, beta = reading.outputs["alpha"], reading.outputs["beta"]
         plates, thick = self.plates(), 0.012 * self.side
         base = tuple((x, -y, 0.0) for x, y in locate_corners(self.side))
-        top = tuple((x, -y, -z) for x, y, z in locate_vertices(floats, plates, alpha, beta))
+        top = tuple((x, -y, -z) for x, y, z in locate_vertices(xp, plates, alpha, beta))
         joint = (0.0, 0.0, plates.pivot)
-        x, y, z = (math.fsum(v[k] for v in top) / 3.0 for k in range(3))
+        x, y, z = (sum(v[k] for v in top) / 3.0 for k in range(3))
         found = [
             DrawingShape("base", "plate", base, thick),
             draw_bar("post", 1.5 * thick, (0.0, 0.0, 0.0), joint, kind="ground"),

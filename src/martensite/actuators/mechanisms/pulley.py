@@ -11,6 +11,7 @@ Sign convention: φ grows as the first element, `protagonist`, pulls; zero as as
 """
 
 import math
+from functools import reduce
 
 from martensite.actuators.mechanics.motion import Motion
 from martensite.actuators.mechanisms.base import MECHANISMS, Column, MechanicalEnergy
@@ -26,6 +27,7 @@ from martensite.actuators.mechanisms.drawing import (
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.recorded import xp
 
 
 @MECHANISMS.register("antagonistic-pulley")
@@ -78,7 +80,7 @@ class AntagonisticPulley(AbstractMultibody):
         angle, r = reading.outputs["angle"], self.radius
         wound = math.pi * r
         # straight, as assembled: the longer element reaches to the wall
-        straight = max(*reading.lengths.values(), 2.0 * wound) - wound
+        straight = reduce(xp.maximum, reading.lengths.values(), 2.0 * wound) - wound
         wide, thick = 0.15 * r, 0.3 * r
         wall = ((-straight - thick, 0.0, -2.0 * r), (-straight - thick, 0.0, 2.0 * r))
         axis = ((0.0, wide, 0.0), (0.0, -wide, 0.0))
@@ -90,14 +92,14 @@ class AntagonisticPulley(AbstractMultibody):
         for port, side in zip(self.ports(), (1.0, -1.0), strict=True):
             rim = trace_arc(r, side * 0.5 * math.pi, angle - side * 0.5 * math.pi, 2 * ARC)
             free = reading.lengths[port] - wound
-            start = min(free, straight) if free > 0.0 else 0.5 * r
+            start = xp.minimum(free, straight) if free > 0.0 else 0.5 * r
             path = [(-start, 0.0, side * r), *((x, 0.0, z) for x, z in rim)]
             found += [
                 draw_bar(f"tie {port}", 0.04 * r, (-straight, 0.0, side * r), path[0], kind="tether"),
                 DrawingShape(port, "wire", tuple(path), 0.0, port),
             ]
         if self.moment > 0.0:
-            end = (2.5 * r * math.sin(angle), -3.0 * wide, -2.5 * r * math.cos(angle))
+            end = (2.5 * r * xp.sin(angle), -3.0 * wide, -2.5 * r * xp.cos(angle))
             found += [
                 draw_bar("lever", 0.1 * r, (0.0, -3.0 * wide, 0.0), end),
                 draw_weight("weight of the lever", end, 0.0, 0.3 * r, r),

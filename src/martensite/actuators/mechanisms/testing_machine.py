@@ -157,7 +157,7 @@ class TensileTestingMachine(AbstractMechanism):
         head, wide = 1.3 * element + reading.outputs["crosshead"], 0.3 * element
         sides = [((x, 0.0, -thick), (x, 0.0, 1.6 * element)) for x in (-wide, wide)]
         rod = ((0.0, 0.0, grip), (0.0, 0.0, head))
-        gives = math.isfinite(self.stiffness)
+        gives = self.stiffness < math.inf
         return [
             draw_bar("base", thick, (-wide, 0.0, -thick), (wide, 0.0, -thick), kind="ground"),
             *(draw_bar(f"column {k}", 0.6 * thick, *s, kind="ground") for k, s in enumerate(sides, 1)),

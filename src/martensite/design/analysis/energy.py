@@ -73,8 +73,8 @@ def find_length(element: AbstractElement) -> float | None:
     """Elongation per strain [m] of straight wires; None for other elements."""
     if isinstance(element, AbstractRow):
         one = find_length(element.one)
-        return None if one is None else one * float(element.behind())
-    return float(element.length) if isinstance(element, Wire) else None
+        return None if one is None else one * element.behind()
+    return element.length if isinstance(element, Wire) else None
 
 
 def integrate_energies(result: Result, ways: Sequence[tuple[Numbers, Numbers]]) -> EnergyCourses:

@@ -12,8 +12,8 @@ from typing import ClassVar, NamedTuple
 
 from martensite.base.parameters import Parametrised, param
 from martensite.base.registry import Registry
-from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.recorded import xp
 from martensite.signals.moments import Moments
 
 RESISTANCES: Registry[AbstractResistance] = Registry(
@@ -189,5 +189,5 @@ class AbstractSwitch(AbstractSource):
 
     def largest_power(self, resistance: float) -> float:
         """Power [W] in an element of `resistance` [ohm] while the switch is closed."""
-        current = self.closed_current(floats, resistance)
+        current = self.closed_current(xp, resistance)
         return current * current * resistance

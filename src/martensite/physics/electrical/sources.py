@@ -2,8 +2,8 @@
 
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
-from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.recorded import xp
 from martensite.physics.electrical.base import SOURCES, AbstractSource, AbstractSupply, SignalRange
 
 
@@ -20,7 +20,7 @@ class CurrentSource(AbstractSupply):
 
     def reach(self, resistance: float) -> SignalRange:
         """Currents [A] that the limits of the supply allow."""
-        most = self.most(floats, resistance)
+        most = self.most(xp, resistance)
         return SignalRange(-most, most)
 
 
@@ -37,7 +37,7 @@ class VoltageSource(AbstractSupply):
 
     def reach(self, resistance: float) -> SignalRange:
         """Voltages [V] over element and series resistance that limits of the supply allow."""
-        most = self.most(floats, resistance) * (resistance + self.series_resistance)
+        most = self.most(xp, resistance) * (resistance + self.series_resistance)
         return SignalRange(-most, most)
 
 
@@ -55,7 +55,7 @@ class PowerSource(AbstractSupply):
 
     def reach(self, resistance: float) -> SignalRange:
         """Powers [W] that the limits of the supply allow; none is taken out of the element."""
-        most = self.most(floats, resistance)
+        most = self.most(xp, resistance)
         return SignalRange(0.0, most * most * resistance)
 
 
@@ -119,7 +119,7 @@ class LinearAmplifier(AbstractSupply):
     def reach(self, resistance: float) -> SignalRange:
         """Signals [V] whose output and current are delivered."""
         behind = resistance + self.output_resistance
-        most = self.most(floats, behind) * (behind + self.series_resistance)
-        high = floats.minimum(self.voltage_limit - self.headroom, most)
-        low = floats.maximum(self.lowest, -most)
+        most = self.most(xp, behind) * (behind + self.series_resistance)
+        high = xp.minimum(self.voltage_limit - self.headroom, most)
+        low = xp.maximum(self.lowest, -most)
         return SignalRange((low - self.offset) / self.gain, (high - self.offset) / self.gain)

@@ -51,6 +51,7 @@ from martensite.base.parameters import option, param
 from martensite.kernels import floats
 from martensite.kernels.bracketed_newton import solve_bracketed
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.recorded import xp
 from martensite.physics.kinetics.asymmetry import NONE
 from martensite.physics.kinetics.diagram import WIDTHS, AbstractShapes, AbstractSidedLaw, require_order
 from martensite.physics.kinetics.hardening import apply_waist, compute_hardening, remove_waist, waist_energy
@@ -233,7 +234,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
             limit = next((stress for stress, gap in pairs if gap <= 0.0), 0.0)
             text = f"forward and reverse surface meet at about {limit / 1e6:.4g} MPa, where loops lose their width."
             return Doubt(limit, text) if limit else None
-        constants = self.constants(floats)
+        constants = self.constants(xp)
         if not constants.D < 0.0:
             return None
         limit = constants.rho_Delta_s0 * self.gap() / (2.0 * constants.D * self.H_sat)

@@ -1,0 +1,168 @@
+"""All numbers that go into a run, in one table by name: what changes if a number of a scenario does.
+
+    p:PATH                       a parameter of the system or bench
+    duration, tolerance, samples, step, mechanism, inertial, interval
+                                 (of a bench, whose samples are its periods, as many as there are)
+    low:K, high:K                bounds of the envelope
+    drive:I.start:K, …           segments and tones of the waveform of a drive
+
+A waveform of a system in discrete time is read at its samples. Where its segments do not say what is
+read there, as with noise, the readings themselves are kept.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import islice, takewhile
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.control.loop.run import noise_waveforms, reference_waveforms
+from martensite.scenario.scenario import Scenario
+from martensite.signals.base import AbstractWaveform
+from martensite.signals.moments import Segment
+from martensite.simulate.api import inertial_step
+from martensite.simulate.compiled import CompiledMarch, compile_march
+from martensite.simulate.drive_waveforms import arrange_waveforms, by_name
+from martensite.simulate.envelope import envelope_of
+from martensite.simulate.grid import just_after
+
+MORE = 2
+"""So many times the segments that a run needs are known, so that shorter periods are, too."""
+MOST_SEGMENTS = 2000
+"""A waveform of more segments is read at its samples, or not offered."""
+SEGMENT = ("start", "level", "slope", "bend")
+TONE = ("amplitude", "rate", "phase")
+NEAR = 1e-12
+"""Share of the largest value up to which two readings of a waveform are the same."""
+
+
+@dataclass(frozen=True)
+class DriveShape:
+    """How the waveform of a drive is told to the engine."""
+
+    segments: int
+    """0 where readings are kept."""
+    tones: int
+
+
+@dataclass
+class FlatInputs:
+    """The numbers of a run by name; a list of shapes keeps that of an earlier one."""
+
+    numbers: dict[str, float]
+    drives: list[DriveShape]
+    samples: list[NDArray[np.float64]] = field(default_factory=list[Any])
+    """What is read of drives without segments, at every step of a system in discrete time."""
+
+    def digest(self) -> str:
+        """Of all readings."""
+        return hashlib.sha256(b"".join(one.tobytes() for one in self.samples)).hexdigest()
+
+
+def waveforms_of(scenario: Scenario) -> list[AbstractWaveform]:
+    """What drives a scenario, in the order of its drives."""
+    bench = scenario.bench
+    if bench is None:
+        return list(arrange_waveforms(scenario.system, scenario.waveform))
+    played = {
+        **by_name(scenario.system, scenario.waveform),
+        **reference_waveforms(bench),
+        **noise_waveforms(bench, scenario.duration, scenario.seed),
+    }
+    return list(arrange_waveforms(bench, played))
+
+
+def list_inputs(scenario: Scenario, shapes: Sequence[DriveShape] | None = None) -> FlatInputs:
+    """The numbers of a scenario; with the shapes of an earlier one as many segments as there.
+
+    Raises:
+        ValueError: its waveforms need more segments than these shapes have.
+    """
+    system = scenario.whole
+    compiled = compile_march(system)
+    found = dict(_list_scalars(scenario, compiled))
+    interval, waves = system.sample_time(), waveforms_of(scenario)
+    known = shapes or [_choose_shape(wave, scenario.duration, interval) for wave in waves]
+    if len(known) != len(waves):
+        raise ValueError("another number of drives")
+    made = FlatInputs(found, list(known))
+    for number, (wave, shape, drive) in enumerate(zip(waves, known, system.drives(), strict=True)):
+        if shape.segments:
+            found |= _list_segments(wave, shape, scenario.duration, f"drive:{number}")
+        else:
+            made.samples.append(_read_samples(wave, scenario.duration, interval, drive.ahead))
+    return made
+
+
+def _list_scalars(scenario: Scenario, compiled: CompiledMarch) -> Iterator[tuple[str, float]]:
+    system = scenario.whole
+    for path, value in zip(compiled.paths, compiled.values(system), strict=True):
+        yield f"p:{path}", float(value)
+    yield "duration", scenario.duration
+    yield "tolerance", scenario.tolerance
+    yield "samples", math.inf if scenario.bench is not None else float(scenario.samples)
+    yield "step", scenario.step or math.inf
+    yield "mechanism", system.mechanism.first_step()
+    yield "inertial", inertial_step(system)
+    yield "interval", system.sample_time()
+    limits = envelope_of(system)
+    for name, bounds in (("low", limits.low), ("high", limits.high)):
+        for k, bound in enumerate(bounds):
+            yield f"{name}:{k}", bound
+
+
+def _choose_shape(wave: AbstractWaveform, duration: float, interval: float) -> DriveShape:
+    """As many segments as a run needs, and more; none where they are too many, or miss what is read."""
+    known = list(islice(wave.segments(0.0), MOST_SEGMENTS + 1))
+    needed = _count_segments(known, duration)
+    if needed > MOST_SEGMENTS:
+        return DriveShape(0, 0)
+    shape = DriveShape(min(len(known), MORE * needed, MOST_SEGMENTS), len(wave.tones()))
+    if interval > 0.0 and not _tells_readings(wave, known[: shape.segments], duration, interval):
+        return DriveShape(0, 0)
+    return shape
+
+
+def _count_segments(known: Sequence[Segment], duration: float) -> int:
+    return sum(1 for _ in takewhile(lambda one: one.start <= duration, known))
+
+
+def _tells_readings(wave: AbstractWaveform, known: Sequence[Segment], duration: float, interval: float) -> bool:
+    """Whether segments and tones give what is read of a waveform at its samples."""
+    times = _list_instants(duration, interval, False)
+    table = np.array([tuple(one) for one in known])
+    place = np.maximum(np.searchsorted(table[:, 0], times, side="right") - 1, 0)
+    along = times - table[place, 0]
+    values = table[place, 1] + (table[place, 2] + table[place, 3] * along) * along
+    for amplitude, rate, phase in wave.tones():
+        values = values + amplitude * np.cos(rate * times + phase)
+    wanted = np.array(wave.signals(times.tolist()))
+    return bool(np.abs(values - wanted).max() <= NEAR * max(float(np.abs(wanted).max()), 1e-300))
+
+
+def _list_instants(duration: float, interval: float, ahead: bool) -> NDArray[np.float64]:
+    """Where signals of a system in discrete time are read [s]; at the end of a step if they are wanted ahead."""
+    steps = math.floor(duration / interval + 1e-9)
+    return np.array([(k + just_after(False)) * interval for k in range(steps + 1)])
+
+
+def _read_samples(wave: AbstractWaveform, duration: float, interval: float, ahead: bool) -> NDArray[np.float64]:
+    if not interval:
+        raise ValueError("a waveform of too many segments")
+    return np.array(wave.signals(_list_instants(duration, interval, ahead).tolist()))
+
+
+def _list_segments(wave: AbstractWaveform, shape: DriveShape, duration: float, name: str) -> Mapping[str, float]:
+    known = list(islice(wave.segments(0.0), shape.segments + 1))
+    beyond = known[shape.segments :]
+    if len(known) < shape.segments or len(wave.tones()) != shape.tones or any(one.start <= duration for one in beyond):
+        raise ValueError("another number of segments or tones")
+    rows = [(SEGMENT, one, k) for k, one in enumerate(known[: shape.segments])]
+    rows += [(TONE, one, k) for k, one in enumerate(wave.tones())]
+    return {f"{name}.{what}:{k}": float(x) for names, row, k in rows for what, x in zip(names, row, strict=True)}

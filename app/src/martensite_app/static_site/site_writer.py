@@ -1,0 +1,102 @@
+"""Writes the bench as a folder that any file server hands out: `martensite app --static DIR`."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from importlib.metadata import version
+from pathlib import Path
+
+from martensite.base.errors import DataError
+from martensite_app.documents import build_packaged, list_standalone
+from martensite_app.messages import JsonTable, write_message
+from martensite_app.site import STATIC
+from martensite_app.static_site.flat_inputs import waveforms_of
+from martensite_app.static_site.input_map import measure_map
+from martensite_app.static_site.run_module import RunSource, write_source
+from martensite_app.static_site.scenario_table import describe_static
+from martensite_export.wasm.module import find_wasm_compiler
+
+RUNS = "runs"
+"""Folder of scenarios and modules in that of the page."""
+MARK = '<meta name="martensite-runs" content="runs/manifest.json">'
+"""Says to the page that there is no server."""
+FIRST = "constant_power"
+"""The scenario with which the bench begins."""
+Tell = Callable[[str], None]
+
+
+def write_site(folder: Path, texts: Mapping[str, str], tell: Tell = lambda words: None) -> JsonTable:
+    """Write the page with scenarios, texts by name; the first is shown first.
+
+    Raises:
+        DataError: the folder is there and holds something else.
+        InputError: there is no compiler of WebAssembly.
+        CompileError: the compiler failed.
+    """
+    find_wasm_compiler()
+    prepare_folder(folder)
+    listed = list[JsonTable]()
+    with ProcessPoolExecutor(max(1, min(len(texts), os.cpu_count() or 1))) as pool:
+        jobs = {name: pool.submit(describe_scenario_files, name, text) for name, text in texts.items()}
+        for name, job in jobs.items():
+            files, entry = job.result()
+            for file, content in files.items():
+                (folder / RUNS / file).write_bytes(content)
+            listed.append(entry)
+            tell(f"{name}: {sum(map(len, files.values())) / 1e3:.0f} kB")
+    copy_page(folder)
+    return write_manifest(folder, listed)
+
+
+def list_offered() -> dict[str, str]:
+    """Name and text of the scenarios of the package that the page can run, that of the default wire first."""
+    known = {name: text for name, text in list_standalone().items() if can_offer(text)}
+    return {FIRST: known[FIRST], **known}
+
+
+def can_offer(text: str) -> bool:
+    """Whether the page can run a scenario: it starts at home, and no controller runs outside of the C."""
+    scenario = build_packaged(text)
+    return not (scenario.outside or scenario.initial or scenario.restart_at)
+
+
+def describe_scenario_files(name: str, text: str) -> tuple[Mapping[str, bytes], JsonTable]:
+    """The files of a scenario, and its entry in the manifest."""
+    made = measure_map(text)
+    source = write_source(made.scenario, waveforms_of(made.scenario))
+    module = name_module(source)
+    table = describe_static(name, text, made, source, module)
+    files = {f"{name}.json": write_message(table), module: source.compile()}
+    entry = {"name": name, "title": made.scenario.title, "text": text, "file": f"{name}.json", "module": module}
+    return files, entry
+
+
+def name_module(source: RunSource) -> str:
+    """The file of a module: by what is compiled, so that scenarios of one structure share it."""
+    return f"{source.digest}.wasm"
+
+
+def prepare_folder(folder: Path) -> None:
+    """Make the folder; `DataError` if it holds something else than such a page."""
+    if folder.exists() and (not folder.is_dir() or (any(folder.iterdir()) and not (folder / RUNS).is_dir())):
+        raise DataError(f"`{folder}` holds something else than a static bench; name a new or empty folder.")
+    (folder / RUNS).mkdir(parents=True, exist_ok=True)
+
+
+def write_manifest(folder: Path, scenarios: Sequence[JsonTable]) -> JsonTable:
+    """Write which scenarios the page has."""
+    manifest: JsonTable = {"version": version("martensite"), "scenarios": list(scenarios)}
+    (folder / RUNS / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
+    return manifest
+
+
+def copy_page(folder: Path) -> None:
+    """Put the page there, which learns from it that there is no server."""
+    for path in STATIC.iterdir():
+        shutil.copyfile(path, folder / path.name)
+    index = (folder / "index.html").read_text("utf-8")
+    (folder / "index.html").write_text(index.replace("<title>", f"{MARK}\n    <title>", 1), encoding="utf-8")

@@ -1,0 +1,74 @@
+// Runs to a tolerance: martensite/simulate/accuracy.py, for a run from home and at rest.
+
+import { UNSOLVED, type Marched, type Plan, type RunModule } from "./march.ts";
+import type { Scenario } from "./types.ts";
+
+const LOCAL = { 2: 0.15, 4: 0.6 } as const;
+const SURE = 2;
+const FLOOR = 0.5;
+const FINER = 5;
+const MOST = 5;
+const FEW = 201;
+const LEAST = 1e-12;
+const SHORTEST = 1e-12;
+const FINEST = 1e-2;
+const ROUGHNESS = 3e-11;
+
+/** A plan but its tolerance; what moves with inertia bounds the shortest step. */
+export type Base = Omit<Plan, "tolerance" | "shortest" | "ranges" | "parted"> & { inertial: number };
+
+export function planMarch(base: Base, tolerance: number, ranges: Float64Array | null = null, parted = false): Plan {
+  const end = base.times[base.times.length - 1]!;
+  const share = Math.min(FINEST, ROUGHNESS / Math.max(tolerance, ROUGHNESS));
+  return { ...base, tolerance, ranges, parted, shortest: Math.max(SHORTEST * end, base.inertial * share) };
+}
+
+/** The last run to a tolerance, and a bound on its error as a share of ranges. */
+export function marchTo(module: RunModule, scenario: Scenario, base: Base, tolerance: number): [Marched, number] {
+  const compared = chooseSamples(base.times.length);
+  let local = LOCAL[module.layout.order] * tolerance;
+  const some = { ...base, times: Float64Array.from(compared, (k) => base.times[k]!) };
+  let found = module.march(planMarch(some, local));
+  let rows = pickJudged(scenario, found, null);
+  let accuracy = Infinity;
+  for (let run = 0; run < MOST; run++) {
+    local /= FINER;
+    found = module.march(planMarch(base, local, found.ranges, true));
+    const before = rows;
+    rows = pickJudged(scenario, found, compared);
+    accuracy = Math.max(boundError(scenario, found, before, rows), FLOOR * tolerance);
+    if (accuracy <= tolerance) break;
+  }
+  return [found, accuracy];
+}
+
+/** Samples that are compared: not many more than `FEW`, both ends among them. */
+export function chooseSamples(count: number): number[] {
+  const every = Math.max(1, Math.ceil((count - 1) / (FEW - 1)));
+  const found: number[] = [];
+  for (let k = 0; k < count; k += every) found.push(k);
+  if (found[found.length - 1] !== count - 1) found.push(count - 1);
+  return found;
+}
+
+/** What is judged, at samples that were reached. */
+function pickJudged(scenario: Scenario, found: Marched, samples: number[] | null): number[][] {
+  const width = scenario.names.length;
+  const known = samples?.filter((k) => k < found.reached) ?? [...Array(found.reached).keys()];
+  return known.map((k) => scenario.judged.map(([output]) => found.rows[k * width + output]!));
+}
+
+function boundError(scenario: Scenario, found: Marched, before: number[][], after: number[][]): number {
+  const count = Math.min(before.length, after.length);
+  let worst = 0;
+  scenario.judged.forEach(([, least], k) => {
+    let apart = count ? -Infinity : Infinity;
+    for (let row = 0; row < count; row++) apart = Math.max(apart, Math.abs(before[row]![k]! - after[row]![k]!));
+    worst = Math.max(worst, apart / Math.max(found.ranges[k]!, least));
+  });
+  const heat = scenario.judged.length ? Math.max(found.ranges[0]!, scenario.judged[0]![1]) : 1;
+  const total = Math.max(SURE * worst + found.ripple / heat, found.residual, LEAST);
+  return Number.isFinite(total) ? total : Infinity;
+}
+
+export const failed = (status: number): boolean => status >= UNSOLVED;

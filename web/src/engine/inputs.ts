@@ -1,0 +1,89 @@
+// The inputs of a run under changes of controls, by the map that was measured on the builder.
+
+import type { FormNode, NumberNode } from "../form/types.ts";
+import { Refusal } from "../lib/refusal.ts";
+import type { Control, Scenario, Shape } from "./types.ts";
+
+const SHAPES: Record<Shape, (x: number) => number> = {
+  x: (x) => x,
+  "1/x": (x) => 1 / x,
+  x2: (x) => x * x,
+  root: Math.sqrt,
+  x3: (x) => x * x * x,
+  "1/x2": (x) => 1 / (x * x),
+  x4: (x) => x * x * x * x,
+  "1/root": (x) => 1 / Math.sqrt(x),
+};
+/** Share of a number that is rounding. */
+const HAIR = 1e-9;
+
+export const SERVER = "Install martensite on this machine to change it: pip install 'martensite[app]', then martensite app.";
+
+/** Numbers by path in SI; those that are as packaged are left out. */
+export type Changes = Record<string, number>;
+
+/** Inputs of a run; throws the sentence of a change that the page cannot make by itself. */
+export function predictInputs(scenario: Scenario, changes: Changes): Float64Array {
+  const inputs = Float64Array.from(scenario.inputs, Number);
+  const moved = findMoved(scenario, changes);
+  const steps = new Map<number, Map<number, number>>();
+  const invert = (): void => scenario.inverted.forEach((entry) => (inputs[entry] = 1 / inputs[entry]!));
+  invert();
+  for (const [number, value] of moved) {
+    const control = scenario.controls[number]!;
+    for (const [entry, shape, coefficient] of control.terms) {
+      const step = SHAPES[shape](value) - SHAPES[shape](control.value);
+      const known = steps.get(entry) ?? new Map<number, number>();
+      steps.set(entry, known.set(number, step));
+      inputs[entry]! += coefficient * step;
+    }
+  }
+  for (const [entry, one, other, coefficient] of scenario.products) {
+    const found = steps.get(entry);
+    const x = found?.get(one);
+    const y = found?.get(other);
+    if (x !== undefined && y !== undefined) inputs[entry]! += coefficient * x * y;
+  }
+  invert();
+  return inputs;
+}
+
+/** Numbers of controls and their values; throws where one is out of the range of the map. */
+function findMoved(scenario: Scenario, changes: Changes): Map<number, number> {
+  const found = new Map<number, number>();
+  for (const [path, value] of Object.entries(changes)) {
+    const number = scenario.controls.findIndex((one) => one.path === path);
+    const control = scenario.controls[number];
+    if (!control) throw new Refusal(`This page cannot change \`${path}\` by itself. ${SERVER}`, "server", 501);
+    const hair = HAIR * (control.high - control.low);
+    if (!(value >= control.low - hair && value <= control.high + hair)) throw new Refusal(outside(scenario, control), "server", 501);
+    found.set(number, value);
+  }
+  for (const [one, other] of scenario.apart) {
+    if (!found.has(one) || !found.has(other)) continue;
+    const names = [one, other].map((k) => `\`${scenario.controls[k]!.path}\``).join(" and ");
+    throw new Refusal(`This page cannot change ${names} together. ${SERVER}`, "server", 501);
+  }
+  return found;
+}
+
+function outside(scenario: Scenario, control: Control): string {
+  const how = findNode(scenario, control.path);
+  const words = [control.low, control.high].map((x) => Number((x * how.factor + how.offset).toPrecision(4)));
+  return `This page can change \`${control.path}\` from ${words[0]} to ${words[1]} ${how.label} only. ${SERVER}`.replace("  ", " ");
+}
+
+/** How the control of a path is shown. */
+function findNode(scenario: Scenario, path: string): { factor: number; offset: number; label: string } {
+  return listNumbers(scenario.form.sections).find((one) => one.path === path) ?? { factor: 1, offset: 0, label: "" };
+}
+
+/** All number controls of a form. */
+export function listNumbers(items: FormNode[]): NumberNode[] {
+  return items.flatMap((one) => (one.sort === "number" ? [one] : one.sort === "group" ? listNumbers(one.items) : []));
+}
+
+/** Cautions that come with changes. */
+export function listSaid(scenario: Scenario, changes: Changes): string[] {
+  return scenario.controls.filter((one) => one.path in changes).flatMap((one) => one.said);
+}

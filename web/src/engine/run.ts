@@ -1,0 +1,280 @@
+// A run of a scenario of the page: inputs from its controls, the march, and what is said of it.
+
+import { Refusal } from "../lib/refusal.ts";
+import { failed, marchTo, planMarch, type Base } from "./accuracy.ts";
+import { readSignal, tableOf } from "./drives.ts";
+import { listSaid, predictInputs, type Changes } from "./inputs.ts";
+import { LONG_STEP, MOST_STEPS, NOT_FINITE, OK, OUT_OF_ENVELOPE, TooLong, UNSOLVED, type Grid, type Marched, type RunModule } from "./march.ts";
+import type { RunCore, Scenario } from "./types.ts";
+
+const SOLVED = 1e-8;
+const COARSE = 0.2;
+const JUST_AFTER = 1e-9;
+const LEAST_HEAT = 1e-9;
+const LEAST_WORK = 1e-12;
+const ENDS_ELSEWHERE = 1e-6;
+
+/** What a run needs, from the inputs. */
+interface Inputs {
+  parameters: Float64Array;
+  duration: number;
+  tolerance: number;
+  samples: number;
+  low: Float64Array;
+  high: Float64Array;
+  all: Float64Array;
+}
+
+export function runScenario(scenario: Scenario, module: RunModule, changes: Changes, text: string): RunCore {
+  const begun = performance.now();
+  const all = predictInputs(scenario, changes);
+  const { places, layout } = scenario;
+  const inputs: Inputs = {
+    parameters: all.slice(0, layout.parameters),
+    duration: all[places.duration]!,
+    tolerance: all[places.tolerance]!,
+    samples: countSamples(all[places.samples]!, all[places.duration]!, all[places.interval]!),
+    low: all.slice(places.low, places.low + layout.envelope),
+    high: all.slice(places.high, places.high + layout.envelope),
+    all,
+  };
+  const found = layout.march === "given" ? marchGiven(scenario, module, inputs) : march(scenario, module, inputs);
+  return {
+    name: scenario.name,
+    text,
+    changes,
+    ...found,
+    parameters: Object.fromEntries(scenario.parameters.map((path, k) => [path, inputs.parameters[k]!])),
+    duration: inputs.duration,
+    tolerance: inputs.tolerance,
+    samples: inputs.samples,
+    seconds: (performance.now() - begun) / 1000,
+    cautions: [...scenario.cautions, ...listSaid(scenario, changes)],
+  };
+}
+
+/** Samples of a run; those of a bench are its periods. */
+const countSamples = (asked: number, duration: number, interval: number): number =>
+  Number.isFinite(asked) ? Math.round(asked) : Math.max(2, Math.floor(duration / interval + 1e-6) + 1);
+
+type Found = Omit<RunCore, "name" | "text" | "changes" | "parameters" | "duration" | "tolerance" | "samples" | "seconds" | "cautions">;
+
+function march(scenario: Scenario, module: RunModule, inputs: Inputs): Found {
+  const { places } = scenario;
+  const step = inputs.all[places.step]!;
+  const longest = Math.min(module.findLongestStep(inputs.parameters), inputs.all[places.mechanism]!);
+  const times = Float64Array.from({ length: inputs.samples }, (_, k) => (inputs.duration * k) / (inputs.samples - 1));
+  const base: Base = {
+    parameters: inputs.parameters,
+    times,
+    first: Math.min(longest, inputs.duration / (inputs.samples - 1)),
+    low: inputs.low,
+    high: inputs.high,
+    step: Number.isFinite(step) ? step : 0,
+    inertial: inputs.all[places.inertial]!,
+    drives: places.drives.map((drive) => tableOf(drive, inputs.all)),
+  };
+  try {
+    if (base.step) return describeMarch(scenario, inputs, times, module.march(planMarch(base, inputs.tolerance)), null);
+    const [found, accuracy] = marchTo(module, scenario, base, inputs.tolerance);
+    return describeMarch(scenario, inputs, times, found, accuracy);
+  } catch (error) {
+    if (!(error instanceof TooLong)) throw error;
+    throw new Refusal(`This run needs more than ${MOST_STEPS.toLocaleString("en")} steps. Make it shorter, or its tolerance larger.`, "input", 400);
+  }
+}
+
+function describeMarch(scenario: Scenario, inputs: Inputs, times: Float64Array, found: Marched, accuracy: number | null): Found {
+  refuseFailure(scenario, found.status, found.time);
+  const leaves = found.status === OUT_OF_ENVELOPE;
+  const reached = leaves ? countInside(scenario, inputs, found.rows, found.reached) : found.reached;
+  const exit = leaves
+    ? { place: found.place, value: found.value, low: inputs.low[found.place]!, high: inputs.high[found.place]!, time: found.time }
+    : null;
+  const warnings = accuracy === null ? [] : listUnbalanced(scenario, inputs, found);
+  if (exit) warnings.push(describeExit(scenario, exit));
+  if (found.status === LONG_STEP) warnings.push(`Warning: ${scenario.statuses[LONG_STEP]}`);
+  if (accuracy !== null && accuracy > inputs.tolerance && !failed(found.status)) {
+    warnings.push(
+      `Warning: the tolerance of ${power(inputs.tolerance)} was not reached in ${found.steps.toLocaleString("en")} steps; ` +
+        `what is judged may be off by ${power(accuracy)} of its range.`,
+    );
+  }
+  return {
+    ...spread(scenario, found.rows, times, reached),
+    status: leaves ? "OUT_OF_ENVELOPE" : found.status === LONG_STEP ? "LONG_STEP" : "OK",
+    statusTime: found.status === OK ? null : found.time,
+    accuracy,
+    steps: found.steps,
+    rejected: found.rejected,
+    step: found.longest,
+    ripple: found.ripple,
+    residual: found.residual,
+    putIn: found.putIn,
+    lost: found.lost,
+    accounts: [...found.accounts],
+    exit,
+    warnings,
+  };
+}
+
+function marchGiven(scenario: Scenario, module: RunModule, inputs: Inputs): Found {
+  const { places } = scenario;
+  const interval = inputs.all[places.interval]!;
+  const [grid, times] = gridOf(scenario, inputs, interval);
+  const found = module.marchGiven(inputs.parameters, grid, inputs.low, inputs.high);
+  const [residual = 0, crossing = 0] = found.worst;
+  const status = !found.rows.every(Number.isFinite) || !Number.isFinite(residual)
+    ? NOT_FINITE
+    : residual > SOLVED ? UNSOLVED : crossing > COARSE ? LONG_STEP : OK;
+  if (found.left < Infinity) {
+    const when = g(found.left, 6);
+    throw new Refusal(`The run stopped at t = ${when} s: ${scenario.statuses[OUT_OF_ENVELOPE]}`, "solve", 400);
+  }
+  refuseFailure(scenario, status, NaN);
+  const warnings = status === LONG_STEP ? [`Warning: ${scenario.statuses[LONG_STEP]}`] : [];
+  const end = times[times.length - 1]!;
+  if (Math.abs(end - inputs.duration) > ENDS_ELSEWHERE * inputs.duration) {
+    warnings.push(
+      `Warning: The run ends at ${g(end, 6)} s instead of ${g(inputs.duration, 6)} s: it goes in periods of ${g(interval, 6)} s. ` +
+        "Try a duration that is a multiple of it.",
+    );
+  }
+  return {
+    ...spread(scenario, found.rows, times, times.length),
+    status: status === LONG_STEP ? "LONG_STEP" : "OK",
+    statusTime: null,
+    accuracy: null,
+    steps: grid.lengths.length,
+    rejected: 0,
+    step: interval,
+    ripple: 0,
+    residual,
+    putIn: 0,
+    lost: 0,
+    accounts: [],
+    exit: null,
+    warnings,
+  };
+}
+
+/** The grid of a system in discrete time (`grid_of_samples`), and its samples. */
+function gridOf(scenario: Scenario, inputs: Inputs, interval: number): [Grid, Float64Array] {
+  const { layout, places } = scenario;
+  const steps = Math.floor(inputs.duration / interval + 1e-9);
+  if (!(steps >= 1 && steps <= MOST_STEPS)) {
+    throw new Refusal(`A run of ${g(inputs.duration, 6)} s in samples of ${g(interval, 6)} s has ${steps} steps.`, "input", 400);
+  }
+  const pieces = Math.min(inputs.samples - 1, steps);
+  const ends = Array.from({ length: pieces + 1 }, (_, i) => roundHalfEven((steps * i) / pieces));
+  const instants = Float64Array.from({ length: steps + 1 }, (_, k) => (k + JUST_AFTER) * interval);
+  const signals = places.drives.map((drive) => readSignal(scenario, drive, inputs.all, instants));
+  const count = signals.length;
+  const sampled = new Float64Array((pieces + 1) * count);
+  ends.forEach((k, i) => signals.forEach((one, d) => (sampled[i * count + d] = one[k]!)));
+  const drives = new Float64Array(Math.max(1, steps * layout.inputs));
+  for (let k = 0; k < steps; k++) {
+    signals.forEach((one, d) => (drives[k * layout.inputs + layout.places[d]!] = one[k + (places.drives[d]!.ahead ? 1 : 0)]!));
+  }
+  const grid = {
+    first: sampled.slice(0, count),
+    sampled: sampled.slice(count),
+    counts: Int32Array.from({ length: pieces }, (_, i) => ends[i + 1]! - ends[i]!),
+    drives,
+    lengths: new Float64Array(steps).fill(interval),
+  };
+  return [grid, Float64Array.from(ends, (k) => k * interval)];
+}
+
+function roundHalfEven(x: number): number {
+  const low = Math.floor(x);
+  return x - low === 0.5 ? low + (low % 2) : Math.round(x);
+}
+
+function refuseFailure(scenario: Scenario, status: number, time: number): void {
+  if (!failed(status) || status === OUT_OF_ENVELOPE) return;
+  const when = Number.isNaN(time) ? "during the run" : `at t = ${g(time, 6)} s`;
+  const said = `The coupled step of law, heat and mechanism failed ${when}. ${scenario.statuses[status] ?? ""}`;
+  throw new Refusal(said, "solve", 400);
+}
+
+/** Rows before the first one that is outside of the envelope; the first of all stays. */
+function countInside(scenario: Scenario, inputs: Inputs, rows: Float64Array, reached: number): number {
+  const width = scenario.names.length;
+  for (let k = 1; k < reached; k++) {
+    const inside = scenario.envelope.every(({ output }, i) => {
+      const value = rows[k * width + output]!;
+      return inputs.low[i]! <= value && value <= inputs.high[i]!;
+    });
+    if (!inside) return k;
+  }
+  return reached;
+}
+
+/** Columns and profiles, by name. */
+function spread(scenario: Scenario, rows: Float64Array, times: Float64Array, reached: number): Pick<RunCore, "times" | "columns" | "profiles"> {
+  const width = scenario.names.length;
+  const columns: Record<string, Float64Array> = {};
+  const profiles: Record<string, Float64Array> = {};
+  scenario.names.forEach((name, k) => {
+    const own = new Float64Array(reached);
+    for (let row = 0; row < reached; row++) own[row] = rows[row * width + k]!;
+    (k < scenario.columns ? columns : profiles)[name] = own;
+  });
+  return { times: times.slice(0, reached), columns, profiles };
+}
+
+function describeExit(scenario: Scenario, exit: NonNullable<RunCore["exit"]>): string {
+  const bound = scenario.envelope[exit.place]!;
+  const shown = (x: number): string => `${g(x * bound.factor + bound.offset, 5)} ${bound.shown}`;
+  const reason = bound.name === "hottest" && exit.value <= 0 ? "absolute zero" : bound.reason;
+  const limit = exit.value > 0 ? exit.high : exit.low;
+  return `The run stopped at t = ${g(exit.time, 6)} s: the ${bound.words} came to ${shown(exit.value)}, beyond ${shown(limit)}, ${reason}.`;
+}
+
+/** Sentences on heat and work that are not accounted for; see `martensite/simulate/ledger.py`. */
+function listUnbalanced(scenario: Scenario, inputs: Inputs, found: Marched): string[] {
+  const own: Record<string, number> = {};
+  scenario.accounts.forEach((name, k) => (own[name] = found.accounts[k]!));
+  const sum = (...names: string[]): number => names.reduce((total, name) => total + (own[name] ?? 0), 0);
+  const said: string[] = [];
+  const tell = (words: string, missing: number, most: number, least: number): void => {
+    const residual = missing / most;
+    if (most > least && !(residual <= inputs.tolerance)) {
+      said.push(
+        `Warning: ${power(residual)} of the ${words} is not accounted for, more than the tolerance of ${power(inputs.tolerance)}.`,
+      );
+    }
+  };
+  if (scenario.balances.heat) {
+    const stored = sum("sensible", "latent");
+    const most = Math.max(Math.abs(found.putIn), Math.abs(found.lost), Math.abs(stored));
+    tell("heat", Math.abs(found.putIn - found.lost - stored), most, LEAST_HEAT);
+  }
+  if (scenario.balances.work) {
+    const held = sum("springs", "gravity", "kinetic", "magnetic");
+    const spent = sum("dissipated");
+    const most = Math.max(sum("exchanged"), Math.abs(held), Math.abs(spent));
+    tell("work", Math.abs(sum("work") - held - spent - sum("outside")), most, LEAST_WORK);
+  }
+  return said;
+}
+
+/** A number of so many digits, as Python's format `g` writes it. */
+export function g(value: number, digits: number): string {
+  if (!Number.isFinite(value)) return Number.isNaN(value) ? "nan" : value > 0 ? "inf" : "-inf";
+  if (value === 0) return "0";
+  const [size = "", exponent = "0"] = value.toExponential(digits - 1).split("e");
+  const power = Number(exponent);
+  const clean = (text: string): string => (text.includes(".") ? text.replace(/\.?0+$/, "") : text);
+  if (power >= -4 && power < digits) return clean(value.toFixed(Math.max(0, digits - 1 - power)));
+  const sign = power < 0 ? "-" : "+";
+  return `${clean(size)}e${sign}${String(Math.abs(power)).padStart(2, "0")}`;
+}
+
+/** As Python's format `.1e` writes it. */
+function power(value: number): string {
+  const [size = "", exponent = "0"] = value.toExponential(1).split("e");
+  const number = Number(exponent);
+  return `${size}e${number < 0 ? "-" : "+"}${String(Math.abs(number)).padStart(2, "0")}`;
+}

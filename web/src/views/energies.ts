@@ -1,0 +1,97 @@
+// Energies of a run over time; see martensite.design.analysis.energy.
+
+import type { Energy } from "../lib/types.ts";
+import { pick } from "./columns.ts";
+import type { Numbers } from "./excursions.ts";
+import { Computed, fill, type Columns, type Values } from "./formulas.ts";
+import type { Views } from "./types.ts";
+
+const PRESCRIBED = "A drive that prescribes the temperature takes whatever energy it needs; there is no balance.";
+const NO_ELEMENT = "Nothing is heated here, so there is no energy to be balanced.";
+const NO_WORK = "The work is left out: this element does not say how far it pulls.";
+
+export interface Energies {
+  electrical: Float64Array;
+  lost: Float64Array;
+  /** Given while pulling, and taken back while stretched; null where ways are not known. */
+  work: Float64Array | null;
+  returned: Float64Array | null;
+}
+
+const label = (views: Views, port: string, name: string): string => (views.elements.prefixed ? `${port}.${name}` : name);
+
+/** Energies up to every sample [J]; or why there are none. */
+export function integrateEnergies(times: Numbers, columns: Columns, parameters: Values, views: Views): Energies | string {
+  const ports = Object.entries(views.elements.ports);
+  if (!ports.length) return NO_ELEMENT;
+  if (ports.some(([, one]) => one.prescribed)) return PRESCRIBED;
+  const add = (name: string): Float64Array => {
+    const sum = new Float64Array(times.length);
+    for (const [port] of ports) {
+      const own = columns[label(views, port, name)]!;
+      for (let k = 0; k < sum.length; k++) sum[k]! += own[k]!;
+    }
+    return sum;
+  };
+  const electrical = integrate(times, add("power"), views.held);
+  const lost = integrate(times, add("heat_loss"), false);
+  if (ports.some(([, one]) => one.way === null && one.length === null)) return { electrical, lost, work: null, returned: null };
+  const known = new Computed(views.elements, parameters, columns, [0]);
+  const [work, returned] = [new Float64Array(times.length), new Float64Array(times.length)];
+  for (const [port, one] of ports) {
+    const force = columns[label(views, port, "force")]!;
+    const length = one.length === null ? 0 : known.one(one.length);
+    const strain = columns[label(views, port, "strain")]!;
+    const way = one.way === null ? fill(strain.length, (k) => -length * strain[k]!) : columns[one.way]!;
+    const [given, taken] = sumWork(force, way);
+    work.forEach((_, k) => {
+      work[k]! += given[k]!;
+      returned[k]! += taken[k]!;
+    });
+  }
+  return { electrical, lost, work, returned };
+}
+
+function sumWork(force: Numbers, way: Numbers): [given: Float64Array, taken: Float64Array] {
+  const [given, taken] = [new Float64Array(force.length), new Float64Array(force.length)];
+  for (let k = 1; k < force.length; k++) {
+    const done = 0.5 * (force[k]! + force[k - 1]!) * (way[k]! - way[k - 1]!);
+    given[k] = given[k - 1]! + Math.max(done, 0);
+    taken[k] = taken[k - 1]! + Math.max(-done, 0);
+  }
+  return [given, taken];
+}
+
+/** Integral up to every sample: of what holds for a period, or by trapezoids. */
+function integrate(times: Numbers, values: Numbers, held: boolean): Float64Array {
+  const found = new Float64Array(times.length);
+  for (let k = 1; k < times.length; k++) {
+    const middle = held ? values[k - 1]! : 0.5 * (values[k]! + values[k - 1]!);
+    found[k] = found[k - 1]! + middle * (times[k]! - times[k - 1]!);
+  }
+  return found;
+}
+
+/** Work over electrical energy; no number without any. */
+export const efficiencyAt = (found: Energies, k: number): number =>
+  found.work && found.electrical[k]! > 0 ? found.work[k]! / found.electrical[k]! : NaN;
+
+/** The courses that are drawn. */
+export function describeEnergy(found: Energies | string, rows: number[]): Energy {
+  if (typeof found === "string") return { courses: [], efficiency: null, sentence: found };
+  const { electrical, lost, work, returned } = found;
+  const course = (key: string, symbol: string, long_name: string, shown: string, factor: number, values: Numbers) =>
+    ({ key, symbol, long_name, shown, factor, values: pick(values, rows) });
+  const courses = [
+    course("electrical", "E", "electrical energy in", "J", 1, electrical),
+    course("lost", "Q", "heat to the surroundings", "J", 1, lost),
+    course("stored", "E − Q", "stored in the elements", "J", 1, electrical.map((value, k) => value - lost[k]!)),
+  ];
+  if (!work || !returned) return { courses, efficiency: null, sentence: NO_WORK };
+  courses.push(
+    course("work", "W", "work given while pulling", "mJ", 1e3, work),
+    course("returned", "W_b", "work taken back while stretched", "mJ", 1e3, returned),
+  );
+  const share = (k: number): number | null => (electrical[k]! > 0 ? efficiencyAt(found, k) : null);
+  return { courses, efficiency: rows.map(share), sentence: "" };
+}

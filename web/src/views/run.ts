@@ -1,0 +1,87 @@
+// What the page draws of a run, made from its columns and from what martensite_app.views.page says of its scenario.
+
+import type { RunCore, Scenario } from "../engine/types.ts";
+import type { Alarm, KeyResult, Run } from "../lib/types.ts";
+import { listAlarms } from "./alarms.ts";
+import { chooseRows, dropRepeated, highest, listStretches, lowest, pick } from "./columns.ts";
+import { describePhase } from "./diagrams.ts";
+import { drawScene } from "./drawing.ts";
+import { describeEnergy, efficiencyAt, integrateEnergies, type Energies } from "./energies.ts";
+import { general, type Columns, type Values } from "./formulas.ts";
+import type { Views } from "./types.ts";
+import { listWarnings } from "./warnings.ts";
+
+/** What is smaller is the error of rounding. */
+const NOTHING = 1e-12;
+
+/** What of a scenario the views need. */
+export type Described = Pick<Scenario, "title" | "described" | "outputs" | "coordinate" | "ports" | "traces" | "loops" | "views">;
+
+/** The run as the server tells it (martensite_app.calls.scenarios). */
+export function describeRun(core: RunCore, scenario: Described, values: Values = core.parameters): Run {
+  const { times, columns } = core;
+  const { views, outputs, ports } = scenario;
+  const rows = chooseRows(times.length);
+  const thinned = Object.fromEntries(Object.entries(columns).map(([name, column]) => [name, pick(column, rows)]));
+  const { alarms, warnings } = listAlarms({ times, columns, outputs, parameters: values, views }, (found) => listWarnings(core, views, values, found));
+  const energies = integrateEnergies(times, columns, values, views);
+  const temperature = (port: string): string => (views.elements.prefixed ? `${port}.temperature` : "temperature");
+  return {
+    text: core.text,
+    title: scenario.title,
+    described: scenario.described,
+    status: core.status,
+    accuracy: core.accuracy,
+    steps: core.steps,
+    step: core.step,
+    stroke: range(columns, scenario.coordinate),
+    coordinate: scenario.coordinate,
+    ports,
+    cautions: core.cautions,
+    warnings,
+    alarms,
+    runtime: "WebAssembly",
+    seconds: core.seconds,
+    times: pick(times, rows),
+    columns: thinned,
+    outputs,
+    traces: dropRepeated(scenario.traces, columns),
+    loops: scenario.loops,
+    stretches: Object.fromEntries(ports.map((port) => [port, listStretches(thinned[temperature(port)]!)])),
+    phase: describePhase(columns, values, views),
+    energy: describeEnergy(energies, rows),
+    key: listKeyResults(columns, views, energies, alarms.filter((one) => one.kind !== "supervisor")),
+    scene: drawScene(times, columns, values, views),
+  };
+}
+
+const range = (columns: Columns, name: string): number => highest(columns[name]!) - lowest(columns[name]!);
+const spell = (number: string, unit: string): string => (unit ? `${number} ${unit}` : number);
+
+/** The few numbers by which runs are compared; see martensite.show.summaries.run. */
+function listKeyResults(columns: Columns, { key }: Views, energies: Energies | string, alarms: Alarm[]): KeyResult[] {
+  const strokes = key.strokes.map((one): KeyResult => [one.words, spell(general(range(columns, one.column) / one.size, 4), one.unit)]);
+  const peaks = key.peaks.map((one): KeyResult => {
+    const ends = one.columns.map((name) => (one.least ? lowest : highest)(columns[name]!));
+    const value = one.least ? Math.min(...ends) : Math.max(...ends);
+    return [one.words, spell(general(((Math.abs(value) > NOTHING ? value : 0) - one.zero) / one.size, 4), one.unit)];
+  });
+  const beyond = alarms.reduce((sum, one) => sum + one.duration, 0);
+  return [...strokes, ...peaks, ...listEnergies(energies), ["time beyond limits", `${general(beyond, 4)} s`]];
+}
+
+function listEnergies(found: Energies | string): KeyResult[] {
+  if (typeof found === "string") return [];
+  const last = found.electrical.length - 1;
+  const told: KeyResult[] = [
+    ["electrical energy in", `${general(found.electrical[last]!, 4)} J`],
+    ["heat to the surroundings", `${general(found.lost[last]!, 4)} J`],
+  ];
+  if (!found.work || !found.returned) return told;
+  return [
+    ...told,
+    ["work given while pulling", `${general(1e3 * found.work[last]!, 4)} mJ`],
+    ["work taken back while stretched", `${general(1e3 * found.returned[last]!, 4)} mJ`],
+    ["efficiency (work over electrical)", `${general(100 * efficiencyAt(found, last), 4)} %`],
+  ];
+}
