@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.assembly.lengths import measure_lengths
 from martensite.actuators.elements.base import AbstractElement
-from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, Point
+from martensite.actuators.mechanisms.drawing import NEWTON, DrawingShape, DrawingState, Point
 from martensite.scenario.scenario import Scenario
 from martensite.simulate.result import Result
 from martensite_app.messages import JsonTable
@@ -24,7 +24,7 @@ MOST_NUMBERS = 60_000
 """Coordinates of all pictures together."""
 FINENESS = 1e-5
 """Quantum as a share of the size of the picture."""
-SHOWN = ("temperature", "martensite_fraction", "force")
+SHOWN = ("temperature", "martensite_fraction", "force", "stress")
 
 
 def describe_scene(scenario: Scenario, result: Result) -> JsonTable:
@@ -43,6 +43,7 @@ def describe_scene(scenario: Scenario, result: Result) -> JsonTable:
         "shapes": [_describe_shape(shape, stands, system, quantum) for shape, stands in zip(first, still, strict=True)],
         "times": [result.times[row] for row in rows],
         "quantum": quantum,
+        "newton": NEWTON,
         "frames": [_flatten_points(_list_moving(shapes, still), quantum) for shapes in pictures],
         "turns": [[s.turn for s in shapes if s.kind in TURNING] for shapes in pictures],
         "low": low,
@@ -76,6 +77,8 @@ def _describe_shape(shape: DrawingShape, stands: bool, system: AbstractSystem, q
         "count": len(shape.points),
         "still": _flatten_points([shape], quantum) if stands else None,
     }
+    if shape.mass:
+        found["mass"] = shape.mass
     if shape.port:
         found |= {"port": shape.port, **_describe_element(system.actuators()[shape.port].element)}
     return found

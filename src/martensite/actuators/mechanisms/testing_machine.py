@@ -159,12 +159,12 @@ class TensileTestingMachine(AbstractMechanism):
         rod = ((0.0, 0.0, grip), (0.0, 0.0, head))
         gives = math.isfinite(self.stiffness)
         return [
-            draw_bar("base", thick, (-wide, 0.0, -thick), (wide, 0.0, -thick), kind="ground"),
+            draw_bar("base", thick, (-wide, 0.0, -thick), (wide, 0.0, -thick), kind="wall"),
             *(draw_bar(f"column {k}", 0.6 * thick, *s, kind="ground") for k, s in enumerate(sides, 1)),
             draw_bar("crosshead", thick, (-wide, 0.0, head), (wide, 0.0, head)),
             DrawingShape("element", "wire", ((0.0, 0.0, 0.0), rod[0]), 0.0, "element"),
             DrawingShape("frame and grips", "spring" if gives else "link", rod, thick),
-            DrawingShape("grip", "object", (rod[0],), thick),
+            DrawingShape("grip", "slider", (rod[0],), thick),
         ]
 
     @property
