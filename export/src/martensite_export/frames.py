@@ -22,7 +22,7 @@ from martensite_export.episodes import Episodes
 SIZE, DOTS = (4.8, 3.6), 100
 """Width and height [in], and dots per inch."""
 GREY, DARK, WANTED = "#9aa5ad", "#22303c", "#d55e00"
-WIDTHS = {"ground": 5.0, "link": 4.0, "wire": 1.8, "joint": 3.0}
+WIDTHS = {"ground": 5.0, "wall": 5.0, "phalanx": 5.0, "fingertip": 5.0, "link": 4.0, "beam": 4.0, "wire": 1.8, "joint": 3.0}
 """Of lines by kind of shape [points]; 1.2 for all others."""
 HOTTER = 60.0
 """By how much a wire without a limit is red [K]."""

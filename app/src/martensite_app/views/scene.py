@@ -10,13 +10,13 @@ from typing import Any
 from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.assembly.lengths import measure_lengths
 from martensite.actuators.elements.base import AbstractElement
-from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState
+from martensite.actuators.mechanisms.drawing import NEWTON, DrawingShape, DrawingState
 from martensite.scenario.scenario import Scenario
 from martensite.simulate.result import Result
 from martensite_app.messages import JsonTable
 from martensite_app.views.formulas import Formulas, rebuild_recorded
 
-SHOWN = ("temperature", "martensite_fraction", "force")
+SHOWN = ("temperature", "martensite_fraction", "force", "stress")
 TURNING = ("pulley", "rotor")
 """Kinds of shapes that turn."""
 NOT_RECORDED = (
@@ -36,9 +36,9 @@ def describe_shapes(scenario: Scenario, result: Result) -> JsonTable:
         shapes = system.mechanism.draw_shapes(DrawingState(outputs, measure_lengths(system, firsts)))
     except TypeError:
         sentence = NOT_RECORDED.format(system.mechanism.registered_name)
-        return {"rows": [], "choices": [], "shapes": [], "ports": ports, "sentence": sentence}
+        return {"rows": [], "choices": [], "shapes": [], "ports": ports, "newton": NEWTON, "sentence": sentence}
     found = table.collect(shapes=[_record_shape(shape, system) for shape in shapes])
-    return found | {"ports": ports, "sentence": ""}
+    return found | {"ports": ports, "newton": NEWTON, "sentence": ""}
 
 
 def _record_shape(shape: DrawingShape, system: AbstractSystem) -> JsonTable:
@@ -50,6 +50,7 @@ def _record_shape(shape: DrawingShape, system: AbstractSystem) -> JsonTable:
         "points": shape.points,
         "turn": shape.turn if shape.kind in TURNING else None,
         "port": shape.port or None,
+        "mass": shape.mass,
         **element,
     }
 
