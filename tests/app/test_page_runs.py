@@ -34,7 +34,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "limits": ("constant_power", LIMITED),
     "guard": ("closed_loop_guarded", {}),
     "ports and supply": ("closed_loop_platform", {}),
-    "no elements": ("model_run", {"run.duration": "5 s"}),
+    "no elements": ("sommerfeld_beam", {"run.duration": "1 s"}),
     "prescribed, driven": ("tensile-test", {"run.duration": "60 s", "run.samples": 101}),
 }
 """Short runs in which every kind of view is there."""

@@ -261,9 +261,13 @@ def frozen(shape: DrawingShape, outputs: Mapping[str, float]) -> DrawingShape:
     return shape._replace(points=tuple((0.0, 0.0, float(k)) for k in range(len(shape.points))))
 
 
+def valued(shape: DrawingShape, outputs: Mapping[str, float]) -> DrawingShape:
+    return shape._replace(size=abs(math.sin(outputs["position"])))
+
+
 @pytest.mark.parametrize(
     ("change", "check"),
-    list(zip((no_place, no_port, too_long, frozen), CHECKS, strict=True)),
+    list(zip((no_place, no_port, too_long, frozen, valued), CHECKS, strict=True)),
     ids=lambda one: one.__name__,
 )
 def test_a_wrong_drawing_is_noticed(change: Any, check: Callable[[Pictures], None]) -> None:
