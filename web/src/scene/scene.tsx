@@ -40,6 +40,7 @@ function described(now: Run, time: number, motion: Motion): string {
 export function Scene() {
   const now = run.value;
   if (!now?.scene) return null;
+  if (now.scene.sentence) return <section class="panel scene" aria-label="Mechanism"><Message kind="note">{now.scene.sentence}</Message></section>;
   return <Shown now={now} />;
 }
 

@@ -176,7 +176,8 @@ class Recorded:
         return self.table.apply("power", power, (self, exponent)) if whole is None else expand_power(self, whole)
 
     def __bool__(self) -> bool:
-        return self.table.choose(self if isinstance(self.value, bool) else self != 0.0)
+        is_flag = isinstance(self.value, bool)
+        return self.table.choose(self if is_flag else self.table.apply("ne", operator.ne, (self, 0.0)))
 
     def __round__(self) -> int:
         whole = round(self.value)
