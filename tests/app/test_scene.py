@@ -118,7 +118,7 @@ def test_a_drawing_that_cannot_be_recorded_is_told() -> None:
     values = {name: getattr(own, name) for name in own.declarations}
     found = describe_shapes(scenario.system.with_parts(mechanism=Valued(**values)), result)
     assert found["shapes"] == []
-    assert "recorded.xp" in found["sentence"]
+    assert "recordable_numbers.xp" in found["sentence"]
 
 
 def test_every_example_has_one(page_runs: PageRuns) -> None:

@@ -1,6 +1,6 @@
 """Formulas for the page: what a function does with numbers, recorded once and computed by the browser.
 
-`Recorded` numbers have a value, so that a function runs as on floats, and a row in a table of what they
+`RecordedNumber` numbers have a value, so that a function runs as on floats, and a row in a table of what they
 follow from. A choice that the function makes by a value is noted too: what was recorded holds for as long
 as all choices come out the same, which the browser checks (`web/src/views/formulas.ts`).
 
@@ -42,21 +42,21 @@ class Formulas:
     def __init__(self, forced: Sequence[bool] = ()) -> None:
         self.rows: list[list[Any]] = []
         self.choices: dict[int, bool] = {}
-        self._known: dict[tuple[Any, ...], Recorded] = {}
+        self._known: dict[tuple[Any, ...], RecordedNumber] = {}
         self._forced = forced
 
-    def leaf(self, kind: str, name: str, value: float) -> Recorded:
+    def leaf(self, kind: str, name: str, value: float) -> RecordedNumber:
         """A parameter or a column, with its value here and now."""
         return self._add([kind, name], value)
 
-    def constant(self, value: Any) -> Recorded:
+    def constant(self, value: Any) -> RecordedNumber:
         """A number, or true or false, that is known."""
-        if isinstance(value, Recorded):
+        if isinstance(value, RecordedNumber):
             return value
         number = float(value)
         return self._add(["c", write_number(number)], number)
 
-    def apply(self, name: str, plain: Callable[..., Any], numbers: Sequence[Any]) -> Recorded:
+    def apply(self, name: str, plain: Callable[..., Any], numbers: Sequence[Any]) -> RecordedNumber:
         """What an operation makes of numbers."""
         if name in SAME:
             return self.constant(numbers[0])
@@ -69,7 +69,7 @@ class Formulas:
             return self.constant(value)
         return self._add([name, *(one.row for one in given)], value)
 
-    def choose(self, flag: Recorded) -> bool:
+    def choose(self, flag: RecordedNumber) -> bool:
         """What a condition is, and the note that it is so."""
         if self.rows[flag.row][0] == "c":
             return bool(flag.value)
@@ -113,10 +113,10 @@ class Formulas:
     def _renumber(self, row: list[Any], numbers: Mapping[int, int]) -> list[Any]:
         return row if row[0] in LEAVES else [row[0], *(numbers[one] for one in row[1:])]
 
-    def _add(self, row: list[Any], value: Any) -> Recorded:
+    def _add(self, row: list[Any], value: Any) -> RecordedNumber:
         key = (*row, math.copysign(1.0, row[1])) if row[0] == "c" and isinstance(row[1], float) else tuple(row)
         if key not in self._known:
-            self._known[key] = Recorded(self, len(self.rows), value)
+            self._known[key] = RecordedNumber(self, len(self.rows), value)
             self.rows.append(row)
         return self._known[key]
 
@@ -144,10 +144,10 @@ def _write_reflected(name: str, plain: Callable[..., Any]) -> Callable[..., Any]
 
 
 def _find_table(numbers: Sequence[Any]) -> Formulas:
-    return next(one.table for one in numbers if isinstance(one, Recorded))
+    return next(one.table for one in numbers if isinstance(one, RecordedNumber))
 
 
-class Recorded:
+class RecordedNumber:
     """A number with its row; `float` of it is refused, so that nothing is computed beside the table."""
 
     __slots__ = ("row", "table", "value")
@@ -155,8 +155,8 @@ class Recorded:
     def __init__(self, table: Formulas, row: int, value: Any) -> None:
         self.table, self.row, self.value = table, row, value
 
-    def record(self, name: str, plain: Callable[..., Any], numbers: Sequence[Any]) -> Recorded:
-        """What a function of `martensite.kernels.recorded` makes of it and others."""
+    def record(self, name: str, plain: Callable[..., Any], numbers: Sequence[Any]) -> RecordedNumber:
+        """What a function of `martensite.kernels.recordable_numbers` makes of it and others."""
         if name == "power" and isinstance(numbers[1], int):
             return expand_power(*numbers)
         return self.table.apply(name, plain, numbers)

@@ -20,7 +20,7 @@ TURNING = ("pulley", "rotor")
 """Kinds of shapes that turn."""
 NOT_RECORDED = (
     "The drawing of `{}` asks for the value of a number that the page computes: in `draw_shapes` use the functions of "
-    "`martensite.kernels.recorded.xp`, such as `xp.cos` and `xp.maximum`."
+    "`martensite.kernels.recordable_numbers.xp`, such as `xp.cos` and `xp.maximum`."
 )
 
 

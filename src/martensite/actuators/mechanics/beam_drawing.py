@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_bar
-from martensite.kernels.recorded import xp
+from martensite.kernels.recordable_numbers import xp
 
 if TYPE_CHECKING:
     from martensite.actuators.mechanisms.beam_motor import BeamMotor

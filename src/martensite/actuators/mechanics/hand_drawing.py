@@ -27,7 +27,7 @@ from martensite.actuators.mechanisms.drawing import (
     measure_length,
     trace_arc,
 )
-from martensite.kernels.recorded import xp
+from martensite.kernels.recordable_numbers import xp
 
 if TYPE_CHECKING:
     from martensite.actuators.mechanisms.hand import Hand

@@ -17,7 +17,7 @@ from collections.abc import Mapping, Sequence
 from functools import reduce
 from typing import NamedTuple
 
-from martensite.kernels.recorded import xp
+from martensite.kernels.recordable_numbers import xp
 
 Point = tuple[float, float, float]
 

@@ -63,7 +63,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.recorded import xp
+from martensite.kernels.recordable_numbers import xp
 
 
 @MECHANISMS.register("finger")

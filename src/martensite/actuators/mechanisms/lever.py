@@ -34,7 +34,7 @@ from martensite.actuators.mechanisms.joints import find_stop_energy, stop_torque
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.recorded import xp
+from martensite.kernels.recordable_numbers import xp
 
 
 @MECHANISMS.register("lever")

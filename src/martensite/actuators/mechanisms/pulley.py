@@ -27,7 +27,7 @@ from martensite.actuators.mechanisms.drawing import (
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.recorded import xp
+from martensite.kernels.recordable_numbers import xp
 
 
 @MECHANISMS.register("antagonistic-pulley")
