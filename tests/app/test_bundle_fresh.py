@@ -6,19 +6,19 @@ import sys
 from pathlib import Path
 
 import pytest
-from page_runs import WEB, find_node
+from node_js import WEB, node
 
 
 def test_the_bundle_is_the_newest(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("MARTENSITE_STATIC", raising=False)
-    done = subprocess.run([find_node(), "test/fresh.mjs"], cwd=WEB, capture_output=True, text=True, check=False)
+    done = subprocess.run([node(), "test/fresh.mjs"], cwd=WEB, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
 
 
 def test_an_old_bundle_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "bench.js").write_text("old")
     monkeypatch.setenv("MARTENSITE_STATIC", str(tmp_path))
-    done = subprocess.run([find_node(), "test/fresh.mjs"], cwd=WEB, capture_output=True, text=True, check=False)
+    done = subprocess.run([node(), "test/fresh.mjs"], cwd=WEB, capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert "not the newest" in done.stderr
 

@@ -1,7 +1,6 @@
 """`app`: the web bench in the browser.
 
-The state of the bench is in its address: the text of a scenario, deflated, behind the `#`. What
-stands there never leaves the browser.
+The state of the bench is in its address: the text of a scenario, deflated, behind the `#`, which stays in the browser.
 """
 
 from __future__ import annotations
@@ -34,6 +33,7 @@ def bench_app(
     folder: Annotated[
         Path | None, typer.Option(help="Where files are kept [default: a folder that ends with the bench].")
     ] = None,
+    static: Annotated[Path | None, typer.Option(help="Write it as a folder for any file server, and end.")] = None,
     json: Json = False,
 ) -> None:
     """Open the web bench: sliders, loops, motion, your own logs.
@@ -41,7 +41,9 @@ def bench_app(
     It is reachable from this machine alone, and only with the token in the address. Ctrl-C ends it.
     """
     served = import_extra("martensite_app.server", "app", "the web bench")
-
+    if static is not None:
+        made = import_extra("martensite_app.static_site.command", "app,export,cc", "a page without a server")
+        return made.write_page(static, scenario, json)
     text = None if scenario is None else _read_text(scenario)
     if folder is not None and not folder.is_dir():
         raise DataError(f"There is no folder `{folder}`; create it first.")
@@ -56,7 +58,6 @@ def _read_text(scenario: Path) -> str:
 
 def _make_opener(text: str | None, no_browser: bool, json: bool) -> Callable[[Served], None]:
     def ready(at: Served) -> None:
-
         address = at.address if text is None else build_address(at.address, text)
         if json:
             from martensite.show.terminal import print_json
@@ -69,7 +70,6 @@ def _make_opener(text: str | None, no_browser: bool, json: bool) -> Callable[[Se
             import webbrowser
 
             webbrowser.open(address)
-
     return ready
 
 

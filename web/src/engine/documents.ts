@@ -21,13 +21,22 @@ export function findKnown(manifest: Manifest, text: string): Known {
   let best: Known | null = null;
   for (const one of manifest.scenarios) {
     if (one.text === text) return { name: one.name, written: new Map() };
-    const base = flatten(readToml(one.text));
+    const base = readPackaged(one.text);
     if ([...base.keys()].some((path) => !own.has(path) && !liesAbove(path, own))) continue;
     const written = new Map([...own].filter(([path, value]) => base.get(path) !== value));
     if (!best || written.size < best.written.size) best = { name: one.name, written };
   }
   if (!best) throw new Refusal(`This page runs the scenarios that come with it, and their numbers. ${SERVER}`, "server", 501);
   return best;
+}
+
+const packaged = new Map<string, Map<string, string>>();
+
+/** The entries of a packaged document, read once. */
+function readPackaged(text: string): Map<string, string> {
+  const found = packaged.get(text) ?? flatten(readToml(text));
+  packaged.set(text, found);
+  return found;
 }
 
 /** Whether a kind that was written in short has become a table. */
@@ -43,7 +52,7 @@ function readDocument(text: string): Map<string, string> {
 
 /** Values in SI of what is written in another way than in the packaged document. */
 export function readChanges(scenario: Scenario, written: Map<string, string>): Changes {
-  const base = flatten(readToml(scenario.text));
+  const base = readPackaged(scenario.text);
   const nodes = new Map(listNumbers(scenario.form.sections).map((node) => [node.path, node]));
   const found: Changes = {};
   for (const [path, text] of written) {

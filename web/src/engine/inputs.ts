@@ -27,6 +27,8 @@ export function predictInputs(scenario: Scenario, changes: Changes): Float64Arra
   const inputs = Float64Array.from(scenario.inputs, Number);
   const moved = findMoved(scenario, changes);
   const steps = new Map<number, Map<number, number>>();
+  const invert = (): void => scenario.inverted.forEach((entry) => (inputs[entry] = 1 / inputs[entry]!));
+  invert();
   for (const [number, value] of moved) {
     const control = scenario.controls[number]!;
     for (const [entry, shape, coefficient] of control.terms) {
@@ -42,6 +44,7 @@ export function predictInputs(scenario: Scenario, changes: Changes): Float64Arra
     const y = found?.get(other);
     if (x !== undefined && y !== undefined) inputs[entry]! += coefficient * x * y;
   }
+  invert();
   return inputs;
 }
 

@@ -3,6 +3,7 @@
 import { Refusal } from "../lib/refusal.ts";
 import type { Run } from "../lib/types.ts";
 import { compareDocuments, fillForm, findKnown, readChanges, writeChanged } from "./documents.ts";
+import { movable } from "./fixed.ts";
 import { predictInputs, SERVER, type Changes } from "./inputs.ts";
 import type { Manifest, RunCore, Scenario } from "./types.ts";
 import { drawRun } from "./drawn.ts";
@@ -116,11 +117,13 @@ const calls: Record<string, (request: Request) => Promise<unknown>> = {
   form: async (request) => {
     if (!request["text"] || (request["removed"] as string[] | undefined)?.length) throw new Refusal(`This page cannot do that by itself. ${SERVER}`, "server", 501);
     const { scenario, text, changes } = await understand(request["text"] as string, (request["changes"] as Request | undefined) ?? {});
+    movable.value = new Set(scenario.controls.map((one) => one.path));
     return fillForm(scenario, text, changes, predictInputs(scenario, changes));
   },
   run: async (request): Promise<Run> => {
     const { scenario, text, changes } = await understand(request["text"] as string, (request["changes"] as Request | undefined) ?? {});
-    return drawRun(scenario, await runLocally(scenario, changes, text));
+    const core = await runLocally(scenario, changes, text);
+    return { ...drawRun(scenario, core), cautions: core.cautions };
   },
   compare: async (request) => compareDocuments(request["texts"] as string[]),
 };

@@ -33,7 +33,7 @@ export function runScenario(scenario: Scenario, module: RunModule, changes: Chan
     parameters: all.slice(0, layout.parameters),
     duration: all[places.duration]!,
     tolerance: all[places.tolerance]!,
-    samples: Math.round(all[places.samples]!),
+    samples: countSamples(all[places.samples]!, all[places.duration]!, all[places.interval]!),
     low: all.slice(places.low, places.low + layout.envelope),
     high: all.slice(places.high, places.high + layout.envelope),
     all,
@@ -52,6 +52,10 @@ export function runScenario(scenario: Scenario, module: RunModule, changes: Chan
     cautions: [...scenario.cautions, ...listSaid(scenario, changes)],
   };
 }
+
+/** Samples of a run; those of a bench are its periods. */
+const countSamples = (asked: number, duration: number, interval: number): number =>
+  Number.isFinite(asked) ? Math.round(asked) : Math.max(2, Math.floor(duration / interval + 1e-6) + 1);
 
 type Found = Omit<RunCore, "name" | "text" | "changes" | "parameters" | "duration" | "tolerance" | "samples" | "seconds" | "cautions">;
 

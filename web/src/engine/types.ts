@@ -139,6 +139,8 @@ export interface Scenario {
   controls: Control[];
   /** Coefficients of products of two changes. */
   products: [entry: number, one: number, other: number, coefficient: number][];
+  /** Entries of which the inverse is such a sum. */
+  inverted: number[];
   /** Controls which may not be changed together. */
   apart: [one: number, other: number][];
   /** Paths of controls that need the server. */

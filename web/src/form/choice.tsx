@@ -1,7 +1,8 @@
 // Choices: options of a part, its kind, the material; and texts.
 
 import { useSignal } from "@preact/signals";
-import { faulty, idOf, Row } from "./row.tsx";
+import { whyFixed } from "../engine/fixed.ts";
+import { faulty, Fixed, idOf, Row } from "./row.tsx";
 import { form, refusals, restructure, send } from "./state.ts";
 import type { NamedPart, GroupNode, MaterialNode, OptionNode, RowNode, TextNode } from "./types.ts";
 
@@ -82,6 +83,8 @@ export function KindControl({ group, title }: { group: GroupNode; title: string 
   const kind = group.kind;
   if (!kind) return null;
   const id = idOf(kind.path);
+  const fixed = whyFixed(kind.path);
+  const pick = <Pick id={id} path={kind.path} value={kind.value} choices={form.value?.registries[kind.registry] ?? []} />;
   return (
     <div class={`form-row kind ${kind.changed ? "changed" : ""}`}>
       <div class="form-label">
@@ -89,7 +92,7 @@ export function KindControl({ group, title }: { group: GroupNode; title: string 
           {title}
         </label>
       </div>
-      <Pick id={id} path={kind.path} value={kind.value} choices={form.value?.registries[kind.registry] ?? []} />
+      {fixed ? <Fixed words={fixed}>{pick}</Fixed> : pick}
     </div>
   );
 }

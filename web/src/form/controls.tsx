@@ -1,6 +1,8 @@
 // The form of the scenario: a search, what was assumed, what is missing, and all sections.
 
 import { useEffect } from "preact/hooks";
+import { movable } from "../engine/fixed.ts";
+import { SERVER } from "../engine/inputs.ts";
 import { Message } from "../ui/message.tsx";
 import { matching, Section } from "./group.tsx";
 import { Wanting } from "./missing.tsx";
@@ -51,6 +53,7 @@ export function Controls() {
     <div class="form">
       <Search />
       <Notes />
+      {movable.value && <p class="soft small">Grey controls need the server. {SERVER}</p>}
       {wanting.value && <Wanting />}
       {sections.map((section) => (
         <Section key={section.path} group={section} open={!CLOSED.includes(section.path)} />

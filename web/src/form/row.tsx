@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
+import { whyFixed } from "../engine/fixed.ts";
 import { Details, hint } from "./details.tsx";
 import { refusals } from "./state.ts";
 import { Symbol } from "../ui/symbol.tsx";
@@ -21,10 +22,20 @@ export function nameOf(node: SingleNode): ComponentChildren {
   return node.symbol ? <Symbol text={node.symbol} /> : capital(node.title);
 }
 
+/** Controls that are seen but not changed, and why. */
+export function Fixed({ words, children }: { words: string; children: ComponentChildren }) {
+  return (
+    <fieldset class="fixed" disabled title={words}>
+      {children}
+    </fieldset>
+  );
+}
+
 export function Row({ node, children }: { node: SingleNode; children: ComponentChildren }) {
   const open = useSignal(false);
   const id = idOf(node.path);
   const words = refusals.value[node.path];
+  const fixed = whyFixed(node.path);
   const about = node.symbol ? node.meaning : "";
   return (
     <div class={`form-row ${node.changed ? "changed" : ""}`}>
@@ -55,7 +66,7 @@ export function Row({ node, children }: { node: SingleNode; children: ComponentC
           <span aria-hidden="true">i</span>
         </button>
       </div>
-      {children}
+      {fixed ? <Fixed words={fixed}>{children}</Fixed> : children}
       {words && (
         <p class="fault small" id={faultId(node.path)} role="alert">
           {words}

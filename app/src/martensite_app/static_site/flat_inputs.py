@@ -2,9 +2,9 @@
 
     p:PATH                       a parameter of the system or bench
     duration, tolerance, samples, step, mechanism, inertial, interval
+                                 (of a bench, whose samples are its periods, as many as there are)
     low:K, high:K                bounds of the envelope
     drive:I.start:K, …           segments and tones of the waveform of a drive
-    form:PATH                    a number that the form shows
 
 A waveform of a system in discrete time is read at its samples. Where its segments do not say what is
 read there, as with noise, the readings themselves are kept.
@@ -104,16 +104,13 @@ def _list_scalars(scenario: Scenario, compiled: CompiledMarch) -> Iterator[tuple
     system = scenario.whole
     for path, value in zip(compiled.paths, compiled.values(system), strict=True):
         yield f"p:{path}", float(value)
-    interval = system.sample_time()
-    bench = scenario.bench is not None
-    samples = max(2, int(scenario.duration / interval + 1e-6) + 1) if bench else scenario.samples
     yield "duration", scenario.duration
     yield "tolerance", scenario.tolerance
-    yield "samples", float(samples)
+    yield "samples", math.inf if scenario.bench is not None else float(scenario.samples)
     yield "step", scenario.step or math.inf
     yield "mechanism", system.mechanism.first_step()
     yield "inertial", inertial_step(system)
-    yield "interval", interval
+    yield "interval", system.sample_time()
     limits = envelope_of(system)
     for name, bounds in (("low", limits.low), ("high", limits.high)):
         for k, bound in enumerate(bounds):

@@ -5,7 +5,8 @@ became another one is told as a sum,
 
     e = e0 + Σ c_a Δg_a + Σ c_ab Δg_a Δg_b,   Δg_a = g_a(x_a) - g_a(x_a0),
 
-with a function g of each control: its value, a power of it, or its inverse. What is fitted through
+with a function g of each control: its value, a power of it, or its inverse; a number whose inverse is such a sum,
+as a power by resistances in series, is told by that. What is fitted through
 two values must hold at others, up to both ends of the range; where it does not, the range ends
 earlier, or the control is left out. Two controls that some number follows from, or that a builder
 may compare, are tried together; those that do not fit are kept apart.
@@ -15,7 +16,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, cast
 
@@ -30,10 +31,10 @@ from martensite_app.static_site.flat_inputs import DriveShape, list_inputs
 
 SAME = 1e-12
 """Share of a number up to which it is the same."""
-PARTS = (0.37, 0.001, 1.0, 0.61)
-"""Where between the value and an end of its slider a control is tried; hardly changed, too."""
 SHORTER = (1.0, 0.95, 0.75, 0.5, 0.25, 0.1)
 """Shares of the way to an end that are tried as the end of the range."""
+TOGETHER = 8
+"""So many trials are made in one."""
 FUNCTIONS: dict[str, Callable[[float], float]] = {
     "x": lambda x: x,
     "1/x": lambda x: 1.0 / x,
@@ -45,6 +46,7 @@ FUNCTIONS: dict[str, Callable[[float], float]] = {
     "1/root": lambda x: 1.0 / math.sqrt(x),
 }
 Numbers = Mapping[str, float]
+Row = tuple[float, Numbers]
 
 
 class UnmappedError(Exception):
@@ -61,7 +63,8 @@ class MappedControl:
     high: float = 0.0
     terms: dict[str, tuple[str, float]] = field(default_factory=dict[str, tuple[str, float]])
     """Name of a number -> function and coefficient."""
-    tried: list[float] = field(default_factory=list[float])
+    rows: list[Row] = field(default_factory=list[Row])
+    """Values that were tried, and the numbers that came of them."""
     said: tuple[str, ...] = ()
     """Cautions that come with any change of it."""
 
@@ -79,6 +82,11 @@ class MappedControl:
 Pair = tuple[int, int]
 
 
+def _invert(value: float, inverted: bool) -> float:
+    """A number, or its inverse."""
+    return (1.0 / value if value else math.inf) if inverted else value
+
+
 @dataclass
 class InputMap:
     """What is known of a scenario and its controls."""
@@ -94,6 +102,8 @@ class InputMap:
     products: dict[tuple[str, int, int], float] = field(default_factory=dict[tuple[str, int, int], float])
     """Coefficients of products, by number and both controls."""
     apart: set[Pair] = field(default_factory=set[Pair])
+    inverted: set[str] = field(default_factory=set[str])
+    """Numbers of which the inverse is such a sum."""
 
     def predict(self, changes: Mapping[int, float]) -> dict[str, float]:
         """The numbers under changes of controls."""
@@ -102,16 +112,18 @@ class InputMap:
             for name in self.controls[k].terms:
                 moved.setdefault(name, {})[k] = self.controls[k].change(name, value)
         for name, steps in moved.items():
-            total = self.numbers[name] + sum(self.controls[k].terms[name][1] * step for k, step in steps.items())
+            inverted = name in self.inverted
+            begin = _invert(self.numbers[name], inverted)
+            total = begin + sum(self.controls[k].terms[name][1] * step for k, step in steps.items())
             for (a, x), (b, y) in itertools.combinations(sorted(steps.items()), 2):
                 total += self.products.get((name, a, b), 0.0) * x * y
-            found[name] = total
+            found[name] = _invert(total, inverted)
         return found
 
 
-def measure_map(text: str) -> InputMap:
-    """The map of a scenario."""
-    return _Measurement(text).measure()
+def measure_map(text: str, only: Collection[str] | None = None) -> InputMap:
+    """The map of a scenario, of all controls or of those at some paths."""
+    return _Measurement(text).measure(only)
 
 
 def list_numbers(form: ScenarioForm) -> Iterator[NumberNode]:
@@ -125,29 +137,35 @@ def list_numbers(form: ScenarioForm) -> Iterator[NumberNode]:
 
 
 class _Measurement:
+    """Builds a scenario again and again."""
+
     def __init__(self, text: str) -> None:
         self.text = text
         scenario = build_packaged(text)
-        form = describe_scenario(scenario)
         found = list_inputs(scenario)
-        numbers = {**found.numbers, **_list_shown(form)}
-        self.map = InputMap(scenario, form, numbers, found.drives, found.samples)
+        self.map = InputMap(scenario, describe_scenario(scenario), found.numbers, found.drives, found.samples)
         self.digest, self.structure = found.digest(), describe_structure(scenario.whole)
         self.said = self._list_said(scenario)
+        self.cautions: tuple[str, ...] = ()
 
-    def measure(self) -> InputMap:
+    def measure(self, only: Collection[str] | None) -> InputMap:
         made = self.map
-        for node in list_numbers(made.form):
+        nodes = [one for one in list_numbers(made.form) if only is None or one["path"] in only]
+        for node in nodes:
             try:
-                made.controls.append(self._measure_control(node))
+                made.controls.append(self._begin_control(node))
             except UnmappedError as error:
                 made.left_out[node["path"]] = str(error)
+        self._reach_ends()
         for a, b in itertools.combinations(range(len(made.controls)), 2):
-            self._measure_pair(a, b)
+            self._multiply(a, b)
+        self._try_pairs()
         return made
 
-    def build(self, changes: Sequence[tuple[NumberNode, float]], shown: bool = False) -> dict[str, float]:
-        """The numbers under changes of controls; with those that the form shows if they are asked for."""
+    # ------------------------------------------------------------ building
+
+    def build(self, changes: Sequence[tuple[NumberNode, float]]) -> dict[str, float]:
+        """The numbers under changes of controls."""
         settings: JsonTable = {node["path"]: write_quantity(node, value) for node, value in changes}
         try:
             scenario = build_packaged(self.text, settings)
@@ -161,51 +179,81 @@ class _Measurement:
         said = self._list_said(scenario)
         if said != self.said:
             raise UnmappedError("it changes what is said of the scenario")
-        cautions = [one for one in scenario.cautions if one not in self.map.scenario.cautions]
         if not set(scenario.cautions) >= set(self.map.scenario.cautions):
             raise UnmappedError("it changes the cautions")
-        self.cautions = tuple(cautions)
-        return {**found.numbers, **(_list_shown(describe_scenario(scenario)) if shown else {})}
+        self.cautions = tuple(one for one in scenario.cautions if one not in self.map.scenario.cautions)
+        return found.numbers
 
     def _list_said(self, scenario: Scenario) -> Any:
         return scenario.whole.description(), scenario.title, scenario.restart_at, scenario.seed
 
-    def _measure_control(self, node: NumberNode) -> MappedControl:
+    def check(self, changes: Mapping[int, float]) -> None:
+        """Raise `UnmappedError` where the map does not say what is built."""
+        made = self.map
+        row = self.build([(made.controls[k].node, value) for k, value in changes.items()])
+        found = made.predict(changes)
+        if self.cautions != tuple(one for k in changes for one in made.controls[k].said):
+            raise UnmappedError("it changes the cautions")
+        wrong = [name for name, value in row.items() if not _is_same(found[name], value, 10.0)]
+        if wrong:
+            raise UnmappedError(f"`{wrong[0]}` is no simple function of it")
+
+    def _name_kind(self, number: int) -> str:
+        """What controls have in common that a builder may compare, such as the ends of a range."""
+        node = self.map.controls[number].node
+        return node["path"].rpartition(".")[0] if node["unit"] in (None, "1") else str(node["unit"])
+
+    def sort_out(self, trials: Sequence[Mapping[int, float]]) -> list[int]:
+        """Which of some trials fail.
+
+        Those of controls that nobody compares are made in one; halves where that fails.
+        """
+        failed, waiting = list[int](), [list(range(len(trials)))]
+        while waiting:
+            group = waiting.pop()
+            together, later, used = list[int](), list[int](), set[str]()
+            for number in group:
+                kinds = {self._name_kind(k) for k in trials[number]}
+                fits = len(together) < TOGETHER and not used & kinds
+                (together if fits else later).append(number)
+                used |= kinds if fits else set()
+            if later:
+                waiting.append(later)
+            try:
+                self.check({k: value for number in together for k, value in trials[number].items()})
+            except UnmappedError as error:
+                half = len(together) // 2
+                if half:
+                    waiting += [together[:half], together[half:]]
+                else:
+                    self.reason = str(error)
+                    failed += together
+        return failed
+
+    # ------------------------------------------------------------ single controls
+
+    def _begin_control(self, node: NumberNode) -> MappedControl:
+        """A control with the functions of what follows from it, from two values beside its own."""
         slider, value = node["slider"], node["value"]
         if slider is None or value is None:
             raise UnmappedError("it has no slider")
         control = MappedControl(node, value, value, value)
-        rows: list[tuple[float, dict[str, float]]] = []
-        for end in (slider["high"], slider["low"]):
-            rows += self._explore(control, end)
-        if not rows:
-            raise UnmappedError(self.reason)
-        return control
-
-    def _explore(self, control: MappedControl, end: float) -> list[tuple[float, dict[str, float]]]:
-        """Numbers on the way to one end of the slider, as far as the map holds."""
-        for share in SHORTER:
-            values = [self._choose_value(control, end, share * part) for part in PARTS]
-            values = list(dict.fromkeys(x for x in values if x != control.value))
+        reason = "its slider has no way"
+        for end, share in itertools.product((slider["high"], slider["low"]), (0.37, 0.05)):
+            values = dict.fromkeys(self._choose_value(control, end, share * part) for part in (1.0, 0.3))
+            values.pop(value, None)
             if not values:
-                return []
-            try:
-                shown = not control.terms
-                rows = list[tuple[float, dict[str, float]]]()
-                for x in values:
-                    rows.append((x, self.build([(control.node, x)], shown)))
-                    if self.cautions != control.said and (control.tried or len(rows) > 1):
-                        raise UnmappedError("it changes the cautions")
-                    control.said = self.cautions
-                self._fit(control, rows)
-            except UnmappedError as error:
-                self.reason = str(error)
                 continue
-            control.tried += values
-            reached = max(values, key=lambda x: abs(x - control.value))
-            control.low, control.high = min(control.low, reached), max(control.high, reached)
-            return rows
-        return []
+            try:
+                control.rows = [(x, self.build([(node, x)])) for x in values]
+                self._fit(control)
+            except UnmappedError as error:
+                reason = str(error)
+                continue
+            control.low, control.high = min(value, *values), max(value, *values)
+            control.said = self.cautions
+            return control
+        raise UnmappedError(reason)
 
     def _choose_value(self, control: MappedControl, end: float, share: float) -> float:
         """A value of a share of the way to an end."""
@@ -217,75 +265,110 @@ class _Measurement:
         how = control.node
         return _read_shown(how, float(f"{found * how['factor'] + how['offset']:.6g}"))
 
-    def _fit(self, control: MappedControl, rows: Sequence[tuple[float, Numbers]]) -> None:
-        """Terms of all numbers that moved; those there are must hold."""
-        before, terms = self.map.numbers, dict(control.terms)
-        for name in dict.fromkeys(n for _, row in rows for n in row if not _is_same(row[n], before[n])):
-            if name not in terms:
-                if control.tried or control.terms:
-                    raise UnmappedError(f"`{name}` follows from it on one side only")
-                terms[name] = self._choose_function(control, name, rows)
-        trial = MappedControl(control.node, control.value, terms=terms)
-        for x, row in rows:
-            for name, (_, slope) in terms.items():
-                if name in row and not _is_same(before[name] + slope * trial.change(name, x), row[name]):
-                    raise UnmappedError(f"`{name}` is no simple function of it")
-        control.terms = terms
+    def _fit(self, control: MappedControl) -> None:
+        """Functions of all numbers that moved."""
+        before = self.map.numbers
+        moved = dict.fromkeys(n for _, row in control.rows for n, x in row.items() if not _is_same(x, before[n]))
+        control.terms = {name: self._find_function(control, name) for name in moved}
 
-    def _choose_function(
-        self, control: MappedControl, name: str, rows: Sequence[tuple[float, Numbers]]
-    ) -> tuple[str, float]:
-        before, (at, row) = self.map.numbers[name], rows[0]
+    def _find_function(self, control: MappedControl, name: str) -> tuple[str, float]:
+        """How a number follows from a control; if only its inverse does simply, that of all controls is told."""
+        inverted = name in self.map.inverted
+        found = self._choose_function(control, name, inverted)
+        if found is None and not inverted:
+            found = self._choose_function(control, name, True)
+            others = [one for one in self.map.controls if name in one.terms]
+            anew = [self._choose_function(one, name, True) for one in others]
+            if found is not None and None not in anew:
+                self.map.inverted.add(name)
+                for one, term in zip(others, anew, strict=True):
+                    one.terms[name] = cast("tuple[str, float]", term)
+                return found
+            found = None
+        if found is None:
+            raise UnmappedError(f"`{name}` is no simple function of it")
+        return found
+
+    def _choose_function(self, control: MappedControl, name: str, inverted: bool) -> tuple[str, float] | None:
+        """The function through the rows of a control; None if no known one is."""
+        before = _invert(self.map.numbers[name], inverted)
+        rows = [(x, _invert(row[name], inverted)) for x, row in control.rows]
+        at, value = rows[0]
         positive = control.value > 0.0 and all(x > 0.0 for x, _ in rows)
         for word, function in FUNCTIONS.items():
             if word not in ("x", "x2", "x3") and not positive:
                 continue
-            slope = (row[name] - before) / (function(at) - function(control.value))
+            slope = (value - before) / (function(at) - function(control.value))
             if not math.isfinite(slope):
                 continue
             slope = float(round(slope)) if abs(slope - round(slope)) < SAME * abs(slope) else slope
-            others = (before + slope * (function(x) - function(control.value)) for x, _ in rows)
-            if all(_is_same(x, one[name]) for x, (_, one) in zip(others, rows, strict=True)):
+            if all(_is_same(before + slope * (function(x) - function(control.value)), y, 3.0) for x, y in rows):
                 return word, slope
-        raise UnmappedError(f"`{name}` is no simple function of it")
+        return None
 
-    def _measure_pair(self, a: int, b: int) -> None:
-        one, two = self.map.controls[a], self.map.controls[b]
-        shared = sorted(set(one.terms) & set(two.terms))
-        likely = one.node["unit"] == two.node["unit"] and _is_near(one.path, two.path)
-        if one.said and two.said:  # they might be one sentence then
-            self.map.apart.add((a, b))
-        if not (shared or likely):
-            return
-        try:
-            if shared:
-                self._fit_products(a, b, shared)
-            for x, y in itertools.product((one.low, one.high), (two.low, two.high)):
-                if x != one.value and y != two.value:
-                    self._check_pair(a, b, x, y)
-        except UnmappedError:
-            self.map.apart.add((a, b))
-
-    def _fit_products(self, a: int, b: int, shared: Sequence[str]) -> None:
+    def _reach_ends(self) -> None:
+        """Widen the range of every control as far as its map holds: to the ends of its slider, or less far."""
         made = self.map
-        x, y = made.controls[a].tried[0], made.controls[b].tried[0]
-        row = self.build([(made.controls[a].node, x), (made.controls[b].node, y)], any("form:" in n for n in shared))
+        near = [(k, self._choose_value(one, one.node["slider"]["high"], 0.001)) for k, one in enumerate(made.controls) if one.node["slider"]]
+        for k in self.sort_out([{k: x} for k, x in near if x != made.controls[k].value]):
+            made.controls[near[k][0]].low = math.nan  # cautions that come late
+        for upward in (True, False):
+            open_ones = list(range(len(made.controls)))
+            for share in SHORTER:
+                trials = [(k, self._choose_end(made.controls[k], upward, share)) for k in open_ones]
+                failed = self.sort_out([{k: x} for k, x in trials])
+                for number, (k, x) in enumerate(trials):
+                    if number not in failed:
+                        one = made.controls[k]
+                        one.low, one.high = min(one.low, x), max(one.high, x)
+                open_ones = [trials[number][0] for number in failed]
+        late = [k for k, one in enumerate(made.controls) if math.isnan(one.low)]
+        for k in late:
+            made.left_out[made.controls[k].path] = "it changes the cautions"
+        made.controls = [one for k, one in enumerate(made.controls) if k not in late]
+
+    def _choose_end(self, control: MappedControl, upward: bool, share: float) -> float:
+        slider = control.node["slider"]
+        assert slider is not None
+        return self._choose_value(control, slider["high" if upward else "low"], share)
+
+    # ------------------------------------------------------------ two controls
+
+    def _multiply(self, a: int, b: int) -> None:
+        """Coefficients of the products of two controls from which the same numbers follow."""
+        made = self.map
+        one, two = made.controls[a], made.controls[b]
+        shared = [name for name in one.terms if name in two.terms]
+        if not shared:
+            return
+        x, y = one.rows[0][0], two.rows[0][0]
+        try:
+            row = self.build([(one.node, x), (two.node, y)])
+        except UnmappedError:
+            made.apart.add((a, b))
+            return
         found = made.predict({a: x, b: y})
         for name in shared:
-            missing = row.get(name, found[name]) - found[name]
-            if not _is_same(row.get(name, found[name]), found[name]):
-                own = made.controls[a].change(name, x) * made.controls[b].change(name, y)
-                made.products[name, a, b] = missing / own
+            if not _is_same(row[name], found[name], 3.0):
+                inverted = name in made.inverted
+                missing = _invert(row[name], inverted) - _invert(found[name], inverted)
+                made.products[name, a, b] = missing / (one.change(name, x) * two.change(name, y))
 
-    def _check_pair(self, a: int, b: int, x: float, y: float) -> None:
-        made = self.map
-        row = self.build([(made.controls[a].node, x), (made.controls[b].node, y)])
-        found = made.predict({a: x, b: y})
-        if self.cautions != (*made.controls[a].said, *made.controls[b].said):
-            raise UnmappedError("both together change the cautions")
-        wrong = [name for name, value in row.items() if not _is_same(found[name], value, 10.0)]
-        if wrong:
-            raise UnmappedError(f"`{wrong[0]}` follows from both otherwise")
+    def _try_pairs(self) -> None:
+        """Try pairs of which some number follows, or which a builder may compare, at opposite ends."""
+        made, pairs, trials = self.map, list[Pair](), list[dict[int, float]]()
+        for a, b in itertools.combinations(range(len(made.controls)), 2):
+            one, two = made.controls[a], made.controls[b]
+            if one.said and two.said:  # they might be one sentence then
+                made.apart.add((a, b))
+            likely = one.node["unit"] == two.node["unit"] and _is_near(one.path, two.path)
+            if (a, b) in made.apart or not (likely or one.terms.keys() & two.terms.keys()):
+                continue
+            for x, y in ((one.low, two.high), (one.high, two.low)):
+                if x != one.value and y != two.value:
+                    pairs.append((a, b))
+                    trials.append({a: x, b: y})
+        made.apart |= {pairs[number] for number in self.sort_out(trials)}
 
 
 def _is_near(one: str, two: str) -> bool:
@@ -296,11 +379,6 @@ def _is_near(one: str, two: str) -> bool:
 
 def _is_same(one: float, other: float, slack: float = 1.0) -> bool:
     return one == other or abs(one - other) <= slack * SAME * max(abs(one), abs(other))
-
-
-def _list_shown(form: ScenarioForm) -> dict[str, float]:
-    shown = ((f"form:{node['path']}", node["value"]) for node in list_numbers(form))
-    return {name: value for name, value in shown if value is not None}
 
 
 def write_quantity(node: NumberNode, value: float) -> str | float:

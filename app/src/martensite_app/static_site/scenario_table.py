@@ -57,8 +57,7 @@ def order_entries(made: InputMap, compiled: CompiledMarch) -> list[str]:
     for number, shape in enumerate(made.drives):
         found += [f"drive:{number}.{name}:{k}" for name in SEGMENT for k in range(shape.segments)]
         found += [f"drive:{number}.{name}:{k}" for name in TONE for k in range(shape.tones)]
-    moved = {name for control in made.controls for name in control.terms}
-    return [*found, *sorted(name for name in moved if name.startswith("form:"))]
+    return found
 
 
 def _write_number(value: float) -> float | str:
@@ -78,19 +77,27 @@ def _list_places(made: InputMap, compiled: CompiledMarch, entries: dict[str, int
         "low": first,
         "high": first + len(compiled.envelope),
         "drives": drives,
-        "shown": [[k, name.removeprefix("form:")] for name, k in entries.items() if name.startswith("form:")],
+        "shown": _list_shown(made, entries),
     }
 
 
+def _list_shown(made: InputMap, entries: dict[str, int]) -> list[tuple[int, str]]:
+    """Parameters that follow from a control of another path, and that a control of their own shows."""
+    places, own = made.scenario.places, {node["path"]: node["value"] for node in list_numbers(made.form)}
+    moved = {name: control.path for control in made.controls for name in control.terms if name.startswith("p:")}
+    found = ((name, places.path(name.removeprefix("p:")), by) for name, by in moved.items())
+    return [(entries[name], path) for name, path, by in found if path != by and own.get(path) == made.numbers[name]]
+
+
 def _describe_map(made: InputMap, entries: dict[str, int]) -> JsonTable:
-    """Controls and how inputs follow from them; what a control shows of itself is no input."""
+    """Controls and how inputs follow from them."""
     controls = [
         {
             "path": one.path,
             "value": one.value,
             "low": one.low,
             "high": one.high,
-            "terms": [[entries[n], *t] for n, t in one.terms.items() if n != f"form:{one.path}"],
+            "terms": [[entries[name], *term] for name, term in one.terms.items()],
             "said": list(one.said),
         }
         for one in made.controls
@@ -98,6 +105,7 @@ def _describe_map(made: InputMap, entries: dict[str, int]) -> JsonTable:
     return {
         "controls": controls,
         "products": [[entries[name], a, b, c] for (name, a, b), c in made.products.items()],
+        "inverted": [entries[name] for name in sorted(made.inverted)],
         "apart": [list(pair) for pair in sorted(made.apart)],
         "elsewhere": list(made.left_out),
     }

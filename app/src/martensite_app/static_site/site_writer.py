@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from importlib.metadata import version
 from pathlib import Path
@@ -24,11 +24,13 @@ RUNS = "runs"
 """Folder of scenarios and modules in that of the page."""
 MARK = '<meta name="martensite-runs" content="runs/manifest.json">'
 """Says to the page that there is no server."""
+FIRST = "constant_power"
+"""The scenario with which the bench begins."""
 Tell = Callable[[str], None]
 
 
-def write_site(folder: Path, names: list[str] | None = None, tell: Tell = lambda words: None) -> JsonTable:
-    """Write the page with scenarios of the package, all that run without files of their own by default.
+def write_site(folder: Path, texts: Mapping[str, str], tell: Tell = lambda words: None) -> JsonTable:
+    """Write the page with scenarios, texts by name; the first is shown first.
 
     Raises:
         DataError: the folder is there and holds something else.
@@ -36,22 +38,24 @@ def write_site(folder: Path, names: list[str] | None = None, tell: Tell = lambda
         CompileError: the compiler failed.
     """
     find_wasm_compiler()
-    _prepare_folder(folder)
-    texts = list_standalone()
-    chosen = {name: texts[name] for name in names or texts if can_offer(texts[name])}
+    prepare_folder(folder)
     listed = list[JsonTable]()
-    with ProcessPoolExecutor(max(1, min(len(chosen), os.cpu_count() or 1))) as pool:
-        jobs = {name: pool.submit(describe_scenario_files, name, text) for name, text in chosen.items()}
+    with ProcessPoolExecutor(max(1, min(len(texts), os.cpu_count() or 1))) as pool:
+        jobs = {name: pool.submit(describe_scenario_files, name, text) for name, text in texts.items()}
         for name, job in jobs.items():
             files, entry = job.result()
             for file, content in files.items():
                 (folder / RUNS / file).write_bytes(content)
             listed.append(entry)
             tell(f"{name}: {sum(map(len, files.values())) / 1e3:.0f} kB")
-    manifest = {"version": version("martensite"), "scenarios": listed}
-    (folder / RUNS / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
-    _write_page(folder)
-    return manifest
+    copy_page(folder)
+    return write_manifest(folder, listed)
+
+
+def list_offered() -> dict[str, str]:
+    """Name and text of the scenarios of the package that the page can run, that of the default wire first."""
+    known = {name: text for name, text in list_standalone().items() if can_offer(text)}
+    return {FIRST: known[FIRST], **known}
 
 
 def can_offer(text: str) -> bool:
@@ -76,13 +80,22 @@ def name_module(source: RunSource) -> str:
     return f"{source.digest}.wasm"
 
 
-def _prepare_folder(folder: Path) -> None:
+def prepare_folder(folder: Path) -> None:
+    """Make the folder; `DataError` if it holds something else than such a page."""
     if folder.exists() and (not folder.is_dir() or (any(folder.iterdir()) and not (folder / RUNS).is_dir())):
         raise DataError(f"`{folder}` holds something else than a static bench; name a new or empty folder.")
     (folder / RUNS).mkdir(parents=True, exist_ok=True)
 
 
-def _write_page(folder: Path) -> None:
+def write_manifest(folder: Path, scenarios: Sequence[JsonTable]) -> JsonTable:
+    """Write which scenarios the page has."""
+    manifest: JsonTable = {"version": version("martensite"), "scenarios": list(scenarios)}
+    (folder / RUNS / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
+    return manifest
+
+
+def copy_page(folder: Path) -> None:
+    """Put the page there, which learns from it that there is no server."""
     for path in STATIC.iterdir():
         shutil.copyfile(path, folder / path.name)
     index = (folder / "index.html").read_text("utf-8")

@@ -1,0 +1,121 @@
+"""The bench without a server: inputs from controls, runs by WebAssembly in Node.js, refusals."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from command import Command
+from node_js import WEB, node
+from static_wire import MODULES, TEXT, measure_wire, write_wire
+
+from martensite.simulate.compiled import compile_march
+from martensite_app.documents import build_packaged, list_standalone
+from martensite_app.static_site.flat_inputs import list_inputs
+from martensite_app.static_site.input_map import InputMap, measure_map, write_quantity
+from martensite_app.static_site.site_writer import FIRST, RUNS, name_module
+
+CLOSE = 1e-9
+STATIC = Command("app")
+CHANGES = {"element.diameter": 1.2e-4, "drive.waveform.high": 0.55, "run.duration": 11.0}
+
+
+def build(made: InputMap, changes: dict[str, float]) -> Any:
+    nodes = {one.path: one.node for one in made.controls}
+    return build_packaged(TEXT, {path: write_quantity(nodes[path], value) for path, value in changes.items()})
+
+
+def test_inputs_follow_from_controls_as_the_builder_has_them() -> None:
+    made, source = measure_wire()
+    assert (MODULES / name_module(source)).is_file(), "the C has changed: run `python tests/static_wire.py`"
+    found = made.predict({k: CHANGES[one.path] for k, one in enumerate(made.controls) if one.path in CHANGES})
+    meant = list_inputs(build(made, CHANGES), made.drives).numbers
+    assert found == pytest.approx(meant, rel=1e-12, abs=0.0)
+    moved = {name for name in found if found[name] != made.numbers[name]}
+    assert moved == {"p:element.diameter", "duration", "drive:0.level:1"}
+
+
+def test_what_the_builder_refuses_together_is_kept_apart() -> None:
+    """Each of A_s and A_f may go where the other does not let it."""
+    made, _ = measure_wire()
+    paths = [one.path for one in made.controls]
+    start, finish = (paths.index(f"element.law.{name}") for name in ("A_s", "A_f"))
+    assert made.apart == {(start, finish)}
+    assert made.controls[start].high < made.controls[finish].value
+
+
+def test_a_product_of_controls_is_measured() -> None:
+    """Pulses end at k/f + duty/f."""
+    text = list_standalone()["pwm_bias_spring"]
+    made = measure_map(text, ("drive.waveform.frequency", "drive.waveform.duty"))
+    changes = {k: one.value + 0.7 * (one.high - one.value) for k, one in enumerate(made.controls)}
+    written = {made.controls[k].path: write_quantity(made.controls[k].node, x) for k, x in changes.items()}
+    meant = list_inputs(build_packaged(text, written), made.drives).numbers
+    assert made.products
+    assert made.predict(changes) == pytest.approx(meant, rel=1e-11, abs=0.0)
+
+
+@pytest.fixture(scope="module")
+def played(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, Any]]:
+    """Runs of the wire in Node.js: as packaged, with changes, and with what the page refuses."""
+    folder = tmp_path_factory.mktemp("static")
+    write_wire(folder)
+    script = folder / "run_columns.mjs"
+    program = node()
+    bundle = ["node_modules/.bin/esbuild", "test/run_columns.ts", "--bundle", "--platform=node", "--format=esm"]
+    subprocess.run([*bundle, f"--outfile={script}", "--log-level=warning"], cwd=WEB, check=True)
+    apart = {"element.law.A_s": 340.0, "element.law.A_f": 345.0}
+    cases = [{}, CHANGES, apart, {"element.diameter": 1.0}, {"element.length": 0.2}]
+    command = [program, script, folder / RUNS, FIRST, *map(json.dumps, cases)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+@pytest.mark.parametrize(("number", "changes"), [(0, {}), (1, CHANGES)])
+def test_a_run_in_the_page_is_the_run(
+    played: list[dict[str, Any]], number: int, changes: dict[str, float]
+) -> None:
+    made, _ = measure_wire()
+    found, scenario = played[number], build(made, changes)
+    meant = scenario.run(runtime="floats")
+    least = dict(compile_march(scenario.whole).convergence_scales)
+    assert (found["steps"], found["rejected"], found["status"]) == (meant.steps, meant.rejected, meant.status.name)
+    assert found["accuracy"] == pytest.approx(meant.accuracy)
+    assert list(found["columns"]) == list(meant.columns)
+    for name, column in meant.columns.items():
+        size = max(float(np.ptp(column)), least.get(name, 0.0))
+        assert np.abs(np.subtract(found["columns"][name], column)).max() <= CLOSE * size, name
+    assert meant.heat is not None
+    assert math.isclose(found["putIn"], meant.heat.put_in, rel_tol=1e-9)
+
+
+def test_what_the_page_cannot_do_is_said(played: list[dict[str, Any]]) -> None:
+    words = [one["refused"] for one in played[2:]]
+    assert "cannot change `element.law.A_s` and `element.law.A_f` together" in words[0]
+    assert "from 0.01 to 1 mm only" in words[1]
+    assert "cannot change `element.length` by itself" in words[2]
+    assert all("martensite app" in one for one in words)
+
+
+# ---------------------------------------------------------------- the command
+
+
+def test_a_folder_with_something_else_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "letter.txt").write_text("dear")
+    done = STATIC("--static", str(tmp_path))
+    assert done.exit_code == 2
+    assert "holds something else" in done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["letter.txt"]
+
+
+def test_a_scenario_that_starts_elsewhere_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "warm.toml").write_text(f"{TEXT}\n[initial]\ntemperature = \"40 degC\"\n")
+    done = STATIC(str(tmp_path / "warm.toml"), "--static", str(tmp_path / "page"))
+    assert (done.exit_code, done.stderr.count("\n")) == (2, 1)
+    assert "cannot run `warm`" in done.stderr
+    assert list((tmp_path / "page" / RUNS).iterdir()) == []

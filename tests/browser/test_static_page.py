@@ -1,0 +1,72 @@
+"""The bench as files: it opens from a plain file server, runs by itself, and asks nobody else."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any
+from urllib.parse import urlsplit
+
+import pytest
+from playwright.sync_api import Page, expect
+from static_wire import TEXT, write_wire
+
+from martensite_app.documents import build_packaged
+
+
+class Quiet(SimpleHTTPRequestHandler):
+    """A server that says nothing of what it serves."""
+
+    def log_message(self, format: str, *args: Any) -> None:
+        pass
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    folder = tmp_path_factory.mktemp("static-page")
+    write_wire(folder, page=True)
+    with ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=str(folder))) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}/"
+        server.shutdown()
+
+
+@pytest.fixture
+def page(chromium: Any, address: str) -> Iterator[Page]:
+    made, asked, said = chromium.new_page(viewport={"width": 1280, "height": 800}), list[str](), list[str]()
+    made.on("request", lambda request: asked.append(request.url))
+    made.on("console", lambda message: said.append(message.text) if message.type == "error" else None)
+    made.on("pageerror", lambda error: said.append(str(error)))
+    made.goto(address)
+    yield made
+    made.close()
+    assert said == []
+    assert {urlsplit(url).netloc for url in asked if url.startswith("http")} == {urlsplit(address).netloc}
+
+
+def title_of(**changes: str) -> str:
+    """What the page says of a run."""
+    result = build_packaged(TEXT, {path.replace("__", "."): text for path, text in changes.items()}).run()
+    return f"{len(result.times)} samples, {result.steps} steps"
+
+
+def test_a_field_runs_the_wire_without_a_server(page: Page) -> None:
+    about = page.locator(".bench-title")
+    expect(about).to_contain_text(title_of())
+    field = page.locator("#form-element-diameter")
+    field.fill("0.12")
+    field.press("Enter")
+    expect(about).to_contain_text(title_of(element__diameter="0.12 mm"))
+    page.reload()
+    expect(about).to_contain_text(title_of(element__diameter="0.12 mm"))
+
+
+def test_what_needs_the_server_is_grey_and_says_so(page: Page) -> None:
+    length = page.locator("#form-element-length")
+    expect(length).to_be_disabled()
+    expect(page.locator("fieldset.fixed", has=length)).to_have_attribute("title", "This control needs the server. "
+        "Install martensite on this machine to change it: pip install 'martensite[app]', then martensite app.")
+    page.goto(f"{page.url.split('#')[0]}#/sweep")
+    expect(page.get_by_text("This page has no server").first).to_be_visible()
