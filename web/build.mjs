@@ -8,9 +8,9 @@ const out = process.argv[2] ?? "../app/src/martensite_app/static";
 await rm(out, { recursive: true, force: true });
 await mkdir(out, { recursive: true });
 await build({
-  entryPoints: ["src/main.tsx"],
+  entryPoints: { bench: "src/main.tsx", gif: "src/scene/gif.worker.ts" },
   outdir: out,
-  entryNames: "bench",
+  entryNames: "[name]",
   chunkNames: "[name]-[hash]",
   bundle: true,
   splitting: true,
