@@ -67,7 +67,11 @@ export class Stage {
   private readonly camera = new PerspectiveCamera(FIELD, 1, 0.01, 10);
   private readonly controls: OrbitControls;
   private readonly materials: Materials;
-  private readonly faint = new MeshLambertMaterial({ transparent: true, opacity: 0.24, depthWrite: false });
+  private readonly faint = new MeshLambertMaterial({
+    transparent: true, opacity: 0.28, depthWrite: false,
+    // what is where it was is not tinted
+    polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8,
+  });
   private readonly ground = new Ground();
   private readonly labels: Labels;
   private readonly picker: Picker;
@@ -123,10 +127,10 @@ export class Stage {
     this.cast = this.followed(this.cast, data, null);
     this.ghost = this.followed(this.ghost, same, this.faint);
     const { low, high, extent } = this.cast.motion;
-    const where = [...this.cast.targets.map(({ name }) => name), whole, this.cuts.length, ...[...low, ...high].map((x) => (x / extent).toFixed(1)), extent.toPrecision(2)].join();
+    const where = [...this.cast.targets.map(({ name }) => name), whole, this.cuts.length, this.ghost !== null, ...[...low, ...high].map((x) => (x / extent).toFixed(1)), extent.toPrecision(2)].join();
     const names = (key: string): string => key.split(",").slice(0, data.shapes.length).join();
     if (where !== this.fitted || !this.spots.length) {
-      this.measure(this.cast);
+      this.measure([this.cast, ...(this.ghost ? [this.ghost] : [])]);
       if (!this.touched || names(where) !== names(this.fitted)) this.fit();
     }
     this.fitted = where;
@@ -266,13 +270,15 @@ export class Stage {
   }
 
   /** What the camera must see: corners of everything over the run, and the floor below it. */
-  private measure(cast: Cast): void {
-    const { times } = cast.motion.data;
+  private measure(casts: Cast[]): void {
     this.spots = [];
-    for (let k = 0; k < FITTED; k++) {
-      cast.put(times[Math.round((k * (times.length - 1)) / (FITTED - 1))] ?? 0);
-      cast.group.updateMatrixWorld(true);
-      cast.group.traverseVisible((one) => one instanceof Mesh && this.spots.push(...cornersOf(one)));
+    for (const cast of casts) {
+      const { times } = cast.motion.data;
+      for (let k = 0; k < FITTED; k++) {
+        cast.put(times[Math.round((k * (times.length - 1)) / (FITTED - 1))] ?? 0);
+        cast.group.updateMatrixWorld(true);
+        cast.group.traverseVisible((one) => one instanceof Mesh && this.spots.push(...cornersOf(one)));
+      }
     }
     const [low, high] = [[0, 1, 2], [0, 1, 2]].map((axes, side) =>
       axes.map((axis) => this.spots.reduce((found, [at]) => Math[side ? "max" : "min"](found, at.getComponent(axis)), side ? -Infinity : Infinity)),
