@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+import re
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -88,6 +90,17 @@ def test_everything_is_inside_of_the_box(drawn: dict[str, Drawn]) -> None:
         for point in (p for points in placed(found, picture).values() for p in points):
             for low, x, high in zip(found["low"], point, found["high"], strict=True):
                 assert low - found["quantum"] <= x <= high + found["quantum"]
+
+
+def test_the_page_knows_all_kinds() -> None:
+    text = (Path(__file__).parents[2] / "web/src/lib/types.ts").read_text("utf-8")
+    (union,) = re.findall(r"export type Kind =([^;]+);", text)
+    assert re.findall(r'"(\w+)"', union) and set(re.findall(r'"(\w+)"', union)) == set(KINDS)
+
+
+def test_a_weight_says_its_mass(drawn: dict[str, Drawn]) -> None:
+    scenario, _, found = drawn["coil"]
+    assert [shape["mass"] for shape in found["shapes"] if shape["kind"] == "weight"] == [scenario.system.mechanism.mass]
 
 
 def test_a_coil_is_drawn_as_one(drawn: dict[str, Drawn]) -> None:

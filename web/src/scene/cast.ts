@@ -1,11 +1,11 @@
 // One mechanism on the stage: its bodies, moved together to where they are at a time.
 
-import { Group, MeshStandardMaterial, Vector3, type Material } from "three";
+import { Group, Vector3, type Material } from "three";
 import type { SceneData, Shape } from "../lib/types.ts";
 import { bodyOf, type Body } from "./bodies.ts";
 import { Break } from "./breaks.ts";
 import type { Cut } from "./cuts.ts";
-import type { Materials } from "./materials.ts";
+import type { Materials, Paint } from "./materials.ts";
 import { Motion, structure } from "./motion.ts";
 import type { Target } from "./pick.ts";
 import type { Rgb } from "./tint.ts";
@@ -21,7 +21,7 @@ export class Cast {
   breaks: { mark: Break; shape: number }[] = [];
   motion: Motion;
   private bodies: Body[] = [];
-  private readonly wires = new Map<string, MeshStandardMaterial>();
+  private readonly paints = new Map<string, Paint>();
   private readonly built: string;
 
   /** `ghost` is what all of it is made of, if it is one. */
@@ -51,6 +51,11 @@ export class Cast {
     return true;
   }
 
+  /** Number of elements. */
+  get wires(): number {
+    return this.paints.size;
+  }
+
   put(time: number, colour?: (port: string) => Rgb): void {
     const { motion } = this;
     motion.at(time);
@@ -60,7 +65,7 @@ export class Cast {
       points.forEach((point, i) => point.fromArray(motion.places, (motion.starts[k] ?? 0) + 3 * i));
       const slack = shape.port !== undefined && motion.slack(shape.port, time);
       this.bodies[k]?.put({ shape, points, turn: motion.turns[k] ?? 0, slack, extent });
-      const material = shape.port === undefined ? undefined : this.wires.get(shape.port);
+      const material = shape.port === undefined ? undefined : this.paints.get(shape.port);
       if (!material || !colour || shape.port === undefined) return;
       const [r, g, b] = colour(shape.port);
       material.color.setRGB(r / 255, g / 255, b / 255, "srgb");
@@ -70,15 +75,15 @@ export class Cast {
 
   dispose(): void {
     this.bodies.forEach((body) => body.dispose?.());
-    this.wires.forEach((material) => material.dispose());
+    this.paints.forEach((material) => material.dispose());
     this.group.removeFromParent();
   }
 
   private add(shape: Shape, materials: Materials): void {
     let own: Material = this.ghost ?? materials.made.thread;
     if (shape.port !== undefined && !this.ghost) {
-      const made = new MeshStandardMaterial({ roughness: 0.45 });
-      this.wires.set(shape.port, made);
+      const made = materials.make(0.45);
+      this.paints.set(shape.port, made);
       own = made;
     }
     const body = bodyOf(shape, (made) => this.ghost ?? materials.made[made], own);

@@ -1,11 +1,11 @@
 // The ground below everything: a grid that fades, and a soft shadow of what stands over it.
 
 import {
-  BufferAttribute, BufferGeometry, Color, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, OrthographicCamera,
+  BufferAttribute, BufferGeometry, Color, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, NoBlending, OrthographicCamera,
   PlaneGeometry, ShaderMaterial, WebGLRenderTarget, type Scene, type WebGLRenderer,
 } from "three";
 
-const CELLS = 24;
+const CELLS = 16;
 /** Pixels of a shadow's side: it is soft, so few are enough. */
 const PIXELS = 128;
 const DARK = 0.34;
@@ -29,10 +29,10 @@ function squares(): LineSegments<BufferGeometry, LineBasicMaterial> {
   return new LineSegments(geometry, new LineBasicMaterial({ vertexColors: true, transparent: true, depthWrite: false }));
 }
 
-const VERTEX = "varying vec2 at; void main() { at = uv; gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }";
+const VERTEX = "varying vec2 at; void main() { at = uv; gl_Position = vec4(2.0 * position.xy, 0.0, 1.0); }";
 /** Looks around, in three circles: the target is small, and its own smoothing does the rest. */
 const FRAGMENT = `
-varying vec2 at; uniform sampler2D seen; uniform float dark;
+varying vec2 at; uniform sampler2D seen;
 void main() {
   float sum = texture2D(seen, at).a;
   for (int k = 0; k < 18; k++) {
@@ -40,7 +40,7 @@ void main() {
     sum += texture2D(seen, at + 0.012 * float(1 + k / 6) * vec2(cos(angle), sin(angle))).a;
   }
   float edge = smoothstep(0.5, 0.36, max(abs(at.x - 0.5), abs(at.y - 0.5)));
-  gl_FragColor = vec4(0.0, 0.0, 0.0, dark * edge * sum / 19.0);
+  gl_FragColor = vec4(0.0, 0.0, 0.0, edge * sum / 19.0);
 }`;
 
 export class Ground {
@@ -48,17 +48,17 @@ export class Ground {
   private readonly target = new WebGLRenderTarget(PIXELS, PIXELS, { depthBuffer: false });
   private readonly above = new OrthographicCamera();
   private readonly black = new MeshBasicMaterial({ color: 0 });
-  private readonly shadow: Mesh<PlaneGeometry, ShaderMaterial>;
+  private readonly soft = new WebGLRenderTarget(PIXELS, PIXELS, { depthBuffer: false });
+  private readonly shadow: Mesh<PlaneGeometry, MeshBasicMaterial>;
+  /** What makes it soft: once for its few pixels, not for all of the picture's. */
+  private readonly blur: Mesh<PlaneGeometry, ShaderMaterial>;
 
   constructor() {
-    const material = new ShaderMaterial({
-      uniforms: { seen: { value: this.target.texture }, dark: { value: DARK } },
-      vertexShader: VERTEX,
-      fragmentShader: FRAGMENT,
-      transparent: true,
-      depthWrite: false,
-    });
-    this.shadow = new Mesh(new PlaneGeometry(1, 1), material);
+    const plane = new PlaneGeometry(1, 1);
+    const uniforms = { seen: { value: this.target.texture } };
+    this.blur = new Mesh(plane, new ShaderMaterial({ uniforms, vertexShader: VERTEX, fragmentShader: FRAGMENT, blending: NoBlending, depthTest: false }));
+    this.blur.frustumCulled = false;
+    this.shadow = new Mesh(plane, new MeshBasicMaterial({ map: this.soft.texture, transparent: true, depthWrite: false }));
     this.shadow.renderOrder = -1;
     this.grid.renderOrder = -2;
   }
@@ -91,15 +91,17 @@ export class Ground {
     renderer.setClearColor(0, 0);
     renderer.clear();
     renderer.render(world, this.above);
+    world.overrideMaterial = null;
+    renderer.setRenderTarget(this.soft);
+    renderer.render(this.blur, this.above);
     renderer.setRenderTarget(null);
     renderer.setClearColor(background, alpha);
-    world.overrideMaterial = null;
     this.parts.forEach((one, k) => (one.visible = shown[k] ?? true));
   }
 
   paint(line: string, dark: boolean): void {
     this.grid.material.color.set(line);
-    (this.shadow.material.uniforms.dark as { value: number }).value = dark ? 0.75 : DARK;
+    this.shadow.material.opacity = dark ? 0.75 : DARK;
   }
 
   dispose(): void {
@@ -107,6 +109,8 @@ export class Ground {
     this.grid.material.dispose();
     this.shadow.geometry.dispose();
     this.shadow.material.dispose();
+    this.blur.material.dispose();
+    this.soft.dispose();
     this.black.dispose();
     this.target.dispose();
   }

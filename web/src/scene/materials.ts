@@ -1,6 +1,6 @@
 // What things are made of, in colours of the page.
 
-import { Color, DoubleSide, MeshBasicMaterial, MeshStandardMaterial } from "three";
+import { Color, DoubleSide, MeshBasicMaterial, MeshLambertMaterial, MeshStandardMaterial } from "three";
 
 export interface Colours {
   back: string;
@@ -24,14 +24,18 @@ const LOOKS: Record<Made, [roughness: number, metalness: number]> = {
   plate: [0.5, 0.1], gripped: [0.35, 0], force: [0.6, 0],
 };
 
+/** What can be painted. */
+export type Paint = MeshLambertMaterial | MeshStandardMaterial;
+
 export class Materials {
-  readonly made = Object.fromEntries(
-    Object.entries(LOOKS).map(([name, [roughness, metalness]]) => [name, new MeshStandardMaterial({ roughness, metalness })]),
-  ) as Record<Made, MeshStandardMaterial>;
+  readonly made: Record<Made, Paint>;
   /** What a broken part is covered with. */
   readonly back = new MeshBasicMaterial();
 
-  constructor() {
+  /** `fine`: with highlights, which cost a processor that draws by itself twice as much. */
+  constructor(private readonly fine: boolean) {
+    const all = Object.entries(LOOKS).map(([name, [roughness, metalness]]) => [name, this.make(roughness, metalness)]);
+    this.made = Object.fromEntries(all) as Record<Made, Paint>;
     this.made.plate.side = DoubleSide;
   }
 
@@ -59,6 +63,10 @@ export class Materials {
     made.force.color.set(colours.accent);
     this.back.color.copy(back);
     return dark;
+  }
+
+  make(roughness: number, metalness = 0): Paint {
+    return this.fine ? new MeshStandardMaterial({ roughness, metalness }) : new MeshLambertMaterial();
   }
 
   dispose(): void {

@@ -1,9 +1,11 @@
 // What the stage is told of a run at a time: colours, forces, and words about everything.
 
 import { digits, toShown } from "../lib/numbers.ts";
+import type { Palette } from "../lib/theme.ts";
 import type { Kind, Run, Shape } from "../lib/types.ts";
 import { written } from "./legend.tsx";
 import { valueAt, type Motion } from "./motion.ts";
+import type { Colours } from "./materials.ts";
 import type { Reading } from "./stage.ts";
 import { colourOf, span, valueOf, type Quantity } from "./tint.ts";
 
@@ -13,6 +15,12 @@ const WHAT: Record<Kind, string> = {
   tether: "thread that does not stretch", force: "force of contact", weight: "weight", slider: "what is moved", pulley: "pulley",
   cylinder: "what is gripped", motor: "motor", plate: "plate", palm: "palm", rotor: "unbalance", object: "joint",
 };
+
+/** Colours of the page for the stage. */
+export function painted(p: Palette): Colours {
+  const [, , spring = p.soft, rotor = p.accent, , weight = p.soft] = p.curves;
+  return { back: p.panel, ink: p.ink, soft: p.soft, line: p.line, spring, weight, rotor, accent: p.accent };
+}
 
 /** A wire that would not be seen is drawn thicker, and that is said. */
 const THINNEST = 0.0042;

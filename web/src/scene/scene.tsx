@@ -10,8 +10,9 @@ import { Message } from "../ui/message.tsx";
 import { findCuts } from "./cuts.ts";
 import { Legend, told, Values } from "./legend.tsx";
 import { Motion, valueAt } from "./motion.ts";
-import { reader } from "./reading.ts";
+import { painted, reader } from "./reading.ts";
 import { toggle } from "./playing.ts";
+import { Saving } from "./saving.tsx";
 import { Side } from "./side.tsx";
 import { Toggles } from "./toggles.tsx";
 import type { Reading, Stage, View } from "./stage.ts";
@@ -35,6 +36,12 @@ function described(now: Run, time: number, motion: Motion): string {
   const ports = Object.keys(now.scene.ports);
   const elements = ports.length > MANY ? [`${ports.length} elements`] : ports.map((port) => `${port}: ${told(now, port, time, motion.slack(port, time))}`);
   return [`The mechanism at ${digits(time)} s`, place, ...elements].filter(Boolean).join("; ");
+}
+
+/** The run that was pinned last, if it is not the one that is shown. */
+function ghostOf(now: Run): Run | null {
+  const last = pinned.value.at(-1)?.run;
+  return last && last !== now ? last : null;
 }
 
 export function Scene() {
@@ -74,6 +81,7 @@ function Shown({ now }: { now: Run }) {
             <Toggles stage={stage} broken={broken} whole={whole.value} choose={(one) => (whole.value = one)} />
           </div>
         )}
+        {!flat.value && <Saving run={now} ghost={ghostOf(now)} whole={whole.value} read={read} stage={stage} />}
         {motion.data.shapes.some((shape) => shape.port) && <Colours now={now} quantity={quantity.value} choose={(one) => (quantity.value = one)} />}
         <AtCursor now={now} motion={motion} />
       </div>
@@ -137,14 +145,10 @@ function Space(props: PictureProps & { stage: { current: Stage | null }; whole: 
   const host = useRef<HTMLDivElement>(null);
   const ready = useSignal(false);
   useEffect(() => made(host.current, stage, () => (ready.value = true), props.lost), []);
-  const ghost = pinned.value.at(-1)?.run;
-  useEffect(() => stage.current?.show(now.scene, ghost && ghost !== now ? ghost.scene : null, whole), [now, ghost, whole, ready.value]);
+  const ghost = ghostOf(now);
+  useEffect(() => stage.current?.show(now.scene, ghost?.scene, whole), [now, ghost, whole, ready.value]);
   useEffect(() => {
-    const palettes = palette.subscribe((p) => {
-      const [, , spring = p.soft, rotor = p.accent, , weight = p.soft] = p.curves;
-      stage.current?.paint({ back: p.panel, ink: p.ink, soft: p.soft, line: p.line, spring, weight, rotor, accent: p.accent });
-    });
-    return palettes;
+    return palette.subscribe((p) => stage.current?.paint(painted(p)));
   }, [ready.value]);
   useEffect(() => {
     const leave = cursor.subscribe((time) => {

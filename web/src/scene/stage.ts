@@ -1,8 +1,8 @@
 // The mechanism in space, by WebGL. Renders when something has changed and never otherwise.
 
 import {
-  AmbientLight, BufferAttribute, DirectionalLight, HemisphereLight, Matrix4, Mesh, MeshStandardMaterial, PerspectiveCamera, Scene,
-  Vector3, WebGLRenderer, type Group,
+  AmbientLight, BufferAttribute, DirectionalLight, HemisphereLight, Matrix4, Mesh, MeshLambertMaterial, PerspectiveCamera, Scene,
+  Vector3, WebGLRenderer, type Group, type Object3D,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { SceneData, Shape } from "../lib/types.ts";
@@ -43,6 +43,8 @@ const ROOM: [number, number] = [0.93, 0.88];
 const FITTED = 9;
 /** Rest after which a picture is drawn again with smooth edges, where that costs much [ms]. */
 const REST = 130;
+/** So many elements have their values beside their names. */
+const FEW = 4;
 /** Kinds that are named, the first ones first. */
 const NAMED = ["wire", "weight", "phalanx", "fingertip", "palm", "plate", "pulley", "motor", "rotor", "beam", "cylinder", "slider", "spring", "object", "link"];
 
@@ -64,8 +66,12 @@ export class Stage {
   private readonly world = new Scene();
   private readonly camera = new PerspectiveCamera(FIELD, 1, 0.01, 10);
   private readonly controls: OrbitControls;
-  private readonly materials = new Materials();
-  private readonly faint = new MeshStandardMaterial({ transparent: true, opacity: 0.24, depthWrite: false, roughness: 0.8 });
+  private readonly materials: Materials;
+  private readonly faint = new MeshLambertMaterial({
+    transparent: true, opacity: 0.28, depthWrite: false,
+    // what is where it was is not tinted
+    polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8,
+  });
   private readonly ground = new Ground();
   private readonly labels: Labels;
   private readonly picker: Picker;
@@ -83,15 +89,20 @@ export class Stage {
   private hover: Hit | null = null;
   private held: Hit | null = null;
 
-  constructor(private readonly host: HTMLElement) {
+  /** `smooth`: pixels of the picture for one of the page, where it is not drawn by itself but when asked to. */
+  constructor(
+    private readonly host: HTMLElement,
+    private readonly smooth = 0,
+  ) {
     const canvas = document.createElement("canvas");
     const context = canvas.getContext("webgl2", { ...ASKED, failIfMajorPerformanceCaveat: true });
     this.quick = context !== null;
     this.renderer = new WebGLRenderer(context ? { canvas, context } : { ...ASKED, canvas, antialias: false });
-    this.renderer.setPixelRatio(this.quick ? Math.min(devicePixelRatio, 2) : 1);
+    this.renderer.setPixelRatio(smooth || (this.quick ? Math.min(devicePixelRatio, 2) : 1));
     this.renderer.autoClear = true;
     canvas.setAttribute("aria-hidden", "true");
     host.prepend(canvas);
+    this.materials = new Materials(this.quick);
     this.labels = new Labels(host);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
@@ -116,10 +127,10 @@ export class Stage {
     this.cast = this.followed(this.cast, data, null);
     this.ghost = this.followed(this.ghost, same, this.faint);
     const { low, high, extent } = this.cast.motion;
-    const where = [...this.cast.targets.map(({ name }) => name), whole, this.cuts.length, ...[...low, ...high].map((x) => (x / extent).toFixed(1)), extent.toPrecision(2)].join();
+    const where = [...this.cast.targets.map(({ name }) => name), whole, this.cuts.length, this.ghost !== null, ...[...low, ...high].map((x) => (x / extent).toFixed(1)), extent.toPrecision(2)].join();
     const names = (key: string): string => key.split(",").slice(0, data.shapes.length).join();
     if (where !== this.fitted || !this.spots.length) {
-      this.measure(this.cast);
+      this.measure([this.cast, ...(this.ghost ? [this.ghost] : [])]);
       if (!this.touched || names(where) !== names(this.fitted)) this.fit();
     }
     this.fitted = where;
@@ -194,6 +205,11 @@ export class Stage {
     return cast && { group: cast.group, motion: cast.motion, put: (time) => cast.put(time, this.reading?.colour) };
   }
 
+  /** Name of the shape that an object is of. */
+  nameOf(object: Object3D): string {
+    return this.cast?.targets.find((target) => target.object === object)?.name ?? "";
+  }
+
   /** The picture now, and its words: what it is drawn on is the canvas until the next one. */
   render(): { canvas: HTMLCanvasElement; words: Written[] } {
     const shown = this.forces ? this.arrows.point(this.cast, this.reading) : this.arrows.hide();
@@ -232,7 +248,7 @@ export class Stage {
     this.renderer.domElement.remove();
   }
 
-  private followed<T extends SceneData | null>(old: Cast | null, data: T, ghost: MeshStandardMaterial | null): T extends null ? null : Cast {
+  private followed<T extends SceneData | null>(old: Cast | null, data: T, ghost: MeshLambertMaterial | null): T extends null ? null : Cast {
     type Found = T extends null ? null : Cast;
     if (old && data && old.follow(data, this.cuts)) return old as Found;
     old?.dispose();
@@ -254,13 +270,15 @@ export class Stage {
   }
 
   /** What the camera must see: corners of everything over the run, and the floor below it. */
-  private measure(cast: Cast): void {
-    const { times } = cast.motion.data;
+  private measure(casts: Cast[]): void {
     this.spots = [];
-    for (let k = 0; k < FITTED; k++) {
-      cast.put(times[Math.round((k * (times.length - 1)) / (FITTED - 1))] ?? 0);
-      cast.group.updateMatrixWorld(true);
-      cast.group.traverseVisible((one) => one instanceof Mesh && this.spots.push(...cornersOf(one)));
+    for (const cast of casts) {
+      const { times } = cast.motion.data;
+      for (let k = 0; k < FITTED; k++) {
+        cast.put(times[Math.round((k * (times.length - 1)) / (FITTED - 1))] ?? 0);
+        cast.group.updateMatrixWorld(true);
+        cast.group.traverseVisible((one) => one instanceof Mesh && this.spots.push(...cornersOf(one)));
+      }
     }
     const [low, high] = [[0, 1, 2], [0, 1, 2]].map((axes, side) =>
       axes.map((axis) => this.spots.reduce((found, [at]) => Math[side ? "max" : "min"](found, at.getComponent(axis)), side ? -Infinity : Infinity)),
@@ -333,16 +351,20 @@ export class Stage {
     });
     if (this.named) {
       const order = shapes.map((_, k) => k).filter((k) => NAMED.includes(shapes[k]?.kind ?? "") && k !== over);
-      order.sort((a, b) => NAMED.indexOf(shapes[a]?.kind ?? "") - NAMED.indexOf(shapes[b]?.kind ?? ""));
+      // of many elements the values would hide the mechanism
+      const few = cast.wires <= FEW;
+      const rank = (k: number): number => (shapes[k]?.port !== undefined && !few ? NAMED.length : NAMED.indexOf(shapes[k]?.kind ?? ""));
+      order.sort((a, b) => rank(a) - rank(b));
       for (const k of order) {
         const [name = "", , value] = reading.words(shapes[k] as Shape, cast.motion.extent);
-        found.push({ text: value && shapes[k]?.port ? `${name}: ${value}` : name, at: middle(k), kind: "name" });
+        found.push({ text: value && few && shapes[k]?.port ? `${name}: ${value}` : name, at: middle(k), kind: "name" });
       }
     }
     return found;
   }
 
   private soon(): void {
+    if (this.smooth) return;
     this.waiting ||= requestAnimationFrame(() => {
       this.waiting = 0;
       if (!this.quick && this.renderer.getPixelRatio() !== 1) this.renderer.setPixelRatio(1);

@@ -90,7 +90,7 @@ def _draw_plate(half: float, wide: float, above: float) -> tuple[Point, ...]:
 
 def _locate_plates(hand: Hand, reading: DrawingState) -> tuple[float, float]:
     """How far above the hinges the palm is, and the plate that tendons are tied to [m]."""
-    above = reduce(xp.maximum, hand.sizes()) * (hand.bracket + 2.0 * hand.offset)
+    above = reduce(xp.maximum, hand.sizes()) * (xp.maximum(hand.bracket, 0.6 * hand.distal_length) + 2.0 * hand.offset)
     return above, reduce(xp.maximum, reading.lengths.values(), 2.0 * above) - 0.25 * hand.proximal_length
 
 
@@ -106,7 +106,7 @@ def _draw_finger(
     hinge, tip = _locate_proximal(sizes, first, sizes.proximal, 0.0), (sizes.distal, 0.0)
     start = place.at((0.0, 0.0))
     end, (lift, top) = place.at(_locate_distal(sizes, first, second, *tip)), _locate_plates(hand, reading)
-    yield draw_bar(f"{name} base", thick, place.at((-lift, 0.0)), start, kind="ground")
+    yield draw_bar(f"{name} base", thick, place.at((-lift, 0.0)), start, kind="phalanx")
     yield draw_bar(f"{name} proximal", thick, start, place.at(hinge), kind="phalanx")
     yield draw_bar(f"{name} distal", 0.85 * thick, place.at(hinge), end, kind="fingertip")
     for joint, at in (("proximal", (0.0, 0.0)), ("distal", hinge)):
