@@ -17,7 +17,7 @@ const how = {
 };
 await build({
   ...how,
-  entryPoints: { bench: "src/main.tsx", engine: "src/engine/worker.ts" },
+  entryPoints: { bench: "src/main.tsx", engine: "src/engine/worker.ts", gif: "src/scene/gif.worker.ts" },
   outdir: out,
   entryNames: "[name]",
   chunkNames: "[name]-[hash]",

@@ -53,7 +53,7 @@ function shorten(run: Run, most: number): Run {
       courses: run.energy.courses.map((course) => ({ ...course, values: thin(course.values) })),
       efficiency: run.energy.efficiency && thin(run.energy.efficiency),
     },
-    scene: { shapes: [], times: [], quantum: 1, frames: [], turns: [], low: [0, 0, 0], high: [0, 0, 0], ports: {} },
+    scene: { shapes: [], times: [], quantum: 1, frames: [], turns: [], low: [0, 0, 0], high: [0, 0, 0], newton: 0, ports: {} },
   } as Run;
 }
 
