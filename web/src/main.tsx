@@ -16,6 +16,7 @@ const PAGES: Record<string, () => Promise<Loaded>> = {
   identify: () => import("./pages/identify.tsx"),
   size: () => import("./pages/size.tsx"),
   sweep: () => import("./pages/sweep.tsx"),
+  board: () => import("./pages/board.tsx"),
 };
 
 function Current() {
