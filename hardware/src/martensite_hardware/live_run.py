@@ -19,12 +19,12 @@ from martensite.base.errors import InputError, SolveError
 from martensite.base.files import write_file
 from martensite_hardware.board_log import BoardLog
 from martensite_hardware.calibration import accept_nominal
-from martensite_hardware.characterise.characterise import write_rig_scenario
 from martensite_hardware.emulators.toolchains import CORE, MCUS, SIMAVR
 from martensite_hardware.firmware.boards import list_boards
 from martensite_hardware.firmware.project import build_firmware
 from martensite_hardware.link.host import ARM
 from martensite_hardware.link.messages import BoardFlags
+from martensite_hardware.rig_scenarios import write_rig_scenario
 from martensite_hardware.session import CALIBRATION, EMULATOR, BoardStopped, Session, read_levels
 
 if TYPE_CHECKING:
