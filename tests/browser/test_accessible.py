@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page, expect
 
-PAGES = ("bench", "studies", "identify", "size", "sweep")
+PAGES = ("bench", "studies", "identify", "size", "sweep", "board")
 AUDIT = (Path(__file__).parent / "audit.js").read_text("utf-8")
 SCREENS = {"desk": (1280, 800), "tablet": (1024, 768)}
 NAMED = {
