@@ -7,7 +7,7 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page, expect
 
-PAGES = ("start", "bench", "studies", "identify", "size", "sweep")
+PAGES = ("start", "bench", "studies", "identify", "size", "sweep", "board")
 AUDIT = (Path(__file__).parent / "audit.js").read_text("utf-8")
 SCREENS = {"desk": (1280, 800), "tablet": (1024, 768), "phone": (390, 844)}
 NAMED = {

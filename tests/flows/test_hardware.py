@@ -41,6 +41,7 @@ from martensite_hardware.firmware.settings import Limits
 from martensite_hardware.hil import compare_runs, run_hil
 from martensite_hardware.link.host import BoardLink
 from martensite_hardware.link.messages import BoardFlags, DisarmReason
+from martensite_hardware.rig_scenarios import read_rigs
 from martensite_hardware.session import Session
 
 EXAMPLES = Path(str(files("martensite"))).parents[1] / "examples"
@@ -142,10 +143,12 @@ def test_a_rig_is_calibrated_run_logged_and_replayed(uno: Path, tmp_path: Path) 
     ours = np.interp(record["time"], run.times, run.columns["position"])
     assert np.max(np.abs(np.array(record["position"]) - ours)) < 1.8e-4 < 0.1 * np.ptp(ours)
     assert set(record.columns) == {"time", "status", "alarm", "position", "duty", "supply.voltage"}
-    told = call(app, ["hardware", "fit", str(log), "--free", "h", "--json"])
+    told = call(app, ["fit", str(log), "--free", "h", "--json"])  # by the scenario that it carries
     assert told.exit_code == 0, told.stderr
-    found = json.loads(told.stdout)["environment.cooling.h"]
+    found = json.loads(told.stdout)["parameters"]["h"]["value"]
     assert abs(found - 120.0) < 1.0  # that of the wire in the emulator
+    rigs, free = read_rigs([str(log)]) or ([], [])  # what `martensite fit log.csv` takes
+    assert rigs and free == ["h", "A_s", "A_f"]  # it never cooled
     done = call(app, ["hardware", "replay", str(project), str(log), "--json"])
     assert json.loads(done.stdout)["position"]["fit"] > 0.95
 
@@ -163,10 +166,14 @@ def test_a_host_that_begins_anew_is_heard(board: SimavrBoard) -> None:
 def test_nothing_is_lost_unnoticed_at_1_khz(tmp_path: Path) -> None:
     fast, firmware = start_board(tmp_path)
     try:
-        found, garbled = log_long(fast, firmware, 1.0, 2e-4), send_garbled(fast, 300)
+        (found, _), garbled = log_long(fast, firmware, 1.0, 2e-4), send_garbled(fast, 300)
     finally:
         fast.close()
-    assert found["lost unnoticed"] == 0 and found["lost by the board"] == 0 and found["counted as lost"] > 0
+    assert (
+        found["lost unnoticed"] == found["altered unnoticed"] == 0
+        and found["lost by the board"] == 0
+        and found["counted as lost"] > 0
+    )
     assert found["samples told"] > 990 and found["samples logged"] >= found["samples told"] - found["counted as lost"]
     assert (garbled["accepted"], garbled["alive"]) == (0, True)
 

@@ -19,6 +19,7 @@ const PAGES: Record<string, () => Promise<Loaded>> = {
   identify: () => import("./pages/identify.tsx"),
   size: () => import("./pages/size.tsx"),
   sweep: () => import("./pages/sweep.tsx"),
+  board: () => import("./pages/board.tsx"),
 };
 
 const RELOADED = "martensite-reloaded";

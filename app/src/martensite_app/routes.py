@@ -32,6 +32,10 @@ ROUTES: Mapping[str, tuple[str, str]] = {
     "fit_scenario": ("logs", "match_scenario"),
     "fit": ("fits", "run_fit"),
     "fit_files": ("fits", "write_fit_file"),
+    # boards
+    "boards": ("boards", "describe_boards"),
+    "board_firmware": ("boards", "write_board_firmware"),
+    "board_run": ("boards", "run_board"),
     # sizing
     "size_form": ("sizing", "describe_sizing"),
     "size": ("sizing", "size_wires"),

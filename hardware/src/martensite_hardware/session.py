@@ -84,6 +84,13 @@ class Session:
         """The scenario that the firmware was written for."""
         return read_project_scenario(self.firmware)
 
+    def list_references(self) -> dict[str, AbstractWaveform]:
+        """What the loop of the scenario follows, by the names of its settings."""
+        from martensite.control.loop.run import reference_waveforms
+
+        bench = self.scenario.bench
+        return {} if bench is None else reference_waveforms(bench)
+
     def find_setting(self, name: str) -> int:
         """Place of a setting or of a parameter of the loop; `InputError` if there is none."""
         names = [row["name"] for row in (*self.firmware["settings"], *self.firmware["parameters"])]
@@ -177,7 +184,8 @@ class Session:
                     watch(log, passed / duration)
         finally:
             self.link.send("disarm")
-            self.port.read(0)  # the time of an emulator goes on while it is read from
+            for message in self.link.receive():  # the time of an emulator goes on while it is read from
+                log.take(message)
         return log
 
     def follow(
@@ -225,6 +233,24 @@ REASONS = {
     DisarmReason.TIME: "it was armed for as long as is allowed",
     DisarmReason.CURRENT: "its current is too large",
 }
+
+
+def read_levels(text: str) -> list[tuple[float, float]]:
+    """Times [s] and duties from `2 s:0.4, 5 s:0`; `InputError` for what is none."""
+    from martensite.cli.options import read_positive
+
+    found = list[tuple[float, float]]()
+    for piece in text.split(","):
+        length, sign, level = piece.rpartition(":")
+        try:
+            duty = float(level)
+        except ValueError:
+            sign = ""
+            duty = 0.0
+        if not sign or not 0.0 <= duty <= 1.0:
+            raise InputError(f"Levels are times and duties such as `2 s:0.4, 5 s:0`, but `{piece.strip()}` is none.")
+        found.append((read_positive("duty", length.strip(), "s"), duty))
+    return found
 
 
 def read_project(project: Path) -> dict[str, Any]:

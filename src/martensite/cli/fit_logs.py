@@ -107,6 +107,13 @@ class FitOptions:
             search={"method": self.method, "loss": self.loss, "starts": self.starts},
         )
 
+    def take_carried(self, logs: Sequence[str]) -> FitOptions:
+        """With the scenario, and numbers, that logs of a board bring, where none is said (`martensite-hardware`)."""
+        if self.scenario or find_spec("martensite_hardware") is None:
+            return self
+        found = import_module("martensite_hardware.rig_scenarios").read_rigs(logs, self.free)
+        return self if found is None else replace(self, scenario=found[0], free=found[1])
+
     def is_alone(self, logs: Sequence[str]) -> bool:
         """Whether neither scenario nor free numbers nor a fit file say what is fitted."""
         from martensite.fit.fit_file import is_fit_file
@@ -151,8 +158,7 @@ class FitExtras:
     def refuse_without_scenario(self) -> None:
         """Raise `InputError` for what needs a scenario of one's own."""
         idle = {"--profile": self.profile, "--posterior": self.posterior, "--resume": self.resume}
-        name = next((name for name, given in idle.items() if given), None)
-        if name is not None:
+        if name := next((name for name, given in idle.items() if given), None):
             raise InputError(f"Option `{name}` needs --scenario and --free; without, it has no effect.")
 
     def check(self, arranged: ArrangedFit) -> None:
@@ -170,12 +176,10 @@ class FitExtras:
         """Raise `DataError` if a file has a wrong ending, no folder, or is there already."""
         check_ending(self.report, REPORTS)
         check_ending(self.out, MATERIAL)
-        for path in (self.report, self.out, self.resume):
-            if path is not None:
-                check_folder(path)
-        for path in (self.report, self.out, self._find_figures()):
-            if path is not None:
-                check_absent(path, force)
+        for path in filter(None, (self.report, self.out, self.resume)):
+            check_folder(path)
+        for path in filter(None, (self.report, self.out, self._find_figures())):
+            check_absent(path, force)
 
     def _find_figures(self) -> Path | None:
         """Folder of the figures of a report that does not hold them."""
@@ -221,8 +225,8 @@ def fit_logs(
 ) -> None:
     """Fit parameters of a scenario to logs (meant where no other command is named).
 
-    Without --scenario and --free the logs are recognised, and a scenario is proposed, fitted and judged by
-    what it did not see; the exit code is 1 if it does not predict.
+    Without --scenario and --free the logs are recognised, and a scenario is proposed, fitted and judged by what it did
+    not see; the exit code is 1 if it does not predict. Logs of `martensite hardware` bring their scenario along.
 
     A scenario follows the log where its waveforms are of kind `log`. All other columns that the
     scenario has outputs for are compared. Ctrl-C ends the search and keeps the best so far; the
@@ -230,16 +234,14 @@ def fit_logs(
     """
     import_modules(modules)
     extras.check_files(force)
+    options = options.take_carried(logs)
     if options.is_alone(logs):
         extras.refuse_without_scenario()
         models.check(options, extras.report, force)
-        seconds = read_quantity("interval", options.interval, "s")
+        seconds, named = read_quantity("interval", options.interval, "s"), options.named or ()
         files = {"report": extras.report, "material": extras.out}
-        if not fit_log_model(
-            logs, models, settings or [], named=options.named or (), interval=seconds, **files, json=json
-        ):
-            raise typer.Exit(1)
-        return
+        predicts = fit_log_model(logs, models, settings or [], named=named, interval=seconds, **files, json=json)
+        raise typer.Exit(0 if predicts else 1)
     models.refuse_beside_scenario()
     latest: dict[str, Any] = {}
     with rescue_answer(lambda: _tell_best(latest, extras.resume, json)):
@@ -298,8 +300,7 @@ def run_fit(task: FitTask, extras: FitExtras, json: bool, latest: dict[str, Any]
     from martensite.show.summaries.fit import summarise_fit
     from martensite.show.terminal import print_summary
 
-    title = "" if fit.scenario is None else fit.scenario.title
-    summary = summarise_fit(fit, fit.scenario, profiles, title, posterior)
+    summary = summarise_fit(fit, fit.scenario, profiles, fit.scenario.title if fit.scenario else "", posterior)
     with show_spinner("writing"):
         written = extras.write(fit, summary)
     print_summary(summary, json, written)
@@ -331,7 +332,6 @@ def _walk_profiles(fit: Fit, names: Sequence[str]) -> list[Profile]:
                 walked.append(profile_likelihood(fit, name))
     except KeyboardInterrupt:
         accept_interrupt()
-        return walked
     return walked
 
 

@@ -156,16 +156,17 @@ export async function readTable(fresh: boolean): Promise<void> {
   }
 }
 
-/** Begin with a file of the reader, or with the measured log that comes with the package. */
-export async function takeFile(file: File | "sample"): Promise<void> {
+/** Begin with a file of the reader, one that the server has, or the measured log that comes with the package; a scenario may come along. */
+export async function takeFile(file: File | Uploaded | "sample", text = ""): Promise<void> {
   busy.value = "Uploading …";
   try {
-    const found = file === "sample" ? await call<Uploaded>("sample_log", {}) : { ...(await upload(file)), content: await keepContent(file) };
+    const found =
+      file === "sample" ? await call<Uploaded>("sample_log", {}) : "key" in file ? file : { ...(await upload(file)), content: await keepContent(file) };
     reading.request = "";
     table.value = records.value = scenario.value = null;
     // the measured one is a slow loop without times: any will do
     const interval = file === "sample" ? 1 : null;
-    put({ file: found, separator: "auto", drop: false, interval, columns: [], cuts: [], step: 0 });
+    put({ file: found, separator: "auto", drop: false, interval, columns: [], cuts: [], step: 0, ...(text && { text, origin: "the board", free: {}, ignored: [], each: [] }) });
     await readTable(true);
   } catch (error) {
     refused.value = sentence(error);

@@ -12,6 +12,7 @@ const NAMES: [page: string, name: string, about: string][] = [
   ["identify", "Identify", "Fit a model to your log"],
   ["size", "Size", "Choose a wire"],
   ["sweep", "Sweep", "Vary what you like"],
+  ["board", "Board", "Run the loop on a board"],
 ];
 
 type Theme = "light" | "dark" | "";

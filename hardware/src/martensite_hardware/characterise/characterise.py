@@ -6,10 +6,9 @@ so that `martensite fit` says the same again.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from martensite.base.errors import InputError
 from martensite.base.files import write_file
@@ -17,10 +16,9 @@ from martensite.base.formats import write_quantity
 from martensite.base.summary import Block, DataTable, Sentence
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.plant_leaves import find_plant_leaf
-from martensite.scenario.overrides import as_toml
-from martensite.scenario.sections import SECTIONS
 from martensite_hardware.characterise.experiments import DutyCourse, list_courses, measure_pace
 from martensite_hardware.characterise.information import OTHERS, ChosenCourses, UnknownNumber, choose_courses
+from martensite_hardware.rig_scenarios import write_rig_scenario
 
 if TYPE_CHECKING:
     from martensite.fit.fit import Fit
@@ -69,15 +67,6 @@ def plan_courses(bench: Bench, unknown: Sequence[UnknownNumber], budget: float) 
         raise InputError("The element has no `temperature_limit`: write one in [element.limits] first.")
     candidates = list(list_courses(measure_pace(bench.plant)))
     return choose_courses(bench, unknown, candidates, limit=limit - MARGIN, budget=budget)
-
-
-def write_rig_scenario(text: str) -> str:
-    """A scenario without its loop, whose drive follows the column `duty` of a log."""
-    document: dict[str, Any] = tomllib.loads(text)
-    source = document.get("driver", {"kind": "pwm-voltage"})
-    followed = {"waveform": {"kind": "log", "column": "duty", "between": "hold"}}
-    kept = {name: own for name, own in document.items() if name not in (*SECTIONS, "driver", "run")}
-    return as_toml(kept | {"drive": {**source, **followed}})
 
 
 def fit_courses(text: str, folder: Path, logs: Sequence[Path], unknown: Sequence[UnknownNumber]) -> Fit:

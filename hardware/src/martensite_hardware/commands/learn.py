@@ -1,4 +1,4 @@
-"""`hardware replay`, `fit`, `characterise`: what the logs of a board tell of its wire."""
+"""`hardware replay`, `characterise`: what the logs of a board tell of its wire."""
 
 from __future__ import annotations
 
@@ -35,48 +35,6 @@ def replay(
     table = DataTable(("reading", "rms of measured - model", "fit"), rows, right=(1, 2))
     data = {one.name: {"rms": one.rms, "fit": one.fit} for one in found.readings}
     outputs.answer(Summary("", [Sentence(f"{len(found.times)} samples"), table], data), json, None, found.plot)
-
-
-@hardware.command("fit")
-def fit(
-    logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Logs of one board.")],
-    free: Annotated[str, Option(help="Numbers of the wire to fit: A_s,A_f,M_s,M_f,h.")],
-    out: Annotated[
-        Path | None,
-        Option(metavar="FOLDER", help="Where scenario, material and report are written [default: nowhere]."),
-    ] = None,
-    force: Force = False,
-    json: Json = False,
-) -> None:
-    """Fit the wire of the scenario that logs carry to them; a log begins with a wire at rest.
-
-    Without a scenario, `martensite fit LOG` makes a model of a log.
-    """
-    from tempfile import TemporaryDirectory
-
-    from martensite.base.files import make_folder
-    from martensite.show.terminal import print_summary
-    from martensite_hardware.board_log import read_log_scenario
-    from martensite_hardware.characterise import characterise as work
-    from martensite_hardware.session import read_project_scenario
-
-    if out is not None:
-        require_empty(out, force)
-    text = read_log_scenario(logs[0])
-    if not text or any(read_log_scenario(one) != text for one in logs[1:]):
-        raise InputError("The logs carry no scenario, or several: say it by `martensite fit LOG --scenario FILE`.")
-    bench = read_project_scenario({"scenario": text}).bench
-    if bench is None:
-        raise InputError("The scenario of the log has no loop, and so no sensors.")
-    unknown = work.list_unknown(bench, [name.strip() for name in free.split(",")], {})
-    files: list[Path] = []
-    with TemporaryDirectory() as own, show_spinner("fitting"):
-        if out is not None:
-            make_folder(out)
-        found = work.fit_courses(text, out or Path(own), logs, unknown)
-        if out is not None:
-            files = work.write_fit(found, out)
-    print_summary(Summary("", work.describe_fit(found), dict(found.numbers)), json, files)
 
 
 @hardware.command("characterise")

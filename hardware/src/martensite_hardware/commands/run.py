@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from typer import Option
 
@@ -67,8 +67,10 @@ def run(
 
     Without `--arm ARM` it is a dry run: the board is asked, nothing is heated, and what would be done is said.
     """
+    from martensite_hardware.session import read_levels
+
     options.check_file()
-    levels = _read_levels(duty) if duty is not None else []
+    levels = read_levels(duty) if duty is not None else []
     with open_session(source) as session:
         scenario = session.scenario
         seconds = read_quantity("duration", duration, "s") or (sum(t for t, _ in levels) or scenario.duration)
@@ -81,7 +83,7 @@ def run(
             if levels:
                 found = session.play(levels, word=arm, watch=watch)
             else:
-                found = session.follow(_list_references(session), seconds, word=arm, watch=watch)
+                found = session.follow(session.list_references(), seconds, word=arm, watch=watch)
         answer_log(session, found, options)
 
 
@@ -119,30 +121,6 @@ def hil(
     words = f"{len(found.times)} samples, {found.lost} frames lost; the run here with float64 differs by:"
     data = {"samples": len(found.times), "lost": found.lost, "differences": {n: d for n, _, d, _ in rows}}
     print_summary(Summary("", [Sentence(words), table], data), json, outputs.paths())
-
-
-def _list_references(session: Session) -> dict[str, Any]:
-    from martensite.control.loop.run import reference_waveforms
-
-    bench = session.scenario.bench
-    return {} if bench is None else reference_waveforms(bench)
-
-
-def _read_levels(text: str) -> list[tuple[float, float]]:
-    found = list[tuple[float, float]]()
-    for piece in text.split(","):
-        length, sign, level = piece.rpartition(":")
-        try:
-            duty = float(level)
-        except ValueError:
-            sign = ""
-            duty = 0.0
-        if not sign or not 0.0 <= duty <= 1.0:
-            raise InputError(
-                f"Option `--duty` takes times and duties such as `2 s:0.4, 5 s:0`, but `{piece.strip()}` is none."
-            )
-        found.append((read_positive("duty", length.strip(), "s"), duty))
-    return found
 
 
 def _describe_dry_run(session: Session, seconds: float, levels: list[tuple[float, float]]) -> list[Block]:

@@ -18,6 +18,7 @@ from martensite_hardware.firmware.boards import find_board
 
 CORE = Path("/usr/share/arduino/hardware/arduino/avr")
 """Where Debian keeps the Arduino core for AVR."""
+SIMAVR = Path("/usr/include/simavr/sim_avr.h")
 MCUS = {"uno": ("atmega328p", "standard", "AVR_UNO"), "mega2560": ("atmega2560", "mega", "AVR_MEGA2560")}
 """Processor, variant and name of a board in the Arduino core."""
 PACKAGES = {
@@ -144,7 +145,7 @@ def build_simavr_line(folder: Path) -> Path:
         InputError: simavr or a compiler is missing.
     """
     cc = find_compiler()
-    if cc is None or not Path("/usr/include/simavr/sim_avr.h").exists():
+    if cc is None or not SIMAVR.exists():
         raise InputError("This needs a C compiler and simavr; on Debian: libsimavr-dev.")
     found = folder.resolve() / "simavr_line"
     if not found.exists():

@@ -1,0 +1,41 @@
+// A board: its firmware, a run that is watched while it goes, its log.
+
+import { useEffect } from "preact/hooks";
+import { Curves } from "../board/curves.tsx";
+import { Form } from "../board/form.tsx";
+import { Live } from "../board/live.tsx";
+import { columns, known, readBoards, refused, work } from "../board/state.ts";
+import { Message } from "../ui/message.tsx";
+
+function Absent({ command }: { command: string }) {
+  return (
+    <Message kind="note">
+      Boards are a package of their own. <code>{command}</code> brings it; then start the bench anew.
+    </Message>
+  );
+}
+
+export function Page() {
+  useEffect(() => {
+    void readBoards();
+    if (!work.job.value) void work.resume();
+  }, []);
+  const there = known.value;
+  return (
+    <div class="board stack">
+      <h1>Board</h1>
+      {refused.value && <Message kind="error">{refused.value}</Message>}
+      {there?.install && <Absent command={there.install} />}
+      {there && !there.install && (
+        <div class="board-page">
+          <Form />
+          <div class="stack board-results">
+            <Live />
+            {!work.job.value && !columns.value["time"] && <p class="soft">Curves, and what the link counts, come here while the board runs.</p>}
+            <Curves />
+          </div>
+        </div>
+      )}
+    </div>
+  );
+}
