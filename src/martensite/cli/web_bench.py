@@ -67,6 +67,7 @@ def _make_opener(text: str | None, no_browser: bool, json: bool) -> Callable[[Se
             import webbrowser
 
             webbrowser.open(address)
+
     return ready
 
 
