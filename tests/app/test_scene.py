@@ -110,6 +110,6 @@ def test_the_run_brings_it(bench: Bench) -> None:
 @pytest.mark.parametrize("name", sorted(set(list_standalone()) - {"finger", "hand", "closed_loop_beam"}))
 def test_every_example_has_one(name: str) -> None:
     scenario = read_scenario(list_standalone()[name], FOLDER / "scenario.toml", {"run.duration": "0.2 s"})
-    found = describe_scene(scenario, scenario.run(runtime=None if scenario.outside else "floats"))
+    found = describe_scene(scenario, scenario.run(runtime="floats"))
     assert found["shapes"]
     assert all(len(frame) == len(found["frames"][0]) for frame in found["frames"])

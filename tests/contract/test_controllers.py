@@ -16,7 +16,6 @@ import pytest
 from builders import problem_a
 
 from martensite.actuators.assembly import System
-from martensite.base.errors import ParameterError
 from martensite.control.controllers.base import CONTROLLERS, AbstractController
 from martensite.control.controllers.cascade import Cascade, InnerPid, OuterPid
 from martensite.control.controllers.constant_power import ConstantPower
@@ -208,9 +207,3 @@ def test_it_is_documented(name: str) -> None:
     assert (cls.__doc__ or "").strip()
     assert all(declared.doc.strip() for declared in cls.declarations.values())
     assert set(cls.cites) <= set(read_bibliography())
-
-
-def test_what_is_no_kernel_stays_off_the_bench(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(OnOff, "kernel", False)
-    with pytest.raises(ParameterError, match="is no kernel"):
-        bench(made("on-off"))

@@ -97,7 +97,7 @@ def _summarise_run(scenario: Scenario, result: Result) -> JsonTable:
 
 def _draw_run(scenario: Scenario, result: Result) -> JsonTable:
     return {
-        "traces": list_panels(result, scenario.outside),
+        "traces": list_panels(result),
         "loops": list_loops(result),
         "stretches": list_stretches(result),
         "phase": describe_phase(result),
@@ -128,7 +128,7 @@ def _write_figure(scenario: Scenario, result: Result, path: Path) -> None:
     from martensite.show.figures.overview import save_figure
 
     records = [scenario.measured.read()] if scenario.measured else None
-    save_figure(result, path, records, scenario.title, scenario.outside)
+    save_figure(result, path, records, scenario.title)
 
 
 def _write_table(scenario: Scenario, result: Result, path: Path) -> None:
