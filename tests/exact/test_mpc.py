@@ -19,7 +19,7 @@ from martensite.actuators.assembly import AbstractSystem, Group, Machine
 from martensite.actuators.mechanisms.load_line import DeadWeight
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.mpc import Mpc, PlanMemory
-from martensite.control.controllers.pid import Pid
+from martensite.control.controllers.pid import Correction, Pid
 from martensite.control.controllers.planning import Planned, Planner, Price, shift_plan
 from martensite.control.controllers.time_scales import measure_reach
 from martensite.control.loop.bench import Bench
@@ -325,3 +325,28 @@ def test_a_missing_reading_is_named_with_the_nearest() -> None:
     controller = mpc(**FEW)
     with pytest.raises(ParameterError, match=r"`position`.*`positions`"):
         controller(0.0, {"positions": 0.0}, controller.init())
+
+
+@in_c
+def test_a_model_that_tracks_its_readings_holds_a_wire_that_cools_half_as_well() -> None:
+    """By its offset alone the model stays where the signals of the other wire lead it, and the error stays too."""
+    slow = SYSTEM.with_values({"cooling.h0": 0.5 * SYSTEM.value_of("cooling.h0")})
+    left: list[float] = []
+    for tracking in (None, Correction(Kp=1000.0, Ki=400.0)):
+        held = mpc(reference=Constant(level=4 * MM), horizon=2.0, blocks=5, tracking=tracking)
+        found = run(held, 16.0, plant=slow)
+        left.append(float(np.abs(4 * MM - np.array(found["position"])[found.times.index(12.0) :]).mean()))
+    assert left[1] < 0.1 * MM < 5.0 * left[1] < left[0]
+
+
+def test_tracking_is_for_one_drive() -> None:
+    with pytest.raises(ParameterError, match="`tracking` is for a model with one drive"):
+        Mpc(
+            model=SYSTEM,
+            measured="position",
+            reference=COURSE,
+            period=PERIOD,
+            horizon=1.0,
+            leads=("drive",),
+            tracking=Correction(),
+        )
