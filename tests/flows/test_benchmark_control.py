@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -114,10 +115,10 @@ def test_fewer_wires_are_the_first_of_all() -> None:
 
 
 def test_the_default_guard_limits_and_keeps_the_wire_of_the_sheet_within_its_limit() -> None:
-    """Open loop at full reference: no cut, and the bound of the guard holds where its plant is the wire."""
-    (row,) = run_guards([find_entry("direct")], ["default"], ["stuck"], duration=4.0)
+    """Open loop at a supply that is too high: no cut, and a bound that holds nothing where the wire cools less."""
+    (row,) = run_guards([replace(find_entry("direct"), plants=("wire",))], ["default"], ["supply-surge"], duration=4.0)
     limit = load_plant("wire").plant.value_of("temperature_limit")
-    assert row.cuts == row.false_alarms == 0 and row.hours == pytest.approx(2 * 2 * 4.0 / 3600.0)
+    assert row.cuts == row.false_alarms == 0 and row.hours == pytest.approx(2 * 4.0 / 3600.0)
     assert 350.0 < row.hottest_sheet <= limit < row.hottest_wires
 
 
