@@ -157,6 +157,8 @@ class Mpc(AbstractController, SignalLimits):
         self.__dict__["_example"] = self.model.init(floats, *[self.idle] * len(self.model.drives()))
 
     def _check_drives(self) -> None:
+        if self.tracking is not None and self._leads:
+            raise ParameterError("`tracking` is for a model with one drive; leave it out where others are led.")
         drives = [drive.name for drive in self.model.drives()]
         for name in self._leads:
             if name not in drives:
@@ -167,8 +169,6 @@ class Mpc(AbstractController, SignalLimits):
                 f"The model of `mpc` must have one drive that it does not lead, but has {', '.join(left) or 'none'}; "
                 f'write such as `leads = ["{drives[-1]}"]`, and give what is led a controller of kind `follower`.'
             )
-        if self.tracking is not None and self._leads:
-            raise ParameterError("`tracking` is for a model with one drive; leave it out where others are led.")
         if len(self._also) > len(self._leads):
             raise ParameterError(
                 f"`also_measured` names {len(self._also)} readings, but `mpc` leads {len(self._leads)} drives; each "
