@@ -8,7 +8,7 @@ const out = process.argv[2] ?? "../app/src/martensite_app/static";
 await rm(out, { recursive: true, force: true });
 await mkdir(out, { recursive: true });
 await build({
-  entryPoints: { bench: "src/main.tsx", engine: "src/engine/worker.ts" },
+  entryPoints: { bench: "src/main.tsx", engine: "src/engine/worker.ts", gif: "src/scene/gif.worker.ts" },
   outdir: out,
   entryNames: "[name]",
   chunkNames: "[name]-[hash]",

@@ -21,7 +21,7 @@ def ask(call: str, **request: Any) -> Any:
 @pytest.mark.parametrize("name", ["finger", "three_rails", "closed_loop_guarded"])
 def test_a_run_and_its_form(name: str) -> None:
     text = list_standalone()[name]
-    check_answer(ask("run", text=text), "lib", "Run")
+    check_answer(ask("run", text=text), "lib", "RunAnswer")
     check_answer(ask("form", text=text), "form", "ScenarioForm")
 
 

@@ -1,42 +1,52 @@
-"""What the page gets to draw a mechanism in space."""
+"""What the page draws of a mechanism in space, made by its own TypeScript."""
 
 from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
 from typing import Any
 
 import pytest
-from app_server import Bench
+from page_runs import PageRuns, draw_row
 
-from martensite.actuators.assembly.lengths import measure_lengths as lengths_of
-from martensite.actuators.mechanisms.drawing import KINDS
+from martensite.actuators.mechanisms.drawing import KINDS, DrawingShape, DrawingState
+from martensite.actuators.mechanisms.pulley import AntagonisticPulley
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.simulate.result import Result
 from martensite_app.documents import FOLDER, list_standalone
-from martensite_app.views.scene import LEAST, MOST, describe_scene, draw_row
+from martensite_app.views.page import describe_page
+from martensite_app.views.scene import describe_shapes
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+MOST, LEAST = 241, 61
 
 
 def run(name: str, **changes: Any) -> tuple[Scenario, Result]:
     scenario = read_scenario(list_standalone()[name], FOLDER / "scenario.toml", changes or None)
-    return scenario, scenario.run(runtime="floats")
+    return scenario, scenario.run(runtime=None if scenario.outside else "floats")
+
+
+def draw(page_runs: PageRuns, *ran: tuple[Scenario, Result]) -> list[dict[str, Any]]:
+    return [one["scene"] for one in page_runs.describe(*((*pair, describe_page(*pair)) for pair in ran))]
+
+
+Drawn = tuple[Scenario, Result, dict[str, Any]]
 
 
 @pytest.fixture(scope="module")
-def finger() -> tuple[Scenario, Result]:
-    return run("finger")
-
-
-@pytest.fixture(scope="module")
-def hand() -> tuple[Scenario, Result]:
-    return run("hand", **{"run.duration": "6 s", "run.samples": 201})
+def drawn(page_runs: PageRuns) -> dict[str, Drawn]:
+    ran = {
+        "finger": run("finger"),
+        "hand": run("hand", **{"run.duration": "6 s", "run.samples": 201}),
+        "coil": run("platform_spring", **{"run.duration": "10 s"}),
+        "slack": run("antagonistic_wires", **{"mechanism.preload": "0 N"}),
+    }
+    return {name: (*pair, one) for (name, pair), one in zip(ran.items(), draw(page_runs, *ran.values()), strict=True)}
 
 
 def placed(found: dict[str, Any], picture: int) -> dict[str, list[list[float]]]:
-    """Points of all shapes at one picture [m], from what the page gets."""
+    """Points of all shapes at one picture [m], from what the page draws."""
     rest = iter(found["frames"][picture])
     points: dict[str, list[list[float]]] = {}
     for shape in found["shapes"]:
@@ -46,53 +56,61 @@ def placed(found: dict[str, Any], picture: int) -> dict[str, list[list[float]]]:
     return points
 
 
-@pytest.mark.parametrize("which", ["finger", "hand"])
-def test_pictures_are_the_drawings(which: str, request: pytest.FixtureRequest) -> None:
-    scenario, result = request.getfixturevalue(which)
-    found = describe_scene(scenario, result)
-    lengths, names = lengths_of(scenario.system, result.columns), list(scenario.system.mechanism.outputs())
+@pytest.mark.parametrize("which", ["finger", "hand", "coil", "slack"])
+def test_pictures_are_the_drawings(which: str, drawn: dict[str, Drawn]) -> None:
+    scenario, result, found = drawn[which]
     for picture in (0, len(found["times"]) // 2, -1):
         row = result.times.index(found["times"][picture])
         points = placed(found, picture)
-        for shape in draw_row(scenario.system, result, lengths, names, row):
-            for sent, meant in zip(points[shape.name], shape.points, strict=True):
-                assert sent == pytest.approx(meant, abs=0.51 * found["quantum"])
+        turns = iter(found["turns"][picture])
+        for sent, shape in zip(found["shapes"], draw_row(scenario.system, result, row), strict=True):
+            assert (sent["name"], sent["kind"], sent.get("port", "")) == (shape.name, shape.kind, shape.port)
+            assert sent["size"] == pytest.approx(shape.size, rel=1e-9)
+            if shape.kind in ("pulley", "rotor"):
+                assert next(turns) == pytest.approx(shape.turn, rel=1e-9)
+            for place, meant in zip(points[shape.name], shape.points, strict=True):
+                assert place == pytest.approx(meant, abs=0.51 * found["quantum"])
 
 
 @pytest.mark.parametrize("which", ["finger", "hand"])
-def test_it_is_small_and_says_what_it_is(which: str, request: pytest.FixtureRequest) -> None:
-    scenario, result = request.getfixturevalue(which)
-    found = describe_scene(scenario, result)
+def test_it_is_small_and_says_what_it_is(which: str, drawn: dict[str, Drawn]) -> None:
+    scenario, result, found = drawn[which]
     assert LEAST <= len(found["times"]) == len(found["frames"]) == len(found["turns"]) <= MOST
     assert (found["times"][0], found["times"][-1]) == (result.times[0], result.times[-1])
-    assert len(json.dumps(found)) < 500_000
+    assert len(json.dumps(describe_shapes(scenario.whole, result))) < 120_000
     assert {shape["kind"] for shape in found["shapes"]} <= set(KINDS)
     assert 0.0 < found["quantum"] <= 1e-5 * math.dist(found["low"], found["high"])
-    for port, names in found["ports"].items():
-        assert len(names["slack"]) == len(found["times"])
-        assert {names["temperature"], names["martensite_fraction"]} <= set(result.columns), port
     still = [shape for shape in found["shapes"] if shape["still"] is not None]
     assert 0 < len(still) < len(found["shapes"])
 
 
-def test_everything_is_inside_of_the_box(finger: tuple[Scenario, Result]) -> None:
-    found = describe_scene(*finger)
+def test_everything_is_inside_of_the_box(drawn: dict[str, Drawn]) -> None:
+    found = drawn["finger"][2]
     for picture in range(0, len(found["times"]), 20):
         for point in (p for points in placed(found, picture).values() for p in points):
             for low, x, high in zip(found["low"], point, found["high"], strict=True):
                 assert low - found["quantum"] <= x <= high + found["quantum"]
 
 
-def test_a_coil_is_drawn_as_one() -> None:
-    found = describe_scene(*run("platform_spring", **{"run.duration": "10 s"}))
-    (element,) = [shape for shape in found["shapes"] if shape.get("port")]
+def test_the_page_knows_all_kinds() -> None:
+    text = (Path(__file__).parents[2] / "web/src/lib/types.ts").read_text("utf-8")
+    (union,) = re.findall(r"export type Kind =([^;]+);", text)
+    assert re.findall(r'"(\w+)"', union) and set(re.findall(r'"(\w+)"', union)) == set(KINDS)
+
+
+def test_a_weight_says_its_mass(drawn: dict[str, Drawn]) -> None:
+    scenario, _, found = drawn["coil"]
+    assert [shape["mass"] for shape in found["shapes"] if shape["kind"] == "weight"] == [scenario.system.mechanism.mass]
+
+
+def test_a_coil_is_drawn_as_one(drawn: dict[str, Drawn]) -> None:
+    (element,) = [shape for shape in drawn["coil"][2]["shapes"] if shape.get("port")]
     assert element["coils"] == 20
     assert element["coil"] == pytest.approx(6e-3)
 
 
-def test_slack_is_told() -> None:
-    scenario, result = run("antagonistic_wires", **{"mechanism.preload": "0 N"})
-    found = describe_scene(scenario, result)
+def test_slack_is_told(drawn: dict[str, Drawn]) -> None:
+    _, result, found = drawn["slack"]
     rows = [result.times.index(time) for time in found["times"]]
     told = [names["slack"] for names in found["ports"].values()]
     assert {0, 1} <= {flag for flags in told for flag in flags}
@@ -100,16 +118,26 @@ def test_slack_is_told() -> None:
         assert flags == [int(result[f"{port}.force"][row] < 1e-6) for row in rows]
 
 
-def test_the_run_brings_it(bench: Bench) -> None:
-    text = (EXAMPLES / "constant_power.toml").read_text("utf-8")
-    found = bench.call("run", {"text": text})["scene"]
-    assert [shape["kind"] for shape in found["shapes"]].count("wire") == 1
-    assert found["ports"]["element"]["temperature"] == "temperature"
+class Valued(AntagonisticPulley):
+    """Asks for the value of a number; not registered."""
+
+    def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
+        return [DrawingShape("pulley", "object", ((math.cos(reading.outputs["angle"]), 0.0, 0.0),), 1.0)]
 
 
-@pytest.mark.parametrize("name", sorted(set(list_standalone()) - {"finger", "hand", "closed_loop_beam"}))
-def test_every_example_has_one(name: str) -> None:
-    scenario = read_scenario(list_standalone()[name], FOLDER / "scenario.toml", {"run.duration": "0.2 s"})
-    found = describe_scene(scenario, scenario.run(runtime=None if scenario.outside else "floats"))
-    assert found["shapes"]
-    assert all(len(frame) == len(found["frames"][0]) for frame in found["frames"])
+def test_a_drawing_that_cannot_be_recorded_is_told() -> None:
+    scenario, result = run("antagonistic_wires", **{"run.duration": "0.1 s"})
+    own = scenario.system.mechanism
+    values = {name: getattr(own, name) for name in own.declarations}
+    found = describe_shapes(scenario.system.with_parts(mechanism=Valued(**values)), result)
+    assert found["shapes"] == []
+    assert "recordable_numbers.xp" in found["sentence"]
+
+
+def test_every_example_has_one(page_runs: PageRuns) -> None:
+    """Of one picture each: they start."""
+    names = sorted(set(list_standalone()) - {"finger", "hand", "closed_loop_beam"})
+    for found in draw(page_runs, *(run(name, **{"run.duration": "0.2 s"}) for name in names)):
+        assert found["shapes"]
+        assert not found.get("sentence")
+        assert all(len(frame) == len(found["frames"][0]) for frame in found["frames"])

@@ -2,7 +2,6 @@
 
 import tomllib
 from functools import cache
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +15,8 @@ from martensite.show.summaries.run import tabulate_key_results
 from martensite.simulate.result import Result
 from martensite_app.calls.scenarios import compare_documents
 from martensite_app.messages import BadMessageError
-from martensite_app.views.diagrams import NO_ELEMENT, PRESCRIBED, describe_energy, describe_phase
-from martensite_app.views.traces import list_alarms, list_loops, list_panels, list_stretches
+from martensite_app.views.diagrams import NO_ELEMENT, PRESCRIBED, describe_energy
+from martensite_app.views.traces import list_alarms, list_loops, list_panels
 from martensite_app.worker import Desk
 from martensite_sweep.cycle_energies import compute_cycle_energies
 
@@ -64,17 +63,7 @@ def test_ports_of_several_actuators_stand_apart() -> None:
 def test_a_system_without_elements_has_no_loops() -> None:
     result = ran("model_run")
     assert list_loops(result) == []
-    assert list_stretches(result) == {}
-    assert describe_phase(result) == {"diagrams": [], "ports": {}}
     assert describe_energy(result)["sentence"] == NO_ELEMENT
-
-
-def test_stretches_cover_the_path() -> None:
-    parts = list_stretches(power("0.45 W"))["element"]
-    assert parts[0][1] == 0
-    assert parts[-1][2] == 1000
-    assert all(one[2] == other[1] for one, other in pairwise(parts))
-    assert [one[0] for one in parts] == [1, -1]
 
 
 def test_the_energies_are_those_of_the_analysis() -> None:
@@ -105,24 +94,6 @@ def test_prescribed_temperatures_have_no_balance() -> None:
     found = describe_energy(load(EXAMPLES / "constant_power.toml", {"drive": drive}).run())
     assert found["sentence"] == PRESCRIBED
     assert found["courses"] == []
-
-
-def test_the_bands_are_those_of_the_parameters() -> None:
-    result = power("0.45 W")
-    (actuator,) = result.system.actuators().values()
-    values = {leaf.path: leaf.value for leaf in actuator.element.law.leaves()}
-    found = describe_phase(result)
-    assert found["ports"]["element"] == {"diagram": 0, "x": "temperature", "y": "stress"}
-    bands = {band["process"]: band for band in found["diagrams"][0]["bands"]}
-    assert bands["forward"]["start"]["temperature"][0] == values["M_s"]
-    assert bands["reverse"]["finish"]["temperature"][0] == values["A_f"]
-    assert found["diagrams"][0]["highest"] >= max(result["stress"])
-
-
-def test_equal_laws_share_a_diagram() -> None:
-    found = describe_phase(ran("closed_loop_platform"))
-    assert len(found["diagrams"]) == 1
-    assert len(found["ports"]) == 3
 
 
 def spans_of(result: Result) -> dict[str, dict[str, Any]]:

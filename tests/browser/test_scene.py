@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import re
+import struct
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -108,6 +110,56 @@ def test_it_plays_and_pauses(page: Page, opened: Opened) -> None:
     page.get_by_role("button", name="Pause").click()
     assert drawn_at(view) > 3.4
     assert settled(page, view) != before
+
+
+def test_it_says_what_is_under_the_pointer_and_is_taken_away_as_a_model(page: Page, opened: Opened) -> None:
+    view = opened("finger")
+    box = view.bounding_box()
+    assert box
+    label = page.locator(".scene-label.hover")
+    places = [(x, y) for y in (0.2, 0.3, 0.4, 0.5) for x in (0.45, 0.55)]
+    for x, y in places:
+        page.mouse.move(box["x"] + x * box["width"], box["y"] + y * box["height"])
+        settled(page, view)
+        if label.count() and label.is_visible():
+            break
+    expect(label).to_contain_text(re.compile("phalanx|wire|spring|drum"))
+    page.locator(".scene summary", has_text="Save").click()
+    with page.expect_download() as download:
+        page.get_by_role("button", name="GLB").click()
+    model = download.value.path().read_bytes()
+    magic, version, length = struct.unpack("<4sII", model[:12])
+    assert (magic, version, length) == (b"glTF", 2, len(model))
+    tree = json.loads(model[20 : 20 + struct.unpack("<I", model[12:16])[0]])
+    moved = {tree["nodes"][c["target"]["node"]]["name"] for c in tree["animations"][0]["channels"]}
+    assert any(name.startswith("far_phalanx") for name in moved)
+    assert not any(name.startswith("near_phalanx") for name in moved)
+
+
+@pytest.mark.slow
+def test_it_is_taken_away_as_pictures(page: Page, opened: Opened) -> None:
+    """At a speed at which two pictures are the whole run."""
+    opened("constant_power")
+    page.get_by_label("Speed").select_option("100")
+    page.locator(".scene summary", has_text="Save").click()
+    with page.expect_download() as download:
+        page.get_by_role("button", name="GIF").click()
+    gif = download.value.path().read_bytes()
+    assert (gif[:6], gif[-1]) == (b"GIF89a", 0x3B)
+    assert struct.unpack("<HH", gif[6:10]) == (640, 360)
+    assert gif.count(b"\x21\xf9\x04") == 2
+
+
+@pytest.mark.slow
+def test_the_pinned_run_is_a_ghost(page: Page, opened: Opened) -> None:
+    view = opened("constant_power")
+    page.get_by_role("button", name="Pin this run").click()
+    held = view.get_attribute("data-held")
+    text = shortened((EXAMPLES / "constant_power.toml").read_text("utf-8")).replace("100 mm", "110 mm")
+    count = rendered(view)
+    put_on_bench(page, text)
+    page.wait_for_function("n => +document.querySelector('.scene-view').dataset.rendered > n", arg=count)
+    expect(view).not_to_have_attribute("data-held", str(held))
 
 
 @pytest.mark.slow

@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 from builders import FunctionWaveform, examples, label
 from elastic import REST, SURROUNDINGS, Elastic
+from page_runs import draw_row
 
 from martensite.actuators.assembly import Actuator, Group, Machine
-from martensite.actuators.assembly.lengths import measure_lengths
 from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.actuators.mechanisms.beam_motor import BeamMotor
 from martensite.actuators.mechanisms.beam_siblings import BeamHarvester, BeamMotors
@@ -34,7 +34,7 @@ from martensite.actuators.mechanisms.multibody import AbstractMultibody
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley
 from martensite.physics.electrical.sources import PrescribedTemperature
 from martensite.simulate.api import simulate
-from martensite_app.views.scene import draw_row
+from martensite_app.views.scene import describe_shapes
 
 NATURAL = 0.25
 """Length of the elements of the tests at zero elongation [m]."""
@@ -64,9 +64,7 @@ class Pictures:
             self.system.drive_at(p): wave(2.0 if k % 2 == 0 else 0.0, REST) for k, p in enumerate(mechanism.ports())
         }
         self.result = simulate(self.system, drives, 0.06, step=1e-3, samples=9, runtime="floats")
-        lengths = measure_lengths(self.system, self.result.columns)
-        names = list(mechanism.outputs())
-        self.rows = [draw_row(self.system, self.result, lengths, names, k) for k in range(9)]
+        self.rows = [draw_row(self.system, self.result, k) for k in range(9)]
 
     def wire(self, port: str) -> list[float]:
         """Drawn length [m] of the element at a port, over time."""
@@ -136,11 +134,17 @@ def something_moves(pictures: Pictures) -> None:
     assert max(changes) > 1e-7
 
 
+def page_can_draw_it(pictures: Pictures) -> None:
+    """Its drawing is recorded as formulas, which asks for no value of a number."""
+    assert describe_shapes(pictures.system, pictures.result)["sentence"] == ""
+
+
 CHECKS: list[Callable[[Pictures], None]] = [
     shapes_are_sound,
     elements_are_drawn,
     wires_are_as_long_as_elements,
     something_moves,
+    page_can_draw_it,
 ]
 
 
@@ -257,9 +261,13 @@ def frozen(shape: DrawingShape, outputs: Mapping[str, float]) -> DrawingShape:
     return shape._replace(points=tuple((0.0, 0.0, float(k)) for k in range(len(shape.points))))
 
 
+def valued(shape: DrawingShape, outputs: Mapping[str, float]) -> DrawingShape:
+    return shape._replace(size=abs(math.sin(outputs["position"])))
+
+
 @pytest.mark.parametrize(
     ("change", "check"),
-    list(zip((no_place, no_port, too_long, frozen), CHECKS, strict=True)),
+    list(zip((no_place, no_port, too_long, frozen, valued), CHECKS, strict=True)),
     ids=lambda one: one.__name__,
 )
 def test_a_wrong_drawing_is_noticed(change: Any, check: Callable[[Pictures], None]) -> None:

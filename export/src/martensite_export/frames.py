@@ -22,7 +22,8 @@ from martensite_export.episodes import Episodes
 SIZE, DOTS = (4.8, 3.6), 100
 """Width and height [in], and dots per inch."""
 GREY, DARK, WANTED = "#9aa5ad", "#22303c", "#d55e00"
-WIDTHS = {"ground": 5.0, "link": 4.0, "wire": 1.8, "joint": 3.0}
+BARS = ("link", "phalanx", "fingertip", "beam")
+WIDTHS = {"ground": 5.0, "wall": 5.0, **dict.fromkeys(BARS, 4.0), "wire": 1.8, "joint": 3.0}
 """Of lines by kind of shape [points]; 1.2 for all others."""
 HOTTER = 60.0
 """By how much a wire without a limit is red [K]."""
@@ -74,7 +75,7 @@ class Frames:
         shapes = self._list_shapes(k)
         colours = self._choose_colours(self._episodes.list_outputs(k))
         lines = [_close_line(shape) for shape in shapes]
-        colour = [colours.get(shape.port, DARK if shape.kind == "link" else GREY) for shape in shapes]
+        colour = [colours.get(shape.port, DARK if shape.kind in BARS else GREY) for shape in shapes]
         widths = [WIDTHS.get(shape.kind, 1.2) for shape in shapes]
         axes.add_collection(LineCollection(lines, colors=colour, linewidths=widths, capstyle="round"))
         dots = [_project(shape.points[0]) for shape in shapes if len(shape.points) == 1]

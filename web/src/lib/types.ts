@@ -89,7 +89,8 @@ export type KeyResult = [name: string, value: string];
 
 /** Kinds of shapes; see martensite.actuators.mechanisms.drawing. */
 export type Kind =
-  | "ground" | "link" | "joint" | "wire" | "spring" | "tether" | "weight" | "pulley" | "plate" | "rotor" | "object";
+  | "ground" | "wall" | "link" | "phalanx" | "fingertip" | "beam" | "bracket" | "joint" | "wire" | "spring" | "tether" | "force" | "weight"
+  | "slider" | "pulley" | "cylinder" | "motor" | "plate" | "palm" | "rotor" | "object";
 
 export interface Shape {
   name: string;
@@ -105,6 +106,8 @@ export interface Shape {
   diameter?: number;
   coil?: number;
   coils?: number;
+  /** Of a weight, where it is known [kg]. */
+  mass?: number;
 }
 
 /** The mechanism in space; z is up. */
@@ -113,6 +116,8 @@ export interface SceneData {
   times: number[];
   /** Length of a unit of the coordinates [m]. */
   quantum: number;
+  /** Length of an arrow of a force [m/N]. */
+  newton: number;
   /** By time: x, y, z of all points of the shapes that move, in quanta. */
   frames: number[][];
   /** By time: angles of pulleys and rotors [rad], in their order. */
@@ -121,7 +126,7 @@ export interface SceneData {
   low: [number, number, number];
   high: [number, number, number];
   /** Names of columns by port, and by time whether the element hangs slack. */
-  ports: Record<string, { temperature: string; martensite_fraction: string; force: string; slack: number[] }>;
+  ports: Record<string, { temperature: string; martensite_fraction: string; force: string; stress: string; slack: number[] }>;
   /** Why nothing is drawn. */
   sentence?: string;
 }

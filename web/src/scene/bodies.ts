@@ -1,18 +1,18 @@
-// Objects in space for shapes. An object is made once and put in place for every picture; bars, pins
-// and balls share three geometries, and only coils and plates have vertices of their own to move.
+// Objects in space for shapes. An object is made once and put in place for every picture; what is
+// rigid shares a few geometries, and only lines, coils and strips have vertices of their own to move.
 
-import {
-  BoxGeometry, BufferAttribute, BufferGeometry, CylinderGeometry, Group, Mesh, SphereGeometry, Vector3,
-  type Material, type Object3D,
-} from "three";
-import type { Shape } from "../lib/types.ts";
-import { Coil } from "./coil.ts";
+import { Group, Matrix4, Mesh, Vector3, type Material, type Object3D } from "three";
+import type { Kind, Shape } from "../lib/types.ts";
+import type { Made } from "./materials.ts";
+import { across, BALL, BLOCK, CONE, CUBE, EYE, HEAD, HUB, MOTOR, part, RIM, ROUND, SPOKE, stretch, TAPERED, WEIGHT } from "./parts.ts";
+import { plate, strip } from "./sheets.ts";
+import { coil, thread, wire } from "./wires.ts";
 
 /** What an object is put in place from. */
 export interface Pose {
   shape: Shape;
   /** Points of the shape [m]. */
-  at: (k: number) => Vector3;
+  points: Vector3[];
   turn: number;
   slack: boolean;
   /** Size of the whole picture [m]: nothing is drawn so thin that it cannot be seen. */
@@ -25,217 +25,230 @@ export interface Body {
   dispose?: () => void;
 }
 
-const ROUND = new CylinderGeometry(1, 1, 1, 20);
-const BALL = new SphereGeometry(1, 20, 14);
-const CUBE = new BoxGeometry(1, 1, 1);
-const UP = new Vector3(0, 1, 0);
-const THIN = { wire: 0.0032, tether: 0.002, link: 0.004 };
-/** Pieces of the longest part of a wire, so that it can sag, and how far it does (of that part). */
-const PIECES = 8;
-const SAG = 0.05;
+/** What a material is asked for by; of a ghost all are the same. */
+export type Taken = (made: Made) => Material;
 
-/** Put a cylinder between two points. */
-function stretch(mesh: Mesh, first: Vector3, last: Vector3, radius: number): void {
-  const way = last.clone().sub(first);
-  const length = way.length();
-  mesh.visible = length > 1e-9;
-  mesh.position.copy(first).addScaledVector(way, 0.5);
-  if (length > 0) mesh.quaternion.setFromUnitVectors(UP, way.multiplyScalar(1 / length));
-  mesh.scale.set(radius, Math.max(length, 1e-9), radius);
-}
+const THIN = 0.004;
+const Y = new Vector3(0, 1, 0);
+const [first, last] = [(pose: Pose): Vector3 => pose.points[0] as Vector3, (pose: Pose): Vector3 => pose.points.at(-1) as Vector3];
 
-/** A round bar through so many points. */
-class Bar {
-  readonly object = new Group();
-  private readonly pieces: Mesh[] = [];
-  private readonly knots: Mesh[] = [];
-
-  constructor(count: number, material: Material) {
-    for (let k = 0; k < count; k++) this.knots.push(new Mesh(BALL, material));
-    for (let k = 1; k < count; k++) this.pieces.push(new Mesh(ROUND, material));
-    this.object.add(...this.pieces, ...this.knots);
-  }
-
-  put(points: Vector3[], radius: number): void {
-    this.knots.forEach((knot, k) => {
-      knot.position.copy(points[k] as Vector3);
-      knot.scale.setScalar(radius);
-    });
-    this.pieces.forEach((piece, k) => stretch(piece, points[k] as Vector3, points[k + 1] as Vector3, radius));
-  }
-}
-
-const pointsOf = (pose: Pose): Vector3[] => Array.from({ length: pose.shape.count }, (_, k) => pose.at(k));
-
-function bar(shape: Shape, material: Material, thin: number): Body {
-  const made = new Bar(shape.count, material);
-  return { object: made.object, put: (pose) => made.put(pointsOf(pose), Math.max(pose.shape.size, thin * pose.extent)) };
-}
-
-/** A pin: a bar with flat ends. */
-function pin(material: Material): Body {
-  const mesh = new Mesh(ROUND, material);
-  return { object: mesh, put: ({ shape, at }) => stretch(mesh, at(0), at(1), shape.size) };
-}
-
-/** A wire: as thick as can be seen; thinner, and sagging, while it is slack. */
-function wire(shape: Shape, material: Material): Body {
-  const made = new Bar(shape.count + PIECES - 1, material);
-  return {
-    object: made.object,
-    put: (pose) => {
-      const radius = Math.max(0.5 * (pose.shape.diameter ?? 0), THIN.wire * pose.extent);
-      made.put(sagging(pointsOf(pose), pose.slack ? SAG : 0), pose.slack ? 0.6 * radius : radius);
-    },
-  };
-}
-
-/** The points of a line, its longest part cut into pieces that hang down by a share of its length. */
-function sagging(points: Vector3[], share: number): Vector3[] {
-  let longest = 1;
-  const reach = (k: number): number => (points[k] as Vector3).distanceTo(points[k - 1] as Vector3);
-  for (let k = 2; k < points.length; k++) if (reach(k) > reach(longest)) longest = k;
-  const [first, last] = [points[longest - 1] as Vector3, points[longest] as Vector3];
-  const way = last.clone().sub(first);
-  const upright = Math.abs(way.z) > 0.9 * way.length();
-  const down = upright ? new Vector3(way.length(), 0, 0) : new Vector3(0, 0, -way.length());
-  const inner = Array.from({ length: PIECES - 1 }, (_, k) => {
-    const s = (k + 1) / PIECES;
-    return first.clone().addScaledVector(way, s).addScaledVector(down, 4 * share * s * (1 - s));
-  });
-  return [...points.slice(0, longest), ...inner, ...points.slice(longest)];
-}
-
-/** A coil on the last part of a line, a thread on those before it. */
-function coil(shape: Shape, material: Material, turns: number): Body {
-  const lead = new Bar(shape.count - 1, material);
-  const made = new Coil(turns, material);
-  lead.object.add(made.mesh);
-  return {
-    object: lead.object,
-    dispose: () => made.dispose(),
-    put: (pose) => {
-      const points = pointsOf(pose);
-      const thin = THIN.tether * pose.extent;
-      lead.put(points.slice(0, -1), shape.count > 2 ? thin : 0.5 * thin);
-      const radius = Math.max(pose.shape.coil ? 0.5 * pose.shape.coil : pose.shape.size, 3 * thin);
-      const wireRadius = Math.max(0.5 * (pose.shape.diameter ?? 0), thin);
-      made.put(points.at(-2) as Vector3, points.at(-1) as Vector3, radius, wireRadius);
-    },
-  };
-}
-
-/** A cube that hangs at its point. */
-function weight(material: Material): Body {
-  const mesh = new Mesh(CUBE, material);
-  return {
-    object: mesh,
-    put: ({ shape, at }) => {
-      mesh.scale.setScalar(2 * shape.size);
-      mesh.position.copy(at(0)).z -= shape.size;
-    },
-  };
-}
-
-function ball(material: Material): Body {
-  const mesh = new Mesh(BALL, material);
-  return {
-    object: mesh,
-    put: ({ shape, at }) => {
-      mesh.scale.setScalar(shape.size);
-      mesh.position.copy(at(0));
-    },
-  };
-}
-
-/** A disc with something on it that shows how far it is turned. */
-function disc(shape: Shape, material: Material, mark: Material): Body {
+function grouped(...parts: Object3D[]): Group {
   const group = new Group();
-  const [plate, arm, end] = [new Mesh(ROUND, material), new Mesh(ROUND, mark), new Mesh(BALL, mark)];
-  group.add(plate, arm, end);
-  const rotor = shape.kind === "rotor";
+  group.add(...parts);
+  return group;
+}
+
+/** A round bar through so many points; with eyes at its ends, if it is a link. */
+function bar(shape: Shape, material: Material, eyes: boolean): Body {
+  const pieces = Array.from({ length: shape.count - 1 }, () => part(ROUND, material));
+  const knots = Array.from({ length: shape.count }, () => part(eyes ? ROUND : BALL, material));
   return {
-    object: group,
-    put: ({ shape: now, at, turn }) => {
-      const [first, last] = [at(0), at(1)];
-      const axis = last.clone().sub(first);
-      const thick = axis.length();
-      axis.multiplyScalar(1 / (thick || 1));
-      stretch(plate, first, last, now.size);
-      // an arm in front of the disc, from its axis on
-      const reach = rotor ? at(2).sub(last) : across(axis).multiplyScalar(now.size);
-      reach.applyAxisAngle(axis, turn);
-      const centre = last.clone().addScaledVector(axis, 0.2 * thick);
-      const tip = centre.clone().add(reach);
-      stretch(arm, centre, tip, rotor ? 0.18 * now.size : 0.07 * now.size);
-      end.position.copy(tip);
-      end.scale.setScalar(rotor ? 0.6 * now.size : 0.09 * now.size);
+    object: grouped(...pieces, ...knots),
+    put: (pose) => {
+      const radius = Math.max(pose.shape.size, THIN * pose.extent);
+      pieces.forEach((piece, k) => stretch(piece, pose.points[k] as Vector3, pose.points[k + 1] as Vector3, radius));
+      knots.forEach((knot, k) => {
+        knot.position.copy(pose.points[k] as Vector3);
+        knot.scale.setScalar(radius).multiplyScalar(eyes ? 1.7 : 1);
+        if (eyes) knot.scale.y = 2.4 * radius;
+      });
     },
   };
 }
 
-/** A direction at a right angle to an axis: to the right, if that is one. */
-function across(axis: Vector3): Vector3 {
-  const right = Math.abs(axis.x) < 0.9 ? new Vector3(1, 0, 0) : new Vector3(0, 0, 1);
-  return right.addScaledVector(axis, -right.dot(axis)).normalize();
+/** A finger's link: round, thinner towards its end; the last one has a soft tip. */
+function phalanx(taken: Taken, soft: Made): Body {
+  const [bone, knuckle, pad, tip] = [part(TAPERED, taken("bone")), part(BALL, taken("bone")), part(ROUND, taken(soft)), part(BALL, taken(soft))];
+  return {
+    object: grouped(bone, knuckle, pad, tip),
+    put: (pose) => {
+      const { size } = pose.shape;
+      const [from, to] = [first(pose), last(pose)];
+      const length = from.distanceTo(to) || 1;
+      stretch(bone, from, to, size);
+      knuckle.position.copy(from);
+      knuckle.scale.setScalar(size);
+      pad.visible = soft !== "bone";
+      stretch(pad, from.clone().lerp(to, 1 - Math.min(0.22, (1.5 * size) / length)), to, 0.88 * size);
+      tip.position.copy(to);
+      tip.scale.setScalar(0.88 * size);
+    },
+  };
 }
 
-/** A plate: a prism on its corners. */
-function plate(shape: Shape, material: Material): Body {
-  const n = shape.count;
-  const geometry = new BufferGeometry();
-  const places = new BufferAttribute(new Float32Array(6 * n), 3);
-  const faces: number[] = [];
-  for (let k = 1; k < n - 1; k++) faces.push(0, k, k + 1, n, n + k + 1, n + k);
-  for (let k = 0; k < n; k++) {
-    const next = (k + 1) % n;
-    faces.push(k, n + k, next, next, n + k, n + next);
-  }
-  geometry.setAttribute("position", places);
-  geometry.setIndex(faces);
-  const mesh = new Mesh(geometry, material);
-  mesh.frustumCulled = false;
+/** A post with an eye at its end, whose axis is along the wire that slides through. */
+function bracket(taken: Taken): Body {
+  const [post, eye] = [part(ROUND, taken("steel")), part(EYE, taken("steel"))];
+  return {
+    object: grouped(post, eye),
+    put: (pose) => {
+      const [from, to] = [first(pose), last(pose)];
+      const radius = Math.max(pose.shape.size, 0.5 * THIN * pose.extent);
+      stretch(post, from, to, radius);
+      const up = to.clone().sub(from).normalize();
+      const through = up.clone().cross(Y);
+      eye.quaternion.setFromRotationMatrix(new Matrix4().makeBasis(Y, up, through.negate()));
+      eye.position.copy(to);
+      eye.scale.setScalar(1.6 * radius);
+    },
+  };
+}
+
+/** A slab along its points, as deep as is usual for what is fixed to it. */
+function wall(shape: Shape, material: Material): Body {
+  const pieces = Array.from({ length: shape.count - 1 }, () => part(CUBE, material));
+  return {
+    object: grouped(...pieces),
+    put: (pose) =>
+      pieces.forEach((piece, k) => {
+        const [from, to] = [pose.points[k] as Vector3, pose.points[k + 1] as Vector3];
+        stretch(piece, from, to, 1);
+        const thick = Math.max(2 * pose.shape.size, 2 * THIN * pose.extent);
+        piece.scale.x = thick;
+        piece.scale.z = Math.max(0.6 * from.distanceTo(to), 3 * thick);
+        // `stretch` turns about an axis at a right angle to y, so what was z stays level only in this plane
+        const way = to.clone().sub(from).normalize();
+        if (Math.abs(way.y) < 0.9) piece.quaternion.setFromRotationMatrix(new Matrix4().makeBasis(way.clone().cross(Y), way, Y));
+      }),
+  };
+}
+
+/** A pin, from side to side, with a head at either end. */
+function pin(taken: Taken): Body {
+  const [shaft, near, far] = [part(ROUND, taken("dark")), part(HEAD, taken("steel")), part(HEAD, taken("steel"))];
+  return {
+    object: grouped(shaft, near, far),
+    put: (pose) => {
+      const [from, to] = [first(pose), last(pose)];
+      const { size } = pose.shape;
+      stretch(shaft, from, to, size);
+      const head = to.clone().sub(from).multiplyScalar(0.06);
+      stretch(near, from, from.clone().sub(head), 0.62 * size);
+      stretch(far, to, to.clone().add(head), 0.62 * size);
+    },
+  };
+}
+
+function weight(material: Material): Body {
+  const mesh = part(WEIGHT, material);
+  mesh.rotation.x = 0.5 * Math.PI;
   return {
     object: mesh,
-    dispose: () => geometry.dispose(),
     put: (pose) => {
-      const points = pointsOf(pose);
-      const [a, b, c] = points as [Vector3, Vector3, Vector3];
-      const normal = b.clone().sub(a).cross(c.clone().sub(a)).normalize().multiplyScalar(pose.shape.size);
-      points.forEach((point, k) => {
-        places.setXYZ(k, point.x + normal.x, point.y + normal.y, point.z + normal.z);
-        places.setXYZ(n + k, point.x - normal.x, point.y - normal.y, point.z - normal.z);
-      });
-      places.needsUpdate = true;
+      mesh.scale.setScalar(pose.shape.size);
+      mesh.position.copy(first(pose));
     },
   };
+}
+
+/** One part of a size around a point. */
+function around(mesh: Mesh, share: number): Body {
+  return {
+    object: mesh,
+    put: (pose) => {
+      mesh.scale.setScalar(share * pose.shape.size);
+      mesh.position.copy(first(pose));
+    },
+  };
+}
+
+/** A wheel with a groove, and one spoke of another colour that shows how far it is turned. */
+function wheel(taken: Taken): Body {
+  const turning = grouped(part(RIM, taken("wheel")), part(HUB, taken("wheel")), part(SPOKE, taken("rotor")));
+  return {
+    object: turning,
+    put: (pose) => {
+      const [from, to] = [first(pose), last(pose)];
+      const axis = to.clone().sub(from);
+      const thick = Math.max(axis.length(), 0.5 * pose.shape.size);
+      axis.normalize();
+      turning.position.copy(from).lerp(to, 0.5);
+      const x = across(axis).applyAxisAngle(axis, pose.turn);
+      turning.quaternion.setFromRotationMatrix(new Matrix4().makeBasis(x, axis, x.clone().cross(axis)));
+      turning.scale.set(pose.shape.size, 0.5 * thick, pose.shape.size);
+    },
+  };
+}
+
+/** A hub with an arm and a mass at its end. */
+function rotor(taken: Taken): Body {
+  const [hub, arm, mass] = [part(ROUND, taken("steel")), part(CUBE, taken("rotor")), part(ROUND, taken("rotor"))];
+  return {
+    object: grouped(hub, arm, mass),
+    put: (pose) => {
+      const [from, to] = [first(pose), pose.points[1] as Vector3];
+      const { size } = pose.shape;
+      const axis = to.clone().sub(from).normalize();
+      const reach = last(pose).clone().sub(to).applyAxisAngle(axis, pose.turn);
+      stretch(hub, from, to, 0.55 * size);
+      const centre = from.clone().lerp(to, 0.6);
+      const tip = centre.clone().add(reach);
+      stretch(mass, tip.clone().addScaledVector(axis, -0.6 * size), tip.clone().addScaledVector(axis, 0.6 * size), 0.9 * size);
+      const length = reach.length() || 1e-9;
+      const along = reach.clone().multiplyScalar(1 / length);
+      arm.position.copy(centre).addScaledVector(reach, 0.5);
+      arm.quaternion.setFromRotationMatrix(new Matrix4().makeBasis(along.clone().cross(axis), along, axis));
+      arm.scale.set(0.6 * size, length, 0.35 * size);
+    },
+  };
+}
+
+/** One part from the first point to the second. */
+function between(mesh: Mesh): Body {
+  return { object: mesh, put: (pose) => stretch(mesh, first(pose), last(pose), pose.shape.size) };
+}
+
+/** An arrow of a thickness that goes with the whole picture. */
+export function arrow(material: Material): { object: Group; point: (from: Vector3, to: Vector3, thick: number) => void } {
+  const [shaft, head] = [part(ROUND, material), part(CONE, material)];
+  const object = grouped(shaft, head);
+  return {
+    object,
+    point: (from, to, thick) => {
+      const length = from.distanceTo(to);
+      object.visible = length > 0.5 * thick;
+      const neck = to.clone().lerp(from, Math.min((5 * thick) / (length || 1), 0.6));
+      stretch(shaft, from, neck, thick);
+      stretch(head, neck, to, 2.4 * thick);
+    },
+  };
+}
+
+function force(material: Material): Body {
+  const { object, point } = arrow(material);
+  return { object, put: (pose) => point(first(pose), last(pose), 0.006 * pose.extent) };
 }
 
 /** Turns of a spring that is no element. */
 const TURNS = 11;
 const MOST_TURNS = 40;
 
-/** The object for a shape; `mark` is what shows turns. */
-export function bodyOf(shape: Shape, material: Material, mark: Material): Body {
-  switch (shape.kind) {
-    case "wire":
-      return shape.coil ? coil(shape, material, Math.min(Math.max(Math.round(shape.coils ?? TURNS), 2), MOST_TURNS)) : wire(shape, material);
-    case "spring":
-      return coil(shape, material, TURNS);
-    case "joint":
-      return pin(material);
-    case "weight":
-      return weight(material);
-    case "object":
-      return ball(material);
-    case "pulley":
-    case "rotor":
-      return disc(shape, material, mark);
-    case "plate":
-      return plate(shape, material);
-    case "tether":
-      return bar(shape, material, THIN.tether);
-    default:
-      return bar(shape, material, THIN.link);
-  }
-}
+type Maker = (shape: Shape, taken: Taken, own: Material) => Body;
+
+const MAKERS: Record<Kind, Maker> = {
+  ground: (shape, taken) => bar(shape, taken("frame"), false),
+  wall: (shape, taken) => wall(shape, taken("wall")),
+  link: (shape, taken) => bar(shape, taken("link"), true),
+  phalanx: (_, taken) => phalanx(taken, "bone"),
+  fingertip: (_, taken) => phalanx(taken, "pad"),
+  beam: (shape, taken) => strip(shape, taken("link")),
+  bracket: (_, taken) => bracket(taken),
+  joint: (_, taken) => pin(taken),
+  wire: (shape, taken, own) =>
+    shape.coil ? coil(shape, own, Math.min(Math.max(Math.round(shape.coils ?? TURNS), 2), MOST_TURNS)) : wire(shape, own, taken("steel")),
+  spring: (shape, taken) => coil(shape, taken("spring"), TURNS),
+  tether: (shape, taken) => thread(shape, taken("thread")),
+  force: (_, taken) => force(taken("force")),
+  weight: (_, taken) => weight(taken("weight")),
+  slider: (_, taken) => around(part(BLOCK, taken("dark")), 1),
+  object: (_, taken) => around(part(BALL, taken("dark")), 1),
+  pulley: (_, taken) => wheel(taken),
+  cylinder: (_, taken) => between(part(ROUND, taken("gripped"))),
+  motor: (_, taken) => between(part(MOTOR, taken("dark"))),
+  plate: (_, taken) => plate(taken("plate")),
+  palm: (_, taken) => plate(taken("bone")),
+  rotor: (_, taken) => rotor(taken),
+};
+
+/** The object for a shape; `own` is the material of an element, whose colour changes. */
+export const bodyOf = (shape: Shape, taken: Taken, own: Material): Body => (MAKERS[shape.kind] ?? MAKERS.ground)(shape, taken, own);

@@ -7,7 +7,7 @@ import { css, NAMES, SCALES, span, valueOf, type Quantity } from "./tint.ts";
 /** So many elements have their values beside the picture; those of more are in a list to open. */
 const FEW = 3;
 
-function written(run: Run, quantity: Quantity, value: number): string {
+export function written(run: Run, quantity: Quantity | "force" | "stress", value: number): string {
   const first = Object.values(run.scene.ports)[0];
   const how = run.outputs[first?.[quantity] ?? ""];
   if (!how) return digits(value);

@@ -1,6 +1,7 @@
 // Where all points of a mechanism are at a time, between the pictures that the server sent.
 
 import type { SceneData, Shape } from "../lib/types.ts";
+import { drawnAt, type Cut } from "./cuts.ts";
 
 const TURNING = ["pulley", "rotor"];
 
@@ -11,13 +12,18 @@ export class Motion {
   readonly starts: number[] = [];
   /** Angle of each shape [rad]. */
   readonly turns: number[];
-  /** Length of the diagonal of the whole motion [m]. */
+  /** Length of the diagonal of the whole motion, as drawn [m]. */
   readonly extent: number;
+  readonly low: [number, number, number];
+  readonly high: [number, number, number];
 
   private readonly moving: { start: number; length: number }[] = [];
   private readonly turning: number[] = [];
 
-  constructor(readonly data: SceneData) {
+  constructor(
+    readonly data: SceneData,
+    readonly cuts: Cut[] = [],
+  ) {
     let start = 0;
     data.shapes.forEach((shape, k) => {
       this.starts.push(start);
@@ -27,9 +33,11 @@ export class Motion {
     });
     this.places = new Float64Array(start);
     this.turns = data.shapes.map(() => 0);
-    this.extent = Math.hypot(...data.high.map((high, k) => high - (data.low[k] ?? 0))) || 1;
+    this.low = data.low.map((x, axis) => drawnAt(cuts, axis, x)) as [number, number, number];
+    this.high = data.high.map((x, axis) => drawnAt(cuts, axis, x)) as [number, number, number];
+    this.extent = Math.hypot(...this.high.map((high, k) => high - (this.low[k] ?? 0))) || 1;
     data.shapes.forEach((shape, k) => {
-      shape.still?.forEach((value, i) => (this.places[(this.starts[k] ?? 0) + i] = value * data.quantum));
+      shape.still?.forEach((value, i) => (this.places[(this.starts[k] ?? 0) + i] = this.drawn(i % 3, value * data.quantum)));
     });
     this.at(data.times[0] ?? 0);
   }
@@ -44,7 +52,7 @@ export class Motion {
     for (const { start, length } of this.moving) {
       for (let i = 0; i < length; i++, from++) {
         const a = first[from] ?? 0;
-        this.places[start + i] = (a + share * ((second[from] ?? a) - a)) * data.quantum;
+        this.places[start + i] = this.drawn(i % 3, (a + share * ((second[from] ?? a) - a)) * data.quantum);
       }
     }
     this.turning.forEach((shape, k) => {
@@ -57,6 +65,10 @@ export class Motion {
   slack(port: string, time: number): boolean {
     const { before, share } = this.between(time);
     return this.data.ports[port]?.slack[share > 0.5 ? before + 1 : before] === 1;
+  }
+
+  private drawn(axis: number, x: number): number {
+    return this.cuts.length ? drawnAt(this.cuts, axis, x) : x;
   }
 
   /** The picture before a time, and how far it is to the next one. */

@@ -19,7 +19,8 @@ export const end = computed(() => run.value?.times.at(-1) ?? 0);
 
 /** Two digits are enough. */
 export const fitting = computed(() => Number(((end.value - begin.value) / USUAL).toPrecision(2)) || 1);
-const rate = (): number => (speed.value === "fit" ? fitting.value : speed.value);
+/** Seconds of the run in a second of the clock. */
+export const rate = (): number => (speed.value === "fit" ? fitting.value : speed.value);
 
 let frame = 0;
 let last = 0;

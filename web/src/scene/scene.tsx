@@ -5,14 +5,18 @@ import { useEffect, useMemo, useRef } from "preact/hooks";
 import { digits, toShown } from "../lib/numbers.ts";
 import type { Run } from "../lib/types.ts";
 import { palette } from "../lib/theme.ts";
-import { cursor, run } from "../state/run.ts";
+import { cursor, pinned, run } from "../state/run.ts";
 import { Message } from "../ui/message.tsx";
+import { findCuts } from "./cuts.ts";
 import { Legend, told, Values } from "./legend.tsx";
 import { Motion, valueAt } from "./motion.ts";
+import { painted, reader } from "./reading.ts";
 import { toggle } from "./playing.ts";
+import { Saving } from "./saving.tsx";
 import { Side } from "./side.tsx";
-import type { Stage, View } from "./stage.ts";
-import { colourOf, NAMES, span, type Quantity, type Rgb } from "./tint.ts";
+import { Toggles } from "./toggles.tsx";
+import type { Reading, Stage, View } from "./stage.ts";
+import { NAMES, type Quantity } from "./tint.ts";
 
 const VIEWS: [View, string][] = [["free", "Fit"], ["front", "Front"], ["side", "Side"], ["top", "Top"]];
 const MANY = 4;
@@ -34,15 +38,16 @@ function described(now: Run, time: number, motion: Motion): string {
   return [`The mechanism at ${digits(time)} s`, place, ...elements].filter(Boolean).join("; ");
 }
 
-/** Colour of each element at a time. */
-function painter(now: Run, quantity: Quantity): (time: number) => (port: string) => Rgb {
-  const range = span(now, quantity);
-  return (time) => (port) => colourOf(now, port, quantity, time, range);
+/** The run that was pinned last, if it is not the one that is shown. */
+function ghostOf(now: Run): Run | null {
+  const last = pinned.value.at(-1)?.run;
+  return last && last !== now ? last : null;
 }
 
 export function Scene() {
   const now = run.value;
   if (!now?.scene) return null;
+  if (now.scene.sentence) return <section class="panel scene" aria-label="Mechanism"><Message kind="note">{now.scene.sentence}</Message></section>;
   return <Shown now={now} />;
 }
 
@@ -50,7 +55,9 @@ function Shown({ now }: { now: Run }) {
   const quantity = useSignal<Quantity>("temperature");
   const flat = useSignal(!hasWebGLOnce());
   const motion = useMemo(() => new Motion(now.scene), [now]);
-  const paint = useMemo(() => painter(now, quantity.value), [now, quantity.value]);
+  const read = useMemo(() => reader(now, quantity.value, motion), [now, quantity.value]);
+  const broken = useMemo(() => findCuts([now.scene]).length > 0, [now]);
+  const whole = useSignal(false);
   const stage = useRef<Stage | null>(null);
   const view = (name: View): void => stage.current?.fit(name);
   return (
@@ -58,10 +65,10 @@ function Shown({ now }: { now: Run }) {
       {flat.value ? (
         <>
           <Message kind="note">This browser has no WebGL: the mechanism is drawn from the side, not in space.</Message>
-          <Flat now={now} motion={motion} paint={paint} />
+          <Flat now={now} motion={motion} read={read} />
         </>
       ) : (
-        <Space now={now} motion={motion} paint={paint} stage={stage} lost={() => (flat.value = true)} />
+        <Space now={now} motion={motion} read={read} stage={stage} whole={whole.value} lost={() => (flat.value = true)} />
       )}
       <div class="row scene-below">
         {!flat.value && (
@@ -71,8 +78,10 @@ function Shown({ now }: { now: Run }) {
                 {title}
               </button>
             ))}
+            <Toggles stage={stage} broken={broken} whole={whole.value} choose={(one) => (whole.value = one)} />
           </div>
         )}
+        {!flat.value && <Saving run={now} ghost={ghostOf(now)} whole={whole.value} read={read} stage={stage} />}
         {motion.data.shapes.some((shape) => shape.port) && <Colours now={now} quantity={quantity.value} choose={(one) => (quantity.value = one)} />}
         <AtCursor now={now} motion={motion} />
       </div>
@@ -109,12 +118,12 @@ function AtCursor({ now, motion }: { now: Run; motion: Motion }) {
 interface PictureProps {
   now: Run;
   motion: Motion;
-  paint: (time: number) => (port: string) => Rgb;
+  read: (time: number) => Reading;
 }
 
-function Flat({ now, motion, paint }: PictureProps) {
+function Flat({ now, motion, read }: PictureProps) {
   const time = cursor.value;
-  return <Side motion={motion} time={time} colour={paint(time)} label={described(now, time, motion)} />;
+  return <Side motion={motion} time={time} colour={read(time).colour} label={described(now, time, motion)} />;
 }
 
 /** Arrow keys turn, + and - come nearer and go back, 0 fits, space plays. */
@@ -131,27 +140,23 @@ function steered(stage: Stage, key: string): boolean {
   return true;
 }
 
-function Space(props: PictureProps & { stage: { current: Stage | null }; lost: () => void }) {
-  const { now, motion, paint, stage } = props;
+function Space(props: PictureProps & { stage: { current: Stage | null }; whole: boolean; lost: () => void }) {
+  const { now, motion, read, stage, whole } = props;
   const host = useRef<HTMLDivElement>(null);
-  const label = useRef<HTMLSpanElement>(null);
   const ready = useSignal(false);
-  useEffect(() => made(host.current, label.current, stage, () => (ready.value = true), props.lost), []);
-  useEffect(() => stage.current?.show(now.scene), [now, ready.value]);
+  useEffect(() => made(host.current, stage, () => (ready.value = true), props.lost), []);
+  const ghost = ghostOf(now);
+  useEffect(() => stage.current?.show(now.scene, ghost?.scene, whole), [now, ghost, whole, ready.value]);
   useEffect(() => {
-    const palettes = palette.subscribe((p) => {
-      const [, , spring = p.soft, rotor = p.accent, , weight = p.soft] = p.curves;
-      stage.current?.paint({ back: p.panel, ink: p.ink, soft: p.soft, line: p.line, spring, weight, rotor });
-    });
-    return palettes;
+    return palette.subscribe((p) => stage.current?.paint(painted(p)));
   }, [ready.value]);
   useEffect(() => {
     const leave = cursor.subscribe((time) => {
-      stage.current?.put(time, paint(time));
+      stage.current?.put(time, read(time));
       host.current?.setAttribute("aria-label", described(now, time, motion));
     });
     return leave;
-  }, [now, paint, ready.value]);
+  }, [now, read, ghost, whole, ready.value]);
   const press = (event: KeyboardEvent): void => {
     if (stage.current && !event.ctrlKey && !event.metaKey && steered(stage.current, event.key)) event.preventDefault();
   };
@@ -165,7 +170,6 @@ function Space(props: PictureProps & { stage: { current: Stage | null }; lost: (
       onKeyDown={press}
       title="Drag turns, wheel zooms, right button moves; arrow keys, + and - likewise"
     >
-      <span ref={label} class="scene-scale small" aria-hidden="true" />
       {!ready.value && <span class="scene-waiting soft">Loading …</span>}
     </div>
   );
@@ -174,7 +178,6 @@ function Space(props: PictureProps & { stage: { current: Stage | null }; lost: (
 /** Make the stage once its code is there; gives what ends it. */
 function made(
   host: HTMLElement | null,
-  label: HTMLElement | null,
   stage: { current: Stage | null },
   ready: () => void,
   lost: () => void,
@@ -183,9 +186,9 @@ function made(
   const watch = new ResizeObserver(() => stage.current?.resize());
   import("./stage.ts").then(
     ({ Stage }) => {
-      if (over || !host || !label) return;
+      if (over || !host) return;
       try {
-        stage.current = new Stage(host, label);
+        stage.current = new Stage(host);
       } catch {
         return lost();
       }

@@ -1,164 +1,173 @@
 // The mechanism in space, by WebGL. Renders when something has changed and never otherwise.
 
 import {
-  AmbientLight, Color, DirectionalLight, Group, LineBasicMaterial, LineSegments, Mesh, MeshLambertMaterial,
-  PerspectiveCamera, Scene, Vector3, WebGLRenderer, BufferAttribute, BufferGeometry, SphereGeometry,
-  CylinderGeometry,
+  AmbientLight, BufferAttribute, DirectionalLight, HemisphereLight, Matrix4, Mesh, MeshLambertMaterial, PerspectiveCamera, Scene,
+  Vector3, WebGLRenderer, type Group, type Object3D,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import type { Kind, SceneData } from "../lib/types.ts";
-import { bodyOf, type Body } from "./bodies.ts";
-import { Motion, round, structure } from "./motion.ts";
+import type { SceneData, Shape } from "../lib/types.ts";
+import { Arrows } from "./arrows.ts";
+import { place, type Spot } from "./camera.ts";
+import { Cast } from "./cast.ts";
+import { findCuts, lengthOf, type Cut } from "./cuts.ts";
+import { Ground } from "./ground.ts";
+import { arrange, Labels, type Word, type Written } from "./labels.ts";
+import { Materials, type Colours } from "./materials.ts";
+import { round, type Motion } from "./motion.ts";
+import { Picker, type Grabbing, type Hit } from "./pick.ts";
 import type { Rgb } from "./tint.ts";
-
-export interface Colours {
-  back: string;
-  ink: string;
-  soft: string;
-  line: string;
-  spring: string;
-  weight: string;
-  rotor: string;
-}
 
 export type View = "free" | "front" | "side" | "top";
 
+/** What is known of the mechanism at a time. */
+export interface Reading {
+  colour: (port: string) => Rgb;
+  /** Of an element [N]. */
+  force: (port: string) => number;
+  /** Largest force of all elements in the run [N]. */
+  most: number;
+  /** Name, what it is, and what it reads now; a line each. */
+  words: (shape: Shape, extent: number) => string[];
+}
+
 const EYES: Record<View, [number, number, number]> = {
-  free: [0.3, -1, 0.32], front: [0, -1, 0], side: [1, 0, 0], top: [0, -0.001, 1],
+  free: [0.3, -1, 0.28], front: [0, -1, 0], side: [1, 0, 0], top: [0, -0.001, 1],
 };
-/** How far in front of everything, and below it, the scale lies (of the extent). */
-const SCALE_AT: [number, number, number] = [0, 0.07, 0.03];
-const CELLS = 20;
-const FIELD = 32;
+const CORNER: [number, number, number] = [0.62, -1, 0.42];
+const FIELD = 22;
 const TURN = 0.12;
 const NEARER = 0.88;
+/** Share of half a frame that is filled: names need some room. */
+const ROOM: [number, number] = [0.93, 0.88];
+/** Pictures of a run that the camera is fitted to. */
+const FITTED = 9;
+/** Rest after which a picture is drawn again with smooth edges, where that costs much [ms]. */
+const REST = 130;
+/** So many elements have their values beside their names. */
+const FEW = 4;
+/** Kinds that are named, the first ones first. */
+const NAMED = ["wire", "weight", "phalanx", "fingertip", "palm", "plate", "pulley", "motor", "rotor", "beam", "cylinder", "slider", "spring", "object", "link"];
 
-/** Asked of WebGL. Where a processor has to draw, edges are not smoothed, which costs it most. */
-const LOOKS = { alpha: true, antialias: true, powerPreference: "low-power" } as const;
+/** Asked of WebGL. Where a processor has to draw, edges are not smoothed while anything moves, which costs it most. */
+const ASKED = { alpha: true, antialias: true, powerPreference: "low-power" } as const;
 
 export class Stage {
   /** Pictures that were rendered. */
   rendered = 0;
-  /** Length of a square of the grid, and of the scale [m]. */
+  /** Length of a square of the grid [m]. */
   step = 0;
-  motion: Motion | null = null;
+  /** Names of everything, and forces as arrows. */
+  named = false;
+  forces = false;
+  grabbing: Grabbing | null = null;
 
   private readonly renderer: WebGLRenderer;
+  private readonly quick: boolean;
   private readonly world = new Scene();
   private readonly camera = new PerspectiveCamera(FIELD, 1, 0.01, 10);
   private readonly controls: OrbitControls;
-  private readonly lamp = new DirectionalLight(0xffffff, 2.2);
-  private readonly materials: Record<"ground" | "link" | "joint" | "spring" | "weight" | "rotor" | "tether", MeshLambertMaterial>;
-  private readonly wires = new Map<string, MeshLambertMaterial>();
-  private readonly grid: LineSegments<BufferGeometry, LineBasicMaterial>;
-  private readonly scale: Mesh[];
-  private readonly group = new Group();
-  private bodies: Body[] = [];
-  private built = "";
+  private readonly materials: Materials;
+  private readonly faint = new MeshLambertMaterial({
+    transparent: true, opacity: 0.28, depthWrite: false,
+    // what is where it was is not tinted
+    polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8,
+  });
+  private readonly ground = new Ground();
+  private readonly labels: Labels;
+  private readonly picker: Picker;
+  private readonly arrows: Arrows;
+  private cast: Cast | null = null;
+  private ghost: Cast | null = null;
+  private cuts: Cut[] = [];
+  private spots: Spot[] = [];
   private fitted = "";
   private touched = false;
   private waiting = 0;
+  private resting = 0;
   private time = 0;
-  private readonly spots: Vector3[] = [];
+  private reading: Reading | null = null;
+  private hover: Hit | null = null;
+  private held: Hit | null = null;
 
+  /** `smooth`: pixels of the picture for one of the page, where it is not drawn by itself but when asked to. */
   constructor(
     private readonly host: HTMLElement,
-    private readonly label: HTMLElement,
+    private readonly smooth = 0,
   ) {
     const canvas = document.createElement("canvas");
-    const quick = canvas.getContext("webgl2", { ...LOOKS, failIfMajorPerformanceCaveat: true });
-    this.renderer = new WebGLRenderer(quick ? { canvas, context: quick } : { ...LOOKS, canvas, antialias: false });
-    this.renderer.setPixelRatio(quick ? Math.min(devicePixelRatio, 2) : 1);
+    const context = canvas.getContext("webgl2", { ...ASKED, failIfMajorPerformanceCaveat: true });
+    this.quick = context !== null;
+    this.renderer = new WebGLRenderer(context ? { canvas, context } : { ...ASKED, canvas, antialias: false });
+    this.renderer.setPixelRatio(smooth || (this.quick ? Math.min(devicePixelRatio, 2) : 1));
+    this.renderer.autoClear = true;
     canvas.setAttribute("aria-hidden", "true");
     host.prepend(canvas);
+    this.materials = new Materials(this.quick);
+    this.labels = new Labels(host);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => this.soon());
     this.controls.addEventListener("start", () => (this.touched = true));
-    const made = (): MeshLambertMaterial => new MeshLambertMaterial();
-    this.materials = {
-      ground: made(), link: made(), joint: made(), spring: made(), weight: made(), rotor: made(), tether: made(),
-    };
-    this.grid = squares();
-    const bar = new CylinderGeometry(1, 1, 1, 8);
-    const end = new SphereGeometry(1, 8, 6);
-    this.scale = [bar, end, end].map((shape) => new Mesh(shape, this.materials.joint));
-    this.world.add(new AmbientLight(0xffffff, 1.5), this.camera, this.group, this.grid, ...this.scale);
-    this.camera.add(this.lamp, this.lamp.target);
-    this.lamp.position.set(-0.6, 0.9, 0.6);
-    this.lamp.target.position.set(0, 0, -1);
+    this.picker = new Picker(this.camera, canvas);
+    this.arrows = new Arrows(this.materials.made.force);
+    this.light();
+    this.world.add(this.camera, ...this.ground.parts, this.arrows.group);
+    this.listen(canvas);
     this.resize();
   }
 
-  /** Show a run; its shapes are those of the last one if they have the same structure. */
-  show(data: SceneData): void {
-    this.motion = new Motion(data);
-    const now = structure(data.shapes);
-    if (now !== this.built) this.build(data);
-    this.built = now;
-    const box = [...data.low, ...data.high].map((x) => (x / (this.motion?.extent ?? 1)).toFixed(1)).join();
-    const where = `${now} ${box} ${this.motion.extent.toPrecision(2)}`;
-    if (where !== this.fitted && !(this.touched && this.fitted.startsWith(now))) this.fit();
-    this.fitted = where;
-    this.ground(data);
+  get motion(): Motion | null {
+    return this.cast?.motion ?? null;
   }
 
-  /** Put everything to where it is at a time [s], in the colours of the elements there. */
-  put(time: number, colour: (port: string) => Rgb): void {
+  /** Show a run, and a pinned one as its ghost; long straight parts are drawn broken unless `whole`. */
+  show(data: SceneData, pinned: SceneData | null = null, whole = false): void {
+    const same = pinned && pinned.shapes.map((s) => s.kind).join() === data.shapes.map((s) => s.kind).join() ? pinned : null;
+    this.cuts = whole ? [] : findCuts(same ? [data, same] : [data]);
+    this.cast = this.followed(this.cast, data, null);
+    this.ghost = this.followed(this.ghost, same, this.faint);
+    const { low, high, extent } = this.cast.motion;
+    const where = [...this.cast.targets.map(({ name }) => name), whole, this.cuts.length, this.ghost !== null, ...[...low, ...high].map((x) => (x / extent).toFixed(1)), extent.toPrecision(2)].join();
+    const names = (key: string): string => key.split(",").slice(0, data.shapes.length).join();
+    if (where !== this.fitted || !this.spots.length) {
+      this.measure([this.cast, ...(this.ghost ? [this.ghost] : [])]);
+      if (!this.touched || names(where) !== names(this.fitted)) this.fit();
+    }
+    this.fitted = where;
+  }
+
+  /** Put everything to where it is at a time [s]. */
+  put(time: number, reading: Reading): void {
     this.time = time;
-    const motion = this.motion;
-    if (!motion) return;
-    motion.at(time);
-    motion.data.shapes.forEach((shape, k) => {
-      const start = motion.starts[k] ?? 0;
-      const slack = shape.port !== undefined && motion.slack(shape.port, time);
-      const at = (point: number): Vector3 => new Vector3().fromArray(motion.places, start + 3 * point);
-      this.bodies[k]?.put({ shape, at, turn: motion.turns[k] ?? 0, slack, extent: motion.extent });
-      if (shape.port !== undefined) {
-        const [r, g, b] = colour(shape.port);
-        this.wires.get(shape.port)?.color.setRGB(r / 255, g / 255, b / 255, "srgb");
-      }
-    });
+    this.reading = reading;
+    this.cast?.put(time, reading.colour);
+    this.ghost?.put(time);
+    this.soon();
+  }
+
+  /** Draw again with other things switched on. */
+  look(what: { named?: boolean; forces?: boolean }): void {
+    Object.assign(this, what);
     this.soon();
   }
 
   paint(colours: Colours): void {
-    const { ground, link, joint, spring, weight, rotor, tether } = this.materials;
-    ground.color.set(colours.soft).lerp(new Color(colours.back), 0.55);
-    link.color.set(colours.soft).lerp(new Color(colours.back), 0.15);
-    joint.color.set(colours.ink).lerp(new Color(colours.back), 0.25);
-    tether.color.set(colours.soft);
-    spring.color.set(colours.spring);
-    weight.color.set(colours.weight);
-    rotor.color.set(colours.rotor);
-    this.grid.material.color.set(colours.line);
+    const dark = this.materials.paint(colours);
+    this.ground.paint(colours.line, dark);
+    this.faint.color.set(colours.accent);
     this.soon();
   }
 
   /** Look at the whole motion. */
   fit(view: View = "free"): void {
-    const data = this.motion?.data;
-    if (!data) return;
-    const eye = new Vector3(...EYES[view]).normalize();
-    const middle = new Vector3(...data.low).add(new Vector3(...data.high)).multiplyScalar(0.5);
-    this.controls.target.copy(middle);
-    this.camera.position.copy(middle).add(eye);
-    this.camera.lookAt(middle);
-    this.camera.updateMatrixWorld();
-    const back = this.camera.matrixWorldInverse.clone().setPosition(0, 0, 0);
-    const tall = Math.tan((FIELD * Math.PI) / 360);
-    const extent = this.motion?.extent ?? 1;
-    let far = 0;
-    for (let corner = 0; corner < 8; corner++) {
-      const pick = (k: 0 | 1 | 2): number => ((corner >> k) & 1 ? data.high[k] : data.low[k] - (SCALE_AT[k] ?? 0) * extent);
-      const seen = new Vector3(pick(0), pick(1), pick(2)).sub(middle).applyMatrix4(back);
-      far = Math.max(far, Math.max(Math.abs(seen.x) / (tall * this.camera.aspect), Math.abs(seen.y) / tall) + seen.z);
-    }
-    far = 1.08 * far + 0.06 * extent;
-    this.camera.position.copy(middle).addScaledVector(eye, far);
-    this.camera.near = 0.02 * extent;
-    this.camera.far = 40 * extent;
-    this.camera.updateProjectionMatrix();
+    const extent = this.motion?.extent;
+    if (!extent || !this.spots.length) return;
+    const { low, high } = this.motion as Motion;
+    // what is as deep as it is wide is seen from its corner
+    const deep = high[1] - low[1] > 0.3 * (high[0] - low[0]);
+    const eye = view === "free" && deep ? CORNER : EYES[view];
+    const target = place(this.camera, this.spots, new Vector3(...eye).normalize(), ROOM, extent);
+    this.controls.target.copy(target);
     this.controls.minDistance = 0.1 * extent;
     this.controls.maxDistance = 12 * extent;
     this.touched = view !== "free";
@@ -183,104 +192,226 @@ export class Stage {
   resize(): void {
     const { clientWidth: width, clientHeight: height } = this.host;
     if (!width || !height) return;
-    this.renderer.setSize(width, height);
+    this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     if (!this.touched) this.fit();
     this.soon();
   }
 
+  /** The mechanism as it stands, for those who take it away. */
+  get model(): { group: Group; motion: Motion; put: (time: number) => void } | null {
+    const { cast } = this;
+    return cast && { group: cast.group, motion: cast.motion, put: (time) => cast.put(time, this.reading?.colour) };
+  }
+
+  /** Name of the shape that an object is of. */
+  nameOf(object: Object3D): string {
+    return this.cast?.targets.find((target) => target.object === object)?.name ?? "";
+  }
+
+  /** The picture now, and its words: what it is drawn on is the canvas until the next one. */
+  render(): { canvas: HTMLCanvasElement; words: Written[] } {
+    const shown = this.forces ? this.arrows.point(this.cast, this.reading) : this.arrows.hide();
+    const ghost = this.ghost?.group;
+    if (ghost) ghost.visible = false;
+    this.arrows.group.visible = false;
+    this.ground.cast(this.renderer, this.world);
+    if (ghost) ghost.visible = true;
+    this.arrows.group.visible = true;
+    this.renderer.render(this.world, this.camera);
+    const { clientWidth: width, clientHeight: height } = this.host;
+    return { canvas: this.renderer.domElement, words: arrange([...this.words(), ...shown], this.camera, width, height) };
+  }
+
+  /** See the mechanism as another stage does. */
+  follow(other: Stage): void {
+    this.camera.position.copy(other.camera.position);
+    this.camera.quaternion.copy(other.camera.quaternion);
+    this.camera.near = other.camera.near;
+    this.camera.far = other.camera.far;
+    this.camera.updateProjectionMatrix();
+    Object.assign(this, { named: other.named, forces: other.forces, touched: true });
+  }
+
   dispose(): void {
     cancelAnimationFrame(this.waiting);
-    this.clear();
+    clearTimeout(this.resting);
+    this.cast?.dispose();
+    this.ghost?.dispose();
     this.controls.dispose();
-    this.grid.geometry.dispose();
-    this.scale.forEach((mesh) => mesh.geometry.dispose());
-    for (const material of [...Object.values(this.materials), this.grid.material]) material.dispose();
+    this.ground.dispose();
+    this.materials.dispose();
+    this.faint.dispose();
     this.renderer.dispose();
     this.renderer.forceContextLoss();
     this.renderer.domElement.remove();
   }
 
-  private clear(): void {
-    this.group.clear();
-    this.bodies.forEach((body) => body.dispose?.());
-    this.bodies = [];
-    this.wires.forEach((material) => material.dispose());
-    this.wires.clear();
+  private followed<T extends SceneData | null>(old: Cast | null, data: T, ghost: MeshLambertMaterial | null): T extends null ? null : Cast {
+    type Found = T extends null ? null : Cast;
+    if (old && data && old.follow(data, this.cuts)) return old as Found;
+    old?.dispose();
+    if (!data) return null as Found;
+    const made = new Cast(data, this.cuts, this.materials, ghost);
+    this.world.add(made.group);
+    return made as Found;
   }
 
-  private build(data: SceneData): void {
-    this.clear();
-    this.touched = false;
-    for (const shape of data.shapes) {
-      let material = this.materials[MADE[shape.kind]];
-      if (shape.port !== undefined) {
-        material = new MeshLambertMaterial();
-        this.wires.set(shape.port, material);
+  private light(): void {
+    const [lamp, rim] = [new DirectionalLight(0xffffff, 1.9), new DirectionalLight(0xffffff, 0.8)];
+    this.camera.add(lamp, lamp.target, rim, rim.target);
+    lamp.position.set(-0.7, 1, 0.6);
+    rim.position.set(1, 0.4, -0.6);
+    for (const one of [lamp, rim]) one.target.position.set(0, 0, -1);
+    const sky = new HemisphereLight(0xffffff, 0x8a8a90, 1.5);
+    sky.position.set(0, 0, 1);
+    this.world.add(sky, new AmbientLight(0xffffff, 0.35));
+  }
+
+  /** What the camera must see: corners of everything over the run, and the floor below it. */
+  private measure(casts: Cast[]): void {
+    this.spots = [];
+    for (const cast of casts) {
+      const { times } = cast.motion.data;
+      for (let k = 0; k < FITTED; k++) {
+        cast.put(times[Math.round((k * (times.length - 1)) / (FITTED - 1))] ?? 0);
+        cast.group.updateMatrixWorld(true);
+        cast.group.traverseVisible((one) => one instanceof Mesh && this.spots.push(...cornersOf(one)));
       }
-      const body = bodyOf(shape, material, shape.kind === "rotor" ? this.materials.rotor : this.materials.joint);
-      this.bodies.push(body);
-      this.group.add(body.object);
+    }
+    const [low, high] = [[0, 1, 2], [0, 1, 2]].map((axes, side) =>
+      axes.map((axis) => this.spots.reduce((found, [at]) => Math[side ? "max" : "min"](found, at.getComponent(axis)), side ? -Infinity : Infinity)),
+    ) as [number[], number[]];
+    const extent = Math.hypot(...high.map((x, k) => x - (low[k] ?? 0)));
+    this.step = round(0.14 * extent);
+    this.ground.put(low, high, (low[2] ?? 0) - 0.03 * extent, this.step);
+    this.host.dataset.grid = `${Number((1000 * this.step).toPrecision(3))} mm`;
+  }
+
+  private listen(canvas: HTMLCanvasElement): void {
+    const targets = (): Cast["targets"] => this.cast?.targets ?? [];
+    canvas.addEventListener("pointermove", (event) => {
+      if (this.held) {
+        const point = this.picker.within(event, this.held.point);
+        if (point) this.grabbing?.onDrag(this.held.target.name, point.toArray());
+        return;
+      }
+      if (event.buttons) return;
+      const found = this.picker.pick(event, targets());
+      if (found?.target !== this.hover?.target) this.soon();
+      this.hover = found;
+      canvas.style.cursor = found && this.grabbing?.may(found.target.name) ? "grab" : "";
+    });
+    canvas.addEventListener("pointerleave", () => {
+      this.hover = null;
+      this.soon();
+    });
+    // before the controls of the camera, which would turn it
+    this.host.addEventListener(
+      "pointerdown",
+      (event) => {
+        const found = this.grabbing && event.button === 0 ? this.picker.pick(event, targets()) : null;
+        if (!found || !this.grabbing?.may(found.target.name)) return;
+        event.stopPropagation();
+        this.held = found;
+        canvas.setPointerCapture(event.pointerId);
+        this.grabbing.onGrab(found.target.name, found.point.toArray());
+      },
+      { capture: true },
+    );
+    for (const kind of ["pointerup", "pointercancel"] as const) {
+      canvas.addEventListener(kind, () => {
+        if (this.held) this.grabbing?.onRelease(this.held.target.name);
+        this.held = null;
+      });
     }
   }
 
-  /** The grid below everything, and the scale on it. */
-  private ground(data: SceneData): void {
-    const extent = this.motion?.extent ?? 1;
-    this.step = round(0.2 * extent);
-    const floor = data.low[2] - SCALE_AT[2] * extent;
-    const middle = (k: 0 | 1): number => this.step * Math.round((0.5 * (data.low[k] + data.high[k])) / this.step);
-    this.grid.position.set(middle(0), middle(1), floor);
-    this.grid.scale.setScalar(this.step / 2);
-    const [x, y] = [middle(0), data.low[1] - SCALE_AT[1] * extent];
-    const ends = [new Vector3(x, y, floor), new Vector3(x + this.step, y, floor)];
-    const thick = 0.003 * extent;
-    const [bar, first, last] = this.scale as [Mesh, Mesh, Mesh];
-    bar.position.copy(ends[0] as Vector3).lerp(ends[1] as Vector3, 0.5);
-    bar.rotation.set(0, 0, Math.PI / 2);
-    bar.scale.set(thick, this.step, thick);
-    [first, last].forEach((mesh, k) => {
-      mesh.position.copy(ends[k] as Vector3);
-      mesh.scale.setScalar(2 * thick);
+  /** What is written over the picture. */
+  private words(): Word[] {
+    const { cast, reading, hover } = this;
+    if (!cast || !reading) return [];
+    const { shapes } = cast.motion.data;
+    const middle = (k: number): Vector3 => midst(cast.targets[k]?.points ?? []);
+    const found: Word[] = [];
+    const over = hover ? cast.targets.indexOf(hover.target) : -1;
+    const under = shapes[over];
+    if (hover && under) found.push({ text: reading.words(under, cast.motion.extent).join("\n"), at: hover.point, kind: "hover" });
+    for (const axis of new Set(this.cuts.map((cut) => cut.axis))) {
+      const along = this.cuts.filter((cut) => cut.axis === axis).sort((a, b) => lengthOf(b) - lengthOf(a));
+      const mark = cast.breaks.find((one) => one.mark.object.visible && one.mark.cut === along[0])?.mark;
+      const lost = along.reduce((sum, cut) => sum + lengthOf(cut), 0);
+      if (mark) found.push({ text: `${Number((1000 * lost).toPrecision(3))} mm not drawn`, at: mark.at, kind: "cut" });
+    }
+    shapes.forEach((shape, k) => {
+      if (shape.mass && k !== over) {
+        found.push({ text: mass(shape.mass), at: middle(k).add(new Vector3(0, 0, -1.45 * shape.size)), kind: "mass" });
+      }
     });
-    this.spots.splice(0, 2, ...ends);
-    this.label.textContent = `${Number((1000 * this.step).toPrecision(3))} mm`;
+    if (this.named) {
+      const order = shapes.map((_, k) => k).filter((k) => NAMED.includes(shapes[k]?.kind ?? "") && k !== over);
+      // of many elements the values would hide the mechanism
+      const few = cast.wires <= FEW;
+      const rank = (k: number): number => (shapes[k]?.port !== undefined && !few ? NAMED.length : NAMED.indexOf(shapes[k]?.kind ?? ""));
+      order.sort((a, b) => rank(a) - rank(b));
+      for (const k of order) {
+        const [name = "", , value] = reading.words(shapes[k] as Shape, cast.motion.extent);
+        found.push({ text: value && few && shapes[k]?.port ? `${name}: ${value}` : name, at: middle(k), kind: "name" });
+      }
+    }
+    return found;
   }
 
   private soon(): void {
+    if (this.smooth) return;
     this.waiting ||= requestAnimationFrame(() => {
       this.waiting = 0;
-      this.renderer.render(this.world, this.camera);
-      this.name();
-      this.rendered += 1;
-      Object.assign(this.host.dataset, { rendered: this.rendered, time: this.time, held: this.renderer.info.memory.geometries });
+      if (!this.quick && this.renderer.getPixelRatio() !== 1) this.renderer.setPixelRatio(1);
+      this.draw();
+      if (this.quick) return;
+      clearTimeout(this.resting);
+      this.resting = window.setTimeout(() => {
+        this.renderer.setPixelRatio(2);
+        this.draw();
+      }, REST);
     });
   }
 
-  /** Write the length of the scale beside it. */
-  private name(): void {
-    const [first, last] = this.spots;
-    if (!first || !last) return;
-    const spot = first.clone().lerp(last, 0.5).project(this.camera);
-    const { clientWidth: width, clientHeight: height } = this.host;
-    const [x, y] = [(0.5 + 0.5 * spot.x) * width, (0.5 - 0.5 * spot.y) * height + 10];
-    const inside = spot.z < 1 && x > 20 && x < width - 20 && y > 0 && y < height - 14;
-    this.label.style.visibility = inside ? "visible" : "hidden";
-    this.label.style.transform = `translate(${x.toFixed(0)}px, ${y.toFixed(0)}px) translateX(-50%)`;
+  private draw(): void {
+    this.labels.write(this.render().words);
+    this.rendered += 1;
+    Object.assign(this.host.dataset, { rendered: this.rendered, time: this.time, held: this.renderer.info.memory.geometries });
   }
 }
 
-const MADE: Record<Kind, "ground" | "link" | "joint" | "spring" | "weight" | "rotor" | "tether"> = {
-  ground: "ground", link: "link", joint: "joint", wire: "tether", spring: "spring", tether: "tether", weight: "weight",
-  pulley: "ground", plate: "link", rotor: "ground", object: "joint",
-};
+/** A mass in words. */
+const mass = (kilograms: number): string =>
+  kilograms < 1 ? `${Number((1000 * kilograms).toPrecision(3))} g` : `${Number(kilograms.toPrecision(3))} kg`;
 
-/** A square grid of two units to a square, in the plane z = 0. */
-function squares(): LineSegments<BufferGeometry, LineBasicMaterial> {
-  const points: number[] = [];
-  for (let k = -CELLS; k <= CELLS; k += 2) points.push(-CELLS, k, 0, CELLS, k, 0, k, -CELLS, 0, k, CELLS, 0);
-  const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(new Float32Array(points), 3));
-  return new LineSegments(geometry, new LineBasicMaterial({ transparent: true, opacity: 0.8 }));
+/** The middle of a line; of other points, their mean. */
+function midst(points: Vector3[]): Vector3 {
+  const k = Math.max(1, Math.floor(points.length / 2));
+  const [a = new Vector3(), b = a] = points.length === 2 ? points : [points[k - 1], points[k]];
+  return a.clone().lerp(b, 0.5);
+}
+
+const corner = new Vector3();
+const matrix = new Matrix4();
+
+/** Points around a mesh: corners of its box as it is turned, or some of its own points if it bends. */
+function cornersOf(mesh: Mesh): Spot[] {
+  matrix.copy(mesh.matrixWorld);
+  const places = mesh.geometry.getAttribute("position") as BufferAttribute;
+  if (mesh.userData.bends) {
+    const step = Math.max(2, Math.floor(places.count / 60) | 1);
+    return Array.from({ length: Math.floor(places.count / step) }, (_, k): Spot => [new Vector3().fromBufferAttribute(places, k * step).applyMatrix4(matrix), 0]);
+  }
+  mesh.geometry.boundingBox ?? mesh.geometry.computeBoundingBox();
+  const box = mesh.geometry.boundingBox;
+  if (!box) return [];
+  return Array.from({ length: 8 }, (_, k): Spot => {
+    corner.set(k & 1 ? box.max.x : box.min.x, k & 2 ? box.max.y : box.min.y, k & 4 ? box.max.z : box.min.z);
+    return [corner.clone().applyMatrix4(matrix), 0];
+  });
 }

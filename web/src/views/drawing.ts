@@ -37,6 +37,7 @@ export function drawScene(times: Numbers, columns: Columns, parameters: Values, 
     shapes: shapes.map((shape, k) => describeShape(known, shape, still[k] ? shape.points.flat().map((row) => place(known.one(row))) : null)),
     times: pick(times, rows),
     quantum,
+    newton: scene.newton,
     frames: rows.map((_, k) => picture(moving, k).map(place)),
     turns: rows.map((_, k) => picture(turning, k)),
     low,
@@ -48,6 +49,8 @@ export function drawScene(times: Numbers, columns: Columns, parameters: Values, 
 
 function describeShape(known: Computed, shape: ShapeRows, still: number[] | null): Shape {
   const found: Shape = { name: shape.name, kind: shape.kind, size: known.one(shape.size), count: shape.points.length, still };
+  const mass = known.one(shape.mass);
+  if (mass) found.mass = mass;
   if (shape.port === null) return found;
   const number = (row: number | undefined): number => (row === undefined ? 0 : known.one(row));
   return { ...found, port: shape.port, diameter: number(shape.diameter), coil: number(shape.coil), coils: number(shape.coils) };

@@ -52,6 +52,7 @@ export interface ShapeRows {
   points: [x: number, y: number, z: number][];
   turn: number | null;
   port: string | null;
+  mass: number;
   diameter?: number;
   coil?: number;
   coils?: number;
@@ -82,5 +83,5 @@ export interface Views {
   /** Powers hold for a period. */
   held: boolean;
   lines: Table & { numbers: Record<string, Record<string, number>>; ports: LinesAt[] };
-  scene: Table & { shapes: ShapeRows[]; ports: Record<string, { temperature: string; martensite_fraction: string; force: string }>; sentence: string };
+  scene: Table & { shapes: ShapeRows[]; ports: Record<string, { temperature: string; martensite_fraction: string; force: string; stress: string }>; newton: number; sentence: string };
 }

@@ -14,11 +14,11 @@ from dataclasses import asdict
 from functools import lru_cache
 from typing import Any
 
+from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import MartensiteError
 from martensite.base.parameters import describe_structure
 from martensite.design.analysis.energy import find_ways, integrate_energies
 from martensite.physics.laws.base import AbstractLaw
-from martensite.scenario.scenario import Scenario
 from martensite.show.figures.phase_diagram import CRITICAL, LEAST_STRESS, SHIFTED, Band, confirm_lines, find_bands
 from martensite.simulate.result import Result
 from martensite.simulate.transformation_points import find_isobar
@@ -108,14 +108,14 @@ def _find_finish(law: AbstractLaw) -> float:
     return known["M_f"] if "M_f" in known else find_isobar(law).M_f
 
 
-def describe_lines(scenario: Scenario, result: Result) -> JsonTable:
+def describe_lines(whole: AbstractSystem, result: Result) -> JsonTable:
     """How the page finds the lines of the law at every port.
 
     `numbers` are formulas of the law's own parameters, by name. Of a `kind` strips or detwinning they give the lines;
     other lines were found by driving the law, and hold for the `values` that they were found with.
     """
     table = Formulas()
-    recorded = rebuild_recorded(scenario, table).actuators()
+    recorded = rebuild_recorded(whole, table).actuators()
     limits, structures = _find_limits(result), dict[Any, int]()
     ports: list[JsonTable] = []
     numbers: dict[str, JsonTable] = {}

@@ -1,6 +1,6 @@
 """Formulas for the page: what a function does with numbers, recorded once and computed by the browser.
 
-`Recorded` numbers have a value, so that a function runs as on floats, and a row in a table of what they
+`RecordedNumber` numbers have a value, so that a function runs as on floats, and a row in a table of what they
 follow from. A choice that the function makes by a value is noted too: what was recorded holds for as long
 as all choices come out the same, which the browser checks (`web/src/views/formulas.ts`).
 
@@ -23,7 +23,6 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base.parameters import Parametrised
 from martensite.control.loop.bench import Bench
 from martensite.kernels.floats import expand_power, find_whole_exponent, power
-from martensite.scenario.scenario import Scenario
 from martensite_app.messages import JsonTable
 
 LEAVES = frozenset({"p", "c", "y", "first"})
@@ -43,21 +42,21 @@ class Formulas:
     def __init__(self, forced: Sequence[bool] = ()) -> None:
         self.rows: list[list[Any]] = []
         self.choices: dict[int, bool] = {}
-        self._known: dict[tuple[Any, ...], Recorded] = {}
+        self._known: dict[tuple[Any, ...], RecordedNumber] = {}
         self._forced = forced
 
-    def leaf(self, kind: str, name: str, value: float) -> Recorded:
+    def leaf(self, kind: str, name: str, value: float) -> RecordedNumber:
         """A parameter or a column, with its value here and now."""
         return self._add([kind, name], value)
 
-    def constant(self, value: Any) -> Recorded:
+    def constant(self, value: Any) -> RecordedNumber:
         """A number, or true or false, that is known."""
-        if isinstance(value, Recorded):
+        if isinstance(value, RecordedNumber):
             return value
         number = float(value)
         return self._add(["c", write_number(number)], number)
 
-    def apply(self, name: str, plain: Callable[..., Any], numbers: Sequence[Any]) -> Recorded:
+    def apply(self, name: str, plain: Callable[..., Any], numbers: Sequence[Any]) -> RecordedNumber:
         """What an operation makes of numbers."""
         if name in SAME:
             return self.constant(numbers[0])
@@ -70,7 +69,7 @@ class Formulas:
             return self.constant(value)
         return self._add([name, *(one.row for one in given)], value)
 
-    def choose(self, flag: Recorded) -> bool:
+    def choose(self, flag: RecordedNumber) -> bool:
         """What a condition is, and the note that it is so."""
         if self.rows[flag.row][0] == "c":
             return bool(flag.value)
@@ -114,10 +113,10 @@ class Formulas:
     def _renumber(self, row: list[Any], numbers: Mapping[int, int]) -> list[Any]:
         return row if row[0] in LEAVES else [row[0], *(numbers[one] for one in row[1:])]
 
-    def _add(self, row: list[Any], value: Any) -> Recorded:
+    def _add(self, row: list[Any], value: Any) -> RecordedNumber:
         key = (*row, math.copysign(1.0, row[1])) if row[0] == "c" and isinstance(row[1], float) else tuple(row)
         if key not in self._known:
-            self._known[key] = Recorded(self, len(self.rows), value)
+            self._known[key] = RecordedNumber(self, len(self.rows), value)
             self.rows.append(row)
         return self._known[key]
 
@@ -145,10 +144,10 @@ def _write_reflected(name: str, plain: Callable[..., Any]) -> Callable[..., Any]
 
 
 def _find_table(numbers: Sequence[Any]) -> Formulas:
-    return next(one.table for one in numbers if isinstance(one, Recorded))
+    return next(one.table for one in numbers if isinstance(one, RecordedNumber))
 
 
-class Recorded:
+class RecordedNumber:
     """A number with its row; `float` of it is refused, so that nothing is computed beside the table."""
 
     __slots__ = ("row", "table", "value")
@@ -156,8 +155,8 @@ class Recorded:
     def __init__(self, table: Formulas, row: int, value: Any) -> None:
         self.table, self.row, self.value = table, row, value
 
-    def record(self, name: str, plain: Callable[..., Any], numbers: Sequence[Any]) -> Recorded:
-        """What a function of `martensite.kernels.recorded` makes of it and others."""
+    def record(self, name: str, plain: Callable[..., Any], numbers: Sequence[Any]) -> RecordedNumber:
+        """What a function of `martensite.kernels.recordable_numbers` makes of it and others."""
         if name == "power" and isinstance(numbers[1], int):
             return expand_power(*numbers)
         return self.table.apply(name, plain, numbers)
@@ -177,7 +176,8 @@ class Recorded:
         return self.table.apply("power", power, (self, exponent)) if whole is None else expand_power(self, whole)
 
     def __bool__(self) -> bool:
-        return self.table.choose(self if isinstance(self.value, bool) else self != 0.0)
+        is_flag = isinstance(self.value, bool)
+        return self.table.choose(self if is_flag else self.table.apply("ne", operator.ne, (self, 0.0)))
 
     def __round__(self) -> int:
         whole = round(self.value)
@@ -189,10 +189,10 @@ class Recorded:
         return f"\x02{self.row}:{form}\x03"
 
 
-def rebuild_recorded(scenario: Scenario, table: Formulas) -> AbstractSystem:
-    """The system of a scenario, its plant if it has loops, with recorded numbers for parameters."""
-    whole = record_part(scenario.whole, "", table)
-    return whole.plant if isinstance(whole, Bench) else whole
+def rebuild_recorded(whole: AbstractSystem, table: Formulas) -> AbstractSystem:
+    """A system, of a bench its plant, with recorded numbers for parameters."""
+    found = record_part(whole, "", table)
+    return found.plant if isinstance(found, Bench) else found
 
 
 def record_part(part: Any, path: str, table: Formulas) -> Any:

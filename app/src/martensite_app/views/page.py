@@ -63,7 +63,7 @@ def describe_page(scenario: Scenario, result: Result | None = None) -> JsonTable
 
 def describe_formulas(scenario: Scenario, result: Result) -> JsonTable:
     """What the page computes of every run: the lines of the laws, and the mechanism in space."""
-    return {"lines": describe_lines(scenario, result), "scene": describe_shapes(scenario, result)}
+    return {"lines": describe_lines(scenario.whole, result), "scene": describe_shapes(scenario.whole, result)}
 
 
 def list_parameters(scenario: Scenario, views: JsonTable) -> dict[str, float | str]:
@@ -75,7 +75,7 @@ def list_parameters(scenario: Scenario, views: JsonTable) -> dict[str, float | s
 def _describe_elements(scenario: Scenario, result: Result) -> JsonTable:
     """Limits of elements, what their sources reach, and the ways along which they work."""
     table = Formulas()
-    system = rebuild_recorded(scenario, table)
+    system = rebuild_recorded(scenario.whole, table)
     ports = {port: _describe_port(table, system, port, one, result) for port, one in system.actuators().items()}
     supply = system.supply.current_limit if isinstance(system, Machine) and system.supply is not None else None
     alone = len(ports) == 1 and not system.signals()
@@ -125,7 +125,7 @@ def _list_doubts(scenario: Scenario, result: Result, port: str) -> list[JsonTabl
     def build(forced: Sequence[bool]) -> tuple[Formulas, Any]:
         table = Formulas(forced)
         law: AbstractLaw = (
-            rebuild_recorded(scenario, table).actuators()[port].element.law
+            rebuild_recorded(scenario.whole, table).actuators()[port].element.law
             if path is None
             else record_part(known, path, table)
         )

@@ -10,25 +10,24 @@ from typing import Any
 from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.assembly.lengths import measure_lengths
 from martensite.actuators.elements.base import AbstractElement
-from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState
-from martensite.scenario.scenario import Scenario
+from martensite.actuators.mechanisms.drawing import NEWTON, DrawingShape, DrawingState
 from martensite.simulate.result import Result
 from martensite_app.messages import JsonTable
 from martensite_app.views.formulas import Formulas, rebuild_recorded
 
-SHOWN = ("temperature", "martensite_fraction", "force")
+SHOWN = ("temperature", "martensite_fraction", "force", "stress")
 TURNING = ("pulley", "rotor")
 """Kinds of shapes that turn."""
 NOT_RECORDED = (
     "The drawing of `{}` asks for the value of a number that the page computes: in `draw_shapes` use the functions of "
-    "`martensite.kernels.recorded.xp`, such as `xp.cos` and `xp.maximum`."
+    "`martensite.kernels.recordable_numbers.xp`, such as `xp.cos` and `xp.maximum`."
 )
 
 
-def describe_shapes(scenario: Scenario, result: Result) -> JsonTable:
+def describe_shapes(whole: AbstractSystem, result: Result) -> JsonTable:
     """The drawing of the mechanism; or a sentence, if it cannot be recorded."""
     table = Formulas()
-    system, columns = rebuild_recorded(scenario, table), result.columns
+    system, columns = rebuild_recorded(whole, table), result.columns
     firsts: Any = {name: [table.leaf("first", name, column[0])] for name, column in columns.items()}
     outputs: Any = {name: table.leaf("y", name, columns[name][0]) for name in system.mechanism.outputs()}
     ports = {port: {name: system.label(port, name) for name in SHOWN} for port in system.actuators()}
@@ -36,9 +35,9 @@ def describe_shapes(scenario: Scenario, result: Result) -> JsonTable:
         shapes = system.mechanism.draw_shapes(DrawingState(outputs, measure_lengths(system, firsts)))
     except TypeError:
         sentence = NOT_RECORDED.format(system.mechanism.registered_name)
-        return {"rows": [], "choices": [], "shapes": [], "ports": ports, "sentence": sentence}
+        return {"rows": [], "choices": [], "shapes": [], "ports": ports, "newton": NEWTON, "sentence": sentence}
     found = table.collect(shapes=[_record_shape(shape, system) for shape in shapes])
-    return found | {"ports": ports, "sentence": ""}
+    return found | {"ports": ports, "newton": NEWTON, "sentence": ""}
 
 
 def _record_shape(shape: DrawingShape, system: AbstractSystem) -> JsonTable:
@@ -50,6 +49,7 @@ def _record_shape(shape: DrawingShape, system: AbstractSystem) -> JsonTable:
         "points": shape.points,
         "turn": shape.turn if shape.kind in TURNING else None,
         "port": shape.port or None,
+        "mass": shape.mass,
         **element,
     }
 

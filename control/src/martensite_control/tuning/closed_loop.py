@@ -24,8 +24,8 @@ from martensite.control.controllers.pid import Gains, PidLaw, PidMemory
 from martensite.identify.blocks.base import AbstractBlock, Column, Numbers
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.engine import ChainEngine
-from martensite.identify.chains.linearise import check_static_curve
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite_control.tuning.rest_check import check_static_curve
 
 KEPT = 4
 """States of the loop itself: three of the controller, and its last signal."""

@@ -61,8 +61,8 @@ def run_tuning(scenario: Scenario, options: TuneOptions, best: BestSoFar) -> Tun
 
 
 def _find_bench(scenario: Scenario) -> Bench:
-    from martensite.identify.chains.linearise import check_static_curve
     from martensite.identify.chains.plant import ModelMechanism
+    from martensite_control.tuning.rest_check import check_static_curve
 
     if scenario.bench is None or not scenario.bench.controllers.members():
         outside = ", ".join(one.registered_name for one in scenario.outside.values())

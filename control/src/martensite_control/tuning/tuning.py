@@ -123,7 +123,7 @@ def tune_model(
 
     Raises:
         ParameterError: there is no start, or none of them gives a run that is finite; or the model is at rest
-            where its records never were (`linearise.check_static_curve`).
+            where its records never were (`rest_check.check_static_curve`).
     """
     if not tuning.beyond_data:
         model.check_static_curve([level for level, _ in tuning.levels])

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from martensite.actuators.assembly.base import AbstractSystem
 from martensite.actuators.elements.base import AbstractElement
-from martensite.kernels.recorded import xp
+from martensite.kernels.recordable_numbers import xp
 
 
 def measure_lengths(system: AbstractSystem, columns: Mapping[str, Sequence[float]]) -> dict[str, float]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_bar
-from martensite.kernels.recorded import xp
+from martensite.kernels.recordable_numbers import xp
 
 if TYPE_CHECKING:
     from martensite.actuators.mechanisms.beam_motor import BeamMotor
@@ -33,9 +33,9 @@ def drawn_beam(mechanism: BeamMotor, reading: DrawingState) -> list[DrawingShape
     near, out = 1.5 * thick, 4.0 * thick
     axis = ((reach, -near, tip), (reach, -out, tip))
     found = [
-        draw_bar("clamp", 2.0 * thick, (-thick, 0.0, lowest), (-thick, 0.0, tall), kind="ground"),
-        draw_bar("beam", thick, *bent),
-        DrawingShape("motor", "joint", ((reach, near, tip), (reach, -near, tip)), 0.6 * arm),
+        draw_bar("clamp", 2.0 * thick, (-thick, 0.0, lowest), (-thick, 0.0, tall), kind="wall"),
+        draw_bar("beam", thick, *bent, kind="beam"),
+        DrawingShape("motor", "motor", ((reach, near, tip), (reach, -near, tip)), 0.6 * arm),
         DrawingShape("rotor", "rotor", (*axis, (reach + arm, -out, tip)), 0.3 * arm, turn=angle),
     ]
     if "rotor_angle_2" in reading.outputs:

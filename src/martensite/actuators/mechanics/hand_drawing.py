@@ -3,7 +3,8 @@
 Every finger is drawn in a plane of its own: `along` it as it hangs straight, and `inwards`, where it bends to. Holes of
 flexors at (∓g, r) from a hinge and knuckles of radius ρ, as in `martensite.actuators.mechanisms.hand`. What does not
 bend the proximal joint runs through its axis. Where the fingers stand on the palm, and how tendons run on into the
-forearm, the mechanism leaves open. Once brackets have met, a flexor is drawn through the point where they did.
+forearm, the mechanism leaves open: here straight up to a plate. Once brackets have met, a flexor is drawn through the
+point where they did.
 """
 
 from __future__ import annotations
@@ -22,10 +23,11 @@ from martensite.actuators.mechanisms.drawing import (
     draw_cylinder,
     draw_force,
     lead_wire,
+    measure_distance,
     measure_length,
     trace_arc,
 )
-from martensite.kernels.recorded import xp
+from martensite.kernels.recordable_numbers import xp
 
 if TYPE_CHECKING:
     from martensite.actuators.mechanisms.hand import Hand
@@ -62,19 +64,15 @@ class FingerLengths(NamedTuple):
 
 
 def drawn_hand(hand: Hand, reading: DrawingState) -> list[DrawingShape]:
-    """Palm, holder of the thumb, forearm, and all fingers."""
-    reach = hand.proximal_length + hand.distal_length
-    apart, wide = 3.0 * xp.maximum(hand.offset, hand.knuckle), 0.7 * reach
+    """Palm, forearm, plate that tendons are tied to, and all fingers."""
+    apart, wide = 3.0 * xp.maximum(hand.offset, hand.knuckle), 0.7 * (hand.proximal_length + hand.distal_length)
     wide = 0.5 * hand.span if hand.contact == "cylinder" else wide
     places = (FingerPlace(wide, 0.0, -1.0), FingerPlace(-wide, apart, 1.0), FingerPlace(-wide, -apart, 1.0))
-    thick, edge = 0.25 * hand.offset, 1.5 * hand.knuckle
-    above = _compute_lift(hand, 4)
-    far = wide - reduce(xp.maximum, reading.lengths.values(), 2.5 * wide)
-    arm = ((wide, 0.0, above), (far, 0.0, above))
+    edge, above, top = 1.5 * hand.knuckle, *_locate_plates(hand, reading)
     found = [
-        DrawingShape("palm", "plate", _draw_upright(-wide, apart + edge, above), thick),
-        DrawingShape("holder of the thumb", "plate", _draw_upright(wide, edge, above), thick),
-        draw_bar("forearm", thick, *arm, kind="ground"),
+        DrawingShape("palm", "palm", _draw_plate(wide + edge, apart + edge, above), 0.8 * hand.offset),
+        draw_bar("forearm", edge, (0.0, 0.0, above), (0.0, 0.0, top), kind="ground"),
+        DrawingShape("plate of the tendons", "plate", _draw_plate(wide + edge, apart + edge, top), 0.3 * hand.offset),
     ]
     if hand.contact == "cylinder":
         axis = (hand.cylinder_aside, 0.0, -hand.cylinder_depth)
@@ -85,38 +83,35 @@ def drawn_hand(hand: Hand, reading: DrawingState) -> list[DrawingShape]:
     return found
 
 
-def _draw_upright(x: float, half: float, above: float) -> tuple[Point, ...]:
-    """Corners of a plate that stands on the hinges, across x."""
-    return (x, -half, 0.0), (x, half, 0.0), (x, half, above), (x, -half, above)
+def _draw_plate(half: float, wide: float, above: float) -> tuple[Point, ...]:
+    """Corners of a level plate, narrower at the thumb."""
+    return (-half, -wide, above), (half, -0.5 * wide, above), (half, 0.5 * wide, above), (-half, wide, above)
 
 
-def _compute_lift(hand: Hand, tendon: int) -> float:
-    """How far above the hinges a tendon turns into the forearm: clear of bent fingers [m]."""
-    return reduce(xp.maximum, hand.sizes()) * (hand.distal_length + (0.5 + 0.5 * tendon) * hand.offset)
+def _locate_plates(hand: Hand, reading: DrawingState) -> tuple[float, float]:
+    """How far above the hinges the palm is, and the plate that tendons are tied to [m]."""
+    above = reduce(xp.maximum, hand.sizes()) * (xp.maximum(hand.bracket, 0.6 * hand.distal_length) + 2.0 * hand.offset)
+    return above, reduce(xp.maximum, reading.lengths.values(), 2.0 * above) - 0.25 * hand.proximal_length
 
 
 def _draw_finger(
     hand: Hand, name: str, size: float, place: FingerPlace, reading: DrawingState
 ) -> Iterator[DrawingShape]:
     wrapped = xp.clip(-hand.lowest, LEAST_WRAP, MOST_WRAP)
-    sizes = FingerLengths(
-        size * hand.offset,
-        size * hand.bracket,
-        size * hand.knuckle,
-        size * hand.proximal_length,
-        size * hand.distal_length,
-        wrapped,
-    )
+    lengths = (hand.offset, hand.bracket, hand.knuckle, hand.proximal_length, hand.distal_length)
+    sizes = FingerLengths(*(size * length for length in lengths), wrapped)
     first, second = (reading.outputs[f"{name}_{joint}"] for joint in ("proximal", "distal"))
-    thick, half = 0.4 * sizes.offset, 0.7 * sizes.offset
+    thick, half = 0.95 * sizes.offset, 1.1 * sizes.offset
     thick = 0.5 * size * hand.thickness if hand.contact == "cylinder" else thick
     hinge, tip = _locate_proximal(sizes, first, sizes.proximal, 0.0), (sizes.distal, 0.0)
     start = place.at((0.0, 0.0))
-    yield draw_bar(f"{name} proximal", thick, start, place.at(hinge))
-    yield draw_bar(f"{name} distal", thick, place.at(hinge), place.at(_locate_distal(sizes, first, second, *tip)))
+    end, (lift, top) = place.at(_locate_distal(sizes, first, second, *tip)), _locate_plates(hand, reading)
+    yield draw_bar(f"{name} base", thick, place.at((-lift, 0.0)), start, kind="phalanx")
+    yield draw_bar(f"{name} proximal", thick, start, place.at(hinge), kind="phalanx")
+    yield draw_bar(f"{name} distal", 0.85 * thick, place.at(hinge), end, kind="fingertip")
     for joint, at in (("proximal", (0.0, 0.0)), ("distal", hinge)):
         ends = (place.at(at, -half), place.at(at, half))
-        yield DrawingShape(f"{name} {joint} knuckle", "joint", ends, sizes.knuckle)
+        yield DrawingShape(f"{name} {joint} knuckle", "joint", ends, 0.9 * sizes.knuckle)
     if hand.contact == "cylinder":
         axis = place.at((hand.cylinder_depth, place.inwards * (hand.cylinder_aside - place.x)))
         along = [reading.outputs[f"{name}_{joint}_contact_place"] for joint in ("proximal", "distal")]
@@ -129,13 +124,14 @@ def _draw_finger(
     ways, straight = (_trace_tendons(sizes, *angles, passing) for angles in ((first, second), (0.0, 0.0)))
     for k, (way, home) in enumerate(zip(ways, straight, strict=True)):
         port = "_".join((name, ("proximal", "distal")[k // 2], ("flexor", "extensor")[k % 2]))
-        aside, lift = (k - 1.5) * 0.4 * sizes.offset, _compute_lift(hand, k)
+        aside = (k - 1.5) * 0.4 * sizes.offset
         # an extensor comes on to its knuckle along the tangent
         turn = _find_height(way[0], lift, wrapped if k == 1 else 0.0)
         path = [place.at(point, aside) for point in (turn, *way)]
-        whole = measure_length([(a, b, 0.0) for a, b in (turn, way[0])])
-        whole += measure_length([(a, b, 0.0) for a, b in home])
-        yield from lead_wire(port, path, reading.lengths[port] - whole, (-1.0, 0.0, 0.0))
+        whole = measure_distance(turn, way[0]) + measure_length([(a, b, 0.0) for a, b in home])
+        wires = lead_wire(port, path, reading.lengths[port] - whole, (0.0, 0.0, 1.0))
+        (x, y, z) = wires[0].points[0]
+        yield from (*wires, draw_bar(f"{port} tie", 0.0, (x, y, xp.maximum(z, top)), (x, y, z), kind="tether"))
 
 
 def _find_height(point: Flat, lift: float, leaning: float) -> Flat:
@@ -143,18 +139,13 @@ def _find_height(point: Flat, lift: float, leaning: float) -> Flat:
     return -lift, point[1] + xp.tan(leaning) * (lift + point[0])
 
 
-def _draw_brackets(
-    name: str, sizes: FingerLengths, place: FingerPlace, first: float, second: float
-) -> Iterator[DrawingShape]:
-    r, g, far = sizes.offset, sizes.bracket, sizes.proximal - sizes.bracket
-    posts = (
-        [(-g, 0.0), (-g, r)],
-        [_locate_proximal(sizes, first, g, 0.0), _locate_proximal(sizes, first, g, r)],
-        [_locate_proximal(sizes, first, far, 0.0), _locate_proximal(sizes, first, far, r)],
-        [_locate_distal(sizes, first, second, g, 0.0), _locate_distal(sizes, first, second, g, r)],
-    )
+def _draw_brackets(name: str, sizes: FingerLengths, place: FingerPlace, *angles: float) -> Iterator[DrawingShape]:
+    r, g = sizes.offset, sizes.bracket
+    posts = [[(-g, inwards) for inwards in (0.0, r)]]
+    posts += [[_locate_proximal(sizes, angles[0], way, b) for b in (0.0, r)] for way in (g, sizes.proximal - g)]
+    posts.append([_locate_distal(sizes, *angles, g, inwards) for inwards in (0.0, r)])
     for k, post in enumerate(posts, start=1):
-        yield draw_bar(f"{name} bracket {k}", 0.12 * r, *map(place.at, post))
+        yield draw_bar(f"{name} bracket {k}", 0.15 * r, *map(place.at, post), kind="bracket")
 
 
 def _trace_tendons(sizes: FingerLengths, first: float, second: float, passing: bool) -> list[list[Flat]]:
@@ -165,7 +156,8 @@ def _trace_tendons(sizes: FingerLengths, first: float, second: float, passing: b
     ends = 0.3 * reach, 0.3 * sizes.distal
     axis = [(-g, 0.0), (0.0, 0.0)]
     over = [(-g, r), _locate_proximal(sizes, one, g, r)]
-    at_joint = [_locate_proximal(sizes, first, reach - g, r), *_trace_distal(sizes, first, two, (g, g + ends[1]), r)]
+    at_joint = [_locate_proximal(sizes, first, reach - g, r)]
+    at_joint += [_locate_distal(sizes, first, two, way, r) for way in (g, g + ends[1])]
     touching = xp.asin(xp.minimum(knuckle / reach, 0.9))
     return [
         [*over, _locate_proximal(sizes, one, g + ends[0], r)],
@@ -174,7 +166,7 @@ def _trace_tendons(sizes: FingerLengths, first: float, second: float, passing: b
         [
             *axis,
             *(_locate_proximal(sizes, first, reach + a, b) for a, b in _wind_extensor(knuckle, second, touching)),
-            *_trace_distal(sizes, first, second, (ends[1],), -knuckle),
+            _locate_distal(sizes, first, second, ends[1], -knuckle),
         ],
     ]
 
@@ -183,12 +175,6 @@ def _wind_extensor(radius: float, angle: float, wrapped: float) -> list[Flat]:
     """An extensor on its knuckle, from where it comes on to where the bent phalanx takes it."""
     quarter = 0.5 * math.pi
     return trace_arc(radius, -wrapped - quarter, xp.maximum(angle, -wrapped) - quarter, ARC)
-
-
-def _trace_distal(
-    sizes: FingerLengths, first: float, second: float, ways: tuple[float, ...], inwards: float
-) -> list[Flat]:
-    return [_locate_distal(sizes, first, second, way, inwards) for way in ways]
 
 
 def _locate_proximal(sizes: FingerLengths, angle: float, along: float, inwards: float) -> Flat:

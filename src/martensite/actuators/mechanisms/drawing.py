@@ -17,20 +17,30 @@ from collections.abc import Mapping, Sequence
 from functools import reduce
 from typing import NamedTuple
 
-from martensite.kernels.recorded import xp
+from martensite.kernels.recordable_numbers import xp
 
 Point = tuple[float, float, float]
 
 KINDS: dict[str, str] = {
     "ground": "bar that stands still, along its points",
+    "wall": "slab that stands still, along its points",
     "link": "rigid bar along its points",
+    "phalanx": "rounded link of a finger, from its first point to its second",
+    "fingertip": "the last of these",
+    "beam": "flat strip that bends, along its points",
+    "bracket": "post with an eye for a wire at its second point",
     "joint": "pin of a hinge, from its first point to its second",
     "wire": "element at a port, along its points; taut, it is as long as this line",
     "spring": "passive spring, along its points",
     "tether": "thread or rod that does not stretch, along its points",
-    "weight": "cube that hangs at its point",
+    "force": "arrow from its first point to its second, `NEWTON` long for each newton",
+    "weight": "block that hangs at its point",
+    "slider": "guided block around its point",
     "pulley": "disc on the axis from its first point to its second",
+    "cylinder": "what is gripped, on the axis from its first point to its second",
+    "motor": "housing of a motor, on the axis from its first point to its second",
     "plate": "thin plate with its points as corners",
+    "palm": "that of a hand",
     "rotor": "disc with an arm, on the axis from its first point to its second; the arm points at "
     "the third, turned about that axis",
     "object": "ball at its point",
@@ -56,12 +66,14 @@ class DrawingShape(NamedTuple):
     points: tuple[Point, ...]
     """[m]"""
     size: float
-    """Radius of a bar, pin, disc, spring or ball, half the edge of a cube, half the thickness of a
+    """Radius of a bar, pin, disc, spring or ball, half the edge of a block, half the thickness of a
     plate [m]; 0 for a wire, whose element knows."""
     port: str = ""
     """Port of the element that a wire is."""
     turn: float = 0.0
     """Angle of a disc or rotor about its axis, right-handed [rad]; may pass a full turn."""
+    mass: float = 0.0
+    """Of a weight [kg]; 0 where it is not said."""
 
 
 class DrawingState(NamedTuple):
@@ -78,7 +90,7 @@ def measure_length(points: Sequence[Point]) -> float:
     return sum(map(measure_distance, points, points[1:]))
 
 
-def measure_distance(first: Point, second: Point) -> float:
+def measure_distance(first: Sequence[float], second: Sequence[float]) -> float:
     """Of two points [m]."""
     return xp.sqrt(sum((a - b) * (a - b) for a, b in zip(first, second, strict=True)))
 
@@ -135,25 +147,25 @@ def draw_pin(name: str, at: Point, half: float, size: float) -> DrawingShape:
 def draw_cylinder(axis: Point, half: float, radius: float) -> DrawingShape:
     """A cylinder along y, so many metres to either side of a point of its axis."""
     ends = (axis[0], axis[1] - half, axis[2]), (axis[0], axis[1] + half, axis[2])
-    return DrawingShape("cylinder", "pulley", ends, radius)
+    return DrawingShape("cylinder", "cylinder", ends, radius)
 
 
 def draw_force(name: str, touching: Point, axis: Point, force: float) -> DrawingShape:
-    """A force [N] on what touches a cylinder, as a thread from there towards its axis, `NEWTON` for each newton."""
-    return DrawingShape(name, "tether", (locate_along(touching, axis, NEWTON * force), touching), 0.0)
+    """A force [N] on what touches a cylinder, as an arrow that comes from its axis, `NEWTON` for each newton."""
+    return DrawingShape(name, "force", (locate_along(touching, axis, NEWTON * force), touching), 0.0)
 
 
 def draw_weight(name: str, at: Point, mass: float, least: float, most: float) -> DrawingShape:
-    """A cube of steel of a mass [kg], with half an edge between two limits [m]."""
+    """A block of steel of a mass [kg], with half an edge between two limits [m]."""
     half = 0.5 * xp.power(mass / DENSITY, 1.0 / 3.0)
-    return DrawingShape(name, "weight", (at,), xp.clip(half, least, most))
+    return DrawingShape(name, "weight", (at,), xp.clip(half, least, most), mass=mass)
 
 
 def draw_lifted(by: float) -> list[DrawingShape]:
     """A ball on a thread, as long as chosen here, that is lifted by so much [m]."""
     end, wide = (0.0, 0.0, by - THREAD), 0.2 * THREAD
     return [
-        draw_bar("ceiling", 0.02 * THREAD, (-wide, 0.0, 0.0), (wide, 0.0, 0.0), kind="ground"),
+        draw_bar("ceiling", 0.02 * THREAD, (-wide, 0.0, 0.0), (wide, 0.0, 0.0), kind="wall"),
         draw_bar("thread", 0.0, (0.0, 0.0, 0.0), end, kind="tether"),
         DrawingShape("load", "object", (end,), 0.05 * THREAD),
     ]
@@ -166,12 +178,12 @@ def draw_hanging(
     longest = reduce(xp.maximum, reading.lengths.values()) if reading.lengths else 0.1
     apart = 0.3 * longest
     wide = 0.5 * apart * max(len(ports), len(turned), 1)
-    found = [draw_bar("ceiling", 0.02 * longest, (-wide, 0.0, 0.0), (wide, 0.0, 0.0), kind="ground")]
+    found = [draw_bar("ceiling", 0.02 * longest, (-wide, 0.0, 0.0), (wide, 0.0, 0.0), kind="wall")]
     for k, (port, by) in enumerate(zip(ports, shortened, strict=True)):
         x = apart * (k - 0.5 * (len(ports) - 1))
         end = (x, 0.0, by - reading.lengths[port])
         found.append(DrawingShape(port, "wire", ((x, 0.0, 0.0), end), 0.0, port))
-        found.append(DrawingShape(f"{port} end", "object", (end,), 0.03 * longest))
+        found.append(DrawingShape(f"{port} end", "slider", (end,), 0.03 * longest))
     for k, angle in enumerate(turned):
         x, z = apart * (k - 0.5 * (len(turned) - 1)), -1.4 * longest
         axis = ((x, 0.02 * longest, z), (x, -0.02 * longest, z))

@@ -63,7 +63,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.recorded import xp
+from martensite.kernels.recordable_numbers import xp
 
 
 @MECHANISMS.register("finger")
@@ -238,7 +238,7 @@ class Finger(grasp.AbstractGrasp):
         """
         angle, (port,) = reading.outputs["angle"], self.ports()
         r, g = self.offset, self.bracket
-        thick, tip, hinge = 0.45 * r, 4.0 * g, (0.0, 0.0, 0.0)
+        thick, tip, hinge = 0.85 * r, 4.0 * g, (0.0, 0.0, 0.0)
         grasped = list[DrawingShape]()
         if self.contact == "cylinder":
             thick, tip = 0.5 * self.thickness, self.phalanx_length
@@ -247,13 +247,14 @@ class Finger(grasp.AbstractGrasp):
         rest = (reading.lengths[port] - measure_length(_trace_path(self, 0.0, 0.0, 0.0))) / _count_passes(self)
         beyond = xp.minimum(2.0 * g, 0.4 * xp.maximum(rest, 0.0))
         behind = xp.maximum(rest - beyond, 0.0)
-        path = _trace_path(self, angle, behind, beyond)
+        path, start = _trace_path(self, angle, behind, beyond), -1.1 * behind - 2.0 * g
         return [
-            draw_bar("near phalanx", thick, (-1.1 * behind - 2.0 * g, 0.0, 0.0), hinge, kind="ground"),
-            draw_bar("far phalanx", thick, hinge, turn_point(angle, tip, 0.0)),
-            draw_bar("near bracket", 0.5 * thick, (-g, 0.0, 0.0), (-g, 0.0, -r), kind="ground"),
-            draw_bar("far bracket", 0.5 * thick, turn_point(angle, g, 0.0), turn_point(angle, g, -r)),
-            draw_pin("hinge", hinge, 0.8 * r, 0.5 * r),
+            draw_bar("base", 0.7 * r, (start, 0.0, -2.5 * r), (start, 0.0, 2.5 * r), kind="wall"),
+            draw_bar("near phalanx", thick, hinge, (start, 0.0, 0.0), kind="phalanx"),
+            draw_bar("far phalanx", thick, hinge, turn_point(angle, tip, 0.0), kind="fingertip"),
+            draw_bar("near bracket", 0.2 * r, (-g, 0.0, 0.0), (-g, 0.0, -r), kind="bracket"),
+            draw_bar("far bracket", 0.2 * r, turn_point(angle, g, 0.0), turn_point(angle, g, -r), kind="bracket"),
+            draw_pin("hinge", hinge, 1.1 * r, 0.45 * r),
             *lead_wire(port, path, xp.minimum(rest, 0.0) * _count_passes(self), (-1.0, 0.0, 0.0)),
             *_draw_spring(self, angle),
             *grasped,
@@ -296,7 +297,7 @@ def _draw_spring(finger: Finger, angle: float) -> list[DrawingShape]:
         fixed = (a, 0.0, finger.height)
         post = ((a - wide, 0.0, finger.height), (a + wide, 0.0, finger.height))
         return [
-            draw_bar("holder of the spring", 0.3 * wide, *post, kind="ground"),
+            draw_bar("holder of the spring", 0.3 * wide, *post, kind="wall"),
             DrawingShape("spring", "spring", (fixed, turn_point(angle, a, 0.0)), 0.4 * wide),
         ]
     stretched = finger.extension + a * angle
@@ -306,7 +307,7 @@ def _draw_spring(finger: Finger, angle: float) -> list[DrawingShape]:
     rim = [(x, 0.0, z) for x, z in trace_arc(a, top, bottom - xp.maximum(angle, -0.4), ARC)]
     axis = ((0.0, -wide, 0.0), (0.0, wide, 0.0))
     return [
-        draw_bar("holder of the spring", slim, (start, 0.0, 0.0), (start, 0.0, a), kind="ground"),
+        draw_bar("holder of the spring", slim, (start, 0.0, 0.0), (start, 0.0, a), kind="bracket"),
         DrawingShape("spring", "spring", ((start, 0.0, a), (end, 0.0, a)), slim),
         DrawingShape("thread", "tether", ((end, 0.0, a), *rim), 0.0),
         DrawingShape("drum", "pulley", axis, a, turn=angle),

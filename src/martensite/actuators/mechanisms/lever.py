@@ -34,7 +34,7 @@ from martensite.actuators.mechanisms.joints import find_stop_energy, stop_torque
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.recorded import xp
+from martensite.kernels.recordable_numbers import xp
 
 
 @MECHANISMS.register("lever")
@@ -153,7 +153,7 @@ class Lever(AbstractMultibody):
         block = ((fixed[0] - 2.0 * thick, 0.0, fixed[2]), (fixed[0] + 2.0 * thick, 0.0, fixed[2]))
         found = [
             draw_bar("bearing", thick, (0.0, 0.0, -4.0 * thick), pivot, kind="ground"),
-            draw_bar("holder", 0.6 * thick, *block, kind="ground"),
+            draw_bar("holder", 0.6 * thick, *block, kind="wall"),
             draw_pin("pivot", pivot, 2.0 * thick, 1.2 * thick),
             draw_bar("arm of the wire", thick, pivot, end),
             *lead_wire(port, [fixed, end], reading.lengths[port] - self.distance, away),

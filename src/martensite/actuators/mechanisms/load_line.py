@@ -141,7 +141,7 @@ class DeadWeight(AbstractLoadLine):
         end = (0.0, 0.0, reading.outputs["position"] - hung)
         wide, thick = 0.2 * hung, 0.015 * hung
         return [
-            draw_bar("ceiling", thick, (-wide, 0.0, thick), (wide, 0.0, thick), kind="ground"),
+            draw_bar("ceiling", thick, (-wide, 0.0, thick), (wide, 0.0, thick), kind="wall"),
             DrawingShape("element", "wire", ((0.0, 0.0, 0.0), end), 0.0, "element"),
             draw_weight("weight", end, self.mass, 0.02 * hung, 0.15 * hung),
         ]
@@ -185,9 +185,9 @@ class BiasSpring(AbstractLoadLine):
         near_wall = ((-thick, 0.0, -tall), (-thick, 0.0, tall))
         far_wall = ((far + thick, 0.0, -tall), (far + thick, 0.0, tall))
         return [
-            draw_bar("wall", thick, *near_wall, kind="ground"),
-            draw_bar("wall of the spring", thick, *far_wall, kind="ground"),
+            draw_bar("wall", thick, *near_wall, kind="wall"),
+            draw_bar("wall of the spring", thick, *far_wall, kind="wall"),
             DrawingShape("element", "wire", ((0.0, 0.0, 0.0), (end, 0.0, 0.0)), 0.0, "element"),
-            DrawingShape("slider", "object", ((end, 0.0, 0.0),), 0.03 * element),
+            DrawingShape("slider", "slider", ((end, 0.0, 0.0),), 0.02 * element),
             DrawingShape("spring", "spring", ((end, 0.0, 0.0), (far, 0.0, 0.0)), 0.04 * element),
         ]

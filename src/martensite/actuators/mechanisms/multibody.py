@@ -41,7 +41,7 @@ from martensite.base.parameters import option, param
 from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.recorded import xp
+from martensite.kernels.recordable_numbers import xp
 from martensite.physics.laws.coupling import StepReport
 
 

@@ -30,7 +30,7 @@ from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordin
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.recorded import xp
+from martensite.kernels.recordable_numbers import xp
 
 
 @MECHANISMS.register("parallel-platform")

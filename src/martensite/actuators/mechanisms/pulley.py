@@ -27,7 +27,7 @@ from martensite.actuators.mechanisms.drawing import (
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.recorded import xp
+from martensite.kernels.recordable_numbers import xp
 
 
 @MECHANISMS.register("antagonistic-pulley")
@@ -85,7 +85,7 @@ class AntagonisticPulley(AbstractMultibody):
         wall = ((-straight - thick, 0.0, -2.0 * r), (-straight - thick, 0.0, 2.0 * r))
         axis = ((0.0, wide, 0.0), (0.0, -wide, 0.0))
         found = [
-            draw_bar("wall", thick, *wall, kind="ground"),
+            draw_bar("wall", thick, *wall, kind="wall"),
             draw_pin("axis", (0.0, 0.0, 0.0), 3.0 * wide, 0.15 * r),
             DrawingShape("pulley", "pulley", axis, r, turn=angle),
         ]

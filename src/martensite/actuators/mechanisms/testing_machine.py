@@ -157,14 +157,13 @@ class TensileTestingMachine(AbstractMechanism):
         head, wide = 1.3 * element + reading.outputs["crosshead"], 0.3 * element
         sides = [((x, 0.0, -thick), (x, 0.0, 1.6 * element)) for x in (-wide, wide)]
         rod = ((0.0, 0.0, grip), (0.0, 0.0, head))
-        gives = self.stiffness < math.inf
         return [
-            draw_bar("base", thick, (-wide, 0.0, -thick), (wide, 0.0, -thick), kind="ground"),
+            draw_bar("base", thick, (-wide, 0.0, -thick), (wide, 0.0, -thick), kind="wall"),
             *(draw_bar(f"column {k}", 0.6 * thick, *s, kind="ground") for k, s in enumerate(sides, 1)),
             draw_bar("crosshead", thick, (-wide, 0.0, head), (wide, 0.0, head)),
             DrawingShape("element", "wire", ((0.0, 0.0, 0.0), rod[0]), 0.0, "element"),
-            DrawingShape("frame and grips", "spring" if gives else "link", rod, thick),
-            DrawingShape("grip", "object", (rod[0],), thick),
+            DrawingShape("frame and grips", "spring" if self.stiffness < math.inf else "link", rod, thick),
+            DrawingShape("grip", "slider", (rod[0],), thick),
         ]
 
     @property

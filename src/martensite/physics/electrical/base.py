@@ -13,7 +13,7 @@ from typing import ClassVar, NamedTuple
 from martensite.base.parameters import Parametrised, param
 from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.recorded import xp
+from martensite.kernels.recordable_numbers import xp
 from martensite.signals.moments import Moments
 
 RESISTANCES: Registry[AbstractResistance] = Registry(

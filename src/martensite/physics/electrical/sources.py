@@ -3,7 +3,7 @@
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.recorded import xp
+from martensite.kernels.recordable_numbers import xp
 from martensite.physics.electrical.base import SOURCES, AbstractSource, AbstractSupply, SignalRange
 
 

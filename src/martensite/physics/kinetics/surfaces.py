@@ -51,7 +51,7 @@ from martensite.base.parameters import option, param
 from martensite.kernels import floats
 from martensite.kernels.bracketed_newton import solve_bracketed
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.recorded import xp
+from martensite.kernels.recordable_numbers import xp
 from martensite.physics.kinetics.asymmetry import NONE
 from martensite.physics.kinetics.diagram import WIDTHS, AbstractShapes, AbstractSidedLaw, require_order
 from martensite.physics.kinetics.hardening import apply_waist, compute_hardening, remove_waist, waist_energy

@@ -8,7 +8,7 @@ from typing import Any
 from martensite.kernels import floats
 
 
-class RecordedFunctions:
+class RecordableFunctions:
     """The operations of kernels, and the functions of `math`."""
 
     def __getattr__(self, name: str) -> Any:
@@ -22,5 +22,5 @@ class RecordedFunctions:
         return apply
 
 
-xp: Any = RecordedFunctions()
+xp: Any = RecordableFunctions()
 """A namespace of kernels that does not mind which of both it gets."""

@@ -1,0 +1,63 @@
+"""Runs as the page makes them of columns: the TypeScript of `web/src/views` in Node.js."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+from typing import Any
+
+from node_js import WEB, node
+
+from martensite.actuators.assembly.lengths import measure_lengths
+from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState
+from martensite.scenario.scenario import Scenario
+from martensite.simulate.result import Result
+from martensite_app.messages import write_message
+from martensite_app.views.formulas import write_number
+
+
+class PageRuns:
+    """Makes runs; the script is bundled once."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder, self.node = folder, node()
+        bundle = ["node_modules/.bin/esbuild", "test/describe_run.ts", "--bundle", "--platform=node", "--format=esm"]
+        subprocess.run(
+            [*bundle, f"--outfile={folder / 'describe_run.mjs'}", "--log-level=warning"], cwd=WEB, check=True
+        )
+
+    def describe(self, *asked: tuple[Scenario, Result, dict[str, Any]]) -> list[dict[str, Any]]:
+        """What the page draws of runs, from what Python says of the scenario; the page of another one of its kind does.
+
+        The columns are those of the result, as the march in the page gives them.
+        """
+        cores = [{"core": _strip_run(scenario, result), "page": page} for scenario, result, page in asked]
+        (self.folder / "asked.json").write_bytes(write_message({"asked": cores}))
+        command = [self.node, str(self.folder / "describe_run.mjs"), str(self.folder / "asked.json")]
+        done = subprocess.run(command, capture_output=True, text=True, check=True)
+        return json.loads(done.stdout)
+
+
+def _strip_run(scenario: Scenario, result: Result) -> dict[str, Any]:
+    """A `RunCore` of web/src/engine/types.ts."""
+    return {
+        "text": scenario.text,
+        "times": result.times,
+        "columns": result.columns,
+        "status": result.status.name,
+        "accuracy": result.accuracy,
+        "steps": result.steps,
+        "step": result.step,
+        "parameters": {leaf.path: write_number(leaf.value) for leaf in scenario.whole.leaves()},
+        "seconds": 0.0,
+        "warnings": [],
+        "cautions": scenario.cautions,
+    }
+
+
+def draw_row(system: Any, result: Result, row: int) -> list[DrawingShape]:
+    """The mechanism at one row of a result, on floats."""
+    mechanism = system.mechanism
+    outputs = {name: result.columns[name][row] for name in mechanism.outputs()}
+    return mechanism.draw_shapes(DrawingState(outputs, measure_lengths(system, result.columns)))

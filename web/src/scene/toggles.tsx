@@ -1,0 +1,35 @@
+// What is shown in the picture besides the mechanism: names, forces, and long parts whole or broken.
+
+import { useSignal } from "@preact/signals";
+import type { Stage } from "./stage.ts";
+
+interface Props {
+  stage: { current: Stage | null };
+  /** Whether long parts are drawn broken unless asked otherwise. */
+  broken: boolean;
+  whole: boolean;
+  choose: (whole: boolean) => void;
+}
+
+export function Toggles({ stage, broken, whole, choose }: Props) {
+  const [named, forces] = [useSignal(false), useSignal(false)];
+  const switched = (of: typeof named, key: "named" | "forces") => (): void => {
+    of.value = !of.value;
+    stage.current?.look({ [key]: of.value });
+  };
+  return (
+    <>
+      <button type="button" aria-pressed={named.value} title="Names and values of all parts" onClick={switched(named, "named")}>
+        Names
+      </button>
+      <button type="button" aria-pressed={forces.value} title="Forces as arrows, as long as they are large" onClick={switched(forces, "forces")}>
+        Forces
+      </button>
+      {broken && (
+        <button type="button" aria-pressed={whole} title="Long straight parts as long as they are, or broken" onClick={() => choose(!whole)}>
+          Whole length
+        </button>
+      )}
+    </>
+  );
+}
