@@ -77,9 +77,7 @@ def played(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, Any]]:
 
 
 @pytest.mark.parametrize(("number", "changes"), [(0, {}), (1, CHANGES)])
-def test_a_run_in_the_page_is_the_run(
-    played: list[dict[str, Any]], number: int, changes: dict[str, float]
-) -> None:
+def test_a_run_in_the_page_is_the_run(played: list[dict[str, Any]], number: int, changes: dict[str, float]) -> None:
     made, _ = measure_wire()
     found, scenario = played[number], build(made, changes)
     meant = scenario.run(runtime="floats")
@@ -114,7 +112,7 @@ def test_a_folder_with_something_else_is_left_alone(tmp_path: Path) -> None:
 
 
 def test_a_scenario_that_starts_elsewhere_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "warm.toml").write_text(f"{TEXT}\n[initial]\ntemperature = \"40 degC\"\n")
+    (tmp_path / "warm.toml").write_text(f'{TEXT}\n[initial]\ntemperature = "40 degC"\n')
     done = STATIC(str(tmp_path / "warm.toml"), "--static", str(tmp_path / "page"))
     assert (done.exit_code, done.stderr.count("\n")) == (2, 1)
     assert "cannot run `warm`" in done.stderr
