@@ -42,7 +42,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
 
 def run(name: str, changes: dict[str, Any], runtime: str | None = "floats") -> tuple[Scenario, Result]:
     scenario = read_scenario(list_standalone()[name], FOLDER / "scenario.toml", changes or None)
-    return scenario, scenario.run(runtime=None if scenario.outside else runtime)
+    return scenario, scenario.run(runtime=runtime)
 
 
 def expect_run(scenario: Scenario, result: Result) -> dict[str, Any]:
@@ -56,7 +56,7 @@ def expect_run(scenario: Scenario, result: Result) -> dict[str, Any]:
         "stroke": result.stroke,
         "alarms": list_alarms(result),
         "warnings": [one for one in result.warnings if not one.startswith(MARCH)],
-        "traces": list_panels(result, scenario.outside),
+        "traces": list_panels(result),
         "loops": list_loops(result),
         "energy": describe_energy(result),
         "key": tabulate_key_results(result).rows,

@@ -24,7 +24,7 @@ MOST, LEAST = 241, 61
 
 def run(name: str, **changes: Any) -> tuple[Scenario, Result]:
     scenario = read_scenario(list_standalone()[name], FOLDER / "scenario.toml", changes or None)
-    return scenario, scenario.run(runtime=None if scenario.outside else "floats")
+    return scenario, scenario.run(runtime="floats")
 
 
 def draw(page_runs: PageRuns, *ran: tuple[Scenario, Result]) -> list[dict[str, Any]]:
