@@ -42,8 +42,7 @@ def bench_app(
     """
     served = import_extra("martensite_app.server", "app", "the web bench")
     if static is not None:
-        made = import_extra("martensite_app.static_site.command", "app,export,cc", "a page without a server")
-        return made.write_page(static, scenario, json)
+        return import_extra("martensite_app.static_site.command", "app,export,cc").write_page(static, scenario, json)
     text = None if scenario is None else _read_text(scenario)
     if folder is not None and not folder.is_dir():
         raise DataError(f"There is no folder `{folder}`; create it first.")
@@ -70,6 +69,7 @@ def _make_opener(text: str | None, no_browser: bool, json: bool) -> Callable[[Se
             import webbrowser
 
             webbrowser.open(address)
+
     return ready
 
 
