@@ -64,11 +64,12 @@ keepPart(
 
 export const duration = (of: Run): number => of.times.at(-1) ?? 0;
 
-export const timeLimits = computed<[number, number]>(() => {
-  if (zoom.value) return zoom.value;
-  const end = Math.max(...[run.value, ...beside.value.map((one) => one.run)].map((one) => (one ? duration(one) : 0)));
-  return [0, end || 1];
-});
+/** End of the longest run that is drawn [s]. */
+export const wholeTime = computed<number>(
+  () => Math.max(...[run.value, ...beside.value.map((one) => one.run)].map((one) => (one ? duration(one) : 0))) || 1,
+);
+
+export const timeLimits = computed<[number, number]>(() => zoom.value ?? [0, wholeTime.value]);
 
 const kept = new WeakMap<Run, Map<string, Float64Array>>();
 

@@ -1,13 +1,10 @@
 // One quantity over another, in the order of time, with a point that moves with the time cursor.
 
-import { useMemo } from "preact/hooks";
-import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { cursor, run } from "../state/run.ts";
 import { Chart } from "./chart.tsx";
+import { moveTime } from "./keys.ts";
 import type { Mark, Picture } from "./picture.ts";
-
-type Limits = [number, number];
 
 export interface LoopChartProps {
   title: ComponentChildren;
@@ -17,7 +14,7 @@ export interface LoopChartProps {
 }
 
 /** Row whose moving point is nearest, as the eye measures distance. */
-function nearest(marks: Mark[], x: number, y: number, wide: number, high: number): number {
+export function nearestRow(marks: Mark[], x: number, y: number, wide: number, high: number): number {
   let [best, found] = [Infinity, -1];
   for (const mark of marks) {
     for (let i = 0; i < mark.x.length; i++) {
@@ -31,16 +28,8 @@ function nearest(marks: Mark[], x: number, y: number, wide: number, high: number
 }
 
 export function LoopChart({ title, about, picture, height }: LoopChartProps) {
-  const part = useSignal<{ x: Limits; y: Limits } | null>(null);
-  const zoomed = part.value;
-  const shown = useMemo<Picture>(
-    () => (zoomed ? { ...picture, xLimits: zoomed.x, yLimits: zoomed.y } : picture),
-    [picture, zoomed],
-  );
   const pick = (x: number, y: number): void => {
-    const [a, b] = shown.xLimits;
-    const [c, d] = shown.yLimits;
-    const at = nearest(picture.marks ?? [], x, y, b - a, d - c);
+    const at = nearestRow(picture.marks ?? [], x, y, picture.x.high - picture.x.low, picture.y.high - picture.y.low);
     const time = run.value?.times[at];
     if (time !== undefined) cursor.value = time;
   };
@@ -48,20 +37,8 @@ export function LoopChart({ title, about, picture, height }: LoopChartProps) {
     <figure class="loop" aria-label={about}>
       <figcaption>
         <span class="panel-title">{title}</span>
-        {zoomed && (
-          <button type="button" class="quiet small" onClick={() => (part.value = null)}>
-            Show all
-          </button>
-        )}
       </figcaption>
-      <Chart
-        picture={shown}
-        height={height}
-        about={about}
-        onPick={pick}
-        onZoom={(x, y) => (part.value = { x, y })}
-        onReset={() => (part.value = null)}
-      />
+      <Chart picture={picture} height={height} about={about} onPick={pick} onKey={moveTime} keys="Arrow keys move the time cursor." />
     </figure>
   );
 }
