@@ -169,6 +169,9 @@ function mark(over: HTMLElement, picture: Picture, timed: boolean, time: number,
   }
 }
 
+/** Distance of what is told from what it is told of [px]. */
+const APART = 12;
+
 /** Tell of what was found, beside it. */
 function tellOf(over: HTMLElement, picture: Picture, found: Found | null): void {
   const tip = over.querySelector<HTMLElement>(".chart-tip");
@@ -185,9 +188,7 @@ function tellOf(over: HTMLElement, picture: Picture, found: Found | null): void 
       return line;
     }),
   );
-  const left = x > 0.5;
-  Object.assign(tip.style, {
-    left: left ? "" : `${x * width + 12}px`, right: left ? `${(1 - x) * width + 12}px` : "",
-    top: `${Math.max(0, Math.min(Number.isFinite(y) ? y : 1, 1) * height - 10)}px`,
-  });
+  const [px, wide] = [x * width, tip.offsetWidth];
+  tip.style.left = `${px + APART + wide <= width ? px + APART : Math.max(px - APART - wide, -over.offsetLeft)}px`;
+  tip.style.top = `${Math.max(0, Math.min(Number.isFinite(y) ? y : 1, 1) * height - 10)}px`;
 }

@@ -2,7 +2,7 @@
 
 import type { Palette } from "../lib/theme.ts";
 import { viridis } from "./colours.ts";
-import { faint, type Look } from "./palette.ts";
+import type { Look } from "./palette.ts";
 import { boxOf, edges, type Box, type Curve, type Level, type Picture, type Spot, type State, type Strip } from "./picture.ts";
 import { share, ticks, tickText } from "./scale.ts";
 
@@ -119,6 +119,12 @@ function drawBar({ pen, box, colours }: Sheet, scale: NonNullable<Picture["colou
   pen.textBaseline = "middle";
   for (const tick of ticks(scale, 5)) pen.fillText(tickText(tick), left + BAR.wide + 4, box.top + (1 - share(scale, tick)) * box.height);
   writeUpward(pen, scale.label, left + BAR.wide + 50, box.top + box.height / 2);
+}
+
+/** The same colour, seen through. */
+function faint(colour: string, alpha: number): string {
+  const [r = "0", g = "0", b = "0"] = colour.match(/[\d.]+/g) ?? [];
+  return `rgba(${r}, ${g}, ${b}, ${alpha})`;
 }
 
 /** What lies below the grid: shades and strips. */

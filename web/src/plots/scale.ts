@@ -84,6 +84,7 @@ export function ticks(scale: Scale, count: number): number[] {
 /** A number at a tick; with as many digits as tell ticks so far apart from each other. */
 export function tickText(value: number, step = 0): string {
   const size = Math.abs(value);
-  const count = step > 0 && size > 0 ? Math.min(Math.max(5, Math.ceil(Math.log10(size / step)) + 1), 12) : 5;
-  return size !== 0 && (size < 1e-3 || size >= 1e5) ? value.toExponential(1).replace(".0e", "e") : String(Number(value.toPrecision(count)));
+  const needed = step > 0 && size > 0 ? Math.min(Math.ceil(Math.log10(size / step) - 1e-9) + 1, 12) : 2;
+  if (size === 0 || (size >= 1e-3 && size < 1e5)) return String(Number(value.toPrecision(Math.max(5, needed))));
+  return value.toExponential(Math.max(1, needed - 1)).replace(/\.?0*e\+?/, "e");
 }
