@@ -23,19 +23,19 @@ def test_why_it_is_slow_to_cool_and_what_would_help(page: Page) -> None:
     page.evaluate("addEventListener('click', () => (window.clicks = (window.clicks ?? 0) + 1), true)")
     page.get_by_role("link", name="Lift a weight").click()
     sentence = page.get_by_role("region", name="What limits this run")
-    expect(sentence).to_contain_text(re.compile(r"Cooling takes \d+ % of the cycle"))
+    expect(sentence).to_contain_text(re.compile(r"Cooling takes \d+\s% of the cycle"))
     promise = page.locator(".insight-promise")
-    expect(promise).to_contain_text(re.compile(r"come back in about [\d.]+ s, [\d.]+ times as fast"))
+    expect(promise).to_contain_text(re.compile(r"come back in about [\d.]+\ss, [\d.]+\stimes as fast"))
     page.get_by_role("button", name="What would help?").click()
     assert page.evaluate("window.clicks") <= MOST_CLICKS
 
     up, down = number(page, "Time up"), number(page, "Time down")
-    share = float(re.findall(r"takes (\d+) %", sentence.inner_text())[0])
+    share = float(re.findall(r"takes (\d+)\s%", sentence.inner_text())[0])
     assert abs(share - 100 * down / (up + down)) <= 1.0
     own, thinner = (page.get_by_role("row", name=re.compile(name)) for name in ("This run", "Four wires"))
     expect(thinner).to_be_visible()
     before, after = ([cell.inner_text() for cell in row.get_by_role("cell").all()] for row in (own, thinner))
-    said = float(re.findall(r"([\d.]+) times as fast", promise.inner_text())[0])
+    said = float(re.findall(r"([\d.]+)\stimes as fast", promise.inner_text())[0])
     slow, fast = (float(cells[3].split()[0]) for cells in (before, after))
     assert abs(said - slow / fast) <= 0.1
     stress = [float(cells[5].split()[0]) for cells in (before, after)]

@@ -16,7 +16,6 @@ import pytest
 from builders import problem_a
 
 from martensite.actuators.assembly import System
-from martensite.base.errors import ParameterError
 from martensite.control.controllers.base import CONTROLLERS, AbstractController
 from martensite.control.controllers.cascade import Cascade, InnerPid, OuterPid
 from martensite.control.controllers.constant_power import ConstantPower
@@ -142,7 +141,6 @@ CASES: dict[str, Case] = {
     "two-level": Case(position(TwoLevel, far=1.0 * MM, high=0.9, near=0.4), limits=(0.0, 0.9)),
 }
 NAMES = sorted(CASES)
-KERNELS = [name for name in NAMES if CONTROLLERS[name].kernel]
 
 
 def bench(controller: AbstractController) -> Bench:
@@ -181,7 +179,7 @@ def agree(one: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> None:
 # ---------------------------------------------------------------- the contract
 
 
-@pytest.mark.parametrize("name", KERNELS)
+@pytest.mark.parametrize("name", NAMES)
 def test_on_a_bench_it_does_what_it_does_as_a_drive(name: str) -> None:
     agree(run(name, "floats"), run(name, "outside"))
 
@@ -190,12 +188,12 @@ LARGE = {"feedforward"}
 """Controllers whose programs take long to compile."""
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow if n in LARGE else ()) for n in KERNELS])
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow if n in LARGE else ()) for n in NAMES])
 def test_c_agrees(name: str) -> None:
     agree(run(name, "floats"), run(name, "c"))
 
 
-@pytest.mark.parametrize("name", KERNELS)
+@pytest.mark.parametrize("name", NAMES)
 def test_signals_stay_within_their_limits(name: str) -> None:
     low, high = CASES[name].limits
     signals = run(name, "floats")["drive"]
@@ -208,9 +206,3 @@ def test_it_is_documented(name: str) -> None:
     assert (cls.__doc__ or "").strip()
     assert all(declared.doc.strip() for declared in cls.declarations.values())
     assert set(cls.cites) <= set(read_bibliography())
-
-
-def test_what_is_no_kernel_stays_off_the_bench(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(OnOff, "kernel", False)
-    with pytest.raises(ParameterError, match="is no kernel"):
-        bench(made("on-off"))

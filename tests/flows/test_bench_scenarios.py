@@ -17,10 +17,9 @@ from martensite.base.errors import InputError, ParameterError, UnitError
 from martensite.base.formats import write_quantity
 from martensite.control.controllers.mpc import Mpc
 from martensite.control.controllers.pid import Pid, PidLaw
-from martensite.control.controllers.relay import OnOff
 from martensite.control.controllers.scheduled_pid import ScheduledPid
 from martensite.control.loop.names import list_readings
-from martensite.control.loop.parts import MountedSensor
+from martensite.control.loop.parts import Controllers, MountedSensor
 from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.usual_models import AS_MODELLED, USUAL
@@ -310,15 +309,11 @@ def test_controller_that_plans_has_the_period_of_the_bench_and_the_system_as_its
     assert placed(scenario)["controller.horizon"].value == 1.0
 
 
-def test_controller_that_is_no_kernel_stays_outside(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(OnOff, "kernel", False)
+def test_a_bench_without_a_controller_has_no_step() -> None:
     scenario = controlled("kind = 'on-off'\nmeasured = 'position'\nband = '0.1 mm'\nhigh = 0.8\n")
     assert scenario.bench is not None
-    assert scenario.bench.controllers.members() == {}
-    (one,) = scenario.outside.values()
-    assert isinstance(one, OnOff)
     with pytest.raises(ParameterError, match=r"no controller.*outside of the bench"):
-        RealtimeStep(scenario.bench)
+        RealtimeStep(scenario.bench.with_parts(controllers=Controllers()))
 
 
 GUARD = """

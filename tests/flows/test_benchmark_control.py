@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,7 @@ from martensite_control.benchmark.competition import (
     run_benchmark,
 )
 from martensite_control.benchmark.entries import find_entry, load_entries, load_gains
+from martensite_control.benchmark.guard_runs import run_guards
 from martensite_control.benchmark.strangers import read_stranger
 from martensite_control.benchmark.tasks import find_task, load_plant, load_tasks
 from martensite_control.benchmark.wires import draw_wires
@@ -110,6 +112,14 @@ def test_fewer_wires_are_the_first_of_all() -> None:
         np.testing.assert_array_equal(few[path], row[:4])
     film = many["plant.group.antagonist.environment.cooling.h"] / 120.0
     assert 0.5 <= film.min() < 0.55 and 1.85 < film.max() <= 2.0
+
+
+def test_the_default_guard_limits_and_keeps_the_wire_of_the_sheet_within_its_limit() -> None:
+    """Open loop at a supply that is too high: no cut, and a bound that holds nothing where the wire cools less."""
+    (row,) = run_guards([replace(find_entry("direct"), plants=("wire",))], ["default"], ["supply-surge"], duration=8.0)
+    limit = load_plant("wire").plant.value_of("temperature_limit")
+    assert row.cuts == row.false_alarms == 0 and row.hours == pytest.approx(2 * 8.0 / 3600.0)
+    assert 350.0 < row.hottest_sheet <= limit < row.hottest_wires
 
 
 def test_the_command_lists_runs_and_refuses(tmp_path: Path) -> None:

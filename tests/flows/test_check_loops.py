@@ -51,7 +51,7 @@ def report_loop(example: str) -> LoopReport:
     scenario = load(EXAMPLES / f"{example}.toml")
     assert scenario.bench is not None
     played = by_name(scenario.system, scenario.waveform)
-    return check_loop(scenario.bench, scenario.duration, outside=scenario.outside, waveforms=played)
+    return check_loop(scenario.bench, scenario.duration, waveforms=played)
 
 
 def find_only(found: Any) -> LoopFinding:

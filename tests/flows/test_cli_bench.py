@@ -8,16 +8,12 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import pytest
 from command import Command
 
-from martensite.cli import progress
-from martensite.control.controllers.pid import Pid
 from martensite.scenario.catalogue import list_registries
 from martensite.scenario.netcdf import open_result
 from martensite.scenario.scenario import load, read_scenario
@@ -78,56 +74,6 @@ def test_run_json_holds_the_loop(folder: Path) -> None:
 def test_run_refuses_what_has_no_effect_on_a_bench(folder: Path, arguments: tuple[str, ...], sentence: str) -> None:
     assert sentence in refused("run", "loop.toml", *SHORT, *arguments)
     assert {path.name for path in folder.iterdir()} == {"loop.toml"}
-
-
-@pytest.fixture
-def no_kernel(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A PID is a controller that is no kernel."""
-    monkeypatch.setattr(Pid, "kernel", False)
-
-
-@pytest.mark.usefixtures("no_kernel")
-def test_run_refuses_a_runtime_for_a_controller_outside(folder: Path) -> None:
-    assert "Option `--runtime` has no effect" in refused("run", "loop.toml", *SHORT)
-    assert "20 periods" in fine("check", "loop.toml", "--set", "run.duration=0.4 s")
-
-
-def outside(folder: Path) -> tuple[str, ...]:
-    """Arguments of a run of four periods."""
-    text = (folder / "loop.toml").read_text(encoding="utf-8")
-    (folder / "outer.toml").write_text(text, encoding="utf-8")
-    return ("run", "outer.toml", "--no-figure", "--set", "run.duration=0.08 s")
-
-
-@pytest.mark.usefixtures("no_kernel")
-def test_run_outside_is_written_with_reference_and_wanted_signal(folder: Path) -> None:
-    fine(*outside(folder))
-    saved = open_result("outer.nc")
-    assert saved["reference"].attrs["units"] == "m"
-    assert saved["wanted"].values.shape == saved["position"].values.shape
-
-
-@pytest.mark.usefixtures("no_kernel")
-@pytest.mark.parametrize("json", [True, False])
-@pytest.mark.parametrize("terminal", [True, False])
-def test_run_outside_shows_how_far_it_is_to_a_terminal(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, json: bool, terminal: bool
-) -> None:
-    class Watcher:
-        told: ClassVar[list[float]] = []
-
-        def __call__(self, text: str, share: float) -> None:
-            assert text == f"simulating {load(folder / 'outer.toml').title}"
-            self.told.append(share)
-
-    @contextmanager
-    def bar(label: str) -> Iterator[Any]:
-        yield Watcher() if terminal else None
-
-    monkeypatch.setattr(progress, "show_share", bar)
-    fine(*outside(folder), *(["--json"] if json else []))
-    shown = terminal and not json
-    assert Watcher.told == (pytest.approx([0.25, 0.5, 0.75, 1.0]) if shown else [])
 
 
 # ---------------------------------------------------------------- check, params, cite

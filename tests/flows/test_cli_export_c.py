@@ -16,7 +16,6 @@ from thin_wire import THIN_WIRE
 from typer.testing import CliRunner, Result
 
 from martensite.cli import app
-from martensite.control.controllers.pid import Pid
 from martensite.kernels.compiler import find_compiler
 from martensite.scenario.scenario import load
 from martensite_export import c_example
@@ -180,10 +179,3 @@ def test_bad_input_is_one_sentence(arguments: tuple[str, ...], words: str) -> No
     assert (done.stdout, done.stderr.count("\n")) == ("", 1)
     assert words in done.stderr
     assert list(Path().glob("*.c")) == []
-
-
-def test_a_controller_that_is_no_kernel_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Pid, "kernel", False)
-    done = call("held.toml")
-    assert done.exit_code == 2
-    assert "`pid` is no kernel" in done.stderr

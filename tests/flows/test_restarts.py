@@ -13,7 +13,6 @@ import pytest
 from command import Command
 
 from martensite.base.errors import InputError
-from martensite.control.controllers.pid import Pid
 from martensite.kernels.compiler import find_compiler
 from martensite.scenario.netcdf import open_result, read_restarts
 from martensite.scenario.running import run
@@ -127,7 +126,7 @@ def test_what_cannot_be_kept_or_gone_on_with_is_refused(how: dict[str, Any], sai
     assert said in str(caught.value)
 
 
-def test_states_of_another_system_and_of_other_times_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_states_of_another_system_and_of_other_times_are_refused() -> None:
     short = run(EXAMPLES / "finger.toml", duration="1 s", samples=3)
     with pytest.raises(InputError, match=r"another system: .* differ from `elements\.0\."):
         run(EXAMPLES / "migaone.toml", start=short)
@@ -135,9 +134,6 @@ def test_states_of_another_system_and_of_other_times_are_refused(monkeypatch: py
         run(EXAMPLES / "finger.toml", duration="1 s", start=short)
     with pytest.raises(InputError, match=r"No state was kept at 0\.4 s; the nearest is that at 1 s"):
         run(EXAMPLES / "finger.toml", start=short, at=0.4)
-    monkeypatch.setattr(Pid, "kernel", False)
-    with pytest.raises(InputError, match="controllers run outside"):
-        run(EXAMPLES / "closed_loop.toml", restart_at=["1 s"])
 
 
 def test_a_file_with_initial_numbers_is_checked_and_other_commands_refuse_it(tmp_path: Path) -> None:

@@ -34,8 +34,6 @@ _begun: set[Hashable] = set()
 
 def run_fast(scenario: Scenario) -> tuple[Result, str]:
     """The run, and the runtime that made it."""
-    if scenario.outside:
-        return scenario.run(), "floats"
     key = describe_structure(scenario.whole)
     if find_compiler() is None or (key in _begun and key not in _ready):
         return scenario.run(runtime="floats"), "floats"

@@ -88,16 +88,6 @@ def _check_files(folder: Path, names: Sequence[str], force: bool) -> list[Path]:
     return files
 
 
-def _check_loops(loaded: Scenario, part: str, language: str) -> None:
-    """`ParameterError` for a controller that is no kernel."""
-    if loaded.outside and part != "plant":
-        kind = next(iter(loaded.outside.values())).registered_name
-        raise ParameterError(
-            f"The controller `{kind}` is no kernel and cannot be written as {language}; the plant alone can: "
-            "`--part plant`."
-        )
-
-
 def _make_core(loaded: Scenario, name: str, part: str, precision: str, port: str | None) -> tuple[CCore, str, str]:
     """The core of a part of a scenario, the text of its example if it has one, and how far it was tried."""
     if part in ALONE:
@@ -112,7 +102,6 @@ def _make_core(loaded: Scenario, name: str, part: str, precision: str, port: str
         try_program,
     )
 
-    _check_loops(loaded, part, "C")
     if part != "loop":
         system = loaded.system if part == "plant" else loaded.whole
         core = build_c_core(system, name=name, precision=precision)
@@ -308,7 +297,6 @@ def _make_module(loaded: Scenario, name: str, part: str, slopes: Sequence[str]) 
     from martensite_export.c_example import played_by_system
     from martensite_export.wasm import build_wasm
 
-    _check_loops(loaded, part, "WebAssembly")
     system = loaded.system if part == "plant" else loaded.whole
     first, _ = played_by_system(system, loaded.waveform, loaded.duration, STEPS)
     return build_wasm(system, name=name, title=loaded.title or name, first=first, slopes=slopes)
@@ -403,7 +391,7 @@ def _write_driver(loaded: Scenario, driver: Path, model: Path | None, modules: l
     """The text of the driver; `InputError` if the scenario has nothing to play."""
     from martensite_export.mujoco_driver import driver_text
 
-    if loaded.outside or (loaded.bench and loaded.bench.controllers.members()):
+    if loaded.bench and loaded.bench.controllers.members():
         raise InputError(
             "A driver plays waveforms, but this scenario has a controller; leave out `--driver`, "
             "and call your controller before every `step` of a `MujocoBridge`."

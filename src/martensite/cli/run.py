@@ -96,8 +96,6 @@ class RunOptions:
         refuse_idle("--log", idle, "no waveform of the scenario is of kind `log`; use --compare")
         closed, periods = loaded.bench is not None, "a bench runs in its periods"
         refuse_idle("--tolerance", closed and self.tolerance is not None, periods)
-        outer = closed and bool(loaded.outside) and self.runtime is not None
-        refuse_idle("--runtime", outer, "a controller that is no kernel runs on floats")
         refuse_idle("--budget", closed and self.budget is not None, periods)
         refuse_idle("--at", self.at is not None and self.begin is None, "there is no --from")
         if self.begin is not None:
@@ -123,7 +121,7 @@ class RunOptions:
 
     def run(self, scenario: Scenario, *, quiet: bool) -> Result:
         """The run, which shows how far it is unless it shall be quiet."""
-        if scenario.bench is not None and not scenario.outside:
+        if scenario.bench is not None:
             with show_spinner(f"simulating {scenario.title}"):
                 return scenario.run(runtime=self.runtime)
         most = read_quantity("budget", self.budget, "s")
@@ -228,7 +226,7 @@ def _write_files(files: Outputs, scenario: Scenario, result: Result, record: Rec
         from martensite.show.figures.overview import save_figure
 
         records = [record] if record else None
-        save_figure(result, files.figure, records, scenario.title, scenario.outside)
+        save_figure(result, files.figure, records, scenario.title)
     if files.profile is not None:
         from martensite.show.figures.overview import plot_profile
         from martensite.show.figures.style import write_figure

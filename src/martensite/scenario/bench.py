@@ -11,7 +11,7 @@ A `follower` whose leader follows no reading of it needs no reference.
 
 The model of an observer, or of a controller that has one, is the system of the scenario itself; `model = {
 "element.diameter" = "0.37 mm" }` makes it another one (`model_changes`), and [observer.models.NAME] says what is
-different in a further model of a bank. A controller that is no kernel runs outside of the bench.
+different in a further model of a bank.
 """
 
 from __future__ import annotations
@@ -110,8 +110,8 @@ class BenchBuilder:
     """What everything is around."""
     places: Places
 
-    def build(self) -> tuple[Bench, dict[str, AbstractController], int | None]:
-        """The bench, controllers outside of it by drive, and the seed of its noise, if any.
+    def build(self) -> tuple[Bench, int | None]:
+        """The bench, and the seed of its noise, if any.
 
         Raises:
             InputError: a section, a name or a value does not fit.
@@ -131,12 +131,9 @@ class BenchBuilder:
         _check_references(document, found)
         faults = dict(self._fault(bench, row) for row in list_rows(document, FAULTS))
         bench = bench.with_parts(
-            controllers=Controllers(**{name: one for name, one in found.items() if one.kernel}),
-            supervisor=self._supervisor(bench, found),
-            faults=FaultTable(**faults),
+            controllers=Controllers(**found), supervisor=self._supervisor(bench, found), faults=FaultTable(**faults)
         )
-        outside = {name: one for name, one in found.items() if not one.kernel}
-        return bench, outside, int(settings.seed) if settings.noise == "drawn" else None
+        return bench, int(settings.seed) if settings.noise == "drawn" else None
 
     def _settings(self) -> BenchSettings:
         """[bench], with the period from where it stands."""

@@ -39,7 +39,7 @@ def collect_guard(scenario: Scenario) -> dict[str, Any] | None:
     bench = scenario.bench
     if bench is None:
         return None
-    controllers = {**bench.controllers.members(), **scenario.outside}
+    controllers = bench.controllers.members()
     checks = bench.supervisor.checks.members() if isinstance(bench.supervisor, Guard) else {}
     worst: list[dict[str, Any]] = []
     for drive, one in list_heated(bench.plant, controllers).items():

@@ -35,7 +35,6 @@ from martensite.simulate.drive_waveforms import Waveforms
 from martensite.simulate.restarts import HOME, Restart
 
 if TYPE_CHECKING:
-    from martensite.control.controllers.base import AbstractController
     from martensite.control.loop.bench import Bench
     from martensite.signals.records import Record
     from martensite.simulate.result import Result
@@ -111,8 +110,6 @@ class Scenario:
     """Sentences on how the parts were put together."""
     bench: Bench | None = None
     """The system with sensors, observers, controllers and faults around it, if there are any."""
-    outside: dict[str, AbstractController] = field(default_factory=dict[str, "AbstractController"])
-    """Controllers that are no kernels and run outside of the bench, by drive."""
     seed: int | None = None
     """Of the noise on the bench; None for a run without."""
     places: Places = field(default_factory=Places)
@@ -152,15 +149,12 @@ class Scenario:
         return self.waveform
 
     def parts(self) -> Iterator[Parametrised]:
-        """All components, those of controllers outside of the bench included."""
-        for one in (self.whole, *self.outside.values()):
-            yield from one.tree()
+        """All components."""
+        yield from self.whole.tree()
 
     def leaves(self) -> Iterator[Leaf]:
-        """All numbers of the system or bench, and those of controllers outside of it."""
+        """All numbers of the system or bench."""
         yield from self.whole.leaves()
-        for name, one in self.outside.items():
-            yield from one.leaves(f"controllers.{name}.")
 
     @property
     def cautions(self) -> list[str]:
@@ -182,11 +176,10 @@ class Scenario:
             tolerance: replaces that of the scenario; without a meaning on a bench.
             runtime: auto, floats, c or jax; by default auto, or on a bench c if there is a compiler.
             budget: CPU time [s] after which the run is given up; without a meaning on a bench.
-            tell: called now and then with what is done and which share of the run; on a bench
-                only if a controller runs outside.
+            tell: called now and then with what is done and which share of the run; not on a bench.
         """
         if self.bench is not None:
-            return self._run_bench(self.bench, runtime, tell)
+            return self._run_bench(self.bench, runtime)
         from martensite.simulate.api import simulate
 
         chosen, accepted = runtime or "auto", tolerance or self.tolerance
@@ -230,20 +223,18 @@ class Scenario:
         case = self.system, self.waveform, self.duration
         return find_step(*case, self.tolerance, self.samples).step
 
-    def _run_bench(self, bench: Bench, runtime: str | None, tell: Callable[[str, float], None] | None) -> Result:
+    def _run_bench(self, bench: Bench, runtime: str | None) -> Result:
         from martensite.control.loop.run import simulate_bench
         from martensite.simulate.drive_waveforms import by_name
 
         return simulate_bench(
             bench,
             self.duration,
-            outside=self.outside or None,
             seed=self.seed,
             runtime=runtime,
             waveforms=by_name(self.system, self.waveform),
             start=self.start or HOME,
             restart_at=self.restart_at,
-            watch=None if tell is None else lambda share: tell("simulating", share),
         )
 
 
@@ -287,7 +278,7 @@ def _build_scenario(document: dict[str, Any], text: str, path: Path | None, log:
     controlled = has_controllers(document)
     assembly = Assembly(document, folder, log, run.lead, origins, controlled=controlled)
     system, places = assembly.system(), Places(assembly.drive)
-    bench, outside, seed = _build_bench(assembly, system, places)
+    bench, seed = _build_bench(assembly, system, places)
     waveform, duration = assembly.list_waveforms(system), _find_duration(run, assembly.end)
     _require_countable_edges(waveform, duration)
     return Scenario(
@@ -307,7 +298,6 @@ def _build_scenario(document: dict[str, Any], text: str, path: Path | None, log:
         lead=run.lead,
         remarks=assembly.cautions,
         bench=bench,
-        outside=outside,
         seed=seed,
         places=places,
         initial=_read_initial(document, system if bench is None else bench),
@@ -338,12 +328,10 @@ def _require_countable_edges(waveform: Waveforms, duration: float) -> None:
                 require_countable(part.registered_name, part.count_edges(duration), duration)
 
 
-def _build_bench(
-    assembly: Assembly, plant: AbstractSystem, places: Places
-) -> tuple[Bench | None, dict[str, AbstractController], int | None]:
-    """What is around a system: bench, controllers outside of it, seed; loaded only if needed."""
+def _build_bench(assembly: Assembly, plant: AbstractSystem, places: Places) -> tuple[Bench | None, int | None]:
+    """What is around a system: bench and seed; loaded only if needed."""
     if not is_bench(assembly.document):
-        return None, {}, None
+        return None, None
     from martensite.scenario.bench import BenchBuilder
 
     return BenchBuilder(assembly, plant, places).build()

@@ -37,14 +37,8 @@ def build_course(
         precision: float64, or float32 on JAX or CUDA.
 
     Raises:
-        InputError: a controller of the scenario runs outside of the kernel, runs on JAX or in float32 have no
-            step, or there is no CUDA device.
+        InputError: runs on JAX or in float32 have no step, or there is no CUDA device.
     """
-    if scenario.outside:
-        raise InputError(
-            f"The controller of `{next(iter(scenario.outside))}` is no kernel and cannot be swept; "
-            "take one that is, such as `pid`."
-        )
     system, samples = scenario.require_home("Every run of a sweep").whole, scenario.samples
     interval = system.sample_time()
     if interval:

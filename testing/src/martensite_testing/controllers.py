@@ -54,8 +54,6 @@ def check_reads(controller: AbstractController) -> None:
 
 def check_memory(controller: AbstractController) -> None:
     """What it remembers are numbers, as many at every sample."""
-    if not controller.kernel:
-        return
     readings, target = list_readings(controller), find_target(controller)
     memory = tuple(flatten_numbers(tuple(controller.rest(floats, target, readings))))
     count = len(memory)
@@ -70,8 +68,6 @@ def check_memory(controller: AbstractController) -> None:
 
 def check_no_time(controller: AbstractController) -> None:
     """Without time between samples it answers, with a finite slope by the reference."""
-    if not controller.kernel:
-        return
     readings, target = list_readings(controller), find_target(controller)
 
     def answer(xp: Namespace, reference: Scalar) -> Scalar:
@@ -87,8 +83,6 @@ def check_no_time(controller: AbstractController) -> None:
 
 def check_rest(controller: AbstractController) -> None:
     """With its plant at rest and nothing to do, its signal stays as it is."""
-    if not controller.kernel:
-        return
     resting = controller.with_parts(reference=Constant(level=find_target(controller)))
     memory, signals = resting.init(), list[float]()
     for k in range(20):
@@ -113,7 +107,7 @@ def find_limits(controller: AbstractController) -> tuple[float, float] | None:
 def check_limits(controller: AbstractController) -> None:
     """Whatever is read, its signal stays within the limits that it declares."""
     limits, readings = find_limits(controller), list_readings(controller)
-    if limits is None or not controller.kernel:
+    if limits is None:
         return
     target = find_target(controller)
     memory = controller.rest(floats, target, readings)
@@ -128,7 +122,7 @@ def check_limits(controller: AbstractController) -> None:
 def check_bench(controller: AbstractController) -> None:
     """On a bench, traced, it does what it does as a drive on plain floats beside it."""
     plant = build_plant()
-    if not controller.kernel or not set(controller.reads()) <= set(plant.outputs()):
+    if not set(controller.reads()) <= set(plant.outputs()):
         return
     low, high = find_range(controller.measured)
     low = find_target(controller)

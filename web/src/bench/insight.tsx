@@ -18,6 +18,9 @@ function tryOut({ changes }: Trial): void {
   send(changes);
 }
 
+/** A number stays on the line of its unit. */
+const unbroken = (text: string): string => text.replaceAll(/(\d) /g, "$1\u00a0");
+
 const capital = (words: string): string => words.charAt(0).toUpperCase() + words.slice(1);
 
 /** What the trials gave, beside the run itself. */
@@ -82,7 +85,7 @@ export function Insight() {
     <section class="panel insight" aria-label="What limits this run" aria-busy={trying.value}>
       <div class="insight-said">
         <p>
-          {said.sentence} <span class="insight-promise">{promised.value}</span>
+          {unbroken(said.sentence)} <span class="insight-promise">{unbroken(promised.value)}</span>
         </p>
         {remedies.value.length > 0 && (
           <button type="button" aria-expanded={open.value} onClick={ask}>

@@ -90,11 +90,22 @@ export function Key({ of }: { of: Run }) {
   );
 }
 
-/** The loop that stands beside the mechanism is the first; others are among the charts. */
+/** Whether something happens along both axes: at one temperature there is no loop over it. */
+function isOpen(of: Run, loop: Loop): boolean {
+  const varies = (name: string): boolean => {
+    const column = of.columns[name] ?? [];
+    const [low, high] = [column.reduce((a, b) => Math.min(a, b), Infinity), column.reduce((a, b) => Math.max(a, b), -Infinity)];
+    return high - low > 1e-6 * Math.max(Math.abs(low), Math.abs(high));
+  };
+  return (loop.ports[portsOf(of)[0] ?? ""] ?? []).every(varies);
+}
+
+/** Beside the mechanism stands the first loop of which there is something to be seen; others are among the charts. */
 export function Loops({ of, isBeside }: { of: Run; isBeside: boolean }) {
+  const first = of.loops.find((loop) => isOpen(of, loop)) ?? of.loops[0];
   return (
     <>
-      {(isBeside ? of.loops.slice(0, 1) : of.loops.slice(1)).map((loop) => (
+      {of.loops.filter((loop) => (loop === first) === isBeside).map((loop) => (
         <One key={loop.key} of={of} loop={loop} height={isBeside ? planeHeight.value : HEIGHT} />
       ))}
     </>

@@ -2,7 +2,7 @@
 
 import { Plane, Raycaster, Vector2, Vector3, type Camera, type Object3D } from "three";
 
-/** Told while something is held; points [m] lie in the plane through it that faces the camera. */
+/** Told while something is held; points [m], as drawn, lie in the plane through it that faces the camera. */
 export interface Grabbing {
   /** Whether a shape of this name can be held. */
   may: (name: string) => boolean;
@@ -78,5 +78,55 @@ export class Picker {
       }
     }
     return found;
+  }
+}
+
+/** The pointer over a canvas: what it is over, and what it holds. */
+export class Pointer {
+  hover: Hit | null = null;
+  grabbing: Grabbing | null = null;
+  private held: Hit | null = null;
+
+  constructor(
+    host: HTMLElement,
+    private readonly canvas: HTMLCanvasElement,
+    private readonly picker: Picker,
+    private readonly targets: () => Target[],
+    private readonly changed: () => void,
+  ) {
+    canvas.addEventListener("pointermove", (event) => this.move(event));
+    canvas.addEventListener("pointerleave", () => this.over(null));
+    // before the controls of the camera, which would turn it
+    host.addEventListener("pointerdown", (event) => this.press(event), { capture: true });
+    for (const kind of ["pointerup", "pointercancel"] as const) canvas.addEventListener(kind, () => this.release());
+  }
+
+  private over(found: Hit | null): void {
+    if (found?.target !== this.hover?.target) this.changed();
+    this.hover = found;
+  }
+
+  private move(event: PointerEvent): void {
+    if (this.held) {
+      const point = this.picker.within(event, this.held.point);
+      if (point) this.grabbing?.onDrag(this.held.target.name, point.toArray());
+    } else if (!event.buttons) {
+      this.over(this.picker.pick(event, this.targets()));
+      this.canvas.style.cursor = this.hover && this.grabbing?.may(this.hover.target.name) ? "grab" : "";
+    }
+  }
+
+  private press(event: PointerEvent): void {
+    const found = this.grabbing && event.button === 0 ? this.picker.pick(event, this.targets()) : null;
+    if (!found || !this.grabbing?.may(found.target.name)) return;
+    event.stopPropagation();
+    this.held = found;
+    this.canvas.setPointerCapture(event.pointerId);
+    this.grabbing.onGrab(found.target.name, found.point.toArray());
+  }
+
+  private release(): void {
+    if (this.held) this.grabbing?.onRelease(this.held.target.name);
+    this.held = null;
   }
 }

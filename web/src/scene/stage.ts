@@ -1,21 +1,23 @@
 // The mechanism in space, by WebGL. Renders when something has changed and never otherwise.
 
 import {
-  AmbientLight, BufferAttribute, DirectionalLight, HemisphereLight, Matrix4, Mesh, MeshLambertMaterial, PerspectiveCamera, Scene,
-  Vector3, WebGLRenderer, type Group, type Object3D,
+  AmbientLight, DirectionalLight, HemisphereLight, MeshLambertMaterial, PerspectiveCamera, Scene, Vector3, WebGLRenderer,
+  type Group, type Object3D,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { SceneData, Shape } from "../lib/types.ts";
 import { Arrows } from "./arrows.ts";
 import { place, type Spot } from "./camera.ts";
 import { Cast } from "./cast.ts";
-import { findCuts, lengthOf, type Cut } from "./cuts.ts";
+import { findCuts, type Cut } from "./cuts.ts";
 import { Ground } from "./ground.ts";
-import { arrange, Labels, type Word, type Written } from "./labels.ts";
+import { arrange, Labels, type Written } from "./labels.ts";
 import { Materials, type Colours } from "./materials.ts";
 import { round, type Motion } from "./motion.ts";
-import { Picker, type Grabbing, type Hit } from "./pick.ts";
+import { Picker, Pointer, type Grabbing } from "./pick.ts";
+import { boundsOf, spotsOf } from "./spots.ts";
 import type { Rgb } from "./tint.ts";
+import { wordsOf } from "./words.ts";
 
 export type View = "free" | "front" | "side" | "top";
 
@@ -39,14 +41,8 @@ const TURN = 0.12;
 const NEARER = 0.88;
 /** Share of half a frame that is filled: names need some room. */
 const ROOM: [number, number] = [0.93, 0.88];
-/** Pictures of a run that the camera is fitted to. */
-const FITTED = 9;
 /** Rest after which a picture is drawn again with smooth edges, where that costs much [ms]. */
 const REST = 130;
-/** So many elements have their values beside their names. */
-const FEW = 4;
-/** Kinds that are named, the first ones first. */
-const NAMED = ["wire", "weight", "phalanx", "fingertip", "palm", "plate", "pulley", "motor", "rotor", "beam", "cylinder", "slider", "spring", "object", "link"];
 
 /** Asked of WebGL. Where a processor has to draw, edges are not smoothed while anything moves, which costs it most. */
 const ASKED = { alpha: true, antialias: true, powerPreference: "low-power" } as const;
@@ -59,7 +55,6 @@ export class Stage {
   /** Names of everything, and forces as arrows. */
   named = false;
   forces = false;
-  grabbing: Grabbing | null = null;
 
   private readonly renderer: WebGLRenderer;
   private readonly quick: boolean;
@@ -74,7 +69,7 @@ export class Stage {
   });
   private readonly ground = new Ground();
   private readonly labels: Labels;
-  private readonly picker: Picker;
+  private readonly pointer: Pointer;
   private readonly arrows: Arrows;
   private cast: Cast | null = null;
   private ghost: Cast | null = null;
@@ -86,8 +81,6 @@ export class Stage {
   private resting = 0;
   private time = 0;
   private reading: Reading | null = null;
-  private hover: Hit | null = null;
-  private held: Hit | null = null;
 
   /** `smooth`: pixels of the picture for one of the page, where it is not drawn by itself but when asked to. */
   constructor(
@@ -108,12 +101,16 @@ export class Stage {
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => this.soon());
     this.controls.addEventListener("start", () => (this.touched = true));
-    this.picker = new Picker(this.camera, canvas);
     this.arrows = new Arrows(this.materials.made.force);
     this.light();
     this.world.add(this.camera, ...this.ground.parts, this.arrows.group);
-    this.listen(canvas);
+    this.pointer = new Pointer(host, canvas, new Picker(this.camera, canvas), () => this.cast?.targets ?? [], () => this.soon());
     this.resize();
+  }
+
+  /** Who is told while something is held. */
+  set grabbing(grabbing: Grabbing | null) {
+    this.pointer.grabbing = grabbing;
   }
 
   get motion(): Motion | null {
@@ -221,7 +218,7 @@ export class Stage {
     this.arrows.group.visible = true;
     this.renderer.render(this.world, this.camera);
     const { clientWidth: width, clientHeight: height } = this.host;
-    return { canvas: this.renderer.domElement, words: arrange([...this.words(), ...shown], this.camera, width, height) };
+    return { canvas: this.renderer.domElement, words: arrange([...wordsOf(this.cast, this.reading, this.pointer.hover, this.named), ...shown], this.camera, width, height) };
   }
 
   /** See the mechanism as another stage does. */
@@ -258,6 +255,15 @@ export class Stage {
     return made as Found;
   }
 
+  private measure(casts: Cast[]): void {
+    this.spots = casts.flatMap(spotsOf);
+    const [low, high] = boundsOf(this.spots);
+    const extent = Math.hypot(...high.map((x, k) => x - (low[k] ?? 0)));
+    this.step = round(0.14 * extent);
+    this.ground.put(low, high, (low[2] ?? 0) - 0.03 * extent, this.step);
+    this.host.dataset.grid = `${Number((1000 * this.step).toPrecision(3))} mm`;
+  }
+
   private light(): void {
     const [lamp, rim] = [new DirectionalLight(0xffffff, 1.9), new DirectionalLight(0xffffff, 0.8)];
     this.camera.add(lamp, lamp.target, rim, rim.target);
@@ -267,100 +273,6 @@ export class Stage {
     const sky = new HemisphereLight(0xffffff, 0x8a8a90, 1.5);
     sky.position.set(0, 0, 1);
     this.world.add(sky, new AmbientLight(0xffffff, 0.35));
-  }
-
-  /** What the camera must see: corners of everything over the run, and the floor below it. */
-  private measure(casts: Cast[]): void {
-    this.spots = [];
-    for (const cast of casts) {
-      const { times } = cast.motion.data;
-      for (let k = 0; k < FITTED; k++) {
-        cast.put(times[Math.round((k * (times.length - 1)) / (FITTED - 1))] ?? 0);
-        cast.group.updateMatrixWorld(true);
-        cast.group.traverseVisible((one) => one instanceof Mesh && this.spots.push(...cornersOf(one)));
-      }
-    }
-    const [low, high] = [[0, 1, 2], [0, 1, 2]].map((axes, side) =>
-      axes.map((axis) => this.spots.reduce((found, [at]) => Math[side ? "max" : "min"](found, at.getComponent(axis)), side ? -Infinity : Infinity)),
-    ) as [number[], number[]];
-    const extent = Math.hypot(...high.map((x, k) => x - (low[k] ?? 0)));
-    this.step = round(0.14 * extent);
-    this.ground.put(low, high, (low[2] ?? 0) - 0.03 * extent, this.step);
-    this.host.dataset.grid = `${Number((1000 * this.step).toPrecision(3))} mm`;
-  }
-
-  private listen(canvas: HTMLCanvasElement): void {
-    const targets = (): Cast["targets"] => this.cast?.targets ?? [];
-    canvas.addEventListener("pointermove", (event) => {
-      if (this.held) {
-        const point = this.picker.within(event, this.held.point);
-        if (point) this.grabbing?.onDrag(this.held.target.name, point.toArray());
-        return;
-      }
-      if (event.buttons) return;
-      const found = this.picker.pick(event, targets());
-      if (found?.target !== this.hover?.target) this.soon();
-      this.hover = found;
-      canvas.style.cursor = found && this.grabbing?.may(found.target.name) ? "grab" : "";
-    });
-    canvas.addEventListener("pointerleave", () => {
-      this.hover = null;
-      this.soon();
-    });
-    // before the controls of the camera, which would turn it
-    this.host.addEventListener(
-      "pointerdown",
-      (event) => {
-        const found = this.grabbing && event.button === 0 ? this.picker.pick(event, targets()) : null;
-        if (!found || !this.grabbing?.may(found.target.name)) return;
-        event.stopPropagation();
-        this.held = found;
-        canvas.setPointerCapture(event.pointerId);
-        this.grabbing.onGrab(found.target.name, found.point.toArray());
-      },
-      { capture: true },
-    );
-    for (const kind of ["pointerup", "pointercancel"] as const) {
-      canvas.addEventListener(kind, () => {
-        if (this.held) this.grabbing?.onRelease(this.held.target.name);
-        this.held = null;
-      });
-    }
-  }
-
-  /** What is written over the picture. */
-  private words(): Word[] {
-    const { cast, reading, hover } = this;
-    if (!cast || !reading) return [];
-    const { shapes } = cast.motion.data;
-    const middle = (k: number): Vector3 => midst(cast.targets[k]?.points ?? []);
-    const found: Word[] = [];
-    const over = hover ? cast.targets.indexOf(hover.target) : -1;
-    const under = shapes[over];
-    if (hover && under) found.push({ text: reading.words(under, cast.motion.extent).join("\n"), at: hover.point, kind: "hover" });
-    for (const axis of new Set(this.cuts.map((cut) => cut.axis))) {
-      const along = this.cuts.filter((cut) => cut.axis === axis).sort((a, b) => lengthOf(b) - lengthOf(a));
-      const mark = cast.breaks.find((one) => one.mark.object.visible && one.mark.cut === along[0])?.mark;
-      const lost = along.reduce((sum, cut) => sum + lengthOf(cut), 0);
-      if (mark) found.push({ text: `${Number((1000 * lost).toPrecision(3))} mm not drawn`, at: mark.at, kind: "cut" });
-    }
-    shapes.forEach((shape, k) => {
-      if (shape.mass && k !== over) {
-        found.push({ text: mass(shape.mass), at: middle(k).add(new Vector3(0, 0, -1.45 * shape.size)), kind: "mass" });
-      }
-    });
-    if (this.named) {
-      const order = shapes.map((_, k) => k).filter((k) => NAMED.includes(shapes[k]?.kind ?? "") && k !== over);
-      // of many elements the values would hide the mechanism
-      const few = cast.wires <= FEW;
-      const rank = (k: number): number => (shapes[k]?.port !== undefined && !few ? NAMED.length : NAMED.indexOf(shapes[k]?.kind ?? ""));
-      order.sort((a, b) => rank(a) - rank(b));
-      for (const k of order) {
-        const [name = "", , value] = reading.words(shapes[k] as Shape, cast.motion.extent);
-        found.push({ text: value && few && shapes[k]?.port ? `${name}: ${value}` : name, at: middle(k), kind: "name" });
-      }
-    }
-    return found;
   }
 
   private soon(): void {
@@ -383,35 +295,4 @@ export class Stage {
     this.rendered += 1;
     Object.assign(this.host.dataset, { rendered: this.rendered, time: this.time, held: this.renderer.info.memory.geometries });
   }
-}
-
-/** A mass in words. */
-const mass = (kilograms: number): string =>
-  kilograms < 1 ? `${Number((1000 * kilograms).toPrecision(3))} g` : `${Number(kilograms.toPrecision(3))} kg`;
-
-/** The middle of a line; of other points, their mean. */
-function midst(points: Vector3[]): Vector3 {
-  const k = Math.max(1, Math.floor(points.length / 2));
-  const [a = new Vector3(), b = a] = points.length === 2 ? points : [points[k - 1], points[k]];
-  return a.clone().lerp(b, 0.5);
-}
-
-const corner = new Vector3();
-const matrix = new Matrix4();
-
-/** Points around a mesh: corners of its box as it is turned, or some of its own points if it bends. */
-function cornersOf(mesh: Mesh): Spot[] {
-  matrix.copy(mesh.matrixWorld);
-  const places = mesh.geometry.getAttribute("position") as BufferAttribute;
-  if (mesh.userData.bends) {
-    const step = Math.max(2, Math.floor(places.count / 60) | 1);
-    return Array.from({ length: Math.floor(places.count / step) }, (_, k): Spot => [new Vector3().fromBufferAttribute(places, k * step).applyMatrix4(matrix), 0]);
-  }
-  mesh.geometry.boundingBox ?? mesh.geometry.computeBoundingBox();
-  const box = mesh.geometry.boundingBox;
-  if (!box) return [];
-  return Array.from({ length: 8 }, (_, k): Spot => {
-    corner.set(k & 1 ? box.max.x : box.min.x, k & 2 ? box.max.y : box.min.y, k & 4 ? box.max.z : box.min.z);
-    return [corner.clone().applyMatrix4(matrix), 0];
-  });
 }

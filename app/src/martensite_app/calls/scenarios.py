@@ -99,7 +99,7 @@ def _draw_run(scenario: Scenario, result: Result) -> JsonTable:
     """What is drawn; the page makes the rest from `views` and `parameters` (`web/src/views/answer.ts`)."""
     views = describe_formulas(scenario, result)
     return {
-        "traces": list_panels(result, scenario.outside),
+        "traces": list_panels(result),
         "loops": list_loops(result),
         "energy": describe_energy(result),
         "key": tabulate_key_results(result).rows,
@@ -129,7 +129,7 @@ def _write_figure(scenario: Scenario, result: Result, path: Path) -> None:
     from martensite.show.figures.overview import save_figure
 
     records = [scenario.measured.read()] if scenario.measured else None
-    save_figure(result, path, records, scenario.title, scenario.outside)
+    save_figure(result, path, records, scenario.title)
 
 
 def _write_table(scenario: Scenario, result: Result, path: Path) -> None:

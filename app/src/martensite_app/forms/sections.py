@@ -260,8 +260,6 @@ def describe_bench(scenario: Scenario, walk: ControlWalk) -> Iterator[GroupNode]
     for name in ("sensors", "observers", "controllers", "faults"):
         for key, one in getattr(bench, name).members().items():
             items.append(_describe_part(walk, one, f"{name}.{key}", f"{name[:-1]} {key}"))
-    for name, one in scenario.outside.items():
-        items.append(_describe_part(walk, one, f"controllers.{name}", f"controller of {name}"))
     if bench.supervisor is not None:
         items.append(_describe_part(walk, bench.supervisor, SUPERVISOR, SUPERVISOR))
     yield build_group(BENCH, CONTROL, items)

@@ -27,8 +27,8 @@ def write_page(folder: Path, scenario: Path | None, json: bool) -> None:
         check_files(text, {})
         if not can_offer(text):
             raise InputError(
-                f"A page without a server cannot run `{name}`: it starts elsewhere than at home, keeps states, or has "
-                "a controller outside of the C. Use `martensite app`."
+                f"A page without a server cannot run `{name}`: it starts elsewhere than at home, or keeps states. "
+                "Use `martensite app`."
             )
     manifest = write_site(folder, texts, lambda words: typer.echo(words, err=True))
     made = sorted(path for path in folder.rglob("*") if path.is_file())

@@ -33,7 +33,7 @@ from martensite.simulate.envelope import envelope_of
 from martensite.simulate.grid import just_after
 
 MORE = 2
-"""So many times the segments that a run needs are known, so that shorter periods are, too."""
+"""So many times the duration of a run its segments are known for, so that those of shorter periods are, too."""
 MOST_SEGMENTS = 2000
 """A waveform of more segments is read at its samples, or not offered."""
 SEGMENT = ("start", "level", "slope", "bend")
@@ -119,18 +119,15 @@ def _list_scalars(scenario: Scenario, compiled: CompiledMarch) -> Iterator[tuple
 
 def _choose_shape(wave: AbstractWaveform, duration: float, interval: float) -> DriveShape:
     """As many segments as a run needs, and more; none where they are too many, or miss what is read."""
-    known = list(islice(wave.segments(0.0), MOST_SEGMENTS + 1))
-    needed = _count_segments(known, duration)
-    if needed > MOST_SEGMENTS:
+    fitted = type(wave).segments is AbstractWaveform.segments
+    if fitted and interval > 0.0:  # parabolas that are put through readings are no better than these
         return DriveShape(0, 0)
-    shape = DriveShape(min(len(known), MORE * needed, MOST_SEGMENTS), len(wave.tones()))
-    if interval > 0.0 and not _tells_readings(wave, known[: shape.segments], duration, interval):
+    coming = takewhile(lambda one: one.start <= MORE * duration, wave.segments(0.0))
+    known = list(islice(coming, MOST_SEGMENTS + 1))
+    missed = interval > 0.0 and not _tells_readings(wave, known, duration, interval)
+    if missed or len(known) > MOST_SEGMENTS:
         return DriveShape(0, 0)
-    return shape
-
-
-def _count_segments(known: Sequence[Segment], duration: float) -> int:
-    return sum(1 for _ in takewhile(lambda one: one.start <= duration, known))
+    return DriveShape(len(known), len(wave.tones()))
 
 
 def _tells_readings(wave: AbstractWaveform, known: Sequence[Segment], duration: float, interval: float) -> bool:

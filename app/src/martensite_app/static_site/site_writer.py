@@ -59,9 +59,9 @@ def list_offered() -> dict[str, str]:
 
 
 def can_offer(text: str) -> bool:
-    """Whether the page can run a scenario: it starts at home, and no controller runs outside of the C."""
+    """Whether the page can run a scenario: it starts at home and keeps no states."""
     scenario = build_packaged(text)
-    return not (scenario.outside or scenario.initial or scenario.restart_at)
+    return not (scenario.initial or scenario.restart_at)
 
 
 def describe_scenario_files(name: str, text: str) -> tuple[Mapping[str, bytes], JsonTable]:

@@ -46,7 +46,7 @@ def describe_page(scenario: Scenario, result: Result | None = None) -> JsonTable
         "outputs": {name: describe_column(result, name) for name in result.columns},
         "coordinate": result.coordinate,
         "ports": list(result.system.actuators()),
-        "traces": list_panels(result, scenario.outside, repeated=True),
+        "traces": list_panels(result, repeated=True),
         "loops": list_loops(result),
         "cautions": scenario.cautions,
         "views": {

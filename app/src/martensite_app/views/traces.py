@@ -8,12 +8,11 @@ judges, linear between samples.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from itertools import pairwise
 
 from martensite.actuators.assembly.outputs import OUTPUTS
-from martensite.control.controllers.base import AbstractController
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import ALARM, MEASURED
 from martensite.control.observers.base import ESTIMATED
@@ -30,7 +29,6 @@ TOGETHER = {"hottest": "temperature", "oriented_fraction": "martensite_fraction"
 """Output of an actuator -> the one in whose panel it stands."""
 USUAL = ("temperature", "martensite_fraction", "stress", "drive")
 """Panels of actuators that are shown until others are chosen."""
-Outside = Mapping[str, AbstractController]
 LEVELS = ("temperature", "stress")
 """Kinds whose limit is a level of the column itself."""
 Span = tuple[float, float]
@@ -55,10 +53,10 @@ class TracePanel:
         self.ports.setdefault(port, []).append(column)
 
 
-def list_panels(result: Result, outside: Outside | None = None, *, repeated: bool = False) -> list[JsonTable]:
+def list_panels(result: Result, *, repeated: bool = False) -> list[JsonTable]:
     """The panels over time, from top to bottom; with columns that repeat an earlier one only if asked for."""
     panels: dict[str, TracePanel] = {}
-    homes = _find_homes(result, outside)
+    homes = _find_homes(result)
     for name in result.columns:
         port, key, usual = homes.get(name, ("", name, False))
         if key not in panels:
@@ -72,7 +70,7 @@ def list_panels(result: Result, outside: Outside | None = None, *, repeated: boo
     return [asdict(panel) for panel in sorted(panels.values(), key=_rank_panel)]
 
 
-def _find_homes(result: Result, outside: Outside | None) -> dict[str, tuple[str, str, bool]]:
+def _find_homes(result: Result) -> dict[str, tuple[str, str, bool]]:
     found = dict(_place_mechanism(result))
     for port, actuator in result.system.actuators().items():
         twice = actuator.source.sets_temperature
@@ -80,7 +78,7 @@ def _find_homes(result: Result, outside: Outside | None) -> dict[str, tuple[str,
             key = TOGETHER.get(name, name)
             usual = key in USUAL and not (twice and key == "drive")
             found[result.system.label(port, name)] = port, key, usual
-    beside = dict(_place_bench(result, outside)) | dict(_place_estimates(result))
+    beside = dict(_place_bench(result)) | dict(_place_estimates(result))
     return found | {name: found[home] for name, home in beside.items() if home in found}
 
 
@@ -93,7 +91,7 @@ def _place_mechanism(result: Result) -> Iterator[tuple[str, tuple[str, str, bool
         yield name, ("", key, key in judged or key == result.coordinate)
 
 
-def _place_bench(result: Result, outside: Outside | None) -> Iterator[tuple[str, str]]:
+def _place_bench(result: Result) -> Iterator[tuple[str, str]]:
     if not isinstance(result.system, Bench):
         return
     plant = result.system.plant
@@ -102,7 +100,7 @@ def _place_bench(result: Result, outside: Outside | None) -> Iterator[tuple[str,
         if truth in result.outputs and result.unit(truth) == result.unit(MEASURED + name):
             yield MEASURED + name, truth
     drives = {plant.drive_at(port): plant.label(port, "drive") for port in plant.actuators()}
-    for loop in controlled(result, outside):
+    for loop in controlled(result):
         names = [n for n in ("reference", f"reference.{loop.drive}") if n in result.columns]
         yield names[-1] if names else "", loop.truth
         if loop.wanted and loop.drive in drives:

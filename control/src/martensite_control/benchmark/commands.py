@@ -118,6 +118,30 @@ def _list_parts() -> Summary:
 
 
 @benchmark.command()
+def guards(
+    entry: Annotated[Texts, Option(help="Entry; repeatable [default: all].")] = None,
+    read: Annotated[Path | None, Option(help="Show a table that was saved, and run nothing.")] = None,
+    save: Annotated[Path | None, Option(help="Table to write: .json.")] = None,
+    json: Json = False,
+) -> None:
+    """Run entries for an hour without a fault, and under all faults, with the default guard and the benchmark's."""
+    from martensite.show.terminal import print_summary
+    from martensite_control.benchmark.entries import find_entry, load_entries
+    from martensite_control.benchmark.guard_runs import format_guards, read_guards, run_guards, summarise_guards
+
+    refuse_idle("--save", save is not None and read is not None, "--read runs nothing")
+    if read is not None:
+        print_summary(summarise_guards(read_guards(read)), json)
+        return
+    entries = [find_entry(name) for name in entry or load_entries()]
+    with show_progress("guards of the benchmark") as tell:
+        rows = run_guards(entries, tell=tell)
+    if save is not None:
+        save.write_text(format_guards(rows), encoding="utf-8")
+    print_summary(summarise_guards(rows), json, [] if save is None else [save])
+
+
+@benchmark.command()
 def tune(
     save: Annotated[Path, Option(help="File of gains to write, or to go on with: .toml.")],
     entry: Annotated[Texts, Option(help="Entry; repeatable [default: all].")] = None,

@@ -18,7 +18,7 @@ from martensite.base.errors import DataError
 from martensite.control.loop.bench import Bench
 from martensite_control.benchmark.entries import BenchmarkEntry, find_scale
 from martensite_control.benchmark.faults import BEGIN, FAULT_CASES, OVER
-from martensite_control.benchmark.guards import MARGIN
+from martensite_control.benchmark.guards import MARGIN, SENSORS
 from martensite_control.benchmark.runs import MEASURES, NO_FAULT, PlantRuns
 from martensite_control.benchmark.tasks import FOLDER, ORDER, BenchmarkTask
 from martensite_control.benchmark.wires import (
@@ -179,11 +179,14 @@ def run_benchmark(
 def _run_heat(
     heat: BenchmarkHeat, faults: Sequence[str], wires: int
 ) -> Iterator[tuple[tuple[str, str, str], dict[str, Numbers]]]:
+    few = min(getattr(heat.competitor, "fault_wires", None) or wires, wires)
     runs = heat.competitor.prepare_runs(heat.tasks, wires, len(faults) > 1)
     for fault in faults:
-        found = runs.run(fault)
+        if fault != NO_FAULT and runs.wires > few:
+            runs = heat.competitor.prepare_runs(heat.tasks, few, True)
+        found, count = runs.run(fault), runs.wires
         for k, task in enumerate(heat.tasks):
-            own = slice(k * wires, (k + 1) * wires)
+            own = slice(k * count, (k + 1) * count)
             yield (heat.competitor.name, task.name, fault), {name: found[name][own] for name in MEASURES}
 
 
@@ -227,13 +230,14 @@ class EntryRuns:
 
     def __init__(self, entry: BenchmarkEntry) -> None:
         self.entry, self.name, self.title, self.plants = entry, entry.name, entry.title, entry.plants
+        self.fault_wires = entry.fault_wires
 
-    def prepare_runs(self, tasks: Sequence[BenchmarkTask], wires: int, faulty: bool) -> PlantRuns:
+    def prepare_runs(self, tasks: Sequence[BenchmarkTask], wires: int, faulty: bool, guard: str = SENSORS) -> PlantRuns:
         """Its runs on one plant, all in one program."""
         plant = tasks[0].plant
         bench: Bench = self.entry.build_bench(plant)
         values = self.entry.list_repetitions(tasks, wires)
-        runs = PlantRuns(bench, tasks, draw_wires(bench, wires), faulty=faulty, values=values)
+        runs = PlantRuns(bench, tasks, draw_wires(bench, wires), faulty=faulty, guard=guard, values=values)
         runs.set_references(*find_scale(self.entry.list_numbers(plant)))
         return runs
 

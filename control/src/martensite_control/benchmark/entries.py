@@ -2,11 +2,11 @@
 
 An entry stands in `entries/NAME.toml`: its `controller` as in a scenario, `plants` that it is for (all by default), and
 `free`, which of its numbers are searched, each with bounds and, where it is in signal per unit of what is followed or
-in that unit, `per-span` or `span`: then the bounds are for a span of 1. On a plant whose two drives pull against each
-other the second drive has the same controller with the numbers `negative` of opposite sign and those of `mirror` as
-given there, unless the first one `leads` it. A controller that learns a task is told when it repeats, in the number
-`repeats`; a task that does not is one repetition. Numbers found are in `gains.toml`, by entry and plant, with where
-they come from.
+in that unit, `per-span` or `span`: then the bounds are for a span of 1. Numbers `borrowed` are those of another entry.
+On a plant whose two drives pull against each other the second drive has the same controller with the numbers `negative`
+of opposite sign and those of `mirror` as given there, unless the first one `leads` it. A controller that learns a task
+is told when it repeats, in the number `repeats`; a task that does not is one repetition. Numbers found are in
+`gains.toml`, by entry and plant, with where they come from.
 """
 
 from __future__ import annotations
@@ -73,6 +73,8 @@ class BenchmarkEntry:
     free: tuple[FreeGain, ...] = ()
     fixed: Mapping[str, Any] | None = None
     """Numbers that follow from the span: a number and its scale, by name."""
+    borrowed: Mapping[str, str] | None = None
+    """Numbers that are those of another entry on the same plant, as `pid.Kp`, by name."""
     plants: tuple[str, ...] = ORDER
     why: str = ""
     """Why it has no entry on the other plants."""
@@ -86,6 +88,8 @@ class BenchmarkEntry:
     """Name of the time after which a task repeats, of a controller that learns."""
     rounds: int | None = None
     """Of the search of its numbers, where it gets fewer than the others."""
+    fault_wires: int | None = None
+    """How many of the wires it runs with faults, where these are not all."""
 
     def build_bench(self, plant: str, numbers: Mapping[str, float] | None = None) -> Bench:
         """A plant under this controller, without a guard.
@@ -103,9 +107,12 @@ class BenchmarkEntry:
         return bench.with_values(self.place_numbers(plant, self.list_numbers(plant, numbers)))
 
     def list_numbers(self, plant: str, numbers: Mapping[str, Any] | None = None) -> dict[str, Any]:
-        """Numbers on a plant, those that follow from its span among them; by default those of `gains.toml`."""
+        """Numbers on a plant, those that follow from its span or another entry too; by default of `gains.toml`."""
         span = find_span(plant)
         fixed = {name: value * scale_by(scale, span) for name, (value, scale) in (self.fixed or {}).items()}
+        for name, where in (self.borrowed or {}).items():
+            entry, _, path = where.partition(".")
+            fixed[name] = load_gains(entry, plant)[path]
         return {**fixed, **(load_gains(self.name, plant) if numbers is None else numbers)}
 
     def _list_sections(self, plant: str, place: int) -> dict[str, Any]:
@@ -199,11 +206,7 @@ def load_gains(entry: str, plant: str) -> dict[str, float]:
     return dict(_read_gains().get(entry, {}).get(plant, {}).get("numbers", {}))
 
 
-ABSENT = {
-    "latched": "acts once, on one event, and follows no reference",
-    "follower": "has the signals of its leader",
-    "mpc": "costs a hundred times the others in a period: an hour for its numbers and all its runs",
-}
+ABSENT = {"latched": "acts once, on one event, and follows no reference", "follower": "has the signals of its leader"}
 """Kinds of controllers without an entry, and why."""
 
 

@@ -18,13 +18,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from martensite.control.checks.base import LIMITED
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import ALARM, JITTER, NOISE, list_previews, list_references
 from martensite.control.loop.parts import FaultTable
 from martensite.simulate.lanes import Lanes
 from martensite.simulate.march import SOLVED
 from martensite_control.benchmark.faults import build_faults
-from martensite_control.benchmark.guards import build_guard
+from martensite_control.benchmark.guards import GUARDS, SENSORS
 from martensite_control.benchmark.tasks import DISTURBANCE, FOLLOWED, SETTLED, BenchmarkTask, draw_noise
 
 Numbers = NDArray[np.float64]
@@ -71,7 +72,7 @@ class PlantRuns:
         wires: Mapping[str, Numbers],
         *,
         faulty: bool = True,
-        guarded: bool = True,
+        guard: str = SENSORS,
         values: Mapping[str, Any] | None = None,
         native: bool | None = None,
     ) -> None:
@@ -82,11 +83,11 @@ class PlantRuns:
             tasks: on that plant, all of one length.
             wires: parameters by path, shape (wires,) each.
             faulty: whether the bench shall have the faults of the benchmark.
-            guarded: whether it shall have the guard of the benchmark.
+            guard: which one it shall have, of `GUARDS`.
             values: parameters by path that differ from lane to lane otherwise.
             native: whether to run in C; by default if there is a compiler.
         """
-        bench = bench.with_parts(supervisor=build_guard(bench)) if guarded else bench
+        bench = bench.with_parts(supervisor=GUARDS[guard](bench))
         self.bench = add_faults(bench, tasks) if faulty else bench
         self.tasks, self.wires = list(tasks), len(next(iter(wires.values())))
         self.steps = round(tasks[0].duration / bench.period)
@@ -169,7 +170,8 @@ class PlantRuns:
         found["energy"] = kept["power"].sum(axis=0) * self.bench.period
         found["hottest"] = kept["hottest"].max(axis=0)
         found["above"] = (kept["excess"].max(axis=0) > 0.0).astype(float)
-        found["alarm"] = (kept["alarm"].max(axis=0) > 0.0).astype(float)
+        found["alarm"] = ((kept["alarm"] > 0.0) & (kept["alarm"] < LIMITED)).any(axis=0).astype(float)
+        found["limited"] = (kept["alarm"] > LIMITED).mean(axis=0)
         found["failed"] = lost.astype(float)
         found["error"] = np.where(lost, math.inf, found["error"])
         return found

@@ -130,4 +130,4 @@ def summarise_gains(found: Mapping[tuple[str, str], FoundGains]) -> Summary:
     """Costs of numbers by entry and plant; the numbers themselves are for programs."""
     rows = [(entry, plant, f"{one.cost:.4g}") for (entry, plant), one in sorted(found.items())]
     data = [{"entry": e, "plant": p, "cost": one.cost, "numbers": one.numbers} for (e, p), one in found.items()]
-    return Summary("", [DataTable(("entry", "plant", "cost"), rows, right=(2,))], data)
+    return Summary("", [DataTable(("entry", "plant", "cost"), rows, right=(2,))], {"gains": data})

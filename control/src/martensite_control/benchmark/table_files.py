@@ -50,7 +50,7 @@ def _format_netcdf(table: BenchmarkTable) -> Any:
     import h5netcdf
 
     axes = [list(dict.fromkeys(key[k] for key in table.measures)) for k in range(3)]
-    wires = len(next(iter(table.measures.values()))["error"])
+    wires = max(len(one["error"]) for one in table.measures.values())
     whole = io.BytesIO()
     with h5netcdf.File(whole, "w") as file:
         file.attrs.update({"martensite": table.version, "benchmark": table.digest})
@@ -62,6 +62,7 @@ def _format_netcdf(table: BenchmarkTable) -> Any:
         for name in MEASURES:
             rows = np.full((*map(len, axes), wires), np.nan)
             for key, one in table.measures.items():
-                rows[tuple(axis.index(label) for axis, label in zip(axes, key, strict=True))] = one[name]
+                place = tuple(axis.index(label) for axis, label in zip(axes, key, strict=True))
+                rows[place][: len(one[name])] = one[name]
             file.create_variable(name, (*dims, "wire"), data=rows).attrs["units"] = UNITS.get(name, "1")
     return whole.getbuffer()

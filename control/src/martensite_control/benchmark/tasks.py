@@ -35,7 +35,7 @@ ZERO = {"wire": "0 mm", "pair": "0 deg", "finger": "0 deg"}
 """Nothing to follow, in the unit of what is followed on a plant."""
 SETTLED = 0.05
 """Share of the span within which an output has settled."""
-TASKS, TRAINING = "tasks", "training"
+TASKS, TRAINING = "tasks", "training"  # and `hours`: see `guard_runs`
 """Folders of tasks, and of those on which entries are tuned: no task of the benchmark is among them."""
 
 
@@ -154,7 +154,7 @@ def _read_task(path: Path) -> BenchmarkTask:
         output=output,
         low=units.parse_quantity(given["low"], unit),
         high=units.parse_quantity(given["high"], unit),
-        duration=scenario.duration,
+        duration=units.parse_quantity(given["duration"], "s") if "duration" in given else scenario.duration,
         judged_from=units.parse_quantity(given["judged_from"], "s"),
         reference=first.reference,
         jumps=given["reference"]["kind"] == "constant",

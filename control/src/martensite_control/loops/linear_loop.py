@@ -79,7 +79,7 @@ def linearise_loops(
         turn: where points of the cooling branch were heated to; needed if there are observers.
 
     Raises:
-        InputError: the controller is no kernel, or does not come to rest.
+        InputError: there is no controller, or it does not come to rest.
     """
     alone = _isolate_loop(bench, drive)
     states = _settle_bench(alone, drive, points, turn)
@@ -100,7 +100,7 @@ def _isolate_loop(bench: Bench, drive: str) -> Bench:
     """
     members = bench.controllers.members()
     if drive not in members:
-        raise InputError(f"`{drive}` has no controller that is a kernel.")
+        raise InputError(f"`{drive}` has no controller.")
     sensors = {}
     for name, one in bench.sensors.members().items():
         late = max(round(one.sample_time / bench.period) - 1, 0) * bench.period

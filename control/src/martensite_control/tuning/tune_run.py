@@ -65,12 +65,7 @@ def _find_bench(scenario: Scenario) -> Bench:
     from martensite_control.tuning.rest_check import check_static_curve
 
     if scenario.bench is None or not scenario.bench.controllers.members():
-        outside = ", ".join(one.registered_name for one in scenario.outside.values())
-        what = f"`{outside}` runs outside of the bench and" if outside else "The scenario"
-        rest = "cannot be tuned." if outside else "has no [controller] that could be tuned."
-        raise InputError(f"{what} {rest}")
-    if scenario.outside:
-        raise InputError("A scenario with a controller outside of the bench cannot be tuned.")
+        raise InputError("The scenario has no [controller] that could be tuned.")
     plant = getattr(scenario.bench.plant, "mechanism", None)
     if isinstance(plant, ModelMechanism) and plant.model.inputs == 1:
         check_static_curve(plant.model, plant.convert_inputs([0.0])[0])

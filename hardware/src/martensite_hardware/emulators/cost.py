@@ -76,7 +76,7 @@ def measure_costs(scenario: Scenario, part: str, folder: Path) -> tuple[CCore, l
     from martensite_export.c_core import build_c_core, build_c_loop
     from martensite_export.c_example import played_by_loop, played_by_system
 
-    if part == "loop" and scenario.bench is not None and not scenario.outside:
+    if part == "loop" and scenario.bench is not None:
         core = build_c_loop(scenario.bench, name="core", precision="float32")
         first, played = played_by_loop(scenario.bench, scenario.waveform, scenario.run(), STEPS)
     elif part == "plant":

@@ -89,8 +89,8 @@ def build_firmware(scenario: Scenario, board: str, *, name: str = "firmware", li
     from martensite_export.c_example import MOST_TRIED, played_by_loop, try_program
 
     chosen, bench = find_board(board), scenario.bench
-    if bench is None or scenario.outside:
-        raise InputError("Firmware is written around a loop: this scenario has no controller that is a kernel.")
+    if bench is None:
+        raise InputError("Firmware is written around a loop: this scenario has no controller.")
     core = build_c_loop(bench, name="loop", precision="float32")
     run = scenario.run()
     tried = try_program(core, played_by_loop(bench, scenario.waveform, run, STEPS, MOST_TRIED))

@@ -3,8 +3,7 @@
 Every finger is drawn in a plane of its own: `along` it as it hangs straight, and `inwards`, where it bends to. Holes of
 flexors at (∓g, r) from a hinge and knuckles of radius ρ, as in `martensite.actuators.mechanisms.hand`. What does not
 bend the proximal joint runs through its axis. Where the fingers stand on the palm, and how tendons run on into the
-forearm, the mechanism leaves open: here straight up to a plate. Once brackets have met, a flexor is drawn through the
-point where they did.
+forearm, the mechanism leaves open. Once brackets have met, a flexor is drawn through the point where they did.
 """
 
 from __future__ import annotations
@@ -99,10 +98,10 @@ def _draw_finger(
 ) -> Iterator[DrawingShape]:
     wrapped = xp.clip(-hand.lowest, LEAST_WRAP, MOST_WRAP)
     lengths = (hand.offset, hand.bracket, hand.knuckle, hand.proximal_length, hand.distal_length)
-    sizes = FingerLengths(*(size * length for length in lengths), wrapped)
+    sizes = FingerLengths._make((*(size * length for length in lengths), wrapped))
     first, second = (reading.outputs[f"{name}_{joint}"] for joint in ("proximal", "distal"))
-    thick, half = 0.95 * sizes.offset, 1.1 * sizes.offset
-    thick = 0.5 * size * hand.thickness if hand.contact == "cylinder" else thick
+    half = 1.1 * sizes.offset
+    thick = 0.5 * size * hand.thickness if hand.contact == "cylinder" else 0.95 * sizes.offset
     hinge, tip = _locate_proximal(sizes, first, sizes.proximal, 0.0), (sizes.distal, 0.0)
     start = place.at((0.0, 0.0))
     end, (lift, top) = place.at(_locate_distal(sizes, first, second, *tip)), _locate_plates(hand, reading)
@@ -119,7 +118,7 @@ def _draw_finger(
         for joint, way in zip(("proximal", "distal"), ways, strict=True):
             force = reading.outputs[f"{name}_{joint}_contact_force"]
             yield draw_force(f"{name} {joint} force", place.at(way), axis, force)
-    yield from _draw_brackets(name, sizes, place, first, second)
+    yield from _draw_brackets(name, sizes, place, (first, second))
     passing = hand.tendons == "passing"
     ways, straight = (_trace_tendons(sizes, *angles, passing) for angles in ((first, second), (0.0, 0.0)))
     for k, (way, home) in enumerate(zip(ways, straight, strict=True)):
@@ -139,9 +138,11 @@ def _find_height(point: Flat, lift: float, leaning: float) -> Flat:
     return -lift, point[1] + xp.tan(leaning) * (lift + point[0])
 
 
-def _draw_brackets(name: str, sizes: FingerLengths, place: FingerPlace, *angles: float) -> Iterator[DrawingShape]:
+def _draw_brackets(
+    name: str, sizes: FingerLengths, place: FingerPlace, angles: tuple[float, float]
+) -> Iterator[DrawingShape]:
     r, g = sizes.offset, sizes.bracket
-    posts = [[(-g, inwards) for inwards in (0.0, r)]]
+    posts: list[list[Flat]] = [[(-g, 0.0), (-g, r)]]
     posts += [[_locate_proximal(sizes, angles[0], way, b) for b in (0.0, r)] for way in (g, sizes.proximal - g)]
     posts.append([_locate_distal(sizes, *angles, g, inwards) for inwards in (0.0, r)])
     for k, post in enumerate(posts, start=1):

@@ -15,12 +15,12 @@ Filters of readings, the shaping of the reference, a manual mode and a slew limi
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.base.interfaces import make_missing_error, require_where
 from martensite.base.parameters import Parametrised, param, part, text
 from martensite.base.registry import Registry
 from martensite.control.controllers.conditioning import (
@@ -62,8 +62,6 @@ class Called(NamedTuple):
 class AbstractController(AbstractDrive):
     """Interface of a controller; a subclass adds `rest` and `answer`."""
 
-    kernel: ClassVar[bool] = True
-    """False for one that is no kernel and runs as a drive only."""
     holds: ClassVar[bool] = True
     """False for one that does not keep its reading at the reference, so that a loop has no sign."""
     names_reading = ("measured",)
@@ -127,7 +125,7 @@ class AbstractController(AbstractDrive):
         """What it remembers before the first sample."""
         return ()
 
-    @require_where("kernel")
+    @abstractmethod
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """The signal of this sample, and what is remembered for the next.
 
@@ -138,7 +136,6 @@ class AbstractController(AbstractDrive):
             readings: by name, in SI.
             dt: time since the sample before [s]; 0 for the first one.
         """
-        raise make_missing_error(type(self), ["answer"])
 
     def list_outputs(self, unit: str, signal: str) -> dict[str, Output]:
         """What it says of itself beside its signal, by name; none by default.

@@ -5,8 +5,11 @@ In every period:
     1. the model goes on under the signals that were applied; what it says then is compared with
        the reading of the same time, and a part of the difference becomes its offset d:
            d_k = d_k-1 + K (y_k - ŷ_k - d_k-1)
+       With `tracking` the model also gets u + v, v being the answer of a PID law to y - ŷ: so it goes where the
+       readings are, on a plant that is heated or cooled otherwise too
     2. plans start from the state of the model, and are compared on the reference ahead, which is
-       known, less d (`martensite.control.controllers.planning`)
+       known, less d (`martensite.control.controllers.planning`); with the integral of v added to all signals,
+       an input disturbance (Pannocchia and Rawlings (2003))
     3. the first signals of the best plan are applied until the next period, when all starts again
        from this plan, moved on (receding horizon).
 
@@ -34,6 +37,7 @@ from martensite.control.controllers.base import (
     Readings,
     SignalLimits,
 )
+from martensite.control.controllers.pid import KEPT, Correction, Gains, PidMemory
 from martensite.control.controllers.planning import Planned, Planner, Price, shift_plan
 from martensite.control.controllers.time_scales import measure_reach
 from martensite.control.observers.base import ESTIMATED, list_several
@@ -58,6 +62,8 @@ class PlanMemory(NamedTuple):
     """Of what readings have more than the model, d, by reading."""
     past: tuple[tuple[Scalar, ...], ...]
     """What the model said in the last samples, latest first, by reading."""
+    added: tuple[Scalar, ...] = ()
+    """What `tracking` adds to the signal of the model, its memory behind it; nothing without."""
 
 
 @CONTROLLERS.register("mpc")
@@ -83,6 +89,9 @@ class Mpc(AbstractController, SignalLimits):
         low=0.0,
         high=1.0,
         default=0.8,
+    )
+    tracking: Correction | None = part(
+        "gains of a PID law on reading less model, whose signal the model gets besides", default=None
     )
     state: str = option(
         "where temperature and fraction of the model come from: from its own course, or from "
@@ -148,6 +157,8 @@ class Mpc(AbstractController, SignalLimits):
         self.__dict__["_example"] = self.model.init(floats, *[self.idle] * len(self.model.drives()))
 
     def _check_drives(self) -> None:
+        if self.tracking is not None and self._leads:
+            raise ParameterError("`tracking` is for a model with one drive; leave it out where others are led.")
         drives = [drive.name for drive in self.model.drives()]
         for name in self._leads:
             if name not in drives:
@@ -235,7 +246,8 @@ class Mpc(AbstractController, SignalLimits):
         plan, none = idle * self.blocks, (0.0,) * (len(idle) * self.blocks)
         offsets = tuple(readings[name] - y for name, y in zip(self._readings, said, strict=True))
         past = tuple((y,) * self.kept for y in said)
-        return flatten_numbers(PlanMemory(state, idle, Planned(plan, plan, none), offsets, past))
+        added = () if self.tracking is None else (0.0, *self.tracking.rest(xp, readings[self.measured], said[0]))
+        return flatten_numbers(PlanMemory(state, idle, Planned(plan, plan, none), offsets, past, added))
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """Signal of this sample, and what is remembered for the next."""
@@ -245,7 +257,7 @@ class Mpc(AbstractController, SignalLimits):
         known = self._correct_offsets(xp, self._go_on(xp, before, readings), readings)
         planned = self._plan(xp, known, self._list_wanted(known, reference, readings))
         signals = planned.plan[: len(known.signals)]
-        after = known._replace(signals=signals, planned=planned)
+        after = self._track_reading(xp, known._replace(signals=signals, planned=planned), readings, dt)
         return self._own_signal(after), flatten_numbers(after)
 
     def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Any]:
@@ -264,7 +276,9 @@ class Mpc(AbstractController, SignalLimits):
     def _go_on(self, xp: Namespace, memory: PlanMemory, readings: Readings) -> PlanMemory:
         """The model at this sample, under the signals since the last one."""
         turns = self.layout()[3]
-        state, _ = advance_steps(xp, self.model, memory.state, [(memory.signals, self.period / turns)], turns)
+        added = memory.added[:1] or (0.0,) * len(memory.signals)
+        signals = [u + v for u, v in zip(memory.signals, added, strict=True)]
+        state, _ = advance_steps(xp, self.model, memory.state, [(signals, self.period / turns)], turns)
         if self.state == "observer":
             hidden = [readings[ESTIMATED + name] for name in list_names(self.model)]
             state = place_hidden(xp, self.model, state, hidden, memory.signals)
@@ -280,12 +294,29 @@ class Mpc(AbstractController, SignalLimits):
         """With the offsets that the readings of this sample give."""
         found: list[Scalar] = []
         for name, past, offset in zip(self._readings, memory.past, memory.offsets, strict=True):
-            late = readings.get(f"{name}.age", 0.0) / self.period
-            model = past[0]
-            for k, said in enumerate(past[1:], 1):
-                model = xp.where(late > k - 0.5, said, model)
+            model = self._recall_model(xp, name, past, readings)
             found.append(offset + self.correction * (readings[name] - model - offset))
         return memory._replace(offsets=tuple(found))
+
+    def _recall_model(self, xp: Namespace, name: str, past: Column, readings: Readings) -> Scalar:
+        """What the model said when a reading was taken."""
+        late = readings.get(f"{name}.age", 0.0) / self.period
+        model = past[0]
+        for k, said in enumerate(past[1:], 1):
+            model = xp.where(late > k - 0.5, said, model)
+        return model
+
+    def _track_reading(self, xp: Namespace, memory: PlanMemory, readings: Readings, dt: Scalar) -> PlanMemory:
+        """With the signal of a plan, made of that for the model, and what the model then gets besides."""
+        if self.tracking is None:
+            return memory
+        before, (planned,) = PidMemory(*memory.added[1:]), memory.signals
+        signal = xp.clip(planned - before.integral, self.low, self.high)
+        model = self._recall_model(xp, self.measured, memory.past[0], readings)
+        law = self.tracking.law.rebuilt({"low": self.low - signal, "high": self.high - signal})
+        gains = Gains(self.tracking.Kp, self.tracking.Ki, self.tracking.Kd)
+        added, after = law.answer(xp, gains, before, readings[self.measured], model, dt)
+        return memory._replace(signals=(signal,), added=(added, *after))
 
     def _list_wanted(self, memory: PlanMemory, reference: Scalar, readings: Readings) -> list[Scalar]:
         """References less offsets, now and at the end of every block."""
@@ -299,17 +330,11 @@ class Mpc(AbstractController, SignalLimits):
     def _plan(self, xp: Namespace, memory: PlanMemory, wanted: list[Scalar]) -> Planned:
         blocks, rounds, _, _, turns = self.layout()
         length = self.horizon / blocks
+        shift = memory.added[1] if memory.added else 0.0
+        limits = (self.low + shift, self.high + shift) if memory.added else (self.low, self.high)
+        signals = tuple(u + shift for u in memory.signals) if memory.added else memory.signals
         planner = Planner(
-            self.model,
-            self.followed_outputs,
-            self.price,
-            (self.low, self.high),
-            blocks,
-            turns,
-            length,
-            memory.state,
-            memory.signals,
-            wanted,
+            self.model, self.followed_outputs, self.price, limits, blocks, turns, length, memory.state, signals, wanted
         )
         moved = (tuple(shift_plan(one, len(memory.signals), self.period / length)) for one in memory.planned)
         return planner.search(xp, rounds, Planned(*moved))
@@ -320,7 +345,8 @@ class Mpc(AbstractController, SignalLimits):
         plan = (0.0,) * (drives * self.blocks)
         past = ((0.0,) * self.kept,) * readings
         example = self.__dict__["_example"]
-        shape = PlanMemory(example, (0.0,) * drives, Planned(plan, plan, plan), (0.0,) * readings, past)
+        added = () if self.tracking is None else (0.0,) * (1 + KEPT)
+        shape = PlanMemory(example, (0.0,) * drives, Planned(plan, plan, plan), (0.0,) * readings, past, added)
         return NestedShape(shape).rebuild(memory)
 
 

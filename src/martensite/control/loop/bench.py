@@ -171,11 +171,6 @@ def _check_readings(bench: Bench) -> None:
     _check_leaders(bench)
     for controller in bench.controllers.members().values():
         require_readings(controller, [*readings, PLANNED])
-        if not controller.kernel:
-            raise ParameterError(
-                f"Controller `{controller.registered_name}` is no kernel: run it as a drive of a "
-                f"bench without controllers."
-            )
         made_for = getattr(controller, "period", bench.period)
         if not math.isclose(made_for, bench.period):
             raise ParameterError(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -46,10 +46,10 @@ class LoopFinding:
         return f"{'Not sound' if self.fault else 'Caution'}: {self.sentence} {self.remedy}"
 
 
-def check_signals(bench: Bench, others: Mapping[str, AbstractController] | None = None) -> list[LoopFinding]:
-    """Limits of the signals of a bench's controllers, and of others beside it, that the sources cannot give."""
+def check_signals(bench: Bench) -> list[LoopFinding]:
+    """Limits of the signals of a bench's controllers that the sources cannot give."""
     found = list[LoopFinding]()
-    for drive, controller in {**bench.controllers.members(), **(others or {})}.items():
+    for drive, controller in bench.controllers.members().items():
         source, ohms = find_source(bench.plant, drive)
         if source is not None:
             for path, value in list_limits(controller).items():

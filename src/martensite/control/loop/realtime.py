@@ -210,8 +210,8 @@ def _require_controllers(bench: Bench) -> None:
     """Raise `ParameterError` if nothing in a bench gives a signal."""
     if not bench.controllers.members():
         raise ParameterError(
-            "The bench has no controller, so that its loop would give no signal. One that is no kernel runs outside of "
-            "the bench and cannot be compiled: call it in every period, as `simulate_bench` does with `outside`."
+            "The bench has no controller, so that its loop would give no signal. One that runs outside of the bench "
+            "cannot be compiled: call it in every period, as `simulate_bench` does with `outside`."
         )
 
 

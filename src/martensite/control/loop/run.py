@@ -1,8 +1,7 @@
 """`simulate_bench`: one run of a bench, with its noise drawn and its references played.
 
-References come from the controllers themselves, noise from a seed. A controller that is no kernel, such as a predictive
-one, runs outside: the bench is opened at its drive, and it is called once per period with what the bench measures. The
-result has the columns `reference` and `wanted` of either.
+References come from the controllers themselves, noise from a seed. A drive of one's own may run outside: it
+is called once per period with what the bench measures. The result has the columns `reference` and `wanted` of either.
 """
 
 from __future__ import annotations
@@ -71,8 +70,7 @@ def simulate_bench(
         bench: plant, sensors, observers, controllers, supervisor and faults.
         duration: end of the run [s], counted from 0, at least a period; a warning says if the run ends at another
             time, for it is no whole number of periods.
-        outside: drives by name of what they drive that run outside of the kernel, such as a
-            predictive controller; they are called once per period.
+        outside: drives by name of what they drive that run outside of the kernel, called once per period.
         waveforms: those of drives of the plant that nobody has; what is not named gets 0.
         seed: of noise and jitter; None for a run without.
         runtime: floats, c or jax; by default c if there is a compiler.

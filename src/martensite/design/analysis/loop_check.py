@@ -141,24 +141,17 @@ class LoopCase:
 LoopTest: TypeAlias = Callable[[LoopCase], Iterator[LoopFinding]]
 
 
-def check_loop(
-    bench: Bench,
-    duration: float,
-    *,
-    outside: Mapping[str, AbstractController] | None = None,
-    waveforms: Mapping[str, AbstractWaveform] | None = None,
-) -> LoopReport:
+def check_loop(bench: Bench, duration: float, *, waveforms: Mapping[str, AbstractWaveform] | None = None) -> LoopReport:
     """Test every loop of a bench for what keeps it from doing what it is for.
 
     Args:
         bench: with its controllers.
         duration: of the run whose references are judged [s].
-        outside: controllers that run outside of the bench, by drive.
         waveforms: of drives that no controller has; their first values count.
     """
     others = {name: float(one.value(0.0)) for name, one in (waveforms or {}).items()}
-    members = {**bench.controllers.members(), **(outside or {})}
-    findings, tested, untested = check_signals(bench, outside), ["signal"] * bool(members), dict[str, str]()
+    members = bench.controllers.members()
+    findings, tested, untested = check_signals(bench), ["signal"] * bool(members), dict[str, str]()
     margins = list[Mapping[str, Any]]()
     tests = _collect_tests(margins, untested)
     for drive, controller in members.items():
@@ -207,8 +200,6 @@ def check_reach(case: LoopCase) -> Iterator[LoopFinding]:
 
 def check_sign(case: LoopCase) -> Iterator[LoopFinding]:
     """Whether the controller answers too low a reading with the signal that raises it, at once and in the end."""
-    if not case.controller.kernel:
-        raise InputError(f"`{case.controller.registered_name}` runs outside of the bench")
     if case.controller.led_drives():
         raise InputError(f"`{case.controller.registered_name}` answers with several signals at once")
     ends = [read_at_rest(case.bench, case.heating.point(k).outputs) for k in (0, -1)]

@@ -26,7 +26,7 @@ def check_scenario_loop(scenario: Scenario, bench: Bench) -> LoopReport:
     from martensite.simulate.drive_waveforms import by_name
 
     played = by_name(scenario.system, scenario.waveform)
-    found = check_loop(bench, scenario.duration, outside=scenario.outside, waveforms=played)
+    found = check_loop(bench, scenario.duration, waveforms=played)
     return replace(found, findings=tuple(_place_finding(one, scenario.places) for one in found.findings))
 
 
