@@ -102,17 +102,6 @@ export const printed = (unit: string): string => PRINTED[unit] ?? unit.replaceAl
 export const axisLabel = (how: Pick<Output, "symbol" | "shown">): string =>
   `${how.symbol.replace("_", " ")} [${printed(how.shown) || "–"}]`;
 
-/** Row of the run's samples at a time [s]. */
-export function rowAt(times: number[], time: number): number {
-  let [low, high] = [0, times.length - 1];
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if ((times[middle] ?? 0) < time) low = middle + 1;
-    else high = middle;
-  }
-  return Math.max(low, 0);
-}
-
 /** Height of what stands above and between the planes, and of the bar at the end of a small screen [px]. */
 const [ABOVE, BAR, SMALL] = [430, 70, 1100];
 

@@ -21,7 +21,7 @@ const [NEAR, MOST] = [24, 7];
 
 /** A label such as T [°C], in two. */
 function partsOf(label: string): [name: string, unit: string] {
-  const [, name = label, unit = ""] = /^(.*?)\s*\[(.*)\]$/.exec(label) ?? [];
+  const [, name = label, unit = ""] = /^(.*?)\s*\[([^\]]*)\]/.exec(label) ?? [];
   return [name, unit === "–" ? "" : unit];
 }
 
@@ -45,30 +45,21 @@ export function nearestIn(x: Numbers, value: number, length = x.length): number 
 
 const lengthOf = (curve: Curve): number => Math.min(curve.x.length, curve.y.length);
 
-/** Values of all curves at the x of a sample of one of them. */
-function foundAlong(picture: Picture, curve: number, index: number): Found | null {
+/** A sample of a curve; along x with the values that all curves have there. */
+function foundSample(picture: Picture, curve: number, index: number): Found | null {
   const of = picture.curves[curve];
-  if (!of) return null;
-  const [x, y] = [of.x[index] as number, of.y[index] as number];
-  if (!Number.isFinite(x + y)) return null;
-  const told = picture.curves.map((one) => ({ one, value: one.y[nearestIn(one.x, x, lengthOf(one))] as number })).filter(({ value }) => Number.isFinite(value));
+  const [x, y] = [of?.x[index] as number, of?.y[index] as number];
+  if (!of || !Number.isFinite(x + y)) return null;
+  const here = picture.along ? picture.curves.map((one) => ({ one, value: one.y[nearestIn(one.x, x, lengthOf(one))] as number })) : [{ one: of, value: y }];
+  const told = here.filter(({ value }) => Number.isFinite(value));
   const lines = told.slice(-MOST).map(({ one, value }) => ({ words: tell(picture.y.label, value, one.name), colour: one.look.colour }));
   if (told.length > MOST) lines.push({ words: `and ${told.length - MOST} more`, colour: -1 });
   return { x, y, index, curve, lines: [{ words: tell(picture.x.label, x) }, ...lines] };
 }
 
-function foundPoint(picture: Picture, curve: number, index: number): Found | null {
-  const of = picture.curves[curve];
-  if (!of) return null;
-  const [x, y] = [of.x[index] as number, of.y[index] as number];
-  const lines = [{ words: tell(picture.x.label, x) }, { words: tell(picture.y.label, y, of.name), colour: of.look.colour }];
-  return { x, y, index, curve, lines };
-}
-
 export function foundSpot(picture: Picture, spot: Spot): Found {
   const lines = [{ words: tell(picture.x.label, spot.x) }];
-  if (!picture.cells) lines.push({ words: tell(picture.y.label, spot.state === "failed" ? null : spot.y) });
-  else lines.push({ words: tell(picture.y.label, spot.y) });
+  lines.push({ words: tell(picture.y.label, spot.state === "failed" && !picture.cells ? null : spot.y) });
   if (picture.colour) lines.push({ words: tell(picture.colour.label, spot.value) });
   if (spot.state !== "ok") lines.push({ words: { failed: "failed", never: "never happened", missing: "not made yet" }[spot.state] });
   return { x: spot.x, y: spot.y, index: picture.spots?.indexOf(spot) ?? 0, curve: -1, spot, lines };
@@ -108,7 +99,7 @@ export function lookAt(picture: Picture, { width, height }: Pick<Box, "width" | 
       if (apart < nearest) [curve, index, nearest] = [k, i, apart];
     }
   });
-  return picture.along ? foundAlong(picture, curve, index) : foundPoint(picture, curve, index);
+  return foundSample(picture, curve, index);
 }
 
 const rests = (picture: Picture, spot: Spot, dx: number, dy: number): Spot | undefined => {
@@ -127,16 +118,14 @@ export function stepFrom(picture: Picture, from: Found | null, [dx, dy]: [number
     const next = from?.spot ? rests(picture, from.spot, Math.sign(dx), dy) : spots[0];
     return next ? foundSpot(picture, next) : null;
   }
-  const found = picture.along ? foundAlong : foundPoint;
   const curve = (((from?.curve ?? curves.length - 1) + dy) % curves.length + curves.length) % curves.length;
   const one = curves[curve];
   if (!one) return null;
   const [first, last] = one.part ?? [0, lengthOf(one) - 1];
   const start = from ? (dy && picture.along ? nearestIn(one.x, from.x, lengthOf(one)) : from.index) : first - dx;
-  const held = (index: number): number => Math.min(Math.max(index, first), last);
   for (let index = start + dx; ; index += Math.sign(dx)) {
-    const there = found(picture, curve, held(index));
-    if (there && Number.isFinite(there.x + there.y)) return there;
+    const there = foundSample(picture, curve, Math.min(Math.max(index, first), last));
+    if (there) return there;
     if (!dx || index <= first - 1 || index >= last + 1) return null;
   }
 }

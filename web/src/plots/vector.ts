@@ -8,11 +8,6 @@ const quote = (text: string): string => text.replace(/[&<>"]/g, (letter) => `&#$
 const ANCHORS: Partial<Record<CanvasTextAlign, string>> = { center: "middle", right: "end" };
 const LINES: Partial<Record<CanvasTextBaseline, string>> = { middle: "0.36em", top: "0.85em" };
 
-interface Kept {
-  transform: string;
-  clip: string;
-}
-
 export class VectorPen implements Pen {
   fillStyle: Pen["fillStyle"] = "black";
   strokeStyle: Pen["strokeStyle"] = "black";
@@ -25,37 +20,17 @@ export class VectorPen implements Pen {
   private readonly parts: string[] = [];
   private path = "";
   private dash: number[] = [];
-  private now: Kept = { transform: "", clip: "" };
-  private readonly kept: Kept[] = [];
+  private now = { transform: "", clip: "" };
+  private readonly kept: { transform: string; clip: string }[] = [];
   private clips = 0;
 
-  save(): void {
-    this.kept.push({ ...this.now });
-  }
-
-  restore(): void {
-    this.now = this.kept.pop() ?? this.now;
-  }
-
-  translate(x: number, y: number): void {
-    this.now.transform += `translate(${two(x)} ${two(y)})`;
-  }
-
-  rotate(angle: number): void {
-    this.now.transform += `rotate(${two((angle * 180) / Math.PI)})`;
-  }
-
-  beginPath(): void {
-    this.path = "";
-  }
-
-  moveTo(x: number, y: number): void {
-    this.path += `M${two(x)} ${two(y)}`;
-  }
-
-  lineTo(x: number, y: number): void {
-    this.path += `${this.path ? "L" : "M"}${two(x)} ${two(y)}`;
-  }
+  save = (): void => void (this.kept.push({ ...this.now }));
+  restore = (): void => void (this.now = this.kept.pop() ?? this.now);
+  translate = (x: number, y: number): void => void (this.now.transform += `translate(${two(x)} ${two(y)})`);
+  rotate = (angle: number): void => void (this.now.transform += `rotate(${two((angle * 180) / Math.PI)})`);
+  beginPath = (): void => void (this.path = "");
+  moveTo = (x: number, y: number): void => void (this.path += `M${two(x)} ${two(y)}`);
+  lineTo = (x: number, y: number): void => void (this.path += `${this.path ? "L" : "M"}${two(x)} ${two(y)}`);
 
   /** Whole circles only. */
   arc(x: number, y: number, radius: number): void {
@@ -74,13 +49,8 @@ export class VectorPen implements Pen {
     this.now.clip = `part-${this.clips}`;
   }
 
-  setLineDash(dash: Iterable<number>): void {
-    this.dash = [...dash];
-  }
-
-  fill(): void {
-    this.add("path", `d="${this.path}" fill="${this.fillStyle as string}"`);
-  }
+  setLineDash = (dash: Iterable<number>): void => void (this.dash = [...dash]);
+  fill = (): void => void (this.add("path", `d="${this.path}" fill="${this.fillStyle as string}"`));
 
   stroke(): void {
     const dash = this.dash.length ? ` stroke-dasharray="${this.dash.join(" ")}"` : "";
