@@ -13,7 +13,7 @@ from pathlib import Path
 from martensite.base.errors import DataError
 from martensite_app.documents import build_packaged, list_standalone
 from martensite_app.messages import JsonTable, write_message
-from martensite_app.site import STATIC
+from martensite_app.site import STATIC, WIDGET
 from martensite_app.static_site.flat_inputs import waveforms_of
 from martensite_app.static_site.input_map import measure_map
 from martensite_app.static_site.run_module import RunSource, write_source
@@ -97,6 +97,7 @@ def write_manifest(folder: Path, scenarios: Sequence[JsonTable]) -> JsonTable:
 def copy_page(folder: Path) -> None:
     """Put the page there, which learns from it that there is no server."""
     for path in STATIC.iterdir():
-        shutil.copyfile(path, folder / path.name)
+        if path.name != WIDGET:
+            shutil.copyfile(path, folder / path.name)
     index = (folder / "index.html").read_text("utf-8")
     (folder / "index.html").write_text(index.replace("<title>", f"{MARK}\n    <title>", 1), encoding="utf-8")
