@@ -7,6 +7,8 @@ import os
 import shutil
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from gzip import compress
 from importlib.metadata import version
 from pathlib import Path
 
@@ -26,6 +28,23 @@ MARK = '<meta name="martensite-runs" content="runs/manifest.json">'
 """Says to the page that there is no server."""
 FIRST = "constant_power"
 """The scenario with which the bench begins."""
+
+
+@dataclass(frozen=True)
+class FolderSize:
+    """How much there is to hand out."""
+
+    files: int
+    size: int
+    """Bytes."""
+    compressed: int
+    """Bytes, as they go over the wire."""
+
+    def words(self) -> str:
+        """For people."""
+        return f"{self.files} files, {self.size / 1e6:.1f} MB, {self.compressed / 1e6:.1f} MB compressed"
+
+
 Tell = Callable[[str], None]
 
 
@@ -101,3 +120,9 @@ def copy_page(folder: Path) -> None:
             shutil.copyfile(path, folder / path.name)
     index = (folder / "index.html").read_text("utf-8")
     (folder / "index.html").write_text(index.replace("<title>", f"{MARK}\n    <title>", 1), encoding="utf-8")
+
+
+def measure_folder(folder: Path) -> FolderSize:
+    """The weight of all files in a folder."""
+    files = [path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()]
+    return FolderSize(len(files), sum(map(len, files)), sum(len(compress(one, 9)) for one in files))
