@@ -37,8 +37,9 @@ from martensite_app.uploads import UploadFolder
 from martensite_app.views.columns import describe_conversion, describe_difference, describe_display, find_envelope
 from martensite_app.worker import Desk
 
-SAMPLE = "flexinol-isobaric/isobaric_172MPa.txt"
-"""The log that a reader without one begins with."""
+SAMPLE = "flexinol-isobaric/isobaric_{}MPa.txt"
+LOADS = (172, 50, 100, 200)
+"""Stresses of the logs that a reader without one begins with [MPa]; the first alone where one is asked for."""
 SMALL = 120
 """Points of the small curve of a column."""
 LONG = 100_000
@@ -48,10 +49,14 @@ LONG = 100_000
 def place_sample(request: Request, desk: Desk) -> JsonTable:
     """A measured log that comes with the package, as if it had been uploaded.
 
-    {} -> {"key", "name", "bytes"}
+    {"load": 172} -> {"key", "name", "bytes"}
     """
-    content = read_unpacked(locate_file(SAMPLE), MOST_LOG)
-    key, path = UploadFolder(desk.folder).place(SAMPLE.rpartition("/")[2])
+    load = require_entry(request, "load", int, LOADS[0])
+    if load not in LOADS:
+        raise ParameterError(f"There is no measured loop at {load} MPa; there are {', '.join(map(str, LOADS))}.")
+    name = SAMPLE.format(load)
+    content = read_unpacked(locate_file(name), MOST_LOG)
+    key, path = UploadFolder(desk.folder).place(name.rpartition("/")[2])
     path.write_bytes(content)
     return {"key": key, "name": path.name, "bytes": len(content)}
 

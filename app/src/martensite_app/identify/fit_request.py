@@ -79,6 +79,11 @@ def find_proposal(request: Request, desk: Desk) -> Proposal | None:
     return propose_models(read_records(request, desk), {}).find(name) if name else None
 
 
+def list_assumptions(request: Request, desk: Desk) -> list[str]:
+    """What was assumed in the scenario that is proposed for a request."""
+    return list(propose_models(read_records(request, desk), {}).notes)
+
+
 def list_rows(request: Request, desk: Desk) -> list[Record]:
     """The records that a scenario is to explain: those of a proposal, or those of the logs."""
     proposal = find_proposal(request, desk)
