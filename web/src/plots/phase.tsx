@@ -6,6 +6,7 @@ import { axisLabel, beside, portsOf, shownColumn, shownValues, type Beside } fro
 import { LoopChart } from "./loop.tsx";
 import { path } from "./loops.tsx";
 import { liveLook } from "./palette.ts";
+import { Drawn } from "../touch/drawn.tsx";
 import { around, type Numbers, type Picture, type Strip } from "./picture.ts";
 
 /** Bands of what heating does in the colour of heating, others in that of cooling. */
@@ -62,12 +63,14 @@ export function Phase({ of, height }: { of: Run; height: number }) {
   if (!found) return null;
   return (
     <>
+      <Drawn>
       <LoopChart
         title="phase diagram"
         about="Phase diagram: stress over temperature, with the bands in which the law transforms; a band begins at its dashed line"
         picture={found.picture}
         height={height}
       />
+      </Drawn>
       {found.sentence && <p class="soft small">{found.sentence}</p>}
     </>
   );
