@@ -44,7 +44,8 @@ function Title() {
   return (
     <div class="bench-title">
       <h1>{now?.title ?? "Bench"}</h1>
-      {now && (
+      {now && hand.value && <p class="soft small">{now.described}; running by hand</p>}
+      {now && !hand.value && (
         <p class="soft small">
           {now.described}; {now.times.length} samples, {now.steps} steps in {(now.seconds * 1000).toFixed(0)} ms
         </p>
@@ -79,7 +80,7 @@ export function Page() {
       <section class="bench-results stack" aria-label="Results">
         <div class="bench-head">
           <Title />
-          <Compare />
+          {!hand.value && <Compare />}
         </div>
         <Busy />
         {refused.value && <Message kind="error">{refused.value}</Message>}

@@ -143,7 +143,8 @@ function takeUp(now: Hand, first: Run): void {
 }
 
 /** The clock went on: the model follows, if it is not still at the step before. */
-function tick(stamp: number): void {
+function tick(): void {
+  const stamp = performance.now();
   frame = hand.peek() ? requestAnimationFrame(tick) : 0;
   const now = hand.peek();
   if (!now || busy) return;
