@@ -24,10 +24,13 @@ ROUTES: Mapping[str, tuple[str, str]] = {
     "scenarios": ("scenarios", "list_scenarios"),
     "differences": ("scenarios", "compare_documents"),
     "export": ("scenarios", "export_scenario"),
+    "model": ("models", "build_model"),
     # fits
     "sample_log": ("logs", "place_sample"),
     "table": ("logs", "describe_table"),
     "fit_records": ("logs", "describe_records"),
+    "log_overlay": ("logs", "overlay_logs"),
+    "fit_proposal": ("logs", "propose_fit"),
     "fit_starts": ("logs", "list_followers"),
     "fit_scenario": ("logs", "match_scenario"),
     "fit": ("fits", "run_fit"),

@@ -49,6 +49,8 @@ from martensite_app.worker_pool import STOP_LIMIT, WorkerPool
 
 STATIC = Path(os.environ.get("MARTENSITE_STATIC", Path(__file__).parent / "static"))
 """The bundled page; who works on the page may name another build of it."""
+WIDGET = "notebook.js"
+"""Its file for notebooks, which is no part of the page."""
 QUIETLY = "x-quietly"
 PAGE_FIRST = 0.5
 """Seconds for which a new server leaves the processor to the page."""

@@ -5,6 +5,7 @@ import { SERVER } from "../engine/inputs.ts";
 import { completeAnswer } from "../views/answer.ts";
 import { COLUMNS_TYPE, unpackColumns } from "./columns.ts";
 import { awaitServer } from "./connection.ts";
+import { host } from "./host.ts";
 import { Refusal } from "./refusal.ts";
 import { makeId, tab } from "./tab.ts";
 
@@ -63,6 +64,7 @@ const lost = (error: unknown): boolean => error instanceof Refusal && (error.sta
  * server did not answer is asked again when it is back. */
 export async function call<T>(name: string, request: object = {}, lane = ""): Promise<T> {
   if (isStatic()) return answerLocally<T>(name, request);
+  if (host) return completeAnswer(name, await host.call(name, request, lane)) as T;
   const control = new AbortController();
   if (lane) {
     running.get(lane)?.abort();
@@ -176,6 +178,7 @@ export function save(name: string, content: Blob | string): void {
 
 /** Save a file that the server has made. */
 export function take(key: string, name: string): void {
+  if (host) return void host.file(key).then((found) => save(name, found));
   const link = document.createElement("a");
   link.href = `/api/files/${key}`;
   link.download = name;
