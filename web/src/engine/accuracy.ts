@@ -3,10 +3,10 @@
 import { UNSOLVED, type Marched, type Plan, type RunModule } from "./march.ts";
 import type { Scenario } from "./types.ts";
 
-const LOCAL = { 2: 0.15, 4: 0.6 } as const;
+export const LOCAL = { 2: 0.15, 4: 0.6 } as const;
 const SURE = 2;
 const FLOOR = 0.5;
-const FINER = 5;
+export const FINER = 5;
 const MOST = 5;
 const FEW = 201;
 const LEAST = 1e-12;

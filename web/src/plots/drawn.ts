@@ -3,7 +3,7 @@
 import { computed, signal } from "@preact/signals";
 import { toShown } from "../lib/numbers.ts";
 import type { Output, Run } from "../lib/types.ts";
-import { pinned, run } from "../state/run.ts";
+import { before, pinned, run } from "../state/run.ts";
 import { keepPart } from "../state/session.ts";
 import { pinLook, type Look } from "./palette.ts";
 
@@ -18,11 +18,15 @@ export interface Beside {
 }
 
 /** Pinned runs that are drawn beneath the live one. */
-export const beside = computed<Beside[]>(() =>
-  pinned.value
+export const beside = computed<Beside[]>(() => [
+  ...(before.value ? [{ id: 0, name: before.value.title, run: before.value, look: BEFORE }] : []),
+  ...pinned.value
     .filter((one) => !hidden.value.has(one.id))
     .map((one) => ({ id: one.id, name: one.name, run: one.run, look: pinLook(one.id) })),
-);
+]);
+
+/** The run from which a model was taken up by hand. */
+const BEFORE: Look = { colour: 5, dash: [2, 4], width: 1 };
 
 /** The port that is drawn; empty for all of them. Null: not chosen yet. */
 export const portChoice = signal<string | null>(null);

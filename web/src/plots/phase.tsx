@@ -8,6 +8,7 @@ import { path } from "./loops.tsx";
 import { liveLook } from "./palette.ts";
 import type { Numbers, Picture, Strip } from "./picture.ts";
 import { around } from "./scale.ts";
+import { Drawn } from "../touch/drawn.tsx";
 
 /** Bands of what heating does in the colour of heating, others in that of cooling. */
 const colourOf = (band: Band): number => (band.process === "reverse" ? 1 : 0);
@@ -61,12 +62,14 @@ export function Phase({ of, height }: { of: Run; height: number }) {
   if (!found) return null;
   return (
     <>
+      <Drawn>
       <LoopChart
         title="phase diagram"
         about="Phase diagram: stress over temperature, with the bands in which the law transforms; a band begins at its dashed line"
         picture={found.picture}
         height={height}
       />
+      </Drawn>
       {found.sentence && <p class="soft small">{found.sentence}</p>}
     </>
   );
