@@ -4,9 +4,12 @@ import { useEffect } from "preact/hooks";
 import { toShown } from "../lib/numbers.ts";
 import { NumberField, printed, SECONDS } from "./number.tsx";
 import { Key, Plot } from "./plot.tsx";
-import { changeLog, choose, logs, overlay, put, readOverlay, removeLog, state } from "./state.ts";
+import { changeLog, choose, logs, overlay, put, readOverlay, removeLog, state, type LogState } from "./state.ts";
 
 const COLOURS = 6;
+
+/** Only logs with times can be put side by side. */
+const timed = (log: LogState | undefined): boolean => log?.columns.some((one) => one.name === "time") ?? false;
 
 export function LogList() {
   if (logs.value.length < 2) return null;
@@ -21,7 +24,7 @@ export function LogList() {
               <button type="button" aria-pressed={state.value.at === k} onClick={() => void choose(k)}>
                 {name}
               </button>
-              {k > 0 && (
+              {k > 0 && timed(log) && timed(logs.value[0]) && (
                 <label>
                   <input type="checkbox" aria-label={`Merge ${name} with the first`} checked={log.merge} onChange={(event) => void changeLog(k, { merge: event.currentTarget.checked })} /> merge with {first}
                 </label>
