@@ -333,7 +333,7 @@ export const simplest = (of: ProposalView): ProposedModel | undefined => [...of.
 export async function takeModel(model: ProposedModel): Promise<void> {
   const free = Object.fromEntries(model.free.map(({ name, low, high, start, scale }) => [name, { start, low, high, scale }]));
   scenario.value = null;
-  put({ text: model.text, origin: `proposed: ${model.name}`, proposed: model.name, free, each: model.each, ignored: [], starts: model.starts });
+  put({ text: model.text, origin: `the proposal ${model.name}`, proposed: model.name, free, each: model.each, ignored: [], starts: model.starts });
   await readScenario();
 }
 
