@@ -100,6 +100,21 @@ def test_what_the_page_cannot_do_is_said(played: list[dict[str, Any]]) -> None:
     assert all("martensite app" in one for one in words)
 
 
+def test_steps_by_hand_are_the_run(tmp_path: Path) -> None:
+    """The drive held over spans of 20 ms, each from the state of the one before."""
+    write_wire(tmp_path)
+    script = tmp_path / "step_columns.mjs"
+    program = node()
+    bundle = ["node_modules/.bin/esbuild", "test/step_columns.ts", "--bundle", "--platform=node", "--format=esm"]
+    subprocess.run([*bundle, f"--outfile={script}", "--log-level=warning"], cwd=WEB, check=True)
+    command = [program, script, tmp_path / RUNS, FIRST, "0.02"]
+    found = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+    assert found["rows"] == 501
+    assert list(found["apart"]) == ["temperature", "martensite_fraction", "stress", "position"]
+    assert max(found["apart"].values()) <= build_packaged(TEXT).tolerance
+    assert max(found["apart"].values()) > 0.0
+
+
 # ---------------------------------------------------------------- the command
 
 

@@ -24,6 +24,7 @@ ROUTES: Mapping[str, tuple[str, str]] = {
     "scenarios": ("scenarios", "list_scenarios"),
     "differences": ("scenarios", "compare_documents"),
     "export": ("scenarios", "export_scenario"),
+    "model": ("models", "build_model"),
     # fits
     "sample_log": ("logs", "place_sample"),
     "table": ("logs", "describe_table"),

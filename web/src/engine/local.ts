@@ -108,6 +108,20 @@ function startWorker(): Worker {
   return made;
 }
 
+// ---------------------------------------------------------------- by hand
+
+/** A scenario, its changes, and where its module lies: what a model needs that is stepped by hand. */
+export interface Stepped {
+  scenario: Scenario;
+  changes: Changes;
+  address: string;
+}
+
+export async function findStepped(text: string): Promise<Stepped> {
+  const { scenario, changes } = await understand(text, {});
+  return { scenario, changes, address: beside(scenario.module) };
+}
+
 // ---------------------------------------------------------------- calls
 
 type Request = Record<string, unknown>;

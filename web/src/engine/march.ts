@@ -25,6 +25,8 @@ export interface Plan {
   shortest: number;
   parted: boolean;
   drives: DriveTable[];
+  /** State from which the run goes on; it begins at rest where there is none. */
+  state?: Float64Array | null;
 }
 
 export interface Marched {
@@ -44,6 +46,8 @@ export interface Marched {
   putIn: number;
   lost: number;
   accounts: Float64Array;
+  /** At the end. */
+  state: Float64Array;
 }
 
 /** A grid of a system in discrete time; see `TimeGrid`. */
@@ -162,14 +166,14 @@ export class RunModule {
     const ranges = this.put(plan.ranges ?? new Float64Array(judged));
     const rows = this.fill(samples * outputs, NaN);
     const numbers = this.fill(said + judged, 0);
-    const states = this.fill(layout.size, 0);
+    const states = plan.state ? this.put(plan.state) : this.fill(layout.size, 0);
     const extremes = this.put(new Float64Array(2 * judged).fill(-Infinity, judged).fill(Infinity, 0, judged));
     const block = this.take(calls.size_of_block!());
     const view = new DataView(calls.memory.buffer);
     // runs, samples, rounds, recording, parted, recorded, capacity
     [1, samples, ROUNDS, 0, Number(plan.parted), 0, 0].forEach((x, k) => view.setInt32(at + 4 * k, x, true));
     [plan.tolerance, plan.times[samples - 1]!, plan.step, plan.shortest].forEach((x, k) => view.setFloat64(at + 32 + 8 * k, x, true));
-    [p, first, when, drives, bounds, ranges, rows, numbers, 0, states, extremes, 0].forEach((x, k) =>
+    [p, first, when, drives, bounds, ranges, rows, numbers, 0, states, extremes, Number(!!plan.state)].forEach((x, k) =>
       view.setInt32(at + 64 + 4 * k, x, true),
     );
     let begin = 1;
@@ -177,7 +181,7 @@ export class RunModule {
       if (round * ROUNDS > MOST_STEPS) throw new TooLong();
       begin = 0;
     }
-    return this.read(plan, this.get(rows, samples * outputs), this.get(numbers, said + judged));
+    return { ...this.read(plan, this.get(rows, samples * outputs), this.get(numbers, said + judged)), state: this.get(states, layout.size) };
   }
 
   private putDrives(drives: DriveTable[]): number {
@@ -198,7 +202,7 @@ export class RunModule {
     return at;
   }
 
-  private read(plan: Plan, rows: Float64Array, numbers: Float64Array): Marched {
+  private read(plan: Plan, rows: Float64Array, numbers: Float64Array): Omit<Marched, "state"> {
     const { outputs, said } = this.layout;
     const [status = 0, time = 0, place = -1, value = 0, steps = 0, rejected = 0, longest = 0] = numbers;
     const failed = status >= UNSOLVED;

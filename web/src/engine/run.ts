@@ -15,7 +15,7 @@ const LEAST_WORK = 1e-12;
 const ENDS_ELSEWHERE = 1e-6;
 
 /** What a run needs, from the inputs. */
-interface Inputs {
+export interface Inputs {
   parameters: Float64Array;
   duration: number;
   tolerance: number;
@@ -27,17 +27,8 @@ interface Inputs {
 
 export function runScenario(scenario: Scenario, module: RunModule, changes: Changes, text: string): RunCore {
   const begun = performance.now();
-  const all = predictInputs(scenario, changes);
-  const { places, layout } = scenario;
-  const inputs: Inputs = {
-    parameters: all.slice(0, layout.parameters),
-    duration: all[places.duration]!,
-    tolerance: all[places.tolerance]!,
-    samples: countSamples(all[places.samples]!, all[places.duration]!, all[places.interval]!),
-    low: all.slice(places.low, places.low + layout.envelope),
-    high: all.slice(places.high, places.high + layout.envelope),
-    all,
-  };
+  const { layout } = scenario;
+  const inputs = readInputs(scenario, changes);
   const found = layout.march === "given" ? marchGiven(scenario, module, inputs) : march(scenario, module, inputs);
   return {
     name: scenario.name,
@@ -53,6 +44,20 @@ export function runScenario(scenario: Scenario, module: RunModule, changes: Chan
   };
 }
 
+export function readInputs(scenario: Scenario, changes: Changes): Inputs {
+  const all = predictInputs(scenario, changes);
+  const { places, layout } = scenario;
+  return {
+    parameters: all.slice(0, layout.parameters),
+    duration: all[places.duration]!,
+    tolerance: all[places.tolerance]!,
+    samples: countSamples(all[places.samples]!, all[places.duration]!, all[places.interval]!),
+    low: all.slice(places.low, places.low + layout.envelope),
+    high: all.slice(places.high, places.high + layout.envelope),
+    all,
+  };
+}
+
 /** Samples of a run; those of a bench are its periods. */
 const countSamples = (asked: number, duration: number, interval: number): number =>
   Number.isFinite(asked) ? Math.round(asked) : Math.max(2, Math.floor(duration / interval + 1e-6) + 1);
@@ -60,20 +65,8 @@ const countSamples = (asked: number, duration: number, interval: number): number
 type Found = Omit<RunCore, "name" | "text" | "changes" | "parameters" | "duration" | "tolerance" | "samples" | "seconds" | "cautions">;
 
 function march(scenario: Scenario, module: RunModule, inputs: Inputs): Found {
-  const { places } = scenario;
-  const step = inputs.all[places.step]!;
-  const longest = Math.min(module.findLongestStep(inputs.parameters), inputs.all[places.mechanism]!);
   const times = Float64Array.from({ length: inputs.samples }, (_, k) => (inputs.duration * k) / (inputs.samples - 1));
-  const base: Base = {
-    parameters: inputs.parameters,
-    times,
-    first: Math.min(longest, inputs.duration / (inputs.samples - 1)),
-    low: inputs.low,
-    high: inputs.high,
-    step: Number.isFinite(step) ? step : 0,
-    inertial: inputs.all[places.inertial]!,
-    drives: places.drives.map((drive) => tableOf(drive, inputs.all)),
-  };
+  const base = planBase(scenario, module, inputs, times);
   try {
     if (base.step) return describeMarch(scenario, inputs, times, module.march(planMarch(base, inputs.tolerance)), null);
     const [found, accuracy] = marchTo(module, scenario, base, inputs.tolerance);
@@ -82,6 +75,22 @@ function march(scenario: Scenario, module: RunModule, inputs: Inputs): Found {
     if (!(error instanceof TooLong)) throw error;
     throw new Refusal(`This run needs more than ${MOST_STEPS.toLocaleString("en")} steps. Make it shorter, or its tolerance larger.`, "input", 400);
   }
+}
+
+/** A run with the drives of the document. */
+export function planBase({ places }: Scenario, module: RunModule, inputs: Inputs, times: Float64Array): Base {
+  const step = inputs.all[places.step]!;
+  const longest = Math.min(module.findLongestStep(inputs.parameters), inputs.all[places.mechanism]!);
+  return {
+    parameters: inputs.parameters,
+    times,
+    first: Math.min(longest, times[1]! - times[0]!),
+    low: inputs.low,
+    high: inputs.high,
+    step: Number.isFinite(step) ? step : 0,
+    inertial: inputs.all[places.inertial]!,
+    drives: places.drives.map((drive) => tableOf(drive, inputs.all)),
+  };
 }
 
 function describeMarch(scenario: Scenario, inputs: Inputs, times: Float64Array, found: Marched, accuracy: number | null): Found {
@@ -224,7 +233,7 @@ function spread(scenario: Scenario, rows: Float64Array, times: Float64Array, rea
   return { times: times.slice(0, reached), columns, profiles };
 }
 
-function describeExit(scenario: Scenario, exit: NonNullable<RunCore["exit"]>): string {
+export function describeExit(scenario: Scenario, exit: NonNullable<RunCore["exit"]>): string {
   const bound = scenario.envelope[exit.place]!;
   const shown = (x: number): string => `${g(x * bound.factor + bound.offset, 5)} ${bound.shown}`;
   const reason = bound.name === "hottest" && exit.value <= 0 ? "absolute zero" : bound.reason;

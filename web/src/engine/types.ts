@@ -91,6 +91,10 @@ export interface DriveAt {
   readings: number;
   /** Whether it is read at the end of a step. */
   ahead: boolean;
+  /** What it is called, and how it is shown; the port that it heats, empty for none. */
+  name: string;
+  how: { unit: string; shown: string; factor: number; offset: number };
+  port: string;
 }
 
 /** A bound of the envelope, in words. */

@@ -3,6 +3,7 @@
 import { Refusal } from "../lib/refusal.ts";
 import { RunModule } from "./march.ts";
 import { runScenario } from "./run.ts";
+import { beginStepping, type Span, type Stepping } from "./stepping.ts";
 import type { RunCore, Scenario } from "./types.ts";
 
 export interface Asked {
@@ -16,12 +17,20 @@ export interface Asked {
   text: string;
 }
 
+/** A model that goes on by spans of time: put at rest, then stepped with all drives at levels, in SI. */
+export type AskedStep =
+  | { begin: { address: string; scenario: Scenario }; changes: Record<string, number> }
+  | { length: number; parts: number; levels: number[]; changes: Record<string, number> | null };
+
+/** `took`: time of the calculation [ms]. */
+export type Stepped = (Span & { took: number }) | { refused: string };
+
 export type Answered = { id: number; run: RunCore } | { id: number; refused: string; kind: string };
 
 const scenarios = new Map<string, Scenario>();
 const modules = new Map<string, Promise<RunModule>>();
 
-async function load(asked: Asked, scenario: Scenario): Promise<RunModule> {
+async function load(asked: Pick<Asked, "address">, scenario: Scenario): Promise<RunModule> {
   const response = await fetch(asked.address);
   if (!response.ok) throw new Refusal(`The page cannot be read further: ${scenario.module} is missing.`, "lost", response.status);
   return new RunModule(await WebAssembly.compile(await response.arrayBuffer()), scenario.layout);
@@ -41,7 +50,26 @@ async function answer(asked: Asked): Promise<Answered> {
   }
 }
 
-onmessage = async (event: MessageEvent<Asked>) => {
+let stepping: Stepping | null = null;
+
+async function step(asked: AskedStep): Promise<Stepped> {
+  const begun = performance.now();
+  const nothing = { times: new Float64Array(), rows: new Float64Array(), said: "" };
+  try {
+    if ("begin" in asked) {
+      const { scenario, address } = asked.begin;
+      stepping = beginStepping(scenario, await load({ address }, scenario), asked.changes);
+      return { ...nothing, took: performance.now() - begun };
+    }
+    if (asked.changes) stepping!.change(asked.changes);
+    return { ...stepping!.go(asked.length, asked.parts, asked.levels), took: performance.now() - begun };
+  } catch (error) {
+    return { refused: error instanceof Error ? error.message : String(error) };
+  }
+}
+
+onmessage = async (event: MessageEvent<Asked | AskedStep>) => {
+  if (!("id" in event.data)) return postMessage(await step(event.data));
   const found = await answer(event.data);
   const arrays = "run" in found ? [found.run.times, ...Object.values(found.run.columns), ...Object.values(found.run.profiles)] : [];
   postMessage(found, { transfer: arrays.map((one) => one.buffer) });

@@ -167,4 +167,6 @@ export interface Run extends RunTold {
   stretches: Record<string, Stretch[]>;
   phase: Phase;
   scene: SceneData;
+  /** Set where it was recorded by hand, and the document does not bring it back. */
+  only?: true;
 }

@@ -16,6 +16,8 @@ import { Scene } from "../scene/scene.tsx";
 import { place } from "../state/route.ts";
 import { computing, followDocument, followWaiting, refused, run } from "../state/run.ts";
 import { broken, change, followInAddress, fromAddress, text } from "../state/scenario.ts";
+import { hand } from "../touch/live.ts";
+import { LivePanel } from "../touch/panel.tsx";
 import { BrokenLink } from "../ui/broken-link.tsx";
 import { Message } from "../ui/message.tsx";
 
@@ -42,7 +44,8 @@ function Title() {
   return (
     <div class="bench-title">
       <h1>{now?.title ?? "Bench"}</h1>
-      {now && (
+      {now && hand.value && <p class="soft small">{now.described}; running by hand</p>}
+      {now && !hand.value && (
         <p class="soft small">
           {now.described}; {now.times.length} samples, {now.steps} steps in {(now.seconds * 1000).toFixed(0)} ms
         </p>
@@ -77,13 +80,19 @@ export function Page() {
       <section class="bench-results stack" aria-label="Results">
         <div class="bench-head">
           <Title />
-          <Compare />
+          {!hand.value && <Compare />}
         </div>
         <Busy />
         {refused.value && <Message kind="error">{refused.value}</Message>}
-        <Measures />
-        <Insight />
-        <Warnings />
+        {hand.value ? (
+          <LivePanel />
+        ) : (
+          <>
+            <Measures />
+            <Insight />
+            <Warnings />
+          </>
+        )}
         <div class="bench-view">
           <div class="stack bench-space">
             <Scene />
@@ -91,7 +100,7 @@ export function Page() {
           </div>
           <Planes />
         </div>
-        <Charts />
+        {!hand.value && <Charts />}
       </section>
       <div class="bench-bar">
         <button type="button" class="main" aria-expanded={sheet.value} aria-controls="bench-controls" onClick={flip}>

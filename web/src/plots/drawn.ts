@@ -3,7 +3,7 @@
 import { computed, signal } from "@preact/signals";
 import { toShown } from "../lib/numbers.ts";
 import type { Output, Run } from "../lib/types.ts";
-import { pinned, run } from "../state/run.ts";
+import { before, pinned, run } from "../state/run.ts";
 import { keepPart } from "../state/session.ts";
 import { pinLook, type Look } from "./palette.ts";
 
@@ -18,11 +18,15 @@ export interface Beside {
 }
 
 /** Pinned runs that are drawn beneath the live one. */
-export const beside = computed<Beside[]>(() =>
-  pinned.value
+export const beside = computed<Beside[]>(() => [
+  ...(before.value ? [{ id: 0, name: before.value.title, run: before.value, look: BEFORE }] : []),
+  ...pinned.value
     .filter((one) => !hidden.value.has(one.id))
     .map((one) => ({ id: one.id, name: one.name, run: one.run, look: pinLook(one.id) })),
-);
+]);
+
+/** The run from which a model was taken up by hand. */
+const BEFORE: Look = { colour: 5, dash: [2, 4], width: 1 };
 
 /** The port that is drawn; empty for all of them. Null: not chosen yet. */
 export const portChoice = signal<string | null>(null);
@@ -64,11 +68,12 @@ keepPart(
 
 export const duration = (of: Run): number => of.times.at(-1) ?? 0;
 
-export const timeLimits = computed<[number, number]>(() => {
-  if (zoom.value) return zoom.value;
-  const end = Math.max(...[run.value, ...beside.value.map((one) => one.run)].map((one) => (one ? duration(one) : 0)));
-  return [0, end || 1];
-});
+/** End of the longest run that is drawn [s]. */
+export const wholeTime = computed<number>(
+  () => Math.max(...[run.value, ...beside.value.map((one) => one.run)].map((one) => (one ? duration(one) : 0))) || 1,
+);
+
+export const timeLimits = computed<[number, number]>(() => zoom.value ?? [0, wholeTime.value]);
 
 const kept = new WeakMap<Run, Map<string, Float64Array>>();
 
@@ -100,17 +105,6 @@ export const printed = (unit: string): string => PRINTED[unit] ?? unit.replaceAl
 /** Symbol and unit of an axis, such as T [°C]. */
 export const axisLabel = (how: Pick<Output, "symbol" | "shown">): string =>
   `${how.symbol.replace("_", " ")} [${printed(how.shown) || "–"}]`;
-
-/** Row of the run's samples at a time [s]. */
-export function rowAt(times: number[], time: number): number {
-  let [low, high] = [0, times.length - 1];
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if ((times[middle] ?? 0) < time) low = middle + 1;
-    else high = middle;
-  }
-  return Math.max(low, 0);
-}
 
 /** Height of what stands above and between the planes, and of the bar at the end of a small screen [px]. */
 const [ABOVE, BAR, SMALL] = [430, 70, 1100];

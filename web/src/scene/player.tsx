@@ -4,11 +4,14 @@ import { useEffect } from "preact/hooks";
 import { digits } from "../lib/numbers.ts";
 import type { Alarm, Run } from "../lib/types.ts";
 import { cursor, run } from "../state/run.ts";
+import { LiveButton } from "../touch/panel.tsx";
+import { hand } from "../touch/live.ts";
 import { begin, end, fitting, goTo, loops, pause, playing, SPEEDS, speed, step, toggle } from "./playing.ts";
 
 export function Player() {
   const now = run.value;
   useEffect(() => pause, []);
+  if (hand.value) return <Pacing />;
   if (!now || now.times.length < 2) return null;
   const press = (event: KeyboardEvent): void => {
     if (event.key !== " " || event.target instanceof HTMLButtonElement || event.target instanceof HTMLSelectElement) return;
@@ -22,6 +25,7 @@ export function Player() {
       <button type="button" class="main player-play" aria-label={name} title={`${name} (space)`} onClick={toggle}>
         {playing.value ? "⏸︎" : "▶︎"}
       </button>
+      <LiveButton />
       <button type="button" aria-label="One sample back" title="One sample back" onClick={() => step(-1)}>
         ‹
       </button>
@@ -32,6 +36,18 @@ export function Player() {
       <output class="player-time">
         {told(cursor.value, end.value)} / {digits(end.value)} s
       </output>
+      <Pace />
+    </div>
+  );
+}
+
+/** While the model runs by hand: what stops it, and how fast it goes. */
+function Pacing() {
+  return (
+    <div class="panel player" role="group" aria-label="Time">
+      <LiveButton />
+      <output class="player-time">{cursor.value.toFixed(1)} s</output>
+      <span class="player-scrub" />
       <Pace />
     </div>
   );
@@ -108,9 +124,11 @@ function Pace() {
           ))}
         </select>
       </label>
-      <label class="small player-loop">
-        <input type="checkbox" checked={loops.value} onChange={(event) => (loops.value = event.currentTarget.checked)} /> Loop
-      </label>
+      {!hand.value && (
+        <label class="small player-loop">
+          <input type="checkbox" checked={loops.value} onChange={(event) => (loops.value = event.currentTarget.checked)} /> Loop
+        </label>
+      )}
     </>
   );
 }

@@ -1,7 +1,7 @@
 // Playing: the cursor goes on with the time of the clock, at a speed, until the end or round again.
 
 import { computed, effect, signal } from "@preact/signals";
-import { cursor, run } from "../state/run.ts";
+import { before, cursor, run } from "../state/run.ts";
 import { keepSignals } from "../state/session.ts";
 
 /** Times as fast as the clock; "fit" is what makes a run last `USUAL` seconds. */
@@ -19,8 +19,11 @@ keepSignals("player", { loops });
 export const begin = computed(() => run.value?.times[0] ?? 0);
 export const end = computed(() => run.value?.times.at(-1) ?? 0);
 
-/** Two digits are enough. */
-export const fitting = computed(() => Number(((end.value - begin.value) / USUAL).toPrecision(2)) || 1);
+/** Two digits are enough; a model that runs by hand goes as fast as the run from which that began. */
+export const fitting = computed(() => {
+  const times = (before.value ?? run.value)?.times;
+  return Number((((times?.at(-1) ?? 0) - (times?.[0] ?? 0)) / USUAL).toPrecision(2)) || 1;
+});
 /** Seconds of the run in a second of the clock. */
 export const rate = (): number => (speed.value === "fit" ? fitting.value : speed.value);
 

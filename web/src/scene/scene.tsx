@@ -17,6 +17,7 @@ import { Side } from "./side.tsx";
 import { Toggles } from "./toggles.tsx";
 import type { Reading, Stage, View } from "./stage.ts";
 import { NAMES, type Quantity } from "./tint.ts";
+import { grabbing, hand } from "../touch/live.ts";
 
 const VIEWS: [View, string][] = [["free", "Fit"], ["front", "Front"], ["side", "Side"], ["top", "Top"]];
 const MANY = 4;
@@ -157,6 +158,9 @@ function Space(props: PictureProps & { stage: { current: Stage | null }; whole: 
     });
     return leave;
   }, [now, read, ghost, whole, ready.value]);
+  useEffect(() => {
+    if (stage.current) stage.current.grabbing = hand.value ? grabbing : null;
+  }, [hand.value, ready.value]);
   const press = (event: KeyboardEvent): void => {
     if (stage.current && !event.ctrlKey && !event.metaKey && steered(stage.current, event.key)) event.preventDefault();
   };

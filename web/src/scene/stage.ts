@@ -43,9 +43,27 @@ const NEARER = 0.88;
 const ROOM: [number, number] = [0.93, 0.88];
 /** Rest after which a picture is drawn again with smooth edges, where that costs much [ms]. */
 const REST = 130;
+/** Between two pictures of the shadow while anything moves, where a processor has to draw [ms]. */
+const SHADOW = 200;
+
+/** Between two pictures while something can be held, where a processor has to draw: curves come more often [ms]. */
+const SELDOM = 40;
 
 /** Asked of WebGL. Where a processor has to draw, edges are not smoothed while anything moves, which costs it most. */
 const ASKED = { alpha: true, antialias: true, powerPreference: "low-power" } as const;
+
+/** Names of what draws by the processor, where a browser does not say so otherwise. */
+const PROCESSOR = /swiftshader|llvmpipe|softpipe|software|basic render/i;
+
+/** A canvas, and what draws on it if that is not the processor. */
+function openQuick(): [HTMLCanvasElement, WebGL2RenderingContext | null] {
+  const canvas = document.createElement("canvas");
+  const context = canvas.getContext("webgl2", { ...ASKED, failIfMajorPerformanceCaveat: true });
+  const named = context?.getExtension("WEBGL_debug_renderer_info");
+  if (!context || !named || !PROCESSOR.test(String(context.getParameter(named.UNMASKED_RENDERER_WEBGL)))) return [canvas, context];
+  context.getExtension("WEBGL_lose_context")?.loseContext();
+  return [document.createElement("canvas"), null];
+}
 
 export class Stage {
   /** Pictures that were rendered. */
@@ -79,6 +97,9 @@ export class Stage {
   private touched = false;
   private waiting = 0;
   private resting = 0;
+  private shaded = 0;
+  private drawn = 0;
+  private grabbed = false;
   private time = 0;
   private reading: Reading | null = null;
 
@@ -87,8 +108,7 @@ export class Stage {
     private readonly host: HTMLElement,
     private readonly smooth = 0,
   ) {
-    const canvas = document.createElement("canvas");
-    const context = canvas.getContext("webgl2", { ...ASKED, failIfMajorPerformanceCaveat: true });
+    const [canvas, context] = openQuick();
     this.quick = context !== null;
     this.renderer = new WebGLRenderer(context ? { canvas, context } : { ...ASKED, canvas, antialias: false });
     this.renderer.setPixelRatio(smooth || (this.quick ? Math.min(devicePixelRatio, 2) : 1));
@@ -111,6 +131,7 @@ export class Stage {
   /** Who is told while something is held. */
   set grabbing(grabbing: Grabbing | null) {
     this.pointer.grabbing = grabbing;
+    this.grabbed = grabbing !== null;
   }
 
   get motion(): Motion | null {
@@ -208,17 +229,22 @@ export class Stage {
   }
 
   /** The picture now, and its words: what it is drawn on is the canvas until the next one. */
-  render(): { canvas: HTMLCanvasElement; words: Written[] } {
+  render(hurried = false): { canvas: HTMLCanvasElement; words: Written[] } {
     const shown = this.forces ? this.arrows.point(this.cast, this.reading) : this.arrows.hide();
+    if (!hurried || performance.now() - this.shaded > SHADOW) this.castShadow();
+    this.renderer.render(this.world, this.camera);
+    const { clientWidth: width, clientHeight: height } = this.host;
+    return { canvas: this.renderer.domElement, words: arrange([...wordsOf(this.cast, this.reading, this.pointer.hover, this.named), ...shown], this.camera, width, height) };
+  }
+
+  private castShadow(): void {
     const ghost = this.ghost?.group;
     if (ghost) ghost.visible = false;
     this.arrows.group.visible = false;
     this.ground.cast(this.renderer, this.world);
     if (ghost) ghost.visible = true;
     this.arrows.group.visible = true;
-    this.renderer.render(this.world, this.camera);
-    const { clientWidth: width, clientHeight: height } = this.host;
-    return { canvas: this.renderer.domElement, words: arrange([...wordsOf(this.cast, this.reading, this.pointer.hover, this.named), ...shown], this.camera, width, height) };
+    this.shaded = performance.now();
   }
 
   /** See the mechanism as another stage does. */
@@ -277,21 +303,27 @@ export class Stage {
 
   private soon(): void {
     if (this.smooth) return;
-    this.waiting ||= requestAnimationFrame(() => {
-      this.waiting = 0;
-      if (!this.quick && this.renderer.getPixelRatio() !== 1) this.renderer.setPixelRatio(1);
-      this.draw();
-      if (this.quick) return;
-      clearTimeout(this.resting);
-      this.resting = window.setTimeout(() => {
-        this.renderer.setPixelRatio(2);
-        this.draw();
-      }, REST);
-    });
+    clearTimeout(this.resting);
+    this.waiting ||= requestAnimationFrame(() => this.next());
   }
 
-  private draw(): void {
-    this.labels.write(this.render().words);
+  /** Draw, unless a processor that draws has to leave the rest of the page its time. */
+  private next(): void {
+    const begun = performance.now();
+    if (!this.quick && this.grabbed && begun - this.drawn < SELDOM) return void (this.waiting = requestAnimationFrame(() => this.next()));
+    this.waiting = 0;
+    this.drawn = begun;
+    if (!this.quick && this.renderer.getPixelRatio() !== 1) this.renderer.setPixelRatio(1);
+    this.draw(!this.quick);
+    if (this.quick) return;
+    this.resting = window.setTimeout(() => {
+      this.renderer.setPixelRatio(2);
+      this.draw();
+    }, REST);
+  }
+
+  private draw(hurried = false): void {
+    this.labels.write(this.render(hurried).words);
     this.rendered += 1;
     Object.assign(this.host.dataset, { rendered: this.rendered, time: this.time, held: this.renderer.info.memory.geometries });
   }

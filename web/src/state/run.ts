@@ -1,7 +1,7 @@
 // The run of the scenario on the bench, those that are pinned beside it, and the time cursor.
 
 import { batch, computed, effect, signal } from "@preact/signals";
-import { call, sentence, superseded } from "../lib/api.ts";
+import { call, cancelCall, sentence, superseded } from "../lib/api.ts";
 import type { Run } from "../lib/types.ts";
 import { change, text } from "./scenario.ts";
 import { keepPart } from "./session.ts";
@@ -10,6 +10,9 @@ export const run = signal<Run | null>(null);
 /** The sentence of what was refused last; empty if the curves show the document. */
 export const refused = signal("");
 export const computing = signal(false);
+
+/** While a model runs by hand: the run from which that began, which stays in the picture. */
+export const before = signal<Run | null>(null);
 
 /** Time of the cursor [s]. */
 export const cursor = signal(0);
@@ -30,7 +33,11 @@ export interface Waiting {
   text: string;
   /** Why it cannot be computed; empty if it was not tried yet. */
   trouble: string;
+  /** Whether no document tells how it came about. */
+  only?: boolean;
 }
+
+const ONLY_THERE = "This run was recorded by hand, with more changes than a document can hold: it was lost with the page.";
 
 export const waiting = signal<Waiting[]>([]);
 
@@ -40,7 +47,7 @@ const isWaiting = (one: Partial<Waiting> | null): one is Waiting =>
 keepPart(
   "runs",
   () => {
-    const all = [...pinned.value.map(({ id, name, run: { text } }) => ({ id, name, text })), ...waiting.value.map(({ id, name, text }) => ({ id, name, text }))];
+    const all = [...pinned.value.map(({ id, name, run: { text, only } }) => ({ id, name, text, ...(only ? { only } : {}) })), ...waiting.value.map(({ id, name, text, only }) => ({ id, name, text, ...(only ? { only } : {}) }))];
     return { cursor: cursor.value, count: pins, pins: all.sort((a, b) => a.id - b.id) };
   },
   (kept) => {
@@ -49,7 +56,7 @@ keepPart(
       if (typeof found.cursor === "number" && found.cursor >= 0) cursor.value = found.cursor;
       if (typeof found.count === "number") pins = found.count;
       if (!Array.isArray(found.pins)) return;
-      waiting.value = found.pins.filter(isWaiting).map((one) => ({ ...one, trouble: "" }));
+      waiting.value = found.pins.filter(isWaiting).map((one) => ({ ...one, trouble: one.only ? ONLY_THERE : "" }));
       pinned.value = [];
       pins = Math.max(pins, 0, ...waiting.value.map((one) => one.id));
     });
@@ -129,6 +136,9 @@ async function show(document: string, changes: Record<string, unknown>, merge: b
     if (mine === latest) computing.value = false;
   }
 }
+
+/** End the run that is being made; the one before stays. */
+export const cancelRun = (): void => void cancelCall("run").catch(() => undefined);
 
 /** Run whatever document comes into place otherwise: loaded, undone, redone. */
 export function followDocument(): () => void {

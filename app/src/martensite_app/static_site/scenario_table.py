@@ -66,10 +66,13 @@ def _write_number(value: float) -> float | str:
 
 def _list_places(made: InputMap, compiled: CompiledMarch, entries: dict[str, int]) -> JsonTable:
     drives, readings = list[JsonTable](), 0
-    for number, (shape, drive) in enumerate(zip(made.drives, made.scenario.whole.drives(), strict=True)):
+    system = made.scenario.whole
+    heated = {system.drive_at(port): port for port in system.actuators()}
+    for number, (shape, drive) in enumerate(zip(made.drives, system.drives(), strict=True)):
         at = entries.get(f"drive:{number}.start:0", 0)
         own: JsonTable = {"segments": shape.segments, "tones": shape.tones, "at": at, "readings": readings}
-        drives.append({**own, "ahead": bool(drive.ahead)})
+        said = {"name": drive.name, "how": _describe_unit(drive.name, drive.unit), "port": heated.get(drive.name, "")}
+        drives.append({**own, "ahead": bool(drive.ahead), **said})
         readings += not shape.segments
     first = len(compiled.paths) + len(SCALARS)
     return {
@@ -79,6 +82,13 @@ def _list_places(made: InputMap, compiled: CompiledMarch, entries: dict[str, int
         "drives": drives,
         "shown": _list_shown(made, entries),
     }
+
+
+def _describe_unit(name: str, unit: str) -> JsonTable:
+    """How a signal is shown: shown = SI · factor + offset."""
+    shown = units.of_column(name, unit)
+    offset = units.from_si(0.0, shown, unit)
+    return {"unit": unit, "shown": shown, "factor": units.from_si(1.0, shown, unit) - offset, "offset": offset}
 
 
 def _list_shown(made: InputMap, entries: dict[str, int]) -> list[tuple[int, str]]:
@@ -151,15 +161,13 @@ def _list_bounds(scenario: Scenario, compiled: CompiledMarch) -> Sequence[Any]:
     found: list[JsonTable] = []
     for place, (port, name) in zip(places, compiled.envelope, strict=True):
         unit = system.outputs()[system.label(port, name)].unit
-        shown = units.of_column(name, unit)
-        offset = units.from_si(0.0, shown, unit)
+        how = _describe_unit(name, unit)
+        del how["unit"]
         found.append(
             {
                 "output": place,
                 "words": f"{WORDS[name]} of `{port}`" if several else WORDS[name],
-                "shown": shown,
-                "factor": units.from_si(1.0, shown, unit) - offset,
-                "offset": offset,
+                **how,
                 "reason": BEYOND[name],
                 "port": port,
                 "name": name,

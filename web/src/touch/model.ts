@@ -1,0 +1,42 @@
+// The model that is stepped: of the page where it has it, else made by the server.
+
+import { findStepped, isStatic } from "../engine/local.ts";
+import { predictInputs, type Changes } from "../engine/inputs.ts";
+import type { Scenario } from "../engine/types.ts";
+import { call } from "../lib/api.ts";
+import { handleOf, kindOf } from "./handles.ts";
+
+export interface Model {
+  text: string;
+  scenario: Scenario;
+  /** Controls that differ from the document of the scenario. */
+  changes: Changes;
+  /** Where its module lies. */
+  address: string;
+  /** Of the document's run [s]. */
+  duration: number;
+}
+
+interface Answer {
+  scenario: Scenario;
+  /** The module, in base 64. */
+  module: string;
+}
+
+const made = new Map<string, Model>();
+
+export async function findModel(text: string): Promise<Model> {
+  if (isStatic()) {
+    const { scenario, changes, address } = await findStepped(text);
+    return { text, scenario, changes, address, duration: predictInputs(scenario, changes)[scenario.places.duration]! };
+  }
+  const known = made.get(text);
+  if (known) return known;
+  const path = handleOf(kindOf(text))?.path;
+  const { scenario, module } = await call<Answer>("model", { text, changes: {}, paths: path ? [path] : [] }, "model");
+  const bytes = Uint8Array.from(atob(module), (letter) => letter.charCodeAt(0));
+  const address = URL.createObjectURL(new Blob([bytes], { type: "application/wasm" }));
+  const found = { text, scenario, changes: {}, address, duration: Number(scenario.inputs[scenario.places.duration]) };
+  made.set(text, found);
+  return found;
+}

@@ -1,0 +1,139 @@
+// Running by hand: the button, what is held, and how strongly.
+
+import { useEffect } from "preact/hooks";
+import { digits, toShown } from "../lib/numbers.ts";
+import { printed } from "../plots/drawn.ts";
+import { Message } from "../ui/message.tsx";
+import { begin, give, hand, preparing, said, setLoad, stop, strengthen, turned, type Source } from "./live.ts";
+
+/** A hundred places are enough for a slider. */
+const PLACES = 100;
+const KEY = "h";
+
+export function LiveButton() {
+  const on = hand.value !== null;
+  const title = on ? "Pause: what was recorded stays as a run, to pin and to save" : "Run forward by hand: hold the heat, drag the load, see the loop grow";
+  return (
+    <>
+      <button type="button" class={`live-button ${on ? "main" : ""}`} aria-pressed={on} title={title} disabled={preparing.value} onClick={() => (on ? stop() : void begin())}>
+        {on ? "Pause" : preparing.value ? "Preparing …" : "Live"}
+      </button>
+      {!on && said.value && <Message kind="error">{said.value}</Message>}
+    </>
+  );
+}
+
+const inField = (target: EventTarget | null): boolean =>
+  target instanceof HTMLTextAreaElement || target instanceof HTMLSelectElement || (target instanceof HTMLInputElement && target.type !== "range");
+
+/** The first drive by a key, anywhere on the page; everything is let go when the page is left. */
+function follow(): () => void {
+  const key = (event: KeyboardEvent): void => {
+    if (event.key.toLowerCase() !== KEY || event.ctrlKey || event.metaKey || event.altKey || inField(event.target)) return;
+    event.preventDefault();
+    give(0, event.type === "keydown" ? 1 : 0);
+  };
+  const release = (): void => hand.peek()?.drives.forEach((_, k) => give(k, 0));
+  const hidden = (): void => void (document.hidden && stop());
+  addEventListener("keydown", key);
+  addEventListener("keyup", key);
+  addEventListener("blur", release);
+  document.addEventListener("visibilitychange", hidden);
+  return () => {
+    removeEventListener("keydown", key);
+    removeEventListener("keyup", key);
+    removeEventListener("blur", release);
+    document.removeEventListener("visibilitychange", hidden);
+  };
+}
+
+export function LivePanel() {
+  useEffect(follow, []);
+  useEffect(() => stop, []);
+  const now = hand.value;
+  turned.value;
+  if (!now) return null;
+  return (
+    <section class="panel live" aria-label="Running by hand">
+      <div class="live-row">
+        {now.drives.map((one, k) => (
+          <Drive key={one.drive.name} one={one} k={k} alone={now.drives.length === 1} />
+        ))}
+        {now.load && <LoadSlider />}
+      </div>
+      <p class="soft small">
+        Hold to heat, let go to cool. {now.load ? `Drag the ${now.load.shapes[0]} in the picture for the load, or draw` : "Draw"} the point of the phase diagram to where it should go.
+      </p>
+      {said.value && <Message kind="caution">{said.value}</Message>}
+    </section>
+  );
+}
+
+const spell = (value: number, how: { shown: string; factor: number; offset: number }): string => `${digits(toShown(value, how), 3)} ${printed(how.shown === "1" ? "" : how.shown)}`;
+
+function Drive({ one, k, alone }: { one: Source; k: number; alone: boolean }) {
+  const { drive, strength, most, share } = one;
+  const name = drive.port ? (alone ? "Heat" : `Heat ${drive.port.replaceAll("_", " ")}`) : drive.name;
+  const press = (event: PointerEvent): void => {
+    (event.currentTarget as Element).setPointerCapture(event.pointerId);
+    give(k, 1);
+  };
+  const key = (event: KeyboardEvent): void => {
+    if (event.key !== " " && event.key !== "Enter") return;
+    event.preventDefault();
+    give(k, event.type === "keydown" ? 1 : 0);
+  };
+  const let_go = (): void => give(k, 0);
+  return (
+    <div class="live-drive">
+      <button
+        type="button"
+        class={`live-heat ${share > 0 ? "on" : ""}`}
+        aria-pressed={share > 0}
+        title={k === 0 ? `Hold the button, or the key ${KEY.toUpperCase()}` : "Hold the button"}
+        style={{ "--share": `${100 * share}%` }}
+        onPointerDown={press}
+        onPointerUp={let_go}
+        onPointerCancel={let_go}
+        onKeyDown={key}
+        onKeyUp={key}
+        onBlur={let_go}
+        onContextMenu={(event) => event.preventDefault()}
+      >
+        {name}
+      </button>
+      <label class="small">
+        {spell(strength, drive.how)}
+        <input
+          type="range"
+          aria-label={`${name}: level while it is held`}
+          aria-valuetext={spell(strength, drive.how)}
+          min={0}
+          max={most}
+          step={most / PLACES}
+          value={strength}
+          onInput={(event) => strengthen(k, event.currentTarget.valueAsNumber)}
+        />
+      </label>
+    </div>
+  );
+}
+
+function LoadSlider() {
+  const load = hand.value!.load!;
+  return (
+    <label class="small live-load">
+      {load.words}: {spell(load.value, load.how)}
+      <input
+        type="range"
+        aria-label={load.words}
+        aria-valuetext={spell(load.value, load.how)}
+        min={load.low}
+        max={load.high}
+        step={(load.high - load.low) / PLACES}
+        value={load.value}
+        onInput={(event) => setLoad(event.currentTarget.valueAsNumber)}
+      />
+    </label>
+  );
+}
