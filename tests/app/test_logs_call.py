@@ -42,7 +42,14 @@ def _write_supply(stamp: bool) -> str:
 
 
 def _write_camera() -> str:
-    head = ["Plot 1 FLIR A320", "", "\t\t\t\tBx1.Max.", "Emissivity\t\t\t\t0.95", *(f"{name}\t\t\t\t20" for name in "abcdefg"), ""]
+    head = [
+        "Plot 1 FLIR A320",
+        "",
+        "\t\t\t\tBx1.Max.",
+        "Emissivity\t\t\t\t0.95",
+        *(f"{name}\t\t\t\t20" for name in "abcdefg"),
+        "",
+    ]
     head.append("Date\tTime\tMilliseconds\tRelative time\tBx1.Max.")
     rows = [
         f"18/07/2016\t18:{54 + k // 120}:{k // 2 % 60:02d}\t{500 * (k % 2):03d}\t{k / 2:g}\t{25 + 0.1 * k:.6f}".replace(
