@@ -27,7 +27,9 @@ def build_model(request: Request, desk: Desk) -> JsonTable:
         raise BadMessageError("`paths` must be names of numbers.")
     scenario = read_request_scenario(request, desk)
     if scenario.initial or scenario.restart_at:
-        raise InputError("This scenario starts elsewhere than at rest, or goes on from a restart: it does not run by hand.")
+        raise InputError(
+            "This scenario starts elsewhere than at rest, or goes on from a restart: it does not run by hand."
+        )
     return _build_model(scenario.text, tuple(paths))
 
 
