@@ -27,7 +27,14 @@ def build_model(request: Request, desk: Desk) -> JsonTable:
         raise BadMessageError("`paths` must be names of numbers.")
     scenario = read_request_scenario(request, desk)
     if scenario.initial or scenario.restart_at:
-        raise InputError("This scenario starts elsewhere than at rest, or goes on from a restart: it does not run by hand.")
+        raise InputError(
+            "This scenario names the state in which it begins: it does not run by hand, which begins at rest."
+        )
+    if scenario.whole.sample_time():
+        raise InputError(
+            "A controller in discrete time drives this mechanism: it does not run by hand. "
+            "Open one without, such as `Wire and dead weight`."
+        )
     return _build_model(scenario.text, tuple(paths))
 
 
