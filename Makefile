@@ -31,7 +31,7 @@ PYRIGHT := NODE_OPTIONS="--max-semi-space-size=64" $(BIN)/pyright
 SHIPPED := src app/src control/src export/src hardware/src studies/src sweep/src testing/src
 
 .DEFAULT_GOAL := help
-.PHONY: help env demo test test-all lint docs web bench format lock clean distclean
+.PHONY: help env demo test test-all lint docs site web bench format lock clean distclean
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -58,6 +58,10 @@ lint: $(VENV)/.stamp-dev ## style, format, types of what ships, import contracts
 docs: $(VENV)/.stamp-dev ## build the documentation into docs/_build/html
 	XLA_FLAGS="$(XLA_QUICK)" MARTENSITE_CFLAGS="$(C_QUICK)" $(BIN)/python -m sphinx -b html -W --keep-going docs docs/_build/html
 
+# The bench is compiled by zig, which the extra cc brings.
+site: $(VENV)/.stamp-dev $(VENV)/.stamp-cc ## documentation and, beside it, the bench without a server, as files into site
+	XLA_FLAGS="$(XLA_QUICK)" MARTENSITE_CFLAGS="$(C_QUICK)" $(BIN)/python docs/_ext/make_site.py site
+
 # Node.js of this machine, or the one that pyright brings; packages come from the registry once.
 web: $(VENV)/.stamp-dev ## types and tests of the web page, and whether its bundle is the newest
 	$(BIN)/python web/write_types.py
@@ -80,7 +84,7 @@ lock: ## write uv.lock anew after a change of the dependencies (needs uv)
 	uv lock --default-index https://pypi.org/simple
 
 clean: ## remove what builds and runs left behind; keeps .venv
-	rm -rf build dist docs/_build docs/_figures docs/jupyter_execute .hypothesis .import_linter_cache \
+	rm -rf build dist site docs/_build docs/_figures docs/jupyter_execute .hypothesis .import_linter_cache \
 		.pytest_cache .ruff_cache .cache
 	find . -name __pycache__ -type d -not -path './$(VENV)/*' -prune -exec rm -rf {} +
 
@@ -93,6 +97,7 @@ distclean: clean ## clean, and remove .venv too
 $(VENV)/.stamp-core: extra =
 $(VENV)/.stamp-dev: extra = dev
 $(VENV)/.stamp-bench: extra = bench
+$(VENV)/.stamp-cc: extra = cc
 $(VENV)/.stamp-%: pyproject.toml $(wildcard */pyproject.toml) uv.lock
 ifneq ($(UV),)
 	$(call sync,$(UV),$(UV_PYTHON_WISH))

@@ -31,6 +31,7 @@ extensions = [
     "myst_nb",
     "executed",
     "shown",
+    "live",
     "gallery",
     "navigation",
     "sphinx.ext.autodoc",
@@ -43,6 +44,9 @@ exclude_patterns = ["_build", "jupyter_execute", "_static/**", "_ext/**", "_figu
 # -- pages -------------------------------------------------------------------------------
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
+
+# -- the bench beside it, if there is one ------------------------------------------------
+live_bench = os.environ.get("MARTENSITE_BENCH", "")
 
 # -- code cells --------------------------------------------------------------------------
 pages_begin_with = ["warm"]

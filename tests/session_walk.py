@@ -62,8 +62,9 @@ class Walk:
         self.design = "grid"
         self.file = False
         self.notes = ""
-        self.page.goto(self.bench.address)
+        self.page.goto(f"{self.bench.address}#/bench")
         self.settle()
+        self.page.get_by_role("button", name="All parameters").click()
 
     # ------------------------------------------------------------ the server
 

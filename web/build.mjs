@@ -27,11 +27,19 @@ await build({
 });
 for (const name of await readdir("public")) await copyFile(`public/${name}`, `${out}/${name}`);
 
-// the page of a report: one file, into which data are put
-const { outputFiles } = await build({
-  ...how, entryPoints: ["src/report/main.tsx"], outdir: "report", write: false, format: "iife", legalComments: "inline",
+/** A page in one file, which loads nothing. */
+async function inline(folder) {
+  const { outputFiles } = await build({
+    ...how, entryPoints: [`src/${folder}/main.tsx`], outdir: folder, write: false, format: "iife", legalComments: "inline",
+  });
+  const [script, styles] = [".js", ".css"].map((ending) => outputFiles.find((one) => one.path.endsWith(ending)).text);
+  const page = await readFile(`src/${folder}/page.html`, "utf8");
+  return page.replace("STYLES", () => styles).replace("SCRIPT", () => script.replaceAll("</script", "<\\/script"));
+}
+
+// the page of a report, into which data are put; the widget of a notebook, with the bench in it
+await writeFile(`${out}/report.html`, await inline("report"));
+await build({
+  ...how, entryPoints: { notebook: "src/notebook/widget.ts" }, outdir: out, format: "esm",
+  define: { PAGE: JSON.stringify(await inline("notebook")) },
 });
-const [script, styles] = [".js", ".css"].map((ending) => outputFiles.find((one) => one.path.endsWith(ending)).text);
-const page = await readFile("src/report/page.html", "utf8");
-const filled = page.replace("STYLES", () => styles).replace("SCRIPT", () => script.replaceAll("</script", "<\\/script"));
-await writeFile(`${out}/report.html`, filled);

@@ -2,19 +2,27 @@
 
 The directive `gallery` has a line `PAGE | title | description` for every figure. The figure is the
 first of the cell with the tag `gallery` on that page, or with `PAGE#NAME` the drawing `NAME.svg` in
-it. Nothing is drawn twice; a figure that is missing is a warning, which fails the build.
+it. Nothing is drawn twice; a figure that is missing is a warning, which fails the build. A fourth entry is
+a scenario, which the figure leads to on the bench beside the documentation, where there is one (`live`).
+
+The directive `devices` has a line `SCENARIO | title | description` for every picture of the bench,
+`_static/devices/SCENARIO.webp` (`device_pictures`). It leads to the bench, or to the page about it.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
+import live
 from docutils import nodes
 from sphinx.util import logging
 from sphinx.util.docutils import SphinxDirective
 
 TAG = "tag_gallery"
 """The class of a cell with the tag `gallery`."""
+ABOUT = "howto/app"
+"""The page about the bench."""
+PICTURES = "_static/devices/"
 _MIMES = ("image/svg+xml", "image/png", "image/gif")
 _logger = logging.getLogger(__name__)
 
@@ -32,8 +40,22 @@ class Gallery(SphinxDirective):
         """One place for every line."""
         found = nodes.container("", classes=["gallery"])
         for line in filter(str.strip, self.content):
-            source, title, alt = (word.strip() for word in line.split("|"))
-            found += Place("", source=source, title=title, alt=alt)
+            source, title, alt, *scenario = (word.strip() for word in line.split("|"))
+            found += Place("", source=source, title=title, alt=alt, live=scenario[0] if scenario else "")
+        return [found]
+
+
+class Devices(SphinxDirective):
+    """Pictures of the bench, each with a link to its scenario there."""
+
+    has_content = True
+
+    def run(self) -> list[nodes.Node]:
+        """One place for every line."""
+        found = nodes.container("", classes=["gallery", "devices"])
+        for line in filter(str.strip, self.content):
+            scenario, title, alt = (word.strip() for word in line.split("|"))
+            found += Place("", source=ABOUT, title=title, alt=alt, live=scenario, device=scenario)
         return [found]
 
 
@@ -61,21 +83,29 @@ def _best(cell: nodes.Element) -> str | None:
 def _fill(app: Any, doctree: nodes.document, docname: str) -> None:
     for place in list(doctree.findall(Place)):
         page, _, name = place["source"].partition("#")
-        uri = drawn(app.env.get_doctree(page), name)
+        device = place.get("device")
+        up = "../" * docname.count("/")
+        uri = f"{up}{PICTURES}{device}.webp" if device else drawn(app.env.get_doctree(page), name)
         if uri is None:
             if app.config.nb_execution_mode != "off":
                 _logger.warning("no figure for the gallery on %s", place["source"], location=place)
             place.parent.remove(place)
         else:
-            place.replace_self(_figure(uri, app.builder.get_relative_uri(docname, page), place))
+            address = live.find_live(app, docname, place["live"]) if place["live"] else None
+            target = app.builder.get_relative_uri(docname, page) if page in app.env.found_docs else ""
+            place.replace_self(_figure(uri, target, address, place))
 
 
-def _figure(uri: str, target: str, place: Place) -> nodes.figure:
+def _figure(uri: str, target: str, address: str | None, place: Place) -> nodes.figure:
+    """A picture with its title below it; a device leads to the bench at once."""
+    device = place.get("device")
+    target = (address or target) if device else target
     image = nodes.image("", uri=uri, alt=place["alt"], candidates={"*": uri}, loading="lazy")
     link = nodes.reference("", "", image, refuri=target, internal=True)
-    words = nodes.reference("", place["title"], refuri=target, internal=True)
-    anchor = nodes.make_id(f"figure-{place['source']}")
-    return nodes.figure("", link, nodes.caption("", "", words), ids=[anchor])
+    caption = nodes.caption("", "", nodes.reference("", place["title"], refuri=target, internal=True))
+    if address and not device:
+        caption += [nodes.Text(" · "), live.make_link(address, place["title"])]
+    return nodes.figure("", link, caption, ids=[nodes.make_id(f"figure-{device or place['source']}")])
 
 
 def _again(app: Any, env: Any) -> list[str]:
@@ -86,7 +116,9 @@ def _again(app: Any, env: Any) -> list[str]:
 def setup(app: Any) -> dict[str, Any]:
     """Entry point of the extension."""
     app.add_node(Place)
+    app.setup_extension("live")
     app.add_directive("gallery", Gallery)
+    app.add_directive("devices", Devices)
     app.connect("doctree-resolved", _fill)
     app.connect("env-updated", _again)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

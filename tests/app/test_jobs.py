@@ -145,6 +145,16 @@ def test_a_job_that_does_not_stop_is_ended(served: Bench) -> None:
     assert cancelled(served, job) == 200
 
 
+def test_a_job_that_does_not_end_by_itself_is_cancelled_within_a_second(served: Bench) -> None:
+    job = begun(served, "hang")
+    with watching(served, job) as socket, served.client() as client:
+        until_told(socket)
+        assert client.delete(f"/api/jobs/{job}?within=soon").status_code == 400
+        at = time.monotonic()
+        assert client.delete(f"/api/jobs/{job}?within=0.2").json()["state"] == "cancelled"
+        assert time.monotonic() - at < 1.0
+
+
 @pytest.mark.parametrize("call, request_", [("die", {"signal": "SIGKILL"}), ("bug", {"zero": 0}), ("nothing", {})])
 def test_a_job_that_fails_says_why(served: Bench, call: str, request_: dict[str, Any]) -> None:
     last = to_the_end(served, begun(served, call, request_))[-1]["job"]

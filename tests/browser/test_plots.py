@@ -78,7 +78,7 @@ def test_every_chart_is_drawn_and_follows_the_document(page: Page) -> None:
 def test_the_time_cursor_moves_by_click_key_and_zoom(page: Page) -> None:
     opened(page)
     figure = panel(page, "Wire temperature")
-    over, readout = figure.locator(".u-over"), figure.locator(".readout")
+    over, readout = figure.locator(".chart-over"), figure.locator(".readout")
     expect(readout).to_contain_text("T = 22 °C")
     box = over.bounding_box()
     assert box

@@ -124,7 +124,7 @@ def test_a_report_is_one_file_that_answers_and_asks_nobody(page: Page, bench: Be
     expect(page.get_by_role("region", name="What differs")).to_contain_text("element.length")
     readout = page.get_by_role("figure", name="wire temperature", exact=True).locator(".readout")
     before = readout.inner_text()
-    page.locator(".chart .u-over").first.hover(position={"x": 200, "y": 40})
+    page.locator(".chart .chart-over").first.hover(position={"x": 200, "y": 40})
     expect(readout).not_to_have_text(before)
     assert 'length = "150 mm"' in page.locator(".report-text").inner_text()
     page.locator("summary", has_text="Material and element").click()

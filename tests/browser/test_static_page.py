@@ -64,6 +64,7 @@ def test_a_field_runs_the_wire_without_a_server(page: Page) -> None:
 
 
 def test_what_needs_the_server_is_grey_and_says_so(page: Page) -> None:
+    page.get_by_role("button", name="All parameters").click()
     length = page.locator("#form-element-length")
     expect(length).to_be_disabled()
     expect(page.locator("fieldset.fixed", has=length)).to_have_attribute(

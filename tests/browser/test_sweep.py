@@ -88,9 +88,11 @@ def filled(page: Page) -> float:
     return page.evaluate(
         """() => {
           const canvas = document.querySelector(".sweep-canvas canvas");
+          const over = document.querySelector(".sweep-canvas .chart-over");
           const pen = canvas.getContext("2d");
-          const [w, h] = [canvas.width, canvas.height];
-          const data = pen.getImageData(68, 14, w - 86, h - 62).data;
+          const [left, top, w, h] = ["left", "top", "width", "height"]
+            .map(side => parseFloat(over.style[side]) * devicePixelRatio);
+          const data = pen.getImageData(left + 1, top + 1, w - 2, h - 2).data;
           let filled = 0;
           for (let k = 0; k < data.length; k += 4) filled += data[k + 3] > 0 ? 1 : 0;
           return (4 * filled) / data.length;

@@ -10,6 +10,7 @@ import subprocess
 import sys
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import pytest
 from fences import ROOT, fences
@@ -17,7 +18,7 @@ from fences import ROOT, fences
 from martensite_app.routes import ROUTES
 
 PAGE = ROOT / "docs" / "howto" / "app.md"
-(PROGRAM,) = [block.text for block in fences(PAGE) if block.language == "python"]
+CELL, PROGRAM = [block.text for block in fences(PAGE) if block.language == "python"]
 (SCENARIO,) = [
     block.text.partition("\n")[2]
     for block in fences(ROOT / "docs" / "tutorial.md")
@@ -26,10 +27,24 @@ PAGE = ROOT / "docs" / "howto" / "app.md"
 APP = ROOT / "app" / "src" / "martensite_app"
 
 
-def test_the_program_runs(tmp_path: Path) -> None:
-    """Two weights, two strokes; the heavier one is lifted a little less."""
+@pytest.fixture
+def lift(tmp_path: Path) -> None:
+    """The scenario of the tutorial, in the folder in which a program of the page runs."""
     scenario = SCENARIO.partition("%%writefile lift.toml\n")[2] or SCENARIO
     (tmp_path / "lift.toml").write_text(scenario, encoding="utf-8")
+
+
+@pytest.mark.usefixtures("lift")
+def test_the_cell_of_a_notebook_shows_its_scenario(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {}
+    exec(CELL, names)
+    assert names["bench"].scenario.text == (tmp_path / "lift.toml").read_text("utf-8")
+
+
+@pytest.mark.usefixtures("lift")
+def test_the_program_runs(tmp_path: Path) -> None:
+    """Two weights, two strokes; the heavier one is lifted a little less."""
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM],

@@ -5,6 +5,8 @@ Source of truth: the HTML that Sphinx writes of a small page with the settings o
 
 from __future__ import annotations
 
+import json
+import os
 import re
 import subprocess
 import sys
@@ -14,6 +16,8 @@ from pathlib import Path
 
 import pytest
 from fences import ROOT
+
+from martensite.cli.web_bench import build_address
 
 DOCS = ROOT / "docs"
 HELPERS = str(DOCS / "_ext")
@@ -49,7 +53,16 @@ page | A figure | What is in it
 page
 ```
 """
-OURS = ["myst_nb", "executed", "shown", "gallery", "sphinx.ext.mathjax"]
+LIVE = """\
+```{gallery}
+page | A figure | What is in it | wire
+```
+
+```{devices}
+wire | A device | What it is
+```
+"""
+OURS = ["myst_nb", "executed", "shown", "live", "gallery", "sphinx.ext.mathjax"]
 LOADS = re.compile(
     r"<(?:script|img|iframe|source|video|audio|embed|object)\b[^>]*?(?:src|data)=[\"']([^\"']*)"
     r"|<link\b(?![^>]*rel=[\"']canonical)[^>]*?href=[\"']([^\"']*)"
@@ -57,7 +70,7 @@ LOADS = re.compile(
     r"|@import\s+[\"']([^\"']+)"
 )
 """What a browser loads for a page, or for a style of it."""
-Build = Callable[[str, str], subprocess.CompletedProcess[str]]
+Build = Callable[..., subprocess.CompletedProcess[str]]
 
 
 def elsewhere(text: str) -> list[str]:
@@ -70,7 +83,7 @@ def elsewhere(text: str) -> list[str]:
 def build(tmp_path: Path) -> Build:
     """Builds a first page with a gallery and another one; warnings are errors."""
 
-    def built(first: str, page: str) -> subprocess.CompletedProcess[str]:
+    def built(first: str, page: str, bench: str = "") -> subprocess.CompletedProcess[str]:
         (tmp_path / "index.md").write_text(first, encoding="utf-8")
         (tmp_path / "page.md").write_text(HEAD + page, encoding="utf-8")
         given = {"pages_begin_with": "processes", "extensions": ",".join(OURS)}
@@ -81,14 +94,14 @@ def build(tmp_path: Path) -> Build:
             capture_output=True,
             text=True,
             check=False,
-            env={"PYTHONPATH": HELPERS, "HOME": str(tmp_path)},
+            env={"PYTHONPATH": os.pathsep.join([HELPERS, *sys.path]), "HOME": str(tmp_path), "MARTENSITE_BENCH": bench},
         )
 
     return built
 
 
 def test_a_small_documentation(build: Build, tmp_path: Path) -> None:
-    done = build(FIRST, PAGE)
+    done = build(FIRST + LIVE, PAGE.replace("[gallery]", "[gallery, live-wire]"))
     assert done.returncode == 0, done.stderr
     page = (tmp_path / "html" / "page.html").read_text("utf-8")
     words = unescape(re.sub(r"<[^>]+>", "", page))
@@ -97,7 +110,8 @@ def test_a_small_documentation(build: Build, tmp_path: Path) -> None:
     assert 'code-block-caption"><span class="caption-text"><code' in page
     assert 'alt="Figure: A page"' in page
     index = (tmp_path / "html" / "index.html").read_text("utf-8")
-    (figure,) = re.findall(r"<figure.*?</figure>", index, re.DOTALL)
+    assert "bench/#" not in page + index  # where there is no bench
+    figure, *_ = re.findall(r"<figure.*?</figure>", index, re.DOTALL)
     assert 'href="page.html"' in figure
     assert 'alt="What is in it"' in figure
     (image,) = re.findall(r'src="([^"]+)"', figure)
@@ -110,10 +124,31 @@ def test_a_small_documentation(build: Build, tmp_path: Path) -> None:
     assert '"enableMenu": false' in page  # its menu would load what reads formulas aloud
 
 
-def test_a_figure_that_is_missing_fails_the_build(build: Build) -> None:
-    done = build(FIRST, "No figure at all.\n")
+def test_a_figure_or_scenario_that_is_missing_fails_the_build(build: Build, tmp_path: Path) -> None:
+    missing = LIVE.replace("wire | A device", "ring | A device")
+    done = build(FIRST + missing, "No figure at all.\n", write_bench(tmp_path / "made"))
     assert done.returncode != 0
+    assert "no scenario `ring`" in done.stderr
     assert "no figure for the gallery on page" in done.stderr
+
+
+def write_bench(folder: Path) -> str:
+    """A bench with the scenario of the page, as far as links need it."""
+    (folder / "runs").mkdir(parents=True)
+    listed = {"scenarios": [{"name": "wire", "text": 'title = "a"\n'}]}
+    (folder / "runs" / "manifest.json").write_text(json.dumps(listed), encoding="utf-8")
+    return str(folder)
+
+
+def test_figures_and_files_lead_to_the_bench_beside_them(build: Build, tmp_path: Path) -> None:
+    bench = write_bench(tmp_path / "made")
+    done = build(FIRST + LIVE, PAGE.replace("[gallery]", "[gallery, live-wire]"), bench)
+    assert done.returncode == 0, done.stderr
+    html = [(tmp_path / "html" / f"{name}.html").read_text("utf-8") for name in ("index", "page")]
+    links = [re.findall(r'href="(bench/[^"]+)"', text) for text in html]
+    assert [len(found) for found in links] == [3, 2]  # of a figure, and of a device twice; of a file and a cell
+    assert {unescape(one) for found in links for one in found} == {build_address("bench/", 'title = "a"\n')}
+    assert 'src="_static/devices/wire.webp"' in html[0]
 
 
 @pytest.mark.parametrize(

@@ -132,12 +132,12 @@ class PageJobs:
             raise Refusal("There is no such job here; it may be long over.", 404)
         return job
 
-    async def cancel(self, job: PageJob) -> None:
-        """Stop a job: by asking, then by force."""
+    async def cancel(self, job: PageJob, grace: float = STOP_LIMIT) -> None:
+        """Stop a job: by asking, then, `grace` seconds later, by force."""
         if job.state != "running" or job.task is None:
             return
         await job.worker.stop()
-        await asyncio.wait([job.task], timeout=STOP_LIMIT)
+        await asyncio.wait([job.task], timeout=grace)
         if job.state == "running":
             job.end("cancelled", "Cancelled.")
             job.task.cancel()

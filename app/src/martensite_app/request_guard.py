@@ -27,7 +27,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from martensite_app.earlier_tokens import digest_token
-from martensite_app.messages import Refusal, Written, write_message
+from martensite_app.messages import COLUMNS_TYPE, Packed, Refusal, Written, write_message
 
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
@@ -200,7 +200,9 @@ async def _refuse(scope: Scope, receive: Receive, send: Send, refusal: Refusal) 
 
 
 def json_response(content: Any, status: int = 200) -> Response:
-    """An answer in JSON."""
+    """An answer in JSON, or in columns if a worker packed them."""
+    if isinstance(content, Packed):
+        return Response(content, status, media_type=COLUMNS_TYPE)
     body = content if isinstance(content, Written) else write_message(content)
     return Response(body, status, media_type="application/json")
 

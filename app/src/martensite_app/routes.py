@@ -29,6 +29,8 @@ ROUTES: Mapping[str, tuple[str, str]] = {
     "sample_log": ("logs", "place_sample"),
     "table": ("logs", "describe_table"),
     "fit_records": ("logs", "describe_records"),
+    "log_overlay": ("logs", "overlay_logs"),
+    "fit_proposal": ("logs", "propose_fit"),
     "fit_starts": ("logs", "list_followers"),
     "fit_scenario": ("logs", "match_scenario"),
     "fit": ("fits", "run_fit"),

@@ -1,10 +1,12 @@
 """The addresses of the bench.
 
     GET  /                      the page; other paths below it are its scripts and styles
-    POST /api/call/NAME         a quick call: request and answer in JSON
+    POST /api/call/NAME         a quick call: request and answer in JSON; columns of numbers as binary
+                                (`messages.pack_columns`) for who accepts them
+    DELETE /api/lane            end the quick call of the lane that is running
     POST /api/jobs              begin long work: {"call": …, "request": …} -> the job
     GET  /api/jobs              the jobs of this tab
-    DELETE /api/jobs/ID         cancel it
+    DELETE /api/jobs/ID         cancel it; by force if it has not ended `?within=` seconds, 5 at most and else
     WS   /api/jobs/ID/watch     all that is known of it, then notes as they come, then its end
     POST /api/files?name=…      upload the body -> its key
     GET  /api/files/KEY         take a file away
@@ -28,6 +30,8 @@ from importlib.metadata import version
 from pathlib import Path
 
 from starlette.applications import Starlette
+from starlette.middleware import Middleware
+from starlette.middleware.gzip import GZipMiddleware
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import FileResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
@@ -41,13 +45,17 @@ from martensite_app.jobs import PageJob, PageJobs
 from martensite_app.messages import BadMessageError, Refusal, describe_refusal, read_message, require_entry
 from martensite_app.request_guard import RequestGuard, json_response, refusal_response
 from martensite_app.uploads import UploadFolder
-from martensite_app.worker_pool import WorkerPool
+from martensite_app.worker_pool import STOP_LIMIT, WorkerPool
 
 STATIC = Path(os.environ.get("MARTENSITE_STATIC", Path(__file__).parent / "static"))
 """The bundled page; who works on the page may name another build of it."""
+WIDGET = "notebook.js"
+"""Its file for notebooks, which is no part of the page."""
 QUIETLY = "x-quietly"
 PAGE_FIRST = 0.5
 """Seconds for which a new server leaves the processor to the page."""
+COMPRESSED = [Middleware(GZipMiddleware, minimum_size=1400, compresslevel=4)]
+"""Of answers that are longer than a packet; files that are taken away go as they are."""
 _TAB = re.compile(r"[0-9A-Za-z-]{4,64}")
 SWALLOWED, PATIENCE = 2**30, 20.0
 """Bytes of a refused upload that are read and thrown away, and for how long [s].
@@ -71,10 +79,16 @@ class Site:
         tab, lane = _read_tab(request.headers.get("x-tab")), request.headers.get("x-lane", "")[:64]
         message = read_message(await _read_body(request))
         lane = f"{tab} {lane}" if lane else ""
+        columns = messages.COLUMNS_TYPE in request.headers.get("accept", "")
         try:
-            return json_response(await self.pool.ask(lane, request.path_params["name"], message))
+            return json_response(await self.pool.ask(lane, request.path_params["name"], message, columns))
         except asyncio.CancelledError:
             raise Refusal("The bench is ending.", 503, "lost") from None
+
+    async def stop_call(self, request: Request) -> Response:
+        """End the quick call of a lane that is running."""
+        tab, lane = _read_tab(request.headers.get("x-tab")), request.headers.get("x-lane", "")[:64]
+        return json_response({"stopped": self.pool.cancel(f"{tab} {lane}")})
 
     async def begin(self, request: Request) -> Response:
         """Begin a job."""
@@ -91,7 +105,7 @@ class Site:
     async def cancel(self, request: Request) -> Response:
         """Cancel a job."""
         job = self.jobs.find(_read_tab(request.headers.get("x-tab")), request.path_params["id"])
-        await self.jobs.cancel(job)
+        await self.jobs.cancel(job, _read_grace(request.query_params.get("within")))
         return json_response(job.summary())
 
     async def watch(self, socket: WebSocket) -> None:
@@ -152,6 +166,15 @@ def _read_tab(name: str | None) -> str:
     if name is None or not _TAB.fullmatch(name):
         raise BadMessageError("The header `X-Tab` (or `?tab=`) must be 4 to 64 letters or digits.")
     return name
+
+
+def _read_grace(words: str | None) -> float:
+    if words is None:
+        return STOP_LIMIT
+    try:
+        return min(max(float(words), 0.0), STOP_LIMIT)
+    except ValueError:
+        raise BadMessageError("`?within=` must be seconds.") from None
 
 
 async def _read_body(request: Request) -> bytes:
@@ -234,14 +257,15 @@ def build_site(folder: Path, token: str, port: int, earlier: frozenset[str] = fr
         routes=[
             Route("/", _answer_index),
             Route("/api/status", _answer_status),
-            Route("/api/call/{name}", shared.call, methods=["POST"]),
+            Route("/api/call/{name}", shared.call, methods=["POST"], middleware=COMPRESSED),
+            Route("/api/lane", shared.stop_call, methods=["DELETE"]),
             Route("/api/jobs", shared.begin, methods=["POST"]),
             Route("/api/jobs", shared.list_jobs),
             Route("/api/jobs/{id}", shared.cancel, methods=["DELETE"]),
             WebSocketRoute("/api/jobs/{id}/watch", shared.watch),
             Route("/api/files", shared.upload, methods=["POST"]),
             Route("/api/files/{key}", shared.download),
-            Mount("/", StaticFiles(directory=STATIC)),
+            Mount("/", StaticFiles(directory=STATIC), middleware=COMPRESSED),
         ],
         exception_handlers={
             Refusal: _answer_refusal,

@@ -1,8 +1,10 @@
 """A process that answers calls, one after the other; lines of JSON come in and go out.
 
     in:  {"call": "run", "request": {…}, "folder": "…"}   what is asked
+    in:  {…, "columns": true}                             the answer may be columns
     in:  {"stop": true}                                   what is being done shall end
     out: {"tell": {…}}                                    any number, while it works
+    out: {"bytes": 1234}, then so many                    the answer as columns
     out: {"answer": {…}} or {"refused": "a sentence", "kind": "input"}
 
 It ends with its input, whatever it is doing, and takes with it the processes it has started:
@@ -24,7 +26,7 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import BinaryIO
 
-from martensite_app.messages import JsonTable, Request, describe_refusal, write_message
+from martensite_app.messages import JsonTable, Request, describe_refusal, pack_columns, write_message
 from martensite_app.routes import find_call
 
 MEMORY = 4 * 2**30
@@ -52,6 +54,12 @@ class _Lines:
     def send(self, message: Request) -> None:
         with self._lock:
             self._out.write(write_message(message) + b"\n")
+            self._out.flush()
+
+    def send_columns(self, answer: Request) -> None:
+        packed = pack_columns(answer)
+        with self._lock:
+            self._out.write(write_message({"bytes": len(packed)}) + b"\n" + packed)
             self._out.flush()
 
 
@@ -107,7 +115,11 @@ def main() -> None:
         message, stop = work.get()
         desk = Desk(Path(message["folder"]), lambda note: lines.send({"tell": note}), stop)
         try:
-            lines.send({"answer": find_call(message["call"])(message["request"], desk)})
+            answer = find_call(message["call"])(message["request"], desk)
+            if message.get("columns"):
+                lines.send_columns(answer)
+            else:
+                lines.send({"answer": answer})
         except Exception as error:
             said = describe_refusal(error)
             if said["refused"].startswith("Unexpected"):

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from martensite_app.messages import JsonTable, Refusal, Written, write_message
+from martensite_app.messages import JsonTable, Packed, Refusal, Written, write_message
 
 COMMAND = (sys.executable, "-m", "martensite_app.worker")
 LONGEST_LINE = 64 * 2**20
@@ -30,6 +30,7 @@ LOOKED_AFTER = 1.0
 LOST_SENTENCE = (
     "The process that computed this ended unexpectedly (out of memory?); try a shorter run or fewer samples."
 )
+STOPPED_SENTENCE = "Cancelled; what is shown is what was there before."
 GARBLED_SENTENCE = "The process that computed this gave an answer that cannot be read. Please report it."
 
 Tell = Callable[[JsonTable], None]
@@ -57,19 +58,22 @@ class Worker:
             )
         return self._process
 
-    async def ask(self, call: str, request: JsonTable, tell: Tell | None = None) -> Any:
-        """The answer to a call.
+    async def ask(self, call: str, request: JsonTable, tell: Tell | None = None, columns: bool = False) -> Any:
+        """The answer to a call; `Packed` if it may be columns.
 
         Raises:
             Refusal: the call was refused or failed, or the process died over it.
         """
         try:
             process = await self.start()
-            await _write_line(process, {"call": call, "request": request, "folder": str(self.folder)})
+            asked = {"call": call, "request": request, "folder": str(self.folder), "columns": columns}
+            await _write_line(process, asked)
             if self._stopped:  # before it had begun
                 await _write_line(process, {"stop": True})
             while True:
                 said = _parse_line(await _read_line(process))
+                if "bytes" in said:
+                    said = {"answer": await _read_bytes(process, said["bytes"])}
                 if "tell" not in said:
                     break
                 if tell is not None:
@@ -133,6 +137,15 @@ async def _read_line(process: asyncio.subprocess.Process) -> bytes:
         reading.cancel()
 
 
+async def _read_bytes(process: asyncio.subprocess.Process, count: int) -> Packed:
+    try:
+        if process.stdout is None or not 0 <= count <= LONGEST_LINE:
+            raise Refusal("The answer is too long to be shown.", 422, "failed")
+        return Packed(await process.stdout.readexactly(count))
+    except asyncio.IncompleteReadError:
+        raise Refusal(LOST_SENTENCE, 500, "lost") from None
+
+
 def _parse_line(line: bytes) -> JsonTable:
     """What a worker says in a line.
 
@@ -145,6 +158,8 @@ def _parse_line(line: bytes) -> JsonTable:
         return {"answer": Written(line[len(ANSWER) : -2])}
     try:
         said = json.loads(line)
+        if "bytes" in said:
+            return {"bytes": int(said["bytes"])}
         if "tell" in said or "answer" in said or (said["refused"] and said["kind"]):
             return said
     except (ValueError, TypeError, LookupError):
@@ -172,6 +187,8 @@ class WorkerPool:
     waiting: dict[str, asyncio.Future[Worker]] = field(default_factory=dict[str, "asyncio.Future[Worker]"])
     """In the order of asking, by who asks for what."""
     made: list[Worker] = field(default_factory=list[Worker])
+    running: dict[asyncio.Task[Any], str] = field(default_factory=dict["asyncio.Task[Any]", str])
+    """What is being done, with its lane."""
     _anonymous: int = 0
 
     async def warm(self) -> None:
@@ -180,15 +197,21 @@ class WorkerPool:
         await worker.start()
         self._free(worker)
 
-    async def ask(self, lane: str, call: str, request: JsonTable) -> Any:
+    async def ask(self, lane: str, call: str, request: JsonTable, columns: bool = False) -> Any:
         """The answer to a quick call; a newer one of the same lane goes over one that waits.
 
         Raises:
-            Refusal: it was refused, failed, took too long, or a newer one came.
+            Refusal: it was refused, failed, took too long, was cancelled, or a newer one came.
         """
         worker = await self._worker(lane)
+        task = asyncio.ensure_future(worker.ask(call, request, columns=columns))
+        self.running[task] = lane
         try:
-            return await asyncio.wait_for(worker.ask(call, request), self.quick)
+            return await asyncio.wait_for(task, self.quick)
+        except asyncio.CancelledError:
+            if task in self.running:
+                raise
+            raise Refusal(STOPPED_SENTENCE, 409, "stopped") from None
         except TimeoutError:
             raise Refusal(
                 f"This took longer than {self.quick:g} s and was given up; make the run shorter or "
@@ -197,7 +220,16 @@ class WorkerPool:
                 "failed",
             ) from None
         finally:
+            self.running.pop(task, None)
             self._free(worker)
+
+    def cancel(self, lane: str) -> bool:
+        """End what is being done for a lane, by force; whether there was anything."""
+        found = [task for task, of in self.running.items() if of == lane]
+        for task in found:
+            del self.running[task]
+            task.cancel()
+        return bool(found)
 
     async def close(self) -> None:
         """End all workers."""

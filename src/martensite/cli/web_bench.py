@@ -41,8 +41,7 @@ def bench_app(
     """
     served = import_extra("martensite_app.server", "app", "the web bench")
     if static is not None:
-        made = import_extra("martensite_app.static_site.command", "app,export,cc", "a page without a server")
-        return made.write_page(static, scenario, json)
+        return import_extra("martensite_app.static_site.command", "app,export,cc").write_page(static, scenario, json)
     text = None if scenario is None else _read_text(scenario)
     served.serve_bench(port, folder, _make_opener(text, no_browser, json))
 

@@ -36,9 +36,11 @@ def format_error(output: str, value: float, unit: str, digits: int = 3) -> str:
 def describe_predictions(fit: Fit) -> list[str]:
     """One sentence per output: its error in what the fit saw, and in what was kept back."""
     rows = list_compared(fit)
-    names = dict.fromkeys(one.output for one in rows)
     return [
-        *(_describe_prediction([one for one in rows if one.output == name]) for name in names),
+        *(
+            _describe_prediction([x for x in rows if x.output == name])
+            for name in dict.fromkeys(x.output for x in rows)
+        ),
         *_describe_transfer(fit),
         *_describe_baselines(fit),
         *_describe_own_numbers(fit),
@@ -51,11 +53,12 @@ def describe_predictions(fit: Fit) -> list[str]:
 def list_fit_warnings(fit: Fit) -> list[str]:
     """What speaks against trusting the numbers; empty if nothing does."""
     return [
-        *_warn_of_search(fit),
-        *_warn_of_predictions(fit),
-        *_warn_of_baselines(fit),
+        *warn_of_search(fit),
+        *warn_of_predictions(fit),
+        *warn_of_misses(fit),
+        *warn_of_baselines(fit),
         *_warn_of_cadence(fit),
-        *_warn_of_directions(fit),
+        *warn_of_directions(fit),
         *_warn_of_residuals(fit),
     ]
 
@@ -110,7 +113,7 @@ def _list_baselines(scores: Sequence[BaselineScore], output: str, unit: str) -> 
     return ", ".join(f"{format_error(output, rms, unit)} ({name})" for name, rms in found.items())
 
 
-def _warn_of_baselines(fit: Fit) -> Iterator[str]:
+def warn_of_baselines(fit: Fit) -> Iterator[str]:
     """Outputs that a prediction without a model predicts as well."""
     scores, rows = score_baselines(fit), _list_predicted(fit)
     for name, unit in dict.fromkeys((one.output, one.unit) for one in scores):
@@ -209,19 +212,19 @@ def _compute_share(one: ComparedOutput, rows: Any) -> float:
     )
 
 
-def _warn_of_search(fit: Fit) -> Iterator[str]:
+def warn_of_search(fit: Fit) -> Iterator[str]:
+    """That the search ended without a minimum, or at a bound."""
     if fit.reason not in ("converged", "stopped at bounds"):
         yield (f"The search did not converge: {fit.reason}. The numbers are the best it came across.")
     for free, u in zip(fit.problem.free, fit.values, strict=True):
         if free.name in fit.at_bound():
             side, bound = ("lower", free.low) if u < 0.5 else ("upper", free.high)
-            yield (
-                f"`{free.name}` ended on its {side} bound, {format_quantity(bound, free.unit)}: "
-                "the bound decides and not the data. Widen it, or fix the number."
-            )
+            said = f"`{free.name}` ended on its {side} bound, {format_quantity(bound, free.unit)}"
+            yield f"{said}: the bound decides and not the data. Widen it, or fix the number."
 
 
-def _warn_of_predictions(fit: Fit) -> Iterator[str]:
+def warn_of_predictions(fit: Fit) -> Iterator[str]:
+    """That nothing was kept back, or is predicted worse than it is fitted."""
     rows = list_compared(fit)
     if not _list_predicted(fit):
         yield ("Nothing was kept back: how well the model predicts what it was not fitted to is not known.")
@@ -235,11 +238,12 @@ def _warn_of_predictions(fit: Fit) -> Iterator[str]:
                 if seen > 0.0
                 else f"`{name}` is met exactly where it was fitted, but not in what was kept back."
             )
-    poor = [
-        score
-        for score in fit.scores
-        if score.fit_percent < POOR and score.rms > NOTABLE * _measure_range(rows, score.output)
-    ]
+
+
+def warn_of_misses(fit: Fit) -> Iterator[str]:
+    """That most of what varies is missed."""
+    rows, found = list_compared(fit), fit.scores
+    poor = [x for x in found if x.fit_percent < POOR and x.rms > NOTABLE * _measure_range(rows, x.output)]
     if poor:
         met = (f"`{one.output}` of {one.record} ({format_number(one.fit_percent, 3)} %)" for one in poor)
         yield f"The model explains less than half of what varies: {join_phrases(list(met))}."
@@ -251,7 +255,8 @@ def _measure_range(rows: list[ComparedOutput], output: str) -> float:
     return max(high for _, high in ends) - min(low for low, _ in ends)
 
 
-def _warn_of_directions(fit: Fit) -> Iterator[str]:
+def warn_of_directions(fit: Fit) -> Iterator[str]:
+    """Numbers that the records do not determine, or do not tell apart."""
     yield from (one.sentence for one in fit.identifiability.weak)
     weak = {name for one in fit.identifiability.weak for name in one.names} | set(fit.at_bound())
     yield from (f"`{name}` is not determined: {why}." for name, why in fit.undetermined.items() if name not in weak)
@@ -260,10 +265,8 @@ def _warn_of_directions(fit: Fit) -> Iterator[str]:
         names = [name for name in fit.problem.names if name in group]
         most = max(abs(value) for one, _, value in pairs if one in group)
         yield (
-            f"{list_names(names)} are hardly told apart "
-            f"(correlation{'s up to' if names[2:] else ''} "
-            f"{most:.3f}): the interval of each holds with all others free to follow, and not for "
-            "several at once."
+            f"{list_names(names)} are hardly told apart (correlation{'s up to' if names[2:] else ''} {most:.3f}): "
+            "the interval of each holds with all others free to follow, and not for several at once."
         )
 
 
@@ -282,8 +285,7 @@ def _warn_of_residuals(fit: Fit) -> Iterator[str]:
     names = [f"`{one.output}` of {one.record}" for one in found]
     if names:
         yield (
-            f"Residuals are not white ({join_phrases(names)}): the model misses something, or the "
-            "noise "
-            "has a memory. Take the widened intervals, and read them as those of this model: they "
-            "do not tell what the model itself gets wrong."
+            f"Residuals are not white ({join_phrases(names)}): the model misses something, or the noise has a memory. "
+            "Take the widened intervals, and read them as those of this model: they do not tell what the model itself "
+            "gets wrong."
         )

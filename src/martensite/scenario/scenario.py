@@ -18,6 +18,7 @@ from martensite.actuators.assembly import AbstractSystem, System
 from martensite.base import units
 from martensite.base.errors import InputError, ParameterError
 from martensite.base.files import read_text_file, toml_document
+from martensite.base.lazy import import_extra
 from martensite.base.parameters import Leaf, Parametrised, param, text
 from martensite.kernels.namespace import Scalar
 from martensite.physics.materials.base import Material
@@ -222,6 +223,10 @@ class Scenario:
 
         case = self.system, self.waveform, self.duration
         return find_step(*case, self.tolerance, self.samples).step
+
+    def show_bench(self) -> Any:
+        """The web bench as a widget of a notebook; `InputError` if the extra `notebook` is not installed."""
+        return import_extra("martensite_app.notebook", "notebook", "the bench in a notebook").BenchWidget(self)
 
     def _run_bench(self, bench: Bench, runtime: str | None) -> Result:
         from martensite.control.loop.run import simulate_bench

@@ -2,7 +2,8 @@
 
 import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { computing, run } from "../state/run.ts";
+import { isStatic } from "../engine/local.ts";
+import { cancelRun, computing, run } from "../state/run.ts";
 
 /** From when a run is told, and from when it is told why [ms]. */
 const [TOLD, EXPLAINED] = [500, 2500];
@@ -25,9 +26,16 @@ export function Busy() {
   useEffect(follow, []);
   const what = run.value ? "The run of what has changed is being made" : "The first run is being made";
   return (
-    <p class="busy small" role="status">
-      {busy.value > 0 && `${what} …`}
-      {busy.value > 1 && " What is new in kind is compiled once, in some seconds."}
-    </p>
+    <div class="busy small row">
+      <p role="status">
+        {busy.value > 0 && `${what} …`}
+        {busy.value > 1 && " What is new in kind is compiled once, in some seconds."}
+      </p>
+      {busy.value > 0 && !isStatic() && (
+        <button type="button" onClick={cancelRun}>
+          Cancel
+        </button>
+      )}
+    </div>
   );
 }

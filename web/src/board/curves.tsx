@@ -5,7 +5,8 @@ import { digits } from "../lib/numbers.ts";
 import { Chart } from "../plots/chart.tsx";
 import { printed, shownValues } from "../plots/drawn.ts";
 import { liveLook } from "../plots/palette.ts";
-import { around, type Picture } from "../plots/picture.ts";
+import type { Picture } from "../plots/picture.ts";
+import { around } from "../plots/scale.ts";
 import { Swatch } from "../plots/swatch.tsx";
 import { columns, outputs } from "./state.ts";
 
@@ -46,11 +47,10 @@ function Panel({ what, names }: { what: string; names: string[] }) {
   const unit = printed(how.shown);
   const picture = useMemo<Picture>(
     () => ({
-      xLabel: "t [s]",
-      yLabel: unit ? `[${unit}]` : "",
-      xLimits: [times[0] ?? 0, Math.max(times.at(-1) ?? 1, (times[0] ?? 0) + 0.1)],
-      yLimits: around(series, INCLUDED[what]),
-      curves: series.map((y, k) => ({ x: times.slice(0, y.length), y, look: liveLook(k) })),
+      x: { label: "t [s]", low: times[0] ?? 0, high: Math.max(times.at(-1) ?? 1, (times[0] ?? 0) + 0.1) },
+      y: around(unit ? `[${unit}]` : "", series, 0.07, INCLUDED[what]),
+      along: true,
+      curves: series.map((y, k) => ({ x: times, y, look: liveLook(k), name: who(names[k] ?? "") })),
     }),
     [all, unit],
   );
@@ -66,7 +66,7 @@ function Panel({ what, names }: { what: string; names: string[] }) {
           ))}
         </span>
       </figcaption>
-      <Chart picture={picture} height={HEIGHT} about={`${title(what)} over time`} onPick={() => {}} onZoom={() => {}} onReset={() => {}} />
+      <Chart picture={picture} height={HEIGHT} about={`${title(what)} over time`} />
     </figure>
   );
 }

@@ -96,7 +96,7 @@ export async function begin(): Promise<void> {
 
 export async function stop(): Promise<void> {
   stopping.value = true;
-  await work.cancel();
+  await work.cancel(true);
 }
 
 /** The project of the firmware, as a file. */

@@ -58,13 +58,16 @@ function pickJudged(scenario: Scenario, found: Marched, samples: number[] | null
   return known.map((k) => scenario.judged.map(([output]) => found.rows[k * width + output]!));
 }
 
+/** The larger of two numbers; samples at which a run was outside of its envelope have none, and do not count. */
+const larger = (one: number, other: number): number => (other > one ? other : one);
+
 function boundError(scenario: Scenario, found: Marched, before: number[][], after: number[][]): number {
   const count = Math.min(before.length, after.length);
   let worst = 0;
   scenario.judged.forEach(([, least], k) => {
     let apart = count ? -Infinity : Infinity;
-    for (let row = 0; row < count; row++) apart = Math.max(apart, Math.abs(before[row]![k]! - after[row]![k]!));
-    worst = Math.max(worst, apart / Math.max(found.ranges[k]!, least));
+    for (let row = 0; row < count; row++) apart = larger(apart, Math.abs(before[row]![k]! - after[row]![k]!));
+    worst = larger(worst, apart / Math.max(found.ranges[k]!, least));
   });
   const heat = scenario.judged.length ? Math.max(found.ranges[0]!, scenario.judged[0]![1]) : 1;
   const total = Math.max(SURE * worst + found.ripple / heat, found.residual, LEAST);

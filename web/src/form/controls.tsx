@@ -7,12 +7,14 @@ import { SERVER } from "../engine/inputs.ts";
 import { Message } from "../ui/message.tsx";
 import { matching, Section } from "./group.tsx";
 import { Wanting } from "./missing.tsx";
-import { withoutTop } from "./pinned.ts";
+import { keepSignals } from "../state/session.ts";
+import { chosenControls, withoutTop } from "./pinned.ts";
 import { followForm, form, notes, search, trouble, wanting } from "./state.ts";
 import { TopControls } from "./top.tsx";
 
 /** Whether all parameters are shown, not only those on top. */
 export const showsAll = signal(false);
+keepSignals("controls", { showsAll, chosenControls });
 
 /** Sections that are open at first. */
 const CLOSED = ["run", "environment"];

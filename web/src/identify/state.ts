@@ -241,7 +241,7 @@ export async function beginFit(further: object = {}): Promise<void> {
 /** End the fit; its best so far is kept, or thrown away. */
 export async function endFit(keep: boolean): Promise<void> {
   if (!keep) put({ dropped: fitting.job.value?.id ?? "" });
-  await fitting.cancel();
+  await fitting.cancel(keep);
   // a process that did not end in time was ended by force: its best so far is in the state of its search
   if (keep && fitting.job.value?.state === "cancelled" && bestKept.value) await beginFit({ state: bestKept.value, finish: true });
 }

@@ -3,7 +3,9 @@
 import { answerLocally, isStatic } from "../engine/local.ts";
 import { SERVER } from "../engine/inputs.ts";
 import { completeAnswer } from "../views/answer.ts";
+import { COLUMNS_TYPE, unpackColumns } from "./columns.ts";
 import { awaitServer } from "./connection.ts";
+import { host } from "./host.ts";
 import { Refusal } from "./refusal.ts";
 import { makeId, tab } from "./tab.ts";
 
@@ -21,10 +23,10 @@ const NO_SERVER = `This page has no server. ${SERVER}`;
 const load = makeId().slice(0, 8);
 
 async function answered<T>(response: Response): Promise<T> {
-  const text = await response.text();
   let body: unknown = null;
   try {
-    body = text ? JSON.parse(text) : null;
+    if (response.headers.get("Content-Type") === COLUMNS_TYPE) body = unpackColumns(await response.arrayBuffer());
+    else body = JSON.parse((await response.text()) || "null");
   } catch {
     throw new Refusal("The server's answer cannot be read.", "failed", response.status);
   }
@@ -62,6 +64,7 @@ const lost = (error: unknown): boolean => error instanceof Refusal && (error.sta
  * server did not answer is asked again when it is back. */
 export async function call<T>(name: string, request: object = {}, lane = ""): Promise<T> {
   if (isStatic()) return answerLocally<T>(name, request);
+  if (host) return completeAnswer(name, await host.call(name, request, lane)) as T;
   const control = new AbortController();
   if (lane) {
     running.get(lane)?.abort();
@@ -71,7 +74,7 @@ export async function call<T>(name: string, request: object = {}, lane = ""): Pr
     asked<unknown>(`/api/call/${name}`, {
       method: "POST",
       body: JSON.stringify(request),
-      headers: lane ? { "X-Lane": `${load} ${lane}` } : {},
+      headers: { Accept: `${COLUMNS_TYPE}, application/json`, ...(lane ? { "X-Lane": `${load} ${lane}` } : {}) },
       signal: control.signal,
     });
   try {
@@ -90,6 +93,10 @@ export async function call<T>(name: string, request: object = {}, lane = ""): Pr
     if (running.get(lane) === control) running.delete(lane);
   }
 }
+
+/** End the call of a lane that the server is at; it then ends with a sentence. */
+export const cancelCall = (lane: string): Promise<unknown> =>
+  asked("/api/lane", { method: "DELETE", headers: { "X-Lane": `${load} ${lane}` } });
 
 export interface JobSummary<Note = Record<string, unknown>> {
   id: string;
@@ -112,7 +119,9 @@ export const beginJob = (name: string, request: object): Promise<JobSummary> =>
 /** The jobs of this tab, the newest first. */
 export const jobs = (): Promise<JobSummary[]> => asked("/api/jobs");
 
-export const cancelJob = (id: string): Promise<JobSummary> => asked(`/api/jobs/${id}`, { method: "DELETE" });
+/** Cancel a job; by force if it has not ended in so many seconds, a few where none are given. */
+export const cancelJob = (id: string, within?: number): Promise<JobSummary> =>
+  asked(`/api/jobs/${id}${within === undefined ? "" : `?within=${within}`}`, { method: "DELETE" });
 
 /** Code with which the server closes on a job that it does not have. */
 const GONE = 4404;
@@ -169,6 +178,7 @@ export function save(name: string, content: Blob | string): void {
 
 /** Save a file that the server has made. */
 export function take(key: string, name: string): void {
+  if (host) return void host.file(key).then((found) => save(name, found));
   const link = document.createElement("a");
   link.href = `/api/files/${key}`;
   link.download = name;

@@ -1,152 +1,194 @@
-// One chart: uPlot keeps axes, grid and scales; the picture is drawn between them. The chart is made
-// once and then shown other pictures; time line and moving points are elements above the canvas.
+// One chart: a picture on a canvas; over it the time line, moving points, and the values under the pointer. Every chart
+// of the bench is this one: it zooms, is looked at by pointer and keys, and is saved.
 
-import { effect } from "@preact/signals";
-import { useLayoutEffect, useRef } from "preact/hooks";
-import uPlot from "uplot";
-import { digits } from "../lib/numbers.ts";
-import { cursor, row } from "../state/run.ts";
-import { drawAbove, drawBelow, type Picture } from "./picture.ts";
-import { pointing } from "./pointing.ts";
+import { effect, useSignal } from "@preact/signals";
+import { useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import { palette } from "../lib/theme.ts";
+import { cursor, row } from "../state/run.ts";
+import { drawPicture } from "./drawing.ts";
+import { foundSpot, stepFrom, type Found } from "./hover.ts";
+import { boxOf, type Picture } from "./picture.ts";
+import { pointing } from "./pointing.ts";
+import { Saving } from "./saving.tsx";
+import { share, type Scale } from "./scale.ts";
 
 export interface ChartProps {
   picture: Picture;
-  height: number;
+  /** [px]; as tall as its place if left out. */
+  height?: number;
   /** What it shows, for those who do not see it. */
   about: string;
   /** x is the time: a line stands at the cursor. */
   timed?: boolean;
   /** The x axis has no numbers: another chart below has them. */
   bare?: boolean;
-  onPick: (x: number, y: number) => void;
-  onZoom: (x: [number, number], y: [number, number]) => void;
-  onReset: () => void;
+  /** What arrow keys do on it, for those who do not see it; they belong to what is around it if empty. */
+  keys?: string;
+  /** A place was clicked, or what is there was reached by keys. */
+  onPick?: (x: number, y: number, found: Found | null) => void;
+  onLook?: (found: Found | null) => void;
+  /** A part of x was dragged over; it is zoomed to if left out. */
+  onSelect?: (from: number, to: number) => void;
+  /** Takes over what keys do. */
+  onKey?: (event: KeyboardEvent) => void;
+  /** Zoom that is shared with other charts: all of x, and what sets the part. */
+  shared?: { whole: Scale; zoom: (part: Scale | null) => void };
 }
 
-const Y_AXIS = 56;
-const X_AXIS = 26;
-const LABEL = 16;
-const FONT = "11.5px system-ui, sans-serif";
-const LABEL_FONT = "12px system-ui, sans-serif";
+const KEYS: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+const FAST = 10;
 
-/** The picture as uPlot needs it: it only has to know that there is something. */
-const corners = ({ xLimits: [a, b], yLimits: [c, d] }: Picture): uPlot.AlignedData => [
-  [a, b],
-  [c, d],
-];
-
-function axis(label: () => string, side: number, bare = false): uPlot.Axis {
-  const numbers = (_: uPlot, splits: number[]): string[] => splits.map((v) => (bare ? "" : digits(v, 6)));
-  return {
-    side,
-    stroke: () => palette.peek().soft,
-    grid: { stroke: () => palette.peek().line, width: 1 },
-    ticks: { stroke: () => palette.peek().line, width: 1, size: bare ? 0 : 4 },
-    font: FONT,
-    labelFont: LABEL_FONT,
-    size: side === 3 ? Y_AXIS - LABEL : bare ? 4 : X_AXIS,
-    space: side === 3 ? 20 : 60,
-    gap: 4,
-    values: numbers,
-    ...(bare ? {} : { label: label as unknown as string, labelSize: LABEL, labelGap: 0 }),
-  };
+/** Puts a picture onto a canvas, as sharp as the screen is. */
+function paint(canvas: HTMLCanvasElement, picture: Picture, bare: boolean): void {
+  const { clientWidth: width, clientHeight: height } = canvas;
+  const dense = devicePixelRatio || 1;
+  const [wide, high] = [Math.round(width * dense), Math.round(height * dense)];
+  if (canvas.width !== wide) canvas.width = wide;
+  if (canvas.height !== high) canvas.height = high;
+  const pen = canvas.getContext("2d");
+  if (!pen || !width || !height) return;
+  pen.setTransform(dense, 0, 0, dense, 0, 0);
+  pen.clearRect(0, 0, width, height);
+  drawPicture(pen, picture, width, height, palette.peek(), bare);
 }
 
 export function Chart(props: ChartProps) {
-  const place = useRef<HTMLDivElement>(null);
-  const now = useRef(props);
-  const chart = useRef<uPlot | null>(null);
-  now.current = props;
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const over = useRef<HTMLDivElement>(null);
+  const part = useSignal<{ x: Scale; y: Scale } | null>(null);
+  const { picture, shared, keys = "Arrow keys tell values along it." } = props;
+  const shown = useMemo(() => (part.value && !shared ? { ...picture, ...labelled(picture, part.value) } : picture), [picture, part.value, shared]);
+  const now = useRef({ props, shown, at: null as Found | null });
+  Object.assign(now.current, { props, shown });
+
+  /** Shows what was found; null for nothing. */
+  const look = (found: Found | null): void => {
+    now.current.at = found;
+    if (over.current) tellOf(over.current, now.current.shown, found);
+    now.current.props.onLook?.(found);
+  };
+  const zoom = (to: { x: Scale; y: Scale } | null): void => {
+    if (shared) shared.zoom(to && to.x);
+    else part.value = to;
+  };
+  const redraw = (): void => {
+    const [sheet, top] = [canvas.current, over.current];
+    if (!sheet || !top) return;
+    const { props: p, shown: what } = now.current;
+    paint(sheet, what, !!p.bare);
+    const box = boxOf(what, sheet.clientWidth, sheet.clientHeight, p.bare);
+    for (const side of ["left", "top", "width", "height"] as const) top.style[side] = `${box[side]}px`;
+    mark(top, what, !!p.timed, cursor.peek(), row.peek());
+  };
 
   useLayoutEffect(() => {
-    const home = place.current;
-    if (!home) return;
-    const picture = (): Picture => now.current.picture;
-    const overlay = document.createElement("div");
-    overlay.className = "chart-marks";
-    const u = new uPlot(
-      {
-        width: home.clientWidth || 300,
-        height: props.height,
-        padding: [6, 10, props.bare ? 2 : 0, 0],
-        legend: { show: false },
-        cursor: { show: false },
-        scales: {
-          x: { time: false, range: () => picture().xLimits },
-          y: { range: () => picture().yLimits },
-        },
-        series: [{}, { paths: () => null, points: { show: false } }],
-        axes: [axis(() => picture().xLabel, 2, props.bare), axis(() => picture().yLabel, 3)],
-        hooks: {
-          drawClear: [(self) => drawBelow(self, picture(), palette.peek())],
-          draw: [
-            (self) => {
-              drawAbove(self, picture(), palette.peek());
-              mark(self, overlay, now.current, cursor.peek(), row.peek());
-            },
-          ],
-        },
-      },
-      corners(props.picture),
-      home,
-    );
-    chart.current = u;
-    u.over.append(overlay);
+    const [sheet, top] = [canvas.current, over.current];
+    if (!sheet || !top) return;
     const stop = [
-      effect(() => (palette.value, u.redraw(false))),
-      effect(() => mark(u, overlay, now.current, cursor.value, row.value)),
-      pointing(u, now),
+      effect(() => (palette.value, redraw())),
+      effect(() => mark(top, now.current.shown, !!now.current.props.timed, cursor.value, row.value)),
+      pointing({
+        over: top, select: top.querySelector<HTMLElement>(".chart-select")!, props: () => now.current.props, shown: () => now.current.shown,
+        whole: () => ({ x: now.current.props.shared?.whole ?? now.current.props.picture.x, y: now.current.props.picture.y }),
+        zoom: (to) => latest.current(to), look: (found) => found !== now.current.at && look(found),
+      }),
     ];
-    const seen = new ResizeObserver(() => {
-      const wide = home.clientWidth;
-      if (wide && wide !== u.width) u.setSize({ width: wide, height: now.current.height });
-    });
-    seen.observe(home);
+    const seen = new ResizeObserver(redraw);
+    seen.observe(sheet);
     return () => {
       stop.forEach((end) => end());
       seen.disconnect();
-      u.destroy();
-      chart.current = null;
     };
   }, []);
+  const latest = useRef(zoom);
+  latest.current = zoom;
+  useLayoutEffect(redraw, [shown, props.height, props.bare]);
 
-  useLayoutEffect(() => {
-    const u = chart.current;
-    if (!u) return;
-    u.batch(() => {
-      u.setData(corners(props.picture));
-      u.redraw();
-    });
-  }, [props.picture]);
-
-  useLayoutEffect(() => {
-    const u = chart.current;
-    if (u && u.height !== props.height) u.setSize({ width: u.width, height: props.height });
-  }, [props.height]);
-
-  return <div class="chart" ref={place} role="img" aria-label={props.about} style={{ height: `${props.height}px` }} />;
+  const press = (event: KeyboardEvent): void => {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (props.onKey) return props.onKey(event);
+    if (event.key === "Escape") look(null);
+    const direction = KEYS[event.key];
+    if (!direction) return;
+    event.preventDefault();
+    const ring = shown.rings?.[0];
+    const fast = event.shiftKey ? FAST : 1;
+    const found = stepFrom(shown, ring ? foundSpot(shown, ring) : now.current.at, [direction[0] * fast, direction[1]]);
+    if (!found) return;
+    look(found);
+    if (found.spot) props.onPick?.(found.x, found.y, found);
+  };
+  const words = keys && { role: "application" as const, tabIndex: 0, "aria-label": `${props.about}. ${keys}`, "aria-roledescription": "chart" };
+  return (
+    <div class="chart" style={props.height ? { height: `${props.height}px` } : undefined}>
+      <canvas ref={canvas} {...(keys ? { "aria-hidden": true } : { role: "img", "aria-label": props.about })} />
+      <div class="chart-over" ref={over} {...words} onKeyDown={keys ? press : undefined}>
+        <div class="chart-select" hidden />
+        <div class="chart-marks" />
+        <div class="chart-tip" aria-live="polite" hidden />
+      </div>
+      <div class="chart-corner">
+        {part.value && !shared && (
+          <button type="button" class="quiet small" onClick={() => zoom(null)}>
+            Show all
+          </button>
+        )}
+        <Saving about={props.about} picture={shown} size={() => ({ width: canvas.current?.clientWidth ?? 0, height: canvas.current?.clientHeight ?? 0 })} />
+      </div>
+    </div>
+  );
 }
 
+/** A part of a picture keeps the picture's labels, whatever it is part of. */
+const labelled = ({ x, y }: Picture, part: { x: Scale; y: Scale }): { x: Scale; y: Scale } => ({
+  x: { ...part.x, label: x.label }, y: { ...part.y, label: y.label },
+});
+
 /** Put time line and moving points where they belong now. */
-function mark(u: uPlot, overlay: HTMLElement, { picture, timed }: ChartProps, time: number, at: number): void {
+function mark(over: HTMLElement, picture: Picture, timed: boolean, time: number, at: number): void {
+  const home = over.querySelector<HTMLElement>(".chart-marks");
+  if (!home) return;
   const marks = picture.marks ?? [];
   const count = marks.length + (timed ? 1 : 0);
-  while (overlay.children.length > count) overlay.lastChild?.remove();
-  while (overlay.children.length < count) overlay.append(document.createElement("i"));
+  while (home.children.length > count) home.lastChild?.remove();
+  while (home.children.length < count) home.append(document.createElement("i"));
   const colours = palette.peek();
+  const [width, height] = [parseFloat(over.style.width) || 0, parseFloat(over.style.height) || 0];
   marks.forEach((point, k) => {
-    const dot = overlay.children[k] as HTMLElement;
-    const x = u.valToPos(point.x[at] as number, "x");
-    const y = u.valToPos(point.y[at] as number, "y");
+    const dot = home.children[k] as HTMLElement;
+    const [x, y] = [share(picture.x, point.x[at] as number) * width, (1 - share(picture.y, point.y[at] as number)) * height];
     dot.className = "dot";
     dot.hidden = !Number.isFinite(x + y);
     dot.style.transform = `translate(${x}px, ${y}px)`;
     dot.style.background = colours.curves[point.colour] ?? colours.ink;
   });
   if (timed) {
-    const line = overlay.lastChild as HTMLElement;
+    const line = home.lastChild as HTMLElement;
     line.className = "time-line";
-    line.style.transform = `translateX(${u.valToPos(time, "x")}px)`;
+    line.style.transform = `translateX(${share(picture.x, time) * width}px)`;
   }
+}
+
+/** Distance of what is told from what it is told of [px]. */
+const APART = 12;
+
+/** Tell of what was found, beside it. */
+function tellOf(over: HTMLElement, picture: Picture, found: Found | null): void {
+  const tip = over.querySelector<HTMLElement>(".chart-tip");
+  if (!tip) return;
+  const [width, height] = [over.clientWidth, over.clientHeight];
+  const [x, y] = found ? [share(picture.x, found.x), 1 - share(picture.y, found.y)] : [NaN, NaN];
+  tip.hidden = !(x >= -0.01 && x <= 1.01);
+  if (!found || tip.hidden) return;
+  tip.replaceChildren(
+    ...found.lines.map(({ words, colour }) => {
+      const line = document.createElement("span");
+      line.textContent = words;
+      if (colour !== undefined && colour >= 0) line.style.borderColor = palette.peek().curves[colour] ?? "";
+      return line;
+    }),
+  );
+  const [px, wide] = [x * width, tip.offsetWidth];
+  tip.style.left = `${px + APART + wide <= width ? px + APART : Math.max(px - APART - wide, -over.offsetLeft)}px`;
+  tip.style.top = `${Math.max(0, Math.min(Number.isFinite(y) ? y : 1, 1) * height - 10)}px`;
 }

@@ -68,11 +68,12 @@ keepPart(
 
 export const duration = (of: Run): number => of.times.at(-1) ?? 0;
 
-export const timeLimits = computed<[number, number]>(() => {
-  if (zoom.value) return zoom.value;
-  const end = Math.max(...[run.value, ...beside.value.map((one) => one.run)].map((one) => (one ? duration(one) : 0)));
-  return [0, end || 1];
-});
+/** End of the longest run that is drawn [s]. */
+export const wholeTime = computed<number>(
+  () => Math.max(...[run.value, ...beside.value.map((one) => one.run)].map((one) => (one ? duration(one) : 0))) || 1,
+);
+
+export const timeLimits = computed<[number, number]>(() => zoom.value ?? [0, wholeTime.value]);
 
 const kept = new WeakMap<Run, Map<string, Float64Array>>();
 
@@ -104,17 +105,6 @@ export const printed = (unit: string): string => PRINTED[unit] ?? unit.replaceAl
 /** Symbol and unit of an axis, such as T [°C]. */
 export const axisLabel = (how: Pick<Output, "symbol" | "shown">): string =>
   `${how.symbol.replace("_", " ")} [${printed(how.shown) || "–"}]`;
-
-/** Row of the run's samples at a time [s]. */
-export function rowAt(times: number[], time: number): number {
-  let [low, high] = [0, times.length - 1];
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if ((times[middle] ?? 0) < time) low = middle + 1;
-    else high = middle;
-  }
-  return Math.max(low, 0);
-}
 
 /** Height of what stands above and between the planes, and of the bar at the end of a small screen [px]. */
 const [ABOVE, BAR, SMALL] = [430, 70, 1100];

@@ -1,13 +1,11 @@
 // One quantity over another, in the order of time, with a point that moves with the time cursor.
 
-import { useMemo } from "preact/hooks";
-import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { cursor, run } from "../state/run.ts";
 import { Chart } from "./chart.tsx";
-import type { Mark, Picture } from "./picture.ts";
-
-type Limits = [number, number];
+import { moveTime } from "./keys.ts";
+import { nearestRow } from "./nearest.ts";
+import type { Picture } from "./picture.ts";
 
 export interface LoopChartProps {
   title: ComponentChildren;
@@ -16,31 +14,9 @@ export interface LoopChartProps {
   height: number;
 }
 
-/** Row whose moving point is nearest, as the eye measures distance. */
-function nearest(marks: Mark[], x: number, y: number, wide: number, high: number): number {
-  let [best, found] = [Infinity, -1];
-  for (const mark of marks) {
-    for (let i = 0; i < mark.x.length; i++) {
-      const dx = ((mark.x[i] as number) - x) / wide;
-      const dy = ((mark.y[i] as number) - y) / high;
-      const far = dx * dx + dy * dy;
-      if (far < best) [best, found] = [far, i];
-    }
-  }
-  return found;
-}
-
 export function LoopChart({ title, about, picture, height }: LoopChartProps) {
-  const part = useSignal<{ x: Limits; y: Limits } | null>(null);
-  const zoomed = part.value;
-  const shown = useMemo<Picture>(
-    () => (zoomed ? { ...picture, xLimits: zoomed.x, yLimits: zoomed.y } : picture),
-    [picture, zoomed],
-  );
   const pick = (x: number, y: number): void => {
-    const [a, b] = shown.xLimits;
-    const [c, d] = shown.yLimits;
-    const at = nearest(picture.marks ?? [], x, y, b - a, d - c);
+    const at = nearestRow(picture.marks ?? [], x, y, picture.x.high - picture.x.low, picture.y.high - picture.y.low);
     const time = run.value?.times[at];
     if (time !== undefined) cursor.value = time;
   };
@@ -48,20 +24,8 @@ export function LoopChart({ title, about, picture, height }: LoopChartProps) {
     <figure class="loop" aria-label={about}>
       <figcaption>
         <span class="panel-title">{title}</span>
-        {zoomed && (
-          <button type="button" class="quiet small" onClick={() => (part.value = null)}>
-            Show all
-          </button>
-        )}
       </figcaption>
-      <Chart
-        picture={shown}
-        height={height}
-        about={about}
-        onPick={pick}
-        onZoom={(x, y) => (part.value = { x, y })}
-        onReset={() => (part.value = null)}
-      />
+      <Chart picture={picture} height={height} about={about} onPick={pick} onKey={moveTime} keys="Arrow keys move the time cursor." />
     </figure>
   );
 }

@@ -6,7 +6,8 @@ import { axisLabel, beside, planeHeight, portsOf, shownColumn, type Beside } fro
 import { before } from "../state/run.ts";
 import { LoopChart } from "./loop.tsx";
 import { liveLook, type Look } from "./palette.ts";
-import { around, type Curve, type Mark, type Picture } from "./picture.ts";
+import type { Curve, Mark, Picture } from "./picture.ts";
+import { around } from "./scale.ts";
 import { Swatch } from "./swatch.tsx";
 
 const HEIGHT = 196;
@@ -54,10 +55,8 @@ function pictureOf(of: Run, loop: Loop, ports: string[], pins: Beside[]): Pictur
   if (!x || !y) return null;
   const all = [...live, ...under];
   return {
-    xLabel: axisLabel(x),
-    yLabel: axisLabel(y),
-    xLimits: around(all.map((curve) => curve.x)),
-    yLimits: around(all.map((curve) => curve.y)),
+    x: around(axisLabel(x), all.map((curve) => curve.x)),
+    y: around(axisLabel(y), all.map((curve) => curve.y)),
     curves: [...under, ...live],
     marks,
   };

@@ -3,7 +3,7 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 
-export function Menu({ name, children }: { name: string; children: ComponentChildren }) {
+export function Menu({ name, about, children }: { name: string; about?: string; children: ComponentChildren }) {
   const home = useRef<HTMLDetailsElement>(null);
   useEffect(() => {
     const close = (): void => void (home.current && (home.current.open = false));
@@ -24,7 +24,7 @@ export function Menu({ name, children }: { name: string; children: ComponentChil
   }, []);
   return (
     <details class="menu" ref={home}>
-      <summary>{name}</summary>
+      <summary aria-label={about} title={about}>{name}</summary>
       <div class="menu-body">{children}</div>
     </details>
   );

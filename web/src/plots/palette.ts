@@ -2,12 +2,6 @@
 
 import { CURVES } from "../lib/theme.ts";
 
-/** The same colour, seen through. */
-export function faint(colour: string, alpha: number): string {
-  const [r = "0", g = "0", b = "0"] = colour.match(/[\d.]+/g) ?? [];
-  return `rgba(${r}, ${g}, ${b}, ${alpha})`;
-}
-
 /** How a curve is drawn, so that colour is not all that tells curves apart. */
 export interface Look {
   /** Number of a colour. */

@@ -6,8 +6,9 @@ import { axisLabel, beside, portsOf, shownColumn, shownValues, type Beside } fro
 import { LoopChart } from "./loop.tsx";
 import { path } from "./loops.tsx";
 import { liveLook } from "./palette.ts";
+import type { Numbers, Picture, Strip } from "./picture.ts";
+import { around } from "./scale.ts";
 import { Drawn } from "../touch/drawn.tsx";
-import { around, type Numbers, type Picture, type Strip } from "./picture.ts";
 
 /** Bands of what heating does in the colour of heating, others in that of cooling. */
 const colourOf = (band: Band): number => (band.process === "reverse" ? 1 : 0);
@@ -45,10 +46,8 @@ function pictureOf(of: Run, pins: Beside[], drawn: string[]): { picture: Picture
   const bottoms = strips.flatMap((one) => one.sides.map((side) => (side.y[0] === side.y[1] ? side.x[1] : side.x[0]) ?? NaN));
   const top = diagram.highest * y.factor + y.offset;
   const picture: Picture = {
-    xLabel: axisLabel(x),
-    yLabel: axisLabel(y),
-    xLimits: around(all.map((curve) => curve.x), bottoms.filter(Number.isFinite), 0.05),
-    yLimits: around(all.map((curve) => curve.y), [0, top], 0.02),
+    x: around(axisLabel(x), all.map((curve) => curve.x), 0.05, bottoms.filter(Number.isFinite)),
+    y: around(axisLabel(y), all.map((curve) => curve.y), 0.02, [0, top]),
     curves: [...under, ...live],
     strips,
     marks: own.map((at, k) => ({ x: shownColumn(of, at.x), y: shownColumn(of, at.y), colour: several ? liveLook(k).colour : 1 })),

@@ -4,9 +4,10 @@ import { useMemo } from "preact/hooks";
 import { digits } from "../lib/numbers.ts";
 import { cursor, row } from "../state/run.ts";
 import { Chart } from "./chart.tsx";
-import { printed, timeLimits, zoom } from "./drawn.ts";
+import { printed, timeLimits, wholeTime, zoom } from "./drawn.ts";
 import type { Look } from "./palette.ts";
-import { around, type Level, type Numbers, type Picture, type Shade } from "./picture.ts";
+import type { Level, Numbers, Picture, Shade } from "./picture.ts";
+import { around, type Scale } from "./scale.ts";
 import { Symbol } from "../ui/symbol.tsx";
 import { Swatch } from "./swatch.tsx";
 
@@ -56,13 +57,15 @@ function Readout({ series }: { series: Series[] }) {
   );
 }
 
-/** The levels in view only if they are near what is drawn. */
-function limits({ series, beside, includes = [], levels = [] }: TimePanelProps): [number, number] {
+/** The scale of what is drawn; with those levels that are near to it. */
+function scaleOf(label: string, { series, beside, includes = [], levels = [] }: TimePanelProps): Scale {
   const all = [...series, ...beside].map((one) => one.values);
-  const [low, high] = around(all, includes);
+  const { low, high } = around(label, all, 0.07, includes);
   const near = levels.map((level) => level.y).filter((y) => y > low - (high - low) && y < high + (high - low));
-  return around(all, [...includes, ...near]);
+  return around(label, all, 0.07, [...includes, ...near]);
 }
+
+const TIME = "t [s]";
 
 export function TimePanel(props: TimePanelProps) {
   const { title, series, beside, shades, levels, last } = props;
@@ -72,11 +75,10 @@ export function TimePanel(props: TimePanelProps) {
   const label = `${alone ? `${first.symbol.replace("_", " ")} ` : ""}[${printed(first?.unit ?? "") || "–"}]`;
   const picture = useMemo<Picture>(
     () => ({
-      xLabel: "t [s]",
-      yLabel: label,
-      xLimits: time,
-      yLimits: limits(props),
-      curves: [...beside, ...series].map((one) => ({ x: one.times, y: one.values, look: one.look })),
+      x: { label: TIME, low: time[0], high: time[1] },
+      y: scaleOf(label, props),
+      along: true,
+      curves: [...beside, ...series].map((one) => ({ x: one.times, y: one.values, look: one.look, ...(alone ? {} : { name: one.symbol.replace("_", " ") }) })),
       shades,
       levels,
     }),
@@ -93,9 +95,9 @@ export function TimePanel(props: TimePanelProps) {
         about={`${title} over time`}
         timed
         bare={!last}
+        keys=""
         onPick={(x) => (cursor.value = Math.max(0, x))}
-        onZoom={(x) => (zoom.value = x)}
-        onReset={() => (zoom.value = null)}
+        shared={{ whole: { label: TIME, low: 0, high: wholeTime.value }, zoom: (part) => (zoom.value = part && [part.low, part.high]) }}
       />
     </figure>
   );

@@ -2,10 +2,10 @@
 
 import { useMemo } from "preact/hooks";
 import type { Alarm, Panel, Run } from "../lib/types.ts";
-import { cursor, row, run } from "../state/run.ts";
 import { toShown } from "../lib/numbers.ts";
-import { beside, duration, panelChoice, portsOf, shownColumn, type Beside } from "./drawn.ts";
+import { beside, panelChoice, portsOf, shownColumn, type Beside } from "./drawn.ts";
 import { EnergyPanels } from "./energy.tsx";
+import { moveTime } from "./keys.ts";
 import { liveLook, type Look } from "./palette.ts";
 import type { Level, Shade } from "./picture.ts";
 import { TimePanel, type Series } from "./timepanel.tsx";
@@ -72,27 +72,11 @@ function Trace({ of, panel, last }: { of: Run; panel: Panel; last: boolean }) {
   return <TimePanel title={panel.title} {...parts} includes={panel.includes} last={last} />;
 }
 
-const STEPS: Record<string, number> = { ArrowLeft: -1, ArrowRight: 1, PageDown: -10, PageUp: 10 };
-
-function keyed(event: KeyboardEvent): void {
-  const now = run.value;
-  if (!now || event.ctrlKey || event.metaKey || event.altKey) return;
-  if (event.target !== event.currentTarget) return;
-  const step = STEPS[event.key];
-  if (step !== undefined) {
-    const to = Math.max(0, Math.min(now.times.length - 1, row.value + step * (event.shiftKey ? 10 : 1)));
-    cursor.value = now.times[to] ?? 0;
-  } else if (event.key === "Home") cursor.value = 0;
-  else if (event.key === "End") cursor.value = duration(now);
-  else return;
-  event.preventDefault();
-}
-
 export function Traces({ of }: { of: Run }) {
   const panels = of.traces.filter(isShown);
   const about = "Curves over time. Arrow keys move the time cursor, with shift in larger steps.";
   return (
-    <div class="traces" role="group" tabIndex={0} aria-label={about} onKeyDown={keyed}>
+    <div class="traces" role="group" tabIndex={0} aria-label={about} onKeyDown={moveTime}>
       {panels.map((panel, k) => (
         <Trace key={panel.key + (k === panels.length - 1)} of={of} panel={panel} last={k === panels.length - 1} />
       ))}

@@ -1,6 +1,7 @@
 // A report of what is on the bench, for somebody without an installation.
 
 import { form } from "../form/state.ts";
+import { readAsset } from "../lib/host.ts";
 import { call } from "../lib/api.ts";
 import { notes } from "../state/project.ts";
 import { cursor, pinned, run } from "../state/run.ts";
@@ -17,7 +18,7 @@ export async function makeReport(): Promise<string> {
   const pins = pinned.value;
   const texts = [now, ...pins.map((pin) => pin.run)].map((one) => one.text);
   const differences: Differences = pins.length ? (await call<{ rows: Differences }>("differences", { texts })).rows : [];
-  const page = await fetch("report.html").then((found) => (found.ok ? found.text() : Promise.reject(new Error("The page of the report is not there."))));
+  const page = await readAsset("report.html");
   return fillReport(page, {
     run: now,
     pins,

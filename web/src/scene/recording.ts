@@ -1,5 +1,6 @@
 // The animation as a file: pictures of a stage of its own, as the one on the page is seen now.
 
+import { startWorker } from "../lib/host.ts";
 import type { Palette } from "../lib/theme.ts";
 import type { Run } from "../lib/types.ts";
 import type { Asked } from "./gif.worker.ts";
@@ -91,7 +92,7 @@ const breath = (): Promise<void> => new Promise((done) => setTimeout(done));
 export async function recordGif(asked: Recorded): Promise<Blob> {
   const [width, height] = SIZES.gif;
   const painter = new Painter(asked, width, height, FINE.gif);
-  const worker = new Worker(new URL("gif.js", document.baseURI), { type: "module" });
+  const worker = await startWorker("gif.js");
   const ask = (message: Asked): Promise<Blob | null> =>
     new Promise((done, failed) => {
       worker.onmessage = ({ data }) => done(data as Blob | null);

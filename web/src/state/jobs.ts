@@ -10,12 +10,15 @@ export interface Watched<Note, Outcome> {
   /** Sentence of what went wrong with starting or watching; empty if nothing did. */
   trouble: Signal<string>;
   begin: (request: object) => Promise<void>;
-  cancel: () => Promise<void>;
+  /** End it, by force where it does not end by itself in time; `patient`: it may take some seconds to keep what it has. */
+  cancel: (patient?: boolean) => Promise<void>;
   /** Take up the newest job of this call that the tab has, as after a reload. */
   resume: () => Promise<void>;
 }
 
 const AGAIN = 1000;
+/** Seconds in which cancelled work may end by itself. */
+const GRACE = 0.6;
 /** The longest job that is kept with the session [characters of JSON]. */
 const MOST_KEPT = 2 ** 20;
 const ENDED = "The server was ended before this was done. Begin it again.";
@@ -93,7 +96,7 @@ export function watched<Note, Outcome>(name: string): Watched<Note, Outcome> {
     job,
     trouble,
     begin: (request) => attempt(async () => follow((await beginJob(name, request)).id)),
-    cancel: () => attempt(async () => void (job.value && (await cancelJob(job.value.id)))),
+    cancel: (patient = false) => attempt(async () => void (job.value && (await cancelJob(job.value.id, patient ? undefined : GRACE)))),
     resume: () =>
       attempt(async () => {
         const found = (await jobs()).find((one) => one.call === name);

@@ -1,6 +1,7 @@
 // Where in the page we are: `#/studies/finger`, `#/bench?scenario=…`.
 
 import { signal } from "@preact/signals";
+import { host } from "../lib/host.ts";
 
 export interface Place {
   page: string;
@@ -18,7 +19,8 @@ function read(): Place {
 export const place = signal<Place>(read());
 addEventListener("hashchange", () => (place.value = read()));
 
-export const go = (path: string): void => void (location.hash = `#/${path}`);
+/** In a notebook there is one page. */
+export const go = (path: string): void => void (host || (location.hash = `#/${path}`));
 
 /**
  * Change what stands behind the question mark without a new entry in the history.

@@ -1,7 +1,7 @@
 // The run of the scenario on the bench, those that are pinned beside it, and the time cursor.
 
 import { batch, computed, effect, signal } from "@preact/signals";
-import { call, sentence, superseded } from "../lib/api.ts";
+import { call, cancelCall, sentence, superseded } from "../lib/api.ts";
 import type { Run } from "../lib/types.ts";
 import { change, text } from "./scenario.ts";
 import { keepPart } from "./session.ts";
@@ -136,6 +136,9 @@ async function show(document: string, changes: Record<string, unknown>, merge: b
     if (mine === latest) computing.value = false;
   }
 }
+
+/** End the run that is being made; the one before stays. */
+export const cancelRun = (): void => void cancelCall("run").catch(() => undefined);
 
 /** Run whatever document comes into place otherwise: loaded, undone, redone. */
 export function followDocument(): () => void {

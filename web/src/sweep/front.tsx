@@ -8,7 +8,7 @@ import { digits } from "../lib/numbers.ts";
 import { Message } from "../ui/message.tsx";
 import { Table } from "../ui/table.tsx";
 import { Choice } from "./field.tsx";
-import { scatterOf } from "./looks.ts";
+import { joined, scatterOf } from "./looks.ts";
 import { Plane } from "./plane.tsx";
 import { chosen, key, runs, type Runs } from "./shown.ts";
 import { grouped } from "./time.ts";
@@ -97,7 +97,6 @@ export function FrontView({ now, onLook, children }: { now: Runs; onLook: (row: 
   if (!x || !y) return <Message kind="note">A front needs two outputs.</Message>;
   const picture = scatterOf(now, x, y, null);
   const rows = new Set(front.value?.rows);
-  const path = picture.spots.filter((spot) => rows.has(spot.row) && spot.state === "ok").sort((a, b) => a.x - b.x);
   return (
     <>
       <div class="sweep-line">
@@ -106,7 +105,7 @@ export function FrontView({ now, onLook, children }: { now: Runs; onLook: (row: 
         ))}
       </div>
       {refused.value && <Message kind="note">{refused.value}</Message>}
-      <Plane picture={{ ...picture, path, quiet: true }} label={`Pareto front of ${x.short} and ${y.short}`} onLook={onLook} />
+      <Plane picture={{ ...joined(picture, (spot) => rows.has(spot.row)), quiet: true }} label={`Pareto front of ${x.short} and ${y.short}`} onLook={onLook} />
       {front.value?.left_out.map(([count, why]) => (
         <p key={why} class="soft small">
           {grouped(count)} runs are left out: {why}.

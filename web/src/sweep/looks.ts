@@ -1,7 +1,8 @@
 // Runs as spots of a picture.
 
-import { around, type Dim } from "./scale.ts";
-import { dimOfLevels, type Picture, type Spot, type State } from "./draw.ts";
+import { liveLook } from "../plots/palette.ts";
+import { scaleOfLevels, type Picture, type Spot, type State } from "../plots/picture.ts";
+import { around, type Scale } from "../plots/scale.ts";
 import type { Runs } from "./shown.ts";
 import type { Axis, Column } from "./types.ts";
 
@@ -17,9 +18,9 @@ function stateOf(runs: Runs, at: number, value: number | null): State {
 }
 
 /** Scale of the colour; none without numbers. */
-function colourOf(label: string, spots: Spot[]): { colour?: Dim } {
+function colourOf(label: string, spots: Spot[]): { colour?: Scale } {
   const known = spots.map((spot) => spot.value).filter(isNumber);
-  return known.length ? { colour: around(label, known, 0) } : {};
+  return known.length ? { colour: around(label, [known], 0) } : {};
 }
 
 const shownLevels = (axis: Axis, stride: number): { place: number; value: number }[] =>
@@ -43,7 +44,7 @@ export function mapOf(runs: Runs, x: number, y: number, fixed: number[], measure
   );
   const levels = { xs: xs.map((one) => one.value), ys: ys.map((one) => one.value) };
   return {
-    x: dimOfLevels(titled(along), levels.xs, along.log), y: dimOfLevels(titled(up), levels.ys, up.log), spots, cells: levels,
+    x: scaleOfLevels(titled(along), levels.xs, along.log), y: scaleOfLevels(titled(up), levels.ys, up.log), spots, cells: levels, curves: [],
     ...colourOf(titled(measure), spots),
   };
 }
@@ -61,17 +62,22 @@ export function scatterOf(runs: Runs, x: Column, y: Column, colour: Column | nul
     else spots.push({ row, x: left, y: up, value: colour && runs.value(colour.name, at), state });
   });
   const logOf = (one: Column): boolean => runs.layout.axes.some((axis) => axis.name === one.name && axis.log);
-  const high = around(titled(y), spots.map((spot) => spot.y), 0.06, logOf(y));
+  const high = around(titled(y), [spots.map((spot) => spot.y)], 0.06, [], logOf(y));
   for (const spot of failed) spots.push({ ...spot, y: high.low });
-  const wide = around(titled(x), spots.map((spot) => spot.x), 0.04, logOf(x));
-  return { x: wide, y: high, spots, ...(colour && colourOf(titled(colour), spots)) };
+  const wide = around(titled(x), [spots.map((spot) => spot.x)], 0.04, [], logOf(x));
+  return { x: wide, y: high, spots, curves: [], ...(colour && colourOf(titled(colour), spots)) };
+}
+
+/** The same with a line through some of its spots. */
+export function joined(picture: Picture, keep: (spot: Spot) => boolean): Picture {
+  const path = (picture.spots ?? []).filter((spot) => spot.state === "ok" && keep(spot)).sort((a, b) => a.x - b.x);
+  const line = { x: path.map((spot) => spot.x), y: path.map((spot) => spot.y), look: { ...liveLook(0), width: 2 } };
+  return { ...picture, curves: path.length ? [line, { ...line, dots: "full" }] : [] };
 }
 
 /** A curve over one axis of a grid. */
 export function curveOf(runs: Runs, x: number, fixed: number[], measure: Column): Picture {
   const axis = runs.layout.axes[x] as Axis;
   const others = (at: number): boolean => fixed.every((level, k) => k === x || runs.level(k, runs.rows[at] ?? 0) === level);
-  const made = scatterOf(runs, axis, measure, null, others);
-  const path = made.spots.filter((spot) => spot.state === "ok").sort((a, b) => a.x - b.x);
-  return { ...made, path };
+  return joined(scatterOf(runs, axis, measure, null, others), () => true);
 }

@@ -1,7 +1,7 @@
 // The pictures of a sweep: map or curve of a grid, scatter of anything, front, indices.
 
 import { useSignal } from "@preact/signals";
-import { tickText } from "./scale.ts";
+import { tickText } from "../plots/scale.ts";
 import { Choice } from "./field.tsx";
 import { FrontView } from "./front.tsx";
 import { IndicesView } from "./indices.tsx";
@@ -84,7 +84,7 @@ function Grid({ now, onLook, flat }: ViewProps & { flat: boolean }) {
         ))}
       </div>
       <Plane picture={picture} label={flat ? `Curve of ${measure.short}` : `Map of ${measure.short}`} onLook={onLook} />
-      <Key picture={picture.spots.map((spot) => spot.state)} flat={flat} />
+      <Key picture={(picture.spots ?? []).map((spot) => spot.state)} flat={flat} />
     </>
   );
 }

@@ -14,8 +14,10 @@ from martensite.base.files import write_file
 from martensite.fit.fit import Fit
 from martensite.fit.fit_task import ArrangedFit
 from martensite.fit.material_files import write_material
+from martensite_app.identify.fit_command import write_command, write_terminal_files
 from martensite_app.identify.fit_progress import FitProgress, describe_measured, describe_outcome, describe_parameter
-from martensite_app.identify.fit_request import read_task
+from martensite_app.identify.fit_request import find_proposal, list_assumptions, read_task
+from martensite_app.identify.mapped_table import describe_preparation
 from martensite_app.messages import BadMessageError, JsonTable, Request, require_entry
 from martensite_app.uploads import UploadFolder
 from martensite_app.worker import Desk
@@ -34,7 +36,7 @@ def run_fit(request: Request, desk: Desk) -> JsonTable:
     and then with "curves". The answer is that of `identify.fit_outcome` with the key `fit` for the
     call `fit_files`. Once it shall stop it ends with the best so far.
     """
-    arranged = read_task(request, desk).arrange()
+    arranged = read_task(request, desk).arrange(check=not request.get("proposed"))
     key, path = _place_state(request, desk)
     training = arranged.problem.training
     desk.tell(
@@ -54,7 +56,10 @@ def run_fit(request: Request, desk: Desk) -> JsonTable:
     watching = FitProgress(training, desk.tell, desk.stop)
     fit = search_parameters(arranged, watching, path)
     watching.finish(fit)
-    return {**describe_outcome(fit), "fit": _keep_fit(request, fit, desk, key)}
+    proposal = find_proposal(request, desk)
+    said = [*describe_preparation(request, desk), *(list_assumptions(request, desk) if proposal else ())]
+    again = {"prepared": said, "command": write_command(request, fit, proposal)}
+    return {**describe_outcome(fit, proposal), **again, "fit": _keep_fit(request, fit, desk, key)}
 
 
 def search_parameters(arranged: ArrangedFit, watching: FitProgress, path: Path) -> Fit:
@@ -87,7 +92,7 @@ def _keep_fit(request: Request, fit: Fit, desk: Desk, state: str) -> str:
     return key
 
 
-ENDINGS = {"material": "toml", "report": "html"}
+ENDINGS = {"material": "toml", "report": "html", "terminal": "zip"}
 
 
 def write_fit_file(request: Request, desk: Desk) -> dict[str, str]:
@@ -96,8 +101,9 @@ def write_fit_file(request: Request, desk: Desk) -> dict[str, str]:
     {"key": of the fit, "what": "material"} -> {"key": …, "name": …}
 
     `material` is a material file (TOML) with numbers, intervals, and hashes of the data; `report` a
-    page of HTML with figures. The fit is computed again at the numbers that were found, without a
-    search.
+    page of HTML with figures; `terminal` what repeats the fit on the command line: records as they were
+    fitted, the scenario, the command, and what was done to the logs. The fit is computed again at the numbers
+    that were found, without a search.
     """
     what = require_entry(request, "what", str)
     if what not in ENDINGS:
@@ -109,7 +115,12 @@ def write_fit_file(request: Request, desk: Desk) -> dict[str, str]:
     name = source.stem if source is not None else "fit"
     key, path = drawer.place(f"{name}.{ENDINGS[what]}")
     desk.tell({"stage": "writing"})
-    _write_file(fit, what, path)
+    if what == "terminal":
+        request = require_entry(kept, "request", dict)
+        steps = describe_preparation(request, desk)
+        write_terminal_files(request, fit, find_proposal(request, desk), steps, path)
+    else:
+        _write_file(fit, what, path)
     return {"key": key, "name": path.name}
 
 
@@ -123,7 +134,8 @@ def _write_file(fit: Fit, what: str, path: Path) -> None:
 
 
 def _repeat_fit(kept: Request, desk: Desk) -> Fit:
-    arranged = read_task(require_entry(kept, "request", dict), desk).arrange()
+    request = require_entry(kept, "request", dict)
+    arranged = read_task(request, desk).arrange(check=not request.get("proposed"))
     ended = Event()
     ended.set()
     watching = FitProgress(arranged.problem.training, desk.tell, ended)

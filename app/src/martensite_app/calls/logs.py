@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from pathlib import Path
 
 from martensite.base import units
 from martensite.base.errors import MartensiteError, ParameterError
 from martensite.base.files import MOST_LOG, read_unpacked, toml_document
 from martensite.base.parameters import Leaf
 from martensite.fit.column_matching import list_echoes, match_columns
+from martensite.fit.experiment_kinds import KINDS
 from martensite.fit.free_parameters import build_free_numbers
 from martensite.fit.losses import LOSSES
 from martensite.fit.solve import METHODS
@@ -17,7 +19,7 @@ from martensite.scenario.assemble import waveform_path
 from martensite.scenario.column_meanings import Meaning, guess_meanings
 from martensite.scenario.datasets import locate_file
 from martensite.scenario.heading_guess import usual_units
-from martensite.scenario.lab_files import choose_time, read_raw
+from martensite.scenario.lab_files import LabFile, choose_time, interpret_table, read_raw
 from martensite.scenario.layout import CANONICAL
 from martensite.scenario.overrides import as_toml
 from martensite.scenario.raw_table import RawColumn, RawTable
@@ -25,16 +27,19 @@ from martensite.scenario.scenario import Scenario
 from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
 from martensite_app.documents import describe_scenarios, list_following
-from martensite_app.identify.fit_request import build_scenario
+from martensite_app.identify.fit_request import build_scenario, list_rows
 from martensite_app.identify.followed_columns import describe_drives, follow_column
-from martensite_app.identify.mapped_table import describe_cuts, read_record, read_records
+from martensite_app.identify.log_kinds import describe_proposal, describe_reading, propose_models
+from martensite_app.identify.log_overlay import draw_overlay, fill_at
+from martensite_app.identify.mapped_table import describe_cuts, prepare_log, read_file, read_records
 from martensite_app.messages import JsonTable, Request, require_entry
 from martensite_app.uploads import UploadFolder
 from martensite_app.views.columns import describe_conversion, describe_difference, describe_display, find_envelope
 from martensite_app.worker import Desk
 
-SAMPLE = "flexinol-isobaric/isobaric_172MPa.txt"
-"""The log that a reader without one begins with."""
+SAMPLE = "flexinol-isobaric/isobaric_{}MPa.txt"
+LOADS = (172, 50, 100, 200)
+"""Stresses of the logs that a reader without one begins with [MPa]; the first alone where one is asked for."""
 SMALL = 120
 """Points of the small curve of a column."""
 LONG = 100_000
@@ -44,10 +49,14 @@ LONG = 100_000
 def place_sample(request: Request, desk: Desk) -> JsonTable:
     """A measured log that comes with the package, as if it had been uploaded.
 
-    {} -> {"key", "name", "bytes"}
+    {"load": 172} -> {"key", "name", "bytes"}
     """
-    content = read_unpacked(locate_file(SAMPLE), MOST_LOG)
-    key, path = UploadFolder(desk.folder).place(SAMPLE.rpartition("/")[2])
+    load = require_entry(request, "load", int, LOADS[0])
+    if load not in LOADS:
+        raise ParameterError(f"There is no measured loop at {load} MPa; there are {', '.join(map(str, LOADS))}.")
+    name = SAMPLE.format(load)
+    content = read_unpacked(locate_file(name), MOST_LOG)
+    key, path = UploadFolder(desk.folder).place(name.rpartition("/")[2])
     path.write_bytes(content)
     return {"key": key, "name": path.name, "bytes": len(content)}
 
@@ -56,7 +65,7 @@ def describe_table(request: Request, desk: Desk) -> JsonTable:
     """What is in an uploaded table, and what its columns may mean.
 
     {"key": …, "separator": "auto"}
-    -> {"name", "rows", "separator", "preview": [[text, …], …], "columns": [{heading, name, unit,
+    -> {"name", "said", "rows", "separator", "preview": [[text, …], …], "columns": [{heading, name, unit,
     min, max, missing, wrong, curve, …}], "names": {name: [unit, …]}, "notes": […]}
 
     Cells are text, whatever is in them. Numbers of columns are as they stand in the file.
@@ -66,8 +75,10 @@ def describe_table(request: Request, desk: Desk) -> JsonTable:
     meant = guess_meanings(raw, {})
     clock = choose_time(raw, meant)
     shown = [_name_guess(one, at == clock) for at, one in enumerate(meant)]
+    file = _read_untold(raw, path)
     return {
         "name": raw.name,
+        "said": describe_reading(file, file.has_time) if file else "",
         "rows": raw.rows,
         "separator": raw.separator,
         "headed": raw.headed,
@@ -101,11 +112,16 @@ def _describe_column(column: RawColumn, name: str, unit: str) -> JsonTable:
     }
 
 
+def _read_untold(raw: RawTable, path: Path) -> LabFile | None:
+    """The table as it is understood without a word from the reader; none where it cannot be."""
+    try:
+        return interpret_table(raw, path, {})
+    except MartensiteError:
+        return None
+
+
 def _list_notes(raw: RawTable, meant: list[Meaning], clock: int) -> Iterator[str]:
     yield from raw.notes
-    for one in raw.left_out:
-        rows = ", ".join(map(str, one.rows))
-        yield f"{one.count} rows are left out: {one.reason} (row {rows}{', …' if one.count > len(one.rows) else ''})."
     unsure = [str(at) for at, one in enumerate(meant, start=1) if one.name and one.known == "values" and not one.sure]
     if unsure:
         yield f"Column {', '.join(unsure)}: a guess by the values alone; look whether it is right."
@@ -115,43 +131,76 @@ def _list_notes(raw: RawTable, meant: list[Meaning], clock: int) -> Iterator[str
         yield "Some cells are no numbers. Do not use their columns, or leave out such cells."
     if raw.rows > LONG:
         yield f"The file has {raw.rows:,} rows; thin it out in the next step."
-    if clock < 0:
-        yield "No column is a time. A quasi-static loop needs none; else choose one, or give the time between rows."
 
 
 DRAWN = 800
 
 
 def describe_records(request: Request, desk: Desk) -> JsonTable:
-    """The columns of a mapped table over time, to be looked at and cut.
+    """The columns of a mapped table over time, to be looked at, put right and cut.
 
-    {"key": …, "columns": [{at, name, unit}], "interval": null, "drop": false, "cuts": [] }
-    -> {"begin": 0, "end": …, "rows": …, "columns": [{name, times, values, unit, shown, …}], "cuts":
-    [{name, rows, refused}]}: curves thinned so that lows and highs stay; times in s, values in SI.
+    {"key": …, "columns": [{at, name, unit}], "interval": null, "drop": false, "steps": [], "cuts": [], "further": [] }
+    -> {"begin": 0, "end": …, "rows": …, "columns": [{name, times, values, before, unit, shown, …}], "steps": […],
+    "cuts": [{name, rows, refused}]}: curves thinned so that lows and highs stay; times in s, values in SI. `values`
+    is what the steps leave at the times of `before`, what was recorded; `before` is empty where nothing changed.
     """
-    record = read_record(request, desk)
-    columns: list[JsonTable] = []
-    for name, column in record.columns.items():
-        if name == "time":
-            continue
-        rows = find_envelope(column, DRAWN)
-        columns.append(
-            {
-                "name": name,
-                "times": [record.times[row] for row in rows],
-                "values": [column[row] for row in rows],
-                "missing": sum(map(math.isnan, column)),
-                **describe_display(name, record.units[name]),
-            }
-        )
+    file, prepared = read_file(request, desk), prepare_log(request, desk)
+    record = prepared.record
     return {
         "begin": record.times[0],
         "end": record.times[-1],
         "rows": len(record),
         "dropped": record.dropped,
-        "columns": columns,
+        "timed": file.record.interval is None,
+        "columns": [_draw_column(name, record, file.record) for name in record.columns if name != "time"],
+        "steps": list(prepared.words),
         "cuts": describe_cuts(request, desk),
     }
+
+
+def _draw_column(name: str, record: Record, recorded: Record) -> JsonTable:
+    """A column as it is, and as it was recorded where steps changed it or its rows."""
+    column = record[name]
+    before = recorded.columns.get(name, column)
+    same = recorded.times == record.times and list(map(repr, before)) == list(map(repr, column))
+    shown = column if same or name not in recorded.columns else before
+    times = record.times if shown is column else recorded.times
+    rows = find_envelope(shown, DRAWN)
+    drawn = [times[row] for row in rows]
+    values = [column[row] for row in rows] if shown is column else fill_at(record.times, column, drawn)
+    return {
+        "name": name,
+        "times": drawn,
+        "values": values,
+        "before": [] if shown is column else [before[row] for row in rows],
+        "missing": sum(map(math.isnan, column)),
+        **describe_display(name, record.units[name]),
+    }
+
+
+def overlay_logs(request: Request, desk: Desk) -> JsonTable:
+    """All records of a request in one picture: over time, from their start or by the clock; loops over what drives.
+
+    {the logs, "align": "start" or "clock"}
+    -> {"said": …, "records": [name], "axis": {name, unit, …}, "x": […], "loops": true, "quantities":
+    [{name, unit, …, "lines": [[value or null, …], …]}]}: for every quantity one line per record, SI.
+    """
+    return draw_overlay(read_records(request, desk), require_entry(request, "align", str, "start"))
+
+
+def propose_fit(request: Request, desk: Desk) -> JsonTable:
+    """What the logs are, and scenarios that may explain them, each with what is free.
+
+    {the logs} -> {"kind", "said", "refused", "notes": […], "models": [{name, text, free: [{name, low, high, start,
+    scale}], "each": […], "starts"}]}; where none is known `refused` says why.
+    """
+    try:
+        found = propose_models(read_records(request, desk), {})
+        models = [describe_proposal(one) for one in found.proposals]
+    except MartensiteError as error:
+        return {"kind": "", "said": "", "refused": str(error), "notes": [], "models": []}
+    said = f"Taken as {found.kind.name}, {KINDS[found.kind.name]}: {found.kind.why}."
+    return {"kind": found.kind.name, "said": said, "refused": "", "notes": list(found.notes), "models": models}
 
 
 def list_followers(request: Request, desk: Desk) -> JsonTable:
@@ -185,7 +234,7 @@ def match_scenario(request: Request, desk: Desk) -> JsonTable:
 
     Where the scenario cannot be built with the log, `refused` says why; the rest is what is known.
     """
-    records = read_records(request, desk)
+    records = list_rows(request, desk)
     text = require_entry(request, "text", str)
     document = toml_document(text)
     follow = require_entry(request, "follow", dict, {})

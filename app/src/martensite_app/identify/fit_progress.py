@@ -15,10 +15,12 @@ from martensite.fit.fit import ComparedOutput, Fit, list_compared
 from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
 from martensite.fit.free_parameters import is_nuisance
 from martensite.fit.problem import Problem
+from martensite.fit.scenario_proposals import Proposal
 from martensite.fit.search_monitor import SearchNote
 from martensite.scenario.exact_text import exact_text
 from martensite.search.free_numbers import FreeNumber
 from martensite.show.summaries.fit_tables import mark_parameter
+from martensite_app.identify.fit_judgement import describe_judgement
 from martensite_app.identify.followed_columns import embed_log
 from martensite_app.messages import JsonTable, Request
 from martensite_app.views.columns import (
@@ -144,9 +146,10 @@ def describe_parameter(free: FreeNumber) -> JsonTable:
     }
 
 
-def describe_outcome(fit: Fit) -> JsonTable:
-    """All that is shown of a fit; numbers in SI."""
+def describe_outcome(fit: Fit, proposal: Proposal | None = None) -> JsonTable:
+    """All that is shown of a fit, which may be that of a proposed scenario; numbers in SI."""
     return {
+        "verdict": describe_judgement(fit, proposal),
         "title": fit.scenario.title if fit.scenario else "",
         "reason": fit.reason,
         "method": fit.method,
@@ -201,7 +204,21 @@ def _list_curves(one: ComparedOutput) -> JsonTable:
         "measured": [round_digits(one.measured[row]) for row in rows],
         "model": [round_digits(one.model[row]) for row in rows],
         "held": [bool(one.held[row]) for row in rows],
+        "axis": _find_axis(one, rows),
         **describe_display(one.output, one.description.unit),
+    }
+
+
+def _find_axis(one: ComparedOutput, rows: list[int]) -> JsonTable | None:
+    """What a loop without times is drawn over; none of a record that has times."""
+    record = one.experiment.record
+    name = next((name for name in ("temperature", "strain") if name in record.columns and name != one.output), "")
+    if record.interval is None or not name or len(record) != len(one.times):
+        return None
+    return {
+        "name": name,
+        "values": [round_digits(record[name][row], 7) for row in rows],
+        **describe_display(name, record.units[name]),
     }
 
 

@@ -4,6 +4,7 @@
 "free": [{"name": "A_s", "low": 313.0, "high": 363.0, "start": 340.0}]    SI; all but the name
 "each": [{"name": "offset.strain"}, {"name": "delay"}]                    may be left out
 "compare": ["strain"], "hold_out": "auto" (or names), "method": "trf", "loss": "linear",
+"proposed": "lagoudas"    a scenario that was proposed for the logs: their rows are those that it explains
 "starts": 0, "seed": 0, "noise": {"strain": 2e-4}, "step": null
 """
 
@@ -14,10 +15,12 @@ from typing import Any, cast
 from martensite.base.errors import DataError, InputError, ParameterError
 from martensite.fit.fit_task import FitSearch, FitTask
 from martensite.fit.logs import AUTO, Log
+from martensite.fit.scenario_proposals import Proposal
 from martensite.scenario.scenario import Scenario
 from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
 from martensite_app.documents import build_packaged, check_files
+from martensite_app.identify.log_kinds import propose_models
 from martensite_app.identify.mapped_table import read_records
 from martensite_app.messages import BadMessageError, JsonTable, Request, require_entry
 from martensite_app.worker import Desk
@@ -44,7 +47,8 @@ def read_task(request: Request, desk: Desk) -> FitTask:
     Raises:
         InputError: something in it is none, or does not fit.
     """
-    records = read_records(request, desk)
+    proposal = find_proposal(request, desk)
+    records = list(proposal.rows) if proposal else read_records(request, desk)
     long = next((one for one in records if len(one) > MOST_ROWS), None)
     if long is not None:
         raise DataError(f"Record `{long.name}` has {len(long):,} rows; thin it out to at most {MOST_ROWS:,}.")
@@ -52,16 +56,44 @@ def read_task(request: Request, desk: Desk) -> FitTask:
     free = _list_ranges(request, "free")
     if not free:
         raise ParameterError("Nothing is free; choose at least one parameter to be found.")
+    compared = [str(name) for name in require_entry(request, "compare", list, [])]
     return FitTask(
         logs=logs,
         free=free,
-        each=_list_ranges(request, "each"),
+        each=_list_each(request, proposal),
         hold_out=_read_hold_out(request),
-        columns=[str(name) for name in require_entry(request, "compare", list, [])] or None,
+        columns=compared or (list(proposal.columns) if proposal else None),
         noise=_read_noise(request),
         step=None if request.get("step") is None else require_entry(request, "step", float),
         search=_read_search(request),
     )
+
+
+def find_proposal(request: Request, desk: Desk) -> Proposal | None:
+    """The proposal that a request goes by, for its logs as they are now.
+
+    Raises:
+        DataError: nothing is proposed by that name.
+    """
+    name = require_entry(request, "proposed", str, "")
+    return propose_models(read_records(request, desk), {}).find(name) if name else None
+
+
+def list_assumptions(request: Request, desk: Desk) -> list[str]:
+    """What was assumed in the scenario that is proposed for a request."""
+    return list(propose_models(read_records(request, desk), {}).notes)
+
+
+def list_rows(request: Request, desk: Desk) -> list[Record]:
+    """The records that a scenario is to explain: those of a proposal, or those of the logs."""
+    proposal = find_proposal(request, desk)
+    return list(proposal.rows) if proposal else read_records(request, desk)
+
+
+def _list_each(request: Request, proposal: Proposal | None) -> list[str | SearchRange]:
+    """What every record has for itself, with the bounds of the proposal where it says them."""
+    known = {text.partition("=")[0].strip(): text for text in proposal.each} if proposal else {}
+    return [known.get(one.name, one) for one in _list_ranges(request, "each")]
 
 
 def _list_ranges(request: Request, name: str) -> list[SearchRange]:
@@ -71,7 +103,8 @@ def _list_ranges(request: Request, name: str) -> list[SearchRange]:
             raise BadMessageError(f"`{name}` must hold tables with a `name`.")
         table = cast("JsonTable", entry)
         low, high, start = (_read_number(table, key) for key in ("low", "high", "start"))
-        found.append(SearchRange(require_entry(table, "name", str), low, high, start))
+        scale = None if table.get("scale") is None else require_entry(table, "scale", str)
+        found.append(SearchRange(require_entry(table, "name", str), low, high, start, scale))
     return found
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from gzip import compress
 from pathlib import Path
 
 import typer
@@ -11,7 +10,7 @@ from martensite.base.errors import InputError
 from martensite.scenario.scenario import load
 from martensite.show.terminal import print_json
 from martensite_app.documents import check_files
-from martensite_app.static_site.site_writer import can_offer, list_offered, prepare_folder, write_site
+from martensite_app.static_site.site_writer import can_offer, list_offered, measure_folder, prepare_folder, write_site
 
 
 def write_page(folder: Path, scenario: Path | None, json: bool) -> None:
@@ -31,14 +30,11 @@ def write_page(folder: Path, scenario: Path | None, json: bool) -> None:
                 "Use `martensite app`."
             )
     manifest = write_site(folder, texts, lambda words: typer.echo(words, err=True))
-    made = sorted(path for path in folder.rglob("*") if path.is_file())
-    sizes = [path.stat().st_size for path in made]
-    packed = sum(len(compress(path.read_bytes(), 9)) for path in made)
+    made = measure_folder(folder)
     if json:
         names = [one["name"] for one in manifest["scenarios"]]
-        print_json(
-            {"folder": str(folder), "files": len(made), "bytes": sum(sizes), "compressed": packed, "scenarios": names}
-        )
+        sizes = {"files": made.files, "bytes": made.size, "compressed": made.compressed}
+        print_json({"folder": str(folder), **sizes, "scenarios": names})
         return
-    typer.echo(f"{folder}: {len(made)} files, {sum(sizes) / 1e6:.1f} MB, {packed / 1e6:.1f} MB compressed")
+    typer.echo(f"{folder}: {made.words()}")
     typer.echo(f"See it with: python -m http.server --directory {folder}")

@@ -7,13 +7,15 @@ import os
 import shutil
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from gzip import compress
 from importlib.metadata import version
 from pathlib import Path
 
 from martensite.base.errors import DataError
 from martensite_app.documents import build_packaged, list_standalone
 from martensite_app.messages import JsonTable, write_message
-from martensite_app.site import STATIC
+from martensite_app.site import STATIC, WIDGET
 from martensite_app.static_site.flat_inputs import waveforms_of
 from martensite_app.static_site.input_map import measure_map
 from martensite_app.static_site.run_module import RunSource, write_source
@@ -26,6 +28,23 @@ MARK = '<meta name="martensite-runs" content="runs/manifest.json">'
 """Says to the page that there is no server."""
 FIRST = "constant_power"
 """The scenario with which the bench begins."""
+
+
+@dataclass(frozen=True)
+class FolderSize:
+    """How much there is to hand out."""
+
+    files: int
+    size: int
+    """Bytes."""
+    compressed: int
+    """Bytes, as they go over the wire."""
+
+    def words(self) -> str:
+        """For people."""
+        return f"{self.files} files, {self.size / 1e6:.1f} MB, {self.compressed / 1e6:.1f} MB compressed"
+
+
 Tell = Callable[[str], None]
 
 
@@ -97,6 +116,13 @@ def write_manifest(folder: Path, scenarios: Sequence[JsonTable]) -> JsonTable:
 def copy_page(folder: Path) -> None:
     """Put the page there, which learns from it that there is no server."""
     for path in STATIC.iterdir():
-        shutil.copyfile(path, folder / path.name)
+        if path.name != WIDGET:
+            shutil.copyfile(path, folder / path.name)
     index = (folder / "index.html").read_text("utf-8")
     (folder / "index.html").write_text(index.replace("<title>", f"{MARK}\n    <title>", 1), encoding="utf-8")
+
+
+def measure_folder(folder: Path) -> FolderSize:
+    """The weight of all files in a folder."""
+    files = [path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()]
+    return FolderSize(len(files), sum(map(len, files)), sum(len(compress(one, 9)) for one in files))

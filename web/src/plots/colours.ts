@@ -18,4 +18,3 @@ const TABLE = Array.from({ length: STEPS }, (_, k) => between(k / (STEPS - 1)));
 /** Colour of a share from 0 to 1. */
 export const viridis = (share: number): string => TABLE[Math.round(Math.min(Math.max(share, 0), 1) * (STEPS - 1))] ?? "";
 
-export const GRADIENT = `linear-gradient(to top, ${STOPS.join(", ")})`;

@@ -1,0 +1,66 @@
+"""The folder of documentation and bench: what is in it, and that it is light; without zig and browser."""
+
+from __future__ import annotations
+
+import re
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fences import ROOT
+from static_wire import TEXT
+
+from martensite.base.errors import DataError
+from martensite_app.static_site.site_writer import list_offered
+
+DOCS = ROOT / "docs"
+
+
+@pytest.fixture
+def site(monkeypatch: pytest.MonkeyPatch) -> Any:
+    monkeypatch.syspath_prepend(str(DOCS / "_ext"))
+    return import_module("make_site")
+
+
+def test_scenarios_that_pages_write_are_on_the_bench(site: Any, tmp_path: Path) -> None:
+    cell = "```{{code-cell}} ipython3\n%%writefile {}.toml\n{}```\n"
+    broken = TEXT.replace("[element]", "[elements]")
+    own = TEXT.replace("[drive", '[measured]\nfile = "/log.csv"\n\n[drive', 1)
+    for page, texts in {"a": {"wire": TEXT, "x": broken, "log": own}, "b": {"wire": TEXT, "y": TEXT + "\n"}}.items():
+        (tmp_path / f"{page}.md").write_text("".join(cell.format(*one) for one in texts.items()), encoding="utf-8")
+    assert site.list_documented(tmp_path) == {"wire": TEXT, "y": TEXT + "\n"}
+
+
+def test_whatever_is_linked_is_on_the_bench(site: Any) -> None:
+    known = list_offered() | site.list_documented()
+    index = (DOCS / "index.md").read_text("utf-8")
+    (devices,) = re.findall(r"```\{devices\}\n(.*?)```", index, re.DOTALL)
+    names = [line.partition(" ")[0] for line in devices.splitlines()]
+    pictures = {name: (DOCS / "_static" / "devices" / f"{name}.webp").stat().st_size for name in names}
+    assert len(pictures) >= 4 and max(pictures.values()) < 60_000
+    tagged = [name for page in DOCS.rglob("*.md") for name in re.findall(r"\blive-(\w+)\]", page.read_text("utf-8"))]
+    linked = re.findall(r"^[^|\n]+\|[^|\n]+\|[^|\n]+\| (\S+)$", index, re.MULTILINE)
+    assert tagged and linked
+    assert {*names, *tagged, *linked} <= known.keys()
+
+
+def test_only_an_earlier_site_is_taken_away(site: Any, tmp_path: Path) -> None:
+    (tmp_path / "index.html").write_text("x", encoding="utf-8")
+    with pytest.raises(DataError, match="holds something else"):
+        site.clear_folder(tmp_path)
+    (tmp_path / "bench" / "runs").mkdir(parents=True)
+    (tmp_path / "bench" / "runs" / "manifest.json").write_text("{}", encoding="utf-8")
+    site.clear_folder(tmp_path)
+    assert not tmp_path.exists()
+
+
+def test_its_weight_is_told_and_has_an_end(site: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "bench").mkdir()
+    (tmp_path / "index.html").write_bytes(bytes(2_000_000))
+    (tmp_path / "bench" / "bench.js").write_bytes(bytes(1_000_000))
+    said = site.report_size(tmp_path)
+    assert "2 files, 3.0 MB, 0.0 MB compressed" in said and "the bench: 1 files, 1.0 MB" in said
+    monkeypatch.setattr(site, "MOST", 2.9e6)
+    with pytest.raises(DataError, match="more than 3 MB"):
+        site.report_size(tmp_path)
