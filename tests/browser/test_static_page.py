@@ -76,8 +76,10 @@ def test_what_needs_the_server_is_grey_and_says_so(page: Page) -> None:
     expect(page.get_by_text("This page has no server").first).to_be_visible()
 
 
-def wait_for_fraction(page: Page, condition: str) -> None:
-    shown = r"Number(document.querySelector('.scene-values').innerText.match(/ξ ([\d.]+)/)[1])"
+def wait_for(page: Page, what: str, condition: str) -> None:
+    """Wait until what stands below the picture in space meets a condition on x: `ξ x`, or `x °C`."""
+    pattern = {"fraction": r"/ξ ([\d.]+)/", "celsius": r"/([\d.]+) °C/"}[what]
+    shown = f"Number(document.querySelector('.scene-values').innerText.match({pattern})[1])"
     page.wait_for_function(f"() => (x => {condition})({shown})")
 
 
@@ -86,9 +88,10 @@ def test_heat_is_held_and_the_load_dragged_and_what_came_of_it_is_kept(page: Pag
     live.click()
     expect(page.get_by_role("region", name="Running by hand")).to_be_visible()
     page.keyboard.down("h")
-    wait_for_fraction(page, "x < 0.6")
+    wait_for(page, "fraction", "x < 0.6")
     page.keyboard.up("h")
-    wait_for_fraction(page, "x > 0.75")
+    wait_for(page, "fraction", "x > 0.75")
+    wait_for(page, "celsius", "x < 28")  # the point stands nearly still
 
     # the point of the phase diagram follows the pointer, and takes the load along
     slider = page.get_by_role("slider", name="Preload of the spring")
