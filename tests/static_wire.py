@@ -19,7 +19,14 @@ from martensite_app.static_site.scenario_table import describe_static
 from martensite_app.static_site.site_writer import FIRST, RUNS, copy_page, name_module, write_manifest
 
 MODULES = Path(__file__).parent / "app" / "modules"
-CONTROLS = ("element.diameter", "element.law.A_s", "element.law.A_f", "drive.waveform.high", "run.duration")
+CONTROLS = (
+    "element.diameter",
+    "element.law.A_s",
+    "element.law.A_f",
+    "drive.waveform.high",
+    "mechanism.preload",
+    "run.duration",
+)
 TEXT = list_standalone()[FIRST]
 
 

@@ -74,3 +74,45 @@ def test_what_needs_the_server_is_grey_and_says_so(page: Page) -> None:
     )
     page.goto(f"{page.url.split('#')[0]}#/sweep")
     expect(page.get_by_text("This page has no server").first).to_be_visible()
+
+
+def wait_for(page: Page, what: str, condition: str) -> None:
+    """Wait until what stands below the picture in space meets a condition on x: `ξ x`, or `x °C`."""
+    pattern = {"fraction": r"/ξ ([\d.]+)/", "celsius": r"/([\d.]+) °C/"}[what]
+    shown = f"Number(document.querySelector('.scene-values').innerText.match({pattern})[1])"
+    page.wait_for_function(f"() => (x => {condition})({shown})")
+
+
+def test_heat_is_held_and_the_load_dragged_and_what_came_of_it_is_kept(page: Page) -> None:
+    live = page.get_by_role("button", name="Live")
+    live.click()
+    expect(page.get_by_role("region", name="Running by hand")).to_be_visible()
+    page.keyboard.down("h")
+    wait_for(page, "fraction", "x < 0.6")
+    page.keyboard.up("h")
+    wait_for(page, "fraction", "x > 0.75")
+    wait_for(page, "celsius", "x < 28")  # the point stands nearly still
+
+    # the point of the phase diagram follows the pointer, and takes the load along
+    slider = page.get_by_role("slider", name="Preload of the spring")
+    before = float(slider.input_value())
+    box = page.locator(".drawn .dot").bounding_box()
+    assert box
+    x, y = box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"]
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 40, y - 40)
+    expect(page.get_by_role("button", name="Heat", exact=True)).to_have_attribute("aria-pressed", "true")
+    page.wait_for_function(f"() => Number(document.querySelector('.live-load input').value) > {before} + 0.1")
+    page.mouse.up()
+    expect(page.get_by_role("button", name="Heat", exact=True)).to_have_attribute("aria-pressed", "false")
+
+    page.get_by_role("button", name="Pause").click()
+    expect(page.get_by_role("heading", level=1)).to_contain_text("by hand")
+    page.get_by_role("button", name="Pin this run").click()
+    field = page.locator("#form-element-diameter")
+    field.fill("0.12")
+    field.press("Enter")
+    expect(page.get_by_role("heading", level=1)).not_to_contain_text("by hand")
+    page.reload()
+    expect(page.get_by_text("it was lost with the page")).to_be_visible()

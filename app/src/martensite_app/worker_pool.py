@@ -71,7 +71,7 @@ class Worker:
             if self._stopped:  # before it had begun
                 await _write_line(process, {"stop": True})
             while True:
-                said = _parse_line(await _read_line(process))
+                said: JsonTable = _parse_line(await _read_line(process))
                 if "bytes" in said:
                     said = {"answer": await _read_bytes(process, said["bytes"])}
                 if "tell" not in said:

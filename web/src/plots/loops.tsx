@@ -3,6 +3,7 @@
 import { useMemo } from "preact/hooks";
 import type { Loop, Run } from "../lib/types.ts";
 import { axisLabel, beside, planeHeight, portsOf, shownColumn, type Beside } from "./drawn.ts";
+import { before } from "../state/run.ts";
 import { LoopChart } from "./loop.tsx";
 import { liveLook, type Look } from "./palette.ts";
 import type { Curve, Mark, Picture } from "./picture.ts";
@@ -102,7 +103,7 @@ function isOpen(of: Run, loop: Loop): boolean {
 
 /** Beside the mechanism stands the first loop of which there is something to be seen; others are among the charts. */
 export function Loops({ of, isBeside }: { of: Run; isBeside: boolean }) {
-  const first = of.loops.find((loop) => isOpen(of, loop)) ?? of.loops[0];
+  const first = of.loops.find((loop) => isOpen(before.value ?? of, loop)) ?? of.loops[0]; // by hand it stays the same loop
   return (
     <>
       {of.loops.filter((loop) => (loop === first) === isBeside).map((loop) => (

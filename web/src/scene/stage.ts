@@ -47,7 +47,7 @@ const REST = 130;
 const SHADOW = 200;
 
 /** Between two pictures while something can be held, where a processor has to draw: curves come more often [ms]. */
-const SELDOM = 40;
+const SELDOM = 60;
 
 /** Asked of WebGL. Where a processor has to draw, edges are not smoothed while anything moves, which costs it most. */
 const ASKED = { alpha: true, antialias: true, powerPreference: "low-power" } as const;

@@ -17,10 +17,10 @@ export interface Handle {
   loads: 1 | -1;
 }
 
-const HANDLES: Record<string, Handle> = {
+export const HANDLES: Record<string, Handle> = {
   "dead-weight": { path: "mechanism.mass", words: "Weight", shapes: ["weight"], toward: [0, 0, -1], loads: 1 },
-  "bias-spring": { path: "mechanism.preload", words: "Preload of the spring", shapes: ["slider", "spring"], toward: [1, 0, 0], loads: 1 },
-  finger: { path: "mechanism.extension", words: "Pull of the spring at the finger, as its extension", shapes: ["fingertip", "phalanx"], toward: [1, 0, 1], loads: 1 },
+  "bias-spring": { path: "mechanism.preload", words: "Preload of the spring", shapes: ["spring", "slider"], toward: [1, 0, 0], loads: 1 },
+  finger: { path: "mechanism.extension", words: "Extension of the spring", shapes: ["fingertip"], toward: [1, 0, 1], loads: 1 },
   "antagonistic-pulley": { path: "mechanism.moment", words: "Moment on the pulley", shapes: ["pulley"], toward: [0, 0, -1], loads: 1 },
   lever: { path: "mechanism.mass", words: "Weight on the lever", shapes: ["weight"], toward: [0, 0, -1], loads: 1 },
   "parallel-platform": { path: "mechanism.mass", words: "Mass of the plate", shapes: ["plate"], toward: [0, 0, -1], loads: 1 },

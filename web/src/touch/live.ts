@@ -62,9 +62,6 @@ let busy = false;
 let shown: Run | null = null;
 let moved = false;
 const begun = { run: null as Run | null, hand: null as Hand | null };
-/** Times of pictures [ms] and of the calculation, for those who measure. */
-export const measured = { pictures: 0, steps: 0, calculation: 0, drawing: 0 };
-
 const calm = (): boolean => matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 function ask(asked: AskedStep): Promise<Stepped> {
@@ -169,9 +166,7 @@ async function step(now: Hand, seconds: number): Promise<void> {
   if ("refused" in found || found.said) return refuse(now, "refused" in found ? found.refused : found.said, "refused" in found);
   good = value;
   if (changes) parameters = parametersOf(now);
-  recording.add(found.times, found.rows, levels);
-  measured.steps++;
-  measured.calculation += found.took;
+  recording.add({ times: found.times, rows: found.rows, levels, seconds: found.took / 1000 });
   draw(now);
 }
 
@@ -202,8 +197,6 @@ function draw(now: Hand): void {
     run.value = next;
     cursor.value = now.recording.end;
   });
-  measured.pictures++;
-  measured.drawing += performance.now() - begin;
 }
 
 const HAND = "Recorded by hand";
@@ -303,17 +296,19 @@ export const grabbing = {
 /** The pointer that pulls at a point of a diagram, and where that point is; in pixels. */
 interface Pull {
   dot: Element;
+  /** Number of the drive; none below 0. */
+  drive: number;
   x: number;
   y: number;
 }
 
 let held: Pull | null = null;
 /** As far right of the point as this, the heat is full [px]; so far up, the load goes through its range in a second. */
-const FAR = 60;
+const FAR = 30;
 const HIGH = 240;
 
 export const pullAt = (pull: Pull | null): void => {
-  if (!pull && held) give(0, 0);
+  if (!pull && held) give(held.drive, 0);
   held = pull;
 };
 
@@ -323,7 +318,7 @@ function pull(now: Hand, seconds: number): void {
   const box = held.dot.getBoundingClientRect();
   const right = held.x - (box.left + box.width / 2);
   const above = box.top + box.height / 2 - held.y;
-  give(0, Math.min(Math.max(right / FAR, 0), 1));
+  give(held.drive, Math.min(Math.max(right / FAR, 0), 1));
   const { load } = now;
   if (load && Math.abs(above) > 3) setLoad(load.value + (load.loads * above * seconds * (load.high - load.low)) / HIGH);
 }

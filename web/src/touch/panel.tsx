@@ -4,6 +4,7 @@ import { useEffect } from "preact/hooks";
 import { digits, toShown } from "../lib/numbers.ts";
 import { printed } from "../plots/drawn.ts";
 import { Message } from "../ui/message.tsx";
+import type { Load } from "./handles.ts";
 import { begin, give, hand, preparing, said, setLoad, stop, strengthen, turned, type Source } from "./live.ts";
 
 /** A hundred places are enough for a slider. */
@@ -51,15 +52,14 @@ export function LivePanel() {
   useEffect(follow, []);
   useEffect(() => stop, []);
   const now = hand.value;
-  turned.value;
   if (!now) return null;
   return (
     <section class="panel live" aria-label="Running by hand">
       <div class="live-row">
         {now.drives.map((one, k) => (
-          <Drive key={one.drive.name} one={one} k={k} alone={now.drives.length === 1} />
+          <Drive key={one.drive.name} one={one} k={k} alone={now.drives.length === 1} turn={turned.value} />
         ))}
-        {now.load && <LoadSlider />}
+        {now.load && <LoadSlider load={now.load} turn={turned.value} />}
       </div>
       <p class="soft small">
         Hold to heat, let go to cool. {now.load ? `Drag the ${now.load.shapes[0]} in the picture for the load, or draw` : "Draw"} the point of the phase diagram to where it should go.
@@ -71,7 +71,8 @@ export function LivePanel() {
 
 const spell = (value: number, how: { shown: string; factor: number; offset: number }): string => `${digits(toShown(value, how), 3)} ${printed(how.shown === "1" ? "" : how.shown)}`;
 
-function Drive({ one, k, alone }: { one: Source; k: number; alone: boolean }) {
+/** `turn` counts changes of what is held: the drive itself stays the same object. */
+function Drive({ one, k, alone }: { one: Source; k: number; alone: boolean; turn: number }) {
   const { drive, strength, most, share } = one;
   const name = drive.port ? (alone ? "Heat" : `Heat ${drive.port.replaceAll("_", " ")}`) : drive.name;
   const press = (event: PointerEvent): void => {
@@ -119,8 +120,7 @@ function Drive({ one, k, alone }: { one: Source; k: number; alone: boolean }) {
   );
 }
 
-function LoadSlider() {
-  const load = hand.value!.load!;
+function LoadSlider({ load }: { load: Load; turn: number }) {
   return (
     <label class="small live-load">
       {load.words}: {spell(load.value, load.how)}

@@ -23,6 +23,9 @@ export class Recording {
   private readonly samples: number[][];
   /** Levels of drives, from when on [s]. */
   private readonly levels: [time: number, levels: number[]][] = [];
+  private steps = 0;
+  /** Of the calculation [s]. */
+  private seconds = 0;
   private bounds: Pick<SceneData, "low" | "high">;
 
   constructor(
@@ -38,7 +41,10 @@ export class Recording {
     return this.times.at(-1) ?? 0;
   }
 
-  add(times: Float64Array, rows: Float64Array, levels: number[]): void {
+  /** A span: its samples, the levels of drives in it, and the time that it took [s]. */
+  add({ times, rows, levels, seconds }: { times: Float64Array; rows: Float64Array; levels: number[]; seconds: number }): void {
+    this.steps += times.length;
+    this.seconds += seconds;
     const width = this.samples.length;
     const last = this.levels.at(-1)?.[1];
     if (times.length && !(last && levels.every((level, k) => level === last[k]))) this.levels.push([this.end, levels]);
@@ -90,8 +96,8 @@ export class Recording {
     const columns = Object.fromEntries(scenario.names.slice(0, scenario.columns).map((name, k) => [name, Float64Array.from(this.samples[k]!)]));
     const core: RunCore = {
       name: scenario.name, text, changes: {}, times: Float64Array.from(times), columns, profiles: {},
-      status: "OK", statusTime: null, accuracy: null, steps: times.length, rejected: 0, step: 0, ripple: 0, residual: 0,
-      putIn: 0, lost: 0, accounts: [], exit: null, parameters, duration: this.end, tolerance: 1, samples: times.length, seconds: 0,
+      status: "OK", statusTime: null, accuracy: null, steps: this.steps, rejected: 0, step: 0, ripple: 0, residual: 0,
+      putIn: 0, lost: 0, accounts: [], exit: null, parameters, duration: this.end, tolerance: 1, samples: times.length, seconds: this.seconds,
       warnings: [], cautions,
     };
     const run = describeRun(core, scenario, parameters);
@@ -117,7 +123,7 @@ export class Recording {
     const document = changeDocument(readToml(text), { ...changes, "run.duration": `${this.end} s` });
     for (const [k, { name, how }] of this.scenario.places.drives.entries()) {
       const found = this.tabulate(k);
-      if (!found) return null;
+      if (!found || !path(name)) return null;
       const unit = how.unit === "1" ? "" : ` ${how.unit}`;
       const list = (values: number[], spelled: string) => values.map((x) => (spelled ? `${x}${spelled}` : new Written(String(x))));
       const keys = path(name).split(".");

@@ -28,7 +28,12 @@ def build_model(request: Request, desk: Desk) -> JsonTable:
     scenario = read_request_scenario(request, desk)
     if scenario.initial or scenario.restart_at:
         raise InputError(
-            "This scenario starts elsewhere than at rest, or goes on from a restart: it does not run by hand."
+            "This scenario names the state in which it begins: it does not run by hand, which begins at rest."
+        )
+    if scenario.whole.sample_time():
+        raise InputError(
+            "A controller in discrete time drives this mechanism: it does not run by hand. "
+            "Open one without, such as `Wire and dead weight`."
         )
     return _build_model(scenario.text, tuple(paths))
 
@@ -37,11 +42,10 @@ def build_model(request: Request, desk: Desk) -> JsonTable:
 def _build_model(text: str, paths: tuple[str, ...]) -> JsonTable:
     from martensite_app.static_site.flat_inputs import waveforms_of
     from martensite_app.static_site.input_map import measure_map
-    from martensite_app.static_site.run_module import write_source
+    from martensite_app.static_site.run_module import require_compiler, write_source
     from martensite_app.static_site.scenario_table import describe_static
-    from martensite_export.wasm.module import find_wasm_compiler
 
-    find_wasm_compiler()
+    require_compiler()
     made = measure_map(text, paths)
     source = write_source(made.scenario, waveforms_of(made.scenario))
     module = _compile_source(source.digest, source.compile)

@@ -1,0 +1,56 @@
+"""The model that a page steps by hand, as the server makes it."""
+
+from __future__ import annotations
+
+import base64
+import re
+from pathlib import Path
+
+import pytest
+from node_js import WEB
+
+from martensite.actuators.mechanisms.base import MECHANISMS
+from martensite.base.errors import InputError
+from martensite_app.calls.models import build_model
+from martensite_app.documents import list_standalone
+from martensite_app.static_site.run_module import RunSource
+from martensite_app.worker import Desk
+from martensite_export.wasm import module
+
+HANDLE = re.compile(r'^  "?([a-z-]+)"?: \{ path: "mechanism\.(\w+)"', re.MULTILINE)
+DESK = Desk(Path(), lambda note: None)
+
+
+def ask(name: str, *paths: str, more: str = "") -> dict[str, object]:
+    return dict(build_model({"text": list_standalone()[name] + more, "changes": {}, "paths": list(paths)}, DESK))
+
+
+def test_a_model_goes_out_with_its_module_and_the_number_of_its_handle(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(RunSource, "compile", lambda source: source.march.encode())
+    monkeypatch.setattr(module, "find_wasm_compiler", list)
+    found = ask("dead_weight", "mechanism.mass")
+    assert base64.b64decode(str(found["module"])) == b"adaptive"
+    scenario = found["scenario"]
+    assert isinstance(scenario, dict)
+    assert [one["path"] for one in scenario["controls"]] == ["mechanism.mass"]
+    assert [(one["name"], one["port"], one["how"]["unit"]) for one in scenario["places"]["drives"]] == [
+        ("drive", "element", "A")
+    ]
+
+
+def test_what_does_not_run_by_hand_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "find_zig", lambda: None)
+    with pytest.raises(InputError, match=r"pip install 'martensite\[cc\]'"):
+        ask("dead_weight", "mechanism.mass", more="# without a compiler\n")
+    with pytest.raises(InputError, match="A controller in discrete time"):
+        ask("closed_loop")
+    with pytest.raises(InputError, match="begins at rest"):
+        ask("dead_weight", more='\n[initial]\ntemperature = "40 degC"\n')
+
+
+def test_handles_are_numbers_of_mechanisms() -> None:
+    text = (WEB / "src" / "touch" / "handles.ts").read_text("utf-8")
+    found = HANDLE.findall(text)
+    assert len(found) >= 5
+    for kind, name in found:
+        assert name in MECHANISMS[kind].__annotations__, kind
