@@ -91,11 +91,11 @@ def test_bad_files_are_refused_with_a_sentence(desk: Desk, case: str) -> None:
 
 
 def test_doubtful_files_come_with_notes(desk: Desk) -> None:
-    alone = table({"key": put(desk, "strain [%]\n1\n2\n")}, desk)["notes"]
-    assert any("one column only" in note for note in alone)
-    assert any("time between rows" in note for note in alone)
-    ragged = table({"key": put(desk, "t [s],T [C]\n1,2\n3\n4,5,6\n7,8\n")}, desk)["notes"]
-    assert any("2 rows are left out: more or fewer cells" in note and "row 3" in note for note in ragged)
+    alone = table({"key": put(desk, "strain [%]\n1\n2\n")}, desk)
+    assert any("one column only" in note for note in alone["notes"])
+    assert "its rows count as 1 s apart, unless you say otherwise" in alone["said"]
+    ragged = table({"key": put(desk, "t [s],T [C]\n1,2\n3\n4,5,6\n7,8\n")}, desk)["said"]
+    assert "left out: 2 rows (more or fewer cells" in ragged and ": 3, 4)" in ragged
     infinite = table({"key": put(desk, "t [s],T [C]\n1,inf\n2,nan\n3,4\n")}, desk)["columns"][1]
     assert (infinite["wrong"], infinite["missing"], infinite["max"]) == (0, 2, 4.0)
     assert not table({"key": put(desk, "t [s],T [C]\n1,2\n3,4\n")}, desk)["notes"]
@@ -156,7 +156,7 @@ def test_a_loop_without_headings_and_times_is_understood(desk: Desk) -> None:
         ("strain", "1"),
         ("stress", "MPa"),
     ]
-    assert any("A quasi-static loop needs none" in note for note in found["notes"])
+    assert "It has no times, and needs none" in found["said"] and found["notes"] == []
     record = records({"key": key, "columns": meant}, desk)
     assert (record["rows"], record["end"]) == (499, 498.0)
 

@@ -28,7 +28,7 @@ def test_a_board_is_watched_armed_by_a_word_and_stopped(page: Page) -> None:
     page.get_by_role("button", name="Arm and run").click()
     expect(page.get_by_label("Type ARM")).to_have_value("")  # each run asks for it anew
     expect(page.get_by_text("ARMED", exact=True)).to_be_visible(timeout=STARTED)
-    expect(page.get_by_role("img", name="Temperature over time")).to_be_visible()
+    expect(page.get_by_role("application", name="Temperature over time")).to_be_visible()
     page.get_by_role("button", name="Stop and disarm").click()
     expect(page.get_by_text("The board is disarmed and says so.")).to_be_visible()
     expect(page.get_by_text("Stopped.")).to_be_visible()

@@ -70,6 +70,40 @@ def test_a_log_becomes_a_material(page: Page, log: Path) -> None:
     assert material["fit"]["records"][0]["file"] == "cycle.csv"
 
 
+def test_a_sample_becomes_a_material_in_few_clicks(page: Page) -> None:
+    """From the bench: Identify, the four loops, fit, save; what is drawn and said on the way."""
+    clicks = 0
+
+    def click(role: str, name: str) -> None:
+        nonlocal clicks
+        page.get_by_role(role, name=name).first.click()  # type: ignore[arg-type]
+        clicks += 1
+
+    click("link", "Identify")
+    click("button", "Take four measured loops")
+    expect(page.get_by_label("strain of all records over temperature")).to_be_visible()
+    expect(page.get_by_role("status").filter(has_text="needs none: a slow loop")).to_be_visible()
+    click("button", "Fit a model to these 4 logs")
+    verdict = page.get_by_role("region", name="Verdict")
+    expect(verdict).to_contain_text("Good: it predicts what it was not fitted to")
+    expect(verdict).to_contain_text("A loop at 150 MPa, in the widest gap")
+    with page.expect_download() as saved:
+        click("button", "Save the material")
+    assert len(tomllib.loads(saved.value.path().read_text("utf-8"))["fit"]["records"]) == 4
+    assert clicks <= 6
+
+
+def test_a_step_is_drawn_said_and_undone(page: Page) -> None:
+    opened(page)
+    page.get_by_role("button", name="Take one").click()
+    step(page, "records")
+    page.get_by_label("Column of the step").select_option("stress")
+    page.get_by_role("button", name="Do it").click()
+    expect(page.get_by_text("median of 5 rows; at most")).to_be_visible()
+    page.get_by_role("button", name="Undo step 1").click()
+    expect(page.get_by_text("Done to the log before the fit: nothing")).to_be_visible()
+
+
 def test_files_are_shown_as_text_or_refused(page: Page, log: Path, tmp_path: Path) -> None:
     opened(page)
     choose(page, log)

@@ -30,7 +30,7 @@ def set_length(page: Page, value: str) -> None:
 
 def test_nothing_is_lost_on_a_walk_with_a_dying_server(chromium: Browser, tmp_path: Path, log: Path) -> None:
     with walking(chromium, tmp_path, log, seed=1) as walk:
-        walk.walk(40, restarts=1)
+        walk.walk(20, restarts=1)
 
 
 @pytest.mark.slow

@@ -123,6 +123,7 @@ def test_a_map_is_made_and_a_run_opens_in_the_bench(page: Page, bench: Bench) ->
     assert scenario.single_waveform.value_of("high") == pytest.approx(0.405, rel=1e-12)
 
 
+@pytest.mark.slow  # jobs are cancelled and found again in tests/app, reloads are walked in test_session
 def test_reload_cancel_resume_delete(page: Page, bench: Bench) -> None:
     ask(page, bench, ("100", "60"))
     start(page)
@@ -146,6 +147,7 @@ def test_reload_cancel_resume_delete(page: Page, bench: Bench) -> None:
     expect(row).to_have_count(0)
 
 
+@pytest.mark.slow  # sessions of tabs are kept apart in test_session
 def test_two_tabs_do_not_disturb_each_other(page: Page, other: Page, bench: Bench) -> None:
     ask(page, bench, ("4", "5"))
     ask(other, bench, ("3", "4"))

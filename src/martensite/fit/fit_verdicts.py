@@ -36,11 +36,9 @@ def format_error(output: str, value: float, unit: str, digits: int = 3) -> str:
 def describe_predictions(fit: Fit) -> list[str]:
     """One sentence per output: its error in what the fit saw, and in what was kept back."""
     rows = list_compared(fit)
+    names = dict.fromkeys(one.output for one in rows)
     return [
-        *(
-            _describe_prediction([x for x in rows if x.output == name])
-            for name in dict.fromkeys(x.output for x in rows)
-        ),
+        *(_describe_prediction([one for one in rows if one.output == name]) for name in names),
         *_describe_transfer(fit),
         *_describe_baselines(fit),
         *_describe_own_numbers(fit),

@@ -27,7 +27,7 @@ function Spark({ curve }: { curve: [number[], (number | null)[]] }) {
 }
 
 function change(at: number, patch: Partial<Column>): void {
-  put({ columns: state.value.columns.map((one) => (one.at === at ? { ...one, ...patch, guessed: false } : one)), cuts: [] });
+  put({ columns: state.value.columns.map((one) => (one.at === at ? { ...one, ...patch, guessed: false } : one)), cuts: [], steps: [] });
 }
 
 function Meaning({ column, of }: { column: Column; of: TableColumn }) {

@@ -4,16 +4,19 @@ import { useSignal } from "@preact/signals";
 import { Message } from "../ui/message.tsx";
 import { ColumnRows } from "./columns.tsx";
 import { NumberField, SECONDS } from "./number.tsx";
-import { goTo, put, readTable, state, table, takeFile } from "./state.ts";
+import { LogList } from "./log-list.tsx";
+import { Said } from "./said.tsx";
+import { addFiles, fitProposed, goTo, isRunning, logs, put, readTable, state, table, takeFile } from "./state.ts";
 
 const KINDS = ".csv,.txt,.tsv,.dat,.asc,.lvm,.xlsx,.mat,.nc,.parquet,.tdms,.mcap,.gz";
+const LOADS = [50, 100, 172, 200];
 const SEPARATORS = ["auto", "comma", "semicolon", "tab", "whitespace"];
 
 function Drop() {
   const over = useSignal(false);
   const take = (files: FileList | null | undefined): void => {
-    const file = files?.[0];
-    if (file) void takeFile(file);
+    const several = [...(files ?? [])];
+    if (several.length) void (state.value.file ? addFiles(several) : takeFile(several));
   };
   return (
     <div
@@ -23,10 +26,26 @@ function Drop() {
       onDrop={(event) => (event.preventDefault(), (over.value = false), take(event.dataTransfer?.files))}
     >
       <label>
-        <strong>Drop a log here, or choose a file</strong>
+        <strong>{state.value.file ? "Drop a log here to add it, or choose files" : "Drop a log here, or choose a file or several"}</strong>
         <span class="small soft">A table over time, or loops without one: text of any layout, Excel, MAT, netCDF, Parquet, TDMS or MCAP, up to 64 MiB. It stays on this machine.</span>
-        <input type="file" accept={KINDS} onChange={(event) => take(event.currentTarget.files)} />
+        <input type="file" multiple accept={KINDS} onChange={(event) => take(event.currentTarget.files)} />
       </label>
+    </div>
+  );
+}
+
+/** Measured logs that come with the package. */
+function Samples() {
+  return (
+    <div class="row identify-samples">
+      <span>None at hand?</span>
+      <button type="button" onClick={() => void takeFile([...LOADS])}>
+        Take four measured loops: Flexinol 0.38 mm under 50, 100, 172 and 200 MPa
+      </button>
+      <button type="button" onClick={() => void takeFile(172)}>
+        Take one: the loop under 172 MPa
+      </button>
+      <span class="soft small">Heated and cooled once, strain over temperature; published by P. Leal, 2016.</span>
     </div>
   );
 }
@@ -84,34 +103,45 @@ function Reading() {
       )}
       {table.value?.separator && (
         <label>
-          <input type="checkbox" checked={drop} onChange={(event) => put({ drop: event.currentTarget.checked })} /> leave out rows that cannot be read
+          <input type="checkbox" checked={drop} onChange={(event) => put({ drop: event.currentTarget.checked })} /> leave out cells that cannot be read
         </label>
       )}
-      {!timed && columns.length > 0 && <NumberField label="Time between rows" value={interval} how={SECONDS} onChange={(value) => put({ interval: value })} />}
+      {!timed && columns.length > 0 && <NumberField label="Time between rows, 1 s if empty" value={interval} how={SECONDS} onChange={(value) => put({ interval: value })} />}
     </div>
   );
 }
 
 export function FileStep() {
   const { file, columns } = state.value;
+  const mapped = columns.some((one) => one.name);
   const found = table.value;
   return (
     <div class="stack">
       <Drop />
-      {!file && (
-        <p>
-          None at hand?{" "}
-          <button type="button" onClick={() => void takeFile("sample")}>
-            Take a measured one
-          </button>{" "}
-          <span class="soft small">Flexinol of 0.38 mm under 172 MPa, heated and cooled once.</span>
-        </p>
-      )}
+      {!file && <Samples />}
+      <LogList />
       {file && found && (
         <>
           <h2>
             {file.name} <span class="soft small">{found.rows.toLocaleString("en")} rows</span>
           </h2>
+          {found.said && (
+            <p class="identify-said" role="status">
+              <Said>{found.said}</Said>
+            </p>
+          )}
+          <div class="row">
+            <button type="button" class="main" disabled={!mapped || isRunning.value} onClick={() => void fitProposed()}>
+              Fit a model to {logs.value.length > 1 ? `these ${logs.value.length} logs` : "it"}
+            </button>
+            <button type="button" disabled={!mapped} onClick={() => void goTo(1)}>
+              Next: records
+            </button>
+            <button type="button" onClick={() => void takeFile([])}>
+              Begin anew
+            </button>
+            <span class="soft small">The fit takes the simplest scenario that may explain what was recognised; the steps between change everything.</span>
+          </div>
           {found.notes.map((note) => (
             <Message key={note} kind="caution">
               {note}
@@ -120,11 +150,6 @@ export function FileStep() {
           <Reading />
           <ColumnRows />
           <Preview />
-          <div class="row">
-            <button type="button" class="main" disabled={columns.filter((one) => one.name).length < 1} onClick={() => void goTo(1)}>
-              Next: records
-            </button>
-          </div>
         </>
       )}
     </div>

@@ -3,7 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { digits, toShown } from "../lib/numbers.ts";
 import { NumberField, printed } from "./number.tsx";
-import { put, scenario, state, type Choice } from "./state.ts";
+import { proposal, put, scenario, state, type Choice } from "./state.ts";
 import type { Quantity } from "./types.ts";
 
 function set(name: string, choice: Choice | null): void {
@@ -14,7 +14,7 @@ function set(name: string, choice: Choice | null): void {
 function Row({ one }: { one: Quantity }) {
   const choice = state.value.free[one.name];
   const label = one.name.split(".").at(-1) ?? one.name;
-  const field = (key: keyof Choice, words: string, usual: number | null): preact.JSX.Element => (
+  const field = (key: "start" | "low" | "high", words: string, usual: number | null): preact.JSX.Element => (
     <td>
       {choice && (
         <NumberField
@@ -51,13 +51,24 @@ function Row({ one }: { one: Quantity }) {
   );
 }
 
+/** Free differences of a proposal, such as A_s less A_f, which keep the order of both. */
+function differences(): Quantity[] {
+  const models = proposal.value?.models.find((one) => one.name === state.value.proposed)?.free ?? [];
+  const known = new Set(scenario.value?.numbers.map((one) => one.name));
+  return models
+    .filter((one) => !known.has(one.name))
+    .map(({ name, doc, usual: [value, low, high], unit, shown, factor, offset }) => ({
+      name, doc, value, low, high, unit, shown, factor, offset, group: "differences", places: 1, allowed: "finite", origin: "proposed",
+    }));
+}
+
 const HEADINGS = ["free", "in the scenario", "start", "lower bound", "upper bound", "meaning"];
 
 export function Numbers() {
   const sought = useSignal("");
   const onlyFree = useSignal(false);
   const words = sought.value.toLowerCase();
-  const numbers = (scenario.value?.numbers ?? []).filter(
+  const numbers = [...differences(), ...(scenario.value?.numbers ?? [])].filter(
     (one) => (!onlyFree.value || one.name in state.value.free) && `${one.group}.${one.name} ${one.doc}`.toLowerCase().includes(words),
   );
   const groups = [...new Set(numbers.map((one) => one.group))].sort((a, b) => Number(b.includes("law")) - Number(a.includes("law")));

@@ -1,6 +1,6 @@
 // What is compared, what every record has for itself, what is kept back, and how to search.
 
-import { put, scenario, state } from "./state.ts";
+import { heldNames, put, scenario, state } from "./state.ts";
 
 const without = (list: string[], name: string): string[] => list.filter((one) => one !== name);
 const toggled = (list: string[], name: string): string[] => (list.includes(name) ? without(list, name) : [...list, name]);
@@ -71,8 +71,8 @@ const HOLD_OUT = {
 };
 
 export function Options() {
-  const { method, loss, starts, holdOut, cuts } = state.value;
-  const held = cuts.filter((one) => one.held).map((one) => one.name);
+  const { method, loss, starts, holdOut } = state.value;
+  const held = heldNames.value;
   const found = scenario.value;
   return (
     <fieldset class="panel stack">

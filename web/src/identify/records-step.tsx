@@ -2,10 +2,13 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { digits } from "../lib/numbers.ts";
+import { digits, toShown } from "../lib/numbers.ts";
 import { NumberField, printed, SECONDS } from "./number.tsx";
-import { Plot } from "./plot.tsx";
-import { goTo, put, readRecords, records, state, wholeCut, type Cut } from "./state.ts";
+import { LogList, Overlay } from "./log-list.tsx";
+import { Plot, type Line } from "./plot.tsx";
+import { Preparation } from "./preparation.tsx";
+import type { RecordsView } from "./types.ts";
+import { goTo, logs, overlay, put, readOverlay, readRecords, records, state, wholeCut, type Cut } from "./state.ts";
 
 const PANELS = 6;
 
@@ -59,7 +62,7 @@ function CutRow({ cut, at, chosen, choose }: { cut: Cut; at: number; chosen: boo
           1 row of{" "}
           <input type="number" min={1} max={100000} class="narrow" value={cut.every} onChange={(event) => change(at, { every: Math.max(1, Math.round(Number(event.currentTarget.value)) || 1) })} />
         </label>
-        {state.value.cuts.length > 1 && (
+        {(state.value.cuts.length > 1 || logs.value.length > 1) && (
           <label>
             <input type="checkbox" checked={cut.held} onChange={(event) => change(at, { held: event.currentTarget.checked })} /> hold out
           </label>
@@ -81,6 +84,18 @@ function CutRow({ cut, at, chosen, choose }: { cut: Cut; at: number; chosen: boo
   );
 }
 
+/** A loop is seen over what drives it, and not over its rows. */
+const Loops = () => (overlay.value?.loops ? <Overlay /> : null);
+
+const AS_RECORDED = 5;
+
+/** A column as it is, in front of what was recorded where a step changed it. */
+function linesOf(column: RecordsView["columns"][number], colour: number): Line[] {
+  const shown = (values: (number | null)[]): (number | null)[] => values.map((v) => (v === null ? null : toShown(v, column)));
+  const now = { label: column.name, colour, values: shown(column.values) };
+  return column.before.length ? [{ label: "as recorded", colour: AS_RECORDED, dots: true, values: shown(column.before) }, { ...now, colour: colour === AS_RECORDED ? 0 : colour }] : [now];
+}
+
 /** The longest stretch that no record has yet; the whole if all is taken. */
 function free(): [number, number] {
   const { begin = 0, end = 0 } = records.value ?? {};
@@ -94,13 +109,20 @@ function free(): [number, number] {
   return best[1] - best[0] > 0.02 * (end - begin) ? best : [begin, end];
 }
 
+/** The records as they are cut and put right now; after a step that changed the rows, the whole is one again. */
+async function reread(): Promise<void> {
+  if (!(await readRecords())) return;
+  if (!state.value.cuts.length) put({ cuts: [wholeCut()] });
+  if (logs.value.length > 1) await readOverlay();
+}
+
 export function RecordsStep() {
   const chosen = useSignal(0);
   const found = records.value;
   const { cuts } = state.value;
-  const timing = JSON.stringify(cuts);
+  const timing = JSON.stringify([cuts, state.value.steps, state.value.at]);
   useEffect(() => {
-    const waiting = setTimeout(() => void readRecords(), 400);
+    const waiting = setTimeout(() => void reread(), 400);
     return () => clearTimeout(waiting);
   }, [timing]);
   if (!found) return null;
@@ -116,6 +138,10 @@ export function RecordsStep() {
         {found.rows.toLocaleString("en")} rows from {digits(found.begin)} s to {digits(found.end)} s. A fit compares records: take the stretches that
         are to be explained, and leave out the rest. {found.dropped > 0 && `${found.dropped} rows could not be read and are left out.`}
       </p>
+      <LogList />
+      {logs.value.length > 1 && <h2>{state.value.file?.name}</h2>}
+      {logs.value.length < 2 && <Loops />}
+      <Preparation />
       {cuts.map((cut, k) => (
         <CutRow key={k} cut={cut} at={k} chosen={k === chosen.value} choose={() => (chosen.value = k)} />
       ))}
@@ -133,9 +159,9 @@ export function RecordsStep() {
             key={column.name}
             label={`${column.name} over time, with the records shaded`}
             x={column.times}
-            xLabel="time [s]"
+            xLabel={found.timed ? "time [s]" : "row, each taken as 1 s"}
             yLabel={`${column.name}${column.shown ? ` [${printed(column.shown)}]` : ""}`}
-            lines={[{ label: column.name, colour: k % 6, values: column.values.map((v) => (v === null ? null : v * column.factor + column.offset)) }]}
+            lines={linesOf(column, k % 6)}
             height={170}
             bands={bands}
             range={[found.begin, found.end]}

@@ -15,21 +15,28 @@ function Pair({ one }: { one: Compared }) {
   const measured = one.measured.map((value) => (value === null ? null : toShown(value, one)));
   const rest = one.measured.map((value, k) => (value === null ? null : difference((one.model[k] ?? 0) - value, one)));
   const unit = one.shown ? ` [${printed(one.shown)}]` : "";
+  const { axis } = one;
+  // a loop without times is drawn over what drives it, in the order of that, as dots
+  const order = one.times.map((_, k) => k);
+  if (axis) order.sort((a, b) => (axis.values[a] ?? 0) - (axis.values[b] ?? 0));
+  const sorted = <T,>(values: T[]): T[] => (axis ? order.map((k) => values[k]!) : values);
+  const x = axis ? order.map((k) => toShown(axis.values[k] ?? 0, axis)) : one.times;
+  const over = axis ? `${axis.name} [${printed(axis.shown)}]` : "time [s]";
   return (
     <div>
       <Plot
         label={`${one.long_name || one.output} of ${one.record}, measured and modelled`}
-        x={one.times}
-        xLabel={`time [s], ${one.record}`}
+        x={x}
+        xLabel={`${over}, ${one.record}`}
         yLabel={one.output + unit}
         lines={[
-          { ...FITTED, values: measured.map((value, k) => (one.held[k] ? null : value)) },
-          { ...HELD, values: measured.map((value, k) => (one.held[k] ? value : null)) },
-          { ...MODEL, values: one.model.map((value) => toShown(value, one)) },
+          { ...FITTED, values: sorted(measured.map((value, k) => (one.held[k] ? null : value))) },
+          { ...HELD, values: sorted(measured.map((value, k) => (one.held[k] ? value : null))) },
+          { ...MODEL, ...(axis ? { dots: true } : {}), values: sorted(one.model.map((value) => toShown(value, one))) },
         ]}
         height={230}
       />
-      <Plot label={`Residuals of ${one.output} of ${one.record}`} x={one.times} xLabel="time [s]" yLabel={`residual${unit}`} lines={[{ ...REST, values: rest }]} height={150} />
+      <Plot label={`Residuals of ${one.output} of ${one.record}`} x={x} xLabel={over} yLabel={`residual${unit}`} lines={[{ ...REST, values: sorted(rest) }]} height={150} />
     </div>
   );
 }

@@ -7,15 +7,12 @@ import { difference, digits, toShown } from "../lib/numbers.ts";
 import { openInBench } from "../state/scenario.ts";
 import { Message } from "../ui/message.tsx";
 import { Table } from "../ui/table.tsx";
-import { beginFit, bestKept, goTo, outcome, reporting, state } from "./state.ts";
+import { addFiles, beginFit, bestKept, goTo, outcome, refused, reporting, state } from "./state.ts";
 import { printed } from "./number.tsx";
+import { Said } from "./said.tsx";
+import { VerdictPanel } from "./verdict.tsx";
 import { ResultCurves } from "./result-curves.tsx";
 import type { Found, Outcome, Score } from "./types.ts";
-
-/** Names in backquotes as code; the rest is text. */
-export function Said({ children }: { children: string }) {
-  return <>{children.split("`").map((part, k) => (k % 2 ? <code key={k}>{part}</code> : part.replace(/(?<= )degC\b/g, "°C")))}</>;
-}
 
 const MARKS: Record<string, string> = { "not determined": "⚠ not determined", weak: "⚠ weak", "at a bound": "⚠ at a bound" };
 
@@ -100,9 +97,23 @@ function Files({ found }: { found: Outcome }) {
       <button type="button" onClick={() => void goTo(2)}>
         Fit something else
       </button>
+      <button type="button" disabled={writing !== ""} onClick={() => save("terminal")}>
+        {writing === "terminal" ? "Packing …" : "Save all for the command line"}
+      </button>
+      <label class="identify-another">
+        Judge it by another log{" "}
+        <input type="file" multiple onChange={(event) => void judge([...(event.currentTarget.files ?? [])])} />
+      </label>
       {report?.state === "failed" && <Message kind="error">{String(report.outcome)}</Message>}
     </div>
   );
+}
+
+/** Fit again, with logs beside that are only predicted. */
+async function judge(files: File[]): Promise<void> {
+  if (!files.length) return;
+  await addFiles(files, true);
+  if (!refused.value) await beginFit();
 }
 
 export function ResultStep() {
@@ -118,8 +129,9 @@ export function ResultStep() {
           {found.reason}; {found.simulations} runs, {found.jacobians} with derivatives, {digits(found.seconds, 3)} s
         </span>
       </h2>
+      <VerdictPanel found={found} />
       <Files found={found} />
-      {found.warnings.map((sentence) => (
+      {found.warnings.filter((sentence) => !found.verdict.reasons.includes(sentence)).map((sentence) => (
         <Message key={sentence} kind="caution">
           ⚠ <Said>{sentence}</Said>
         </Message>

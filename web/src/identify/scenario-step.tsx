@@ -7,14 +7,15 @@ import { text as benchText } from "../state/scenario.ts";
 import { Message } from "../ui/message.tsx";
 import { Numbers } from "./numbers.tsx";
 import { Options } from "./options.tsx";
-import { beginFit, put, readScenario, refused, scenario, state } from "./state.ts";
+import { Said } from "./said.tsx";
+import { beginFit, proposal, put, readScenario, refused, scenario, simplest, state, takeModel } from "./state.ts";
 
 interface Listed {
   scenarios: { name: string; title: string; text: string }[];
 }
 
 async function taken(text: string, origin: string): Promise<void> {
-  put({ text, origin, free: {}, ignored: [], each: [] });
+  put({ text, origin, free: {}, ignored: [], each: [], proposed: "" });
   scenario.value = null;
   await readScenario();
 }
@@ -57,6 +58,29 @@ function Choose() {
         or a file (TOML) <input type="file" accept=".toml" onChange={(event) => void file(event.currentTarget.files?.[0])} />
       </label>
     </div>
+  );
+}
+
+/** Scenarios that may explain what was recognised; one click takes one with what is free. */
+function Proposed() {
+  const found = proposal.value;
+  if (!found) return null;
+  if (found.refused) return <p class="soft small">No scenario is proposed: {found.refused.replaceAll("`", "")}</p>;
+  const best = simplest(found)?.name;
+  return (
+    <fieldset class="panel stack">
+      <legend>Proposed for these logs</legend>
+      <p class="small">
+        <Said>{[found.said, ...found.notes].join(" ")}</Said>
+      </p>
+      <div class="row">
+        {found.models.map((model) => (
+          <button key={model.name} type="button" aria-pressed={state.value.proposed === model.name} onClick={() => void takeModel(model)}>
+            {model.name}, {model.free.length} numbers{model.name === best ? " (simplest)" : ""}
+          </button>
+        ))}
+      </div>
+    </fieldset>
   );
 }
 
@@ -130,6 +154,7 @@ export function ScenarioStep() {
   const ready = found !== null && !found.refused && count > 0;
   return (
     <div class="stack">
+      <Proposed />
       <Choose />
       {found && text && (
         <>

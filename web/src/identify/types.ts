@@ -23,6 +23,8 @@ export interface TableColumn {
 
 export interface TableView {
   name: string;
+  /** How the file is written, what its columns are, what was left out, in one sentence. */
+  said: string;
   rows: number;
   separator: string;
   headed: boolean;
@@ -38,8 +40,48 @@ export interface RecordsView {
   end: number;
   rows: number;
   dropped: number;
-  columns: (Shown & { name: string; times: number[]; values: (number | null)[]; missing: number })[];
+  /** Whether the log says its times. */
+  timed: boolean;
+  columns: (Shown & { name: string; times: number[]; values: (number | null)[]; before: (number | null)[]; missing: number })[];
+  /** What was done to the log, in words. */
+  steps: string[];
   cuts: { name: string; rows: number; refused: string }[];
+}
+
+/** All records in one picture. */
+export interface OverlayView {
+  records: string[];
+  axis: Shown & { name: string };
+  loops: boolean;
+  x: number[];
+  quantities: (Shown & { name: string; lines: (number | null)[][] })[];
+}
+
+export interface ProposedRange extends Shown {
+  name: string;
+  low: number | null;
+  high: number | null;
+  start: number | null;
+  scale: string | null;
+  /** Start and bounds as they will be. */
+  usual: [number, number, number];
+  doc: string;
+}
+
+export interface ProposedModel {
+  name: string;
+  text: string;
+  free: ProposedRange[];
+  each: string[];
+  starts: number;
+}
+
+export interface ProposalView {
+  kind: string;
+  said: string;
+  refused: string;
+  notes: string[];
+  models: ProposedModel[];
 }
 
 export interface Quantity extends Shown {
@@ -138,10 +180,26 @@ export interface Compared extends Shown {
   measured: (number | null)[];
   model: number[];
   held: boolean[];
+  /** What a loop without times is drawn over. */
+  axis: (Shown & { name: string; values: number[] }) | null;
+}
+
+/** What is to be thought of a fit, by the library's sentences. */
+export interface Verdict {
+  word: "good" | "usable" | "not usable";
+  headline: string;
+  reasons: string[];
+  told: string[];
+  untold: string[];
+  next: string[];
 }
 
 export interface Outcome {
   title: string;
+  verdict: Verdict;
+  /** What was done to the logs, and assumed. */
+  prepared: string[];
+  command: string;
   reason: string;
   cost: number;
   simulations: number;

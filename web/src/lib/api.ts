@@ -94,9 +94,11 @@ export async function call<T>(name: string, request: object = {}, lane = ""): Pr
   }
 }
 
+const BUSY = new Refusal("The kernel of the notebook ends this run by itself, or by its own interrupt.", "failed", 409);
+
 /** End the call of a lane that the server is at; it then ends with a sentence. */
 export const cancelCall = (lane: string): Promise<unknown> =>
-  asked("/api/lane", { method: "DELETE", headers: { "X-Lane": `${load} ${lane}` } });
+  host ? Promise.reject(BUSY) : asked("/api/lane", { method: "DELETE", headers: { "X-Lane": `${load} ${lane}` } });
 
 export interface JobSummary<Note = Record<string, unknown>> {
   id: string;

@@ -27,11 +27,13 @@ interface Project {
   files: Record<string, { name: string; content: string }>;
 }
 
+type Named = { name: string; content?: string };
+
 /** Files that a session names, by the key of their content. */
 function filesOf(session: SessionDocument): { key: string; name: string }[] {
-  const { state } = (session.parts["identify"] ?? {}) as { state?: { file?: { name: string; content?: string } | null } };
-  const file = state?.file;
-  return file?.content ? [{ key: file.content, name: file.name }] : [];
+  const { state } = (session.parts["identify"] ?? {}) as { state?: { file?: Named | null; others?: { file: Named | null }[] } };
+  const all = [state?.file, ...(state?.others ?? []).map((one) => one.file)];
+  return all.flatMap((file) => (file?.content ? [{ key: file.content, name: file.name }] : []));
 }
 
 async function toLetters(content: Blob): Promise<string> {

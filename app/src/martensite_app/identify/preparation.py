@@ -16,7 +16,7 @@ Nothing is done that no step says. A step says what it changed: how many rows, b
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -46,7 +46,7 @@ class Prepared:
     words: tuple[str, ...] = ()
 
 
-def prepare_record(record: Record, steps: list[Request]) -> Prepared:
+def prepare_record(record: Record, steps: Sequence[Request]) -> Prepared:
     """Apply steps one after the other.
 
     Raises:
