@@ -197,7 +197,7 @@ def test_every_answer_keeps_the_page_to_this_server(bench: Bench) -> None:
         ]
     for answer in answers:
         policy = answer.headers["content-security-policy"]
-        assert policy.startswith("default-src 'none'; script-src 'self';")
+        assert policy.startswith("default-src 'none'; script-src 'self' 'wasm-unsafe-eval';")
         assert f"connect-src 'self' ws://127.0.0.1:{bench.port};" in policy
         assert answer.headers["x-content-type-options"] == "nosniff"
         assert "server" not in answer.headers

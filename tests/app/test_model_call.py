@@ -13,6 +13,7 @@ from martensite.actuators.mechanisms.base import MECHANISMS
 from martensite.base.errors import InputError
 from martensite_app.calls.models import build_model
 from martensite_app.documents import list_standalone
+from martensite_app.static_site import stepped_model
 from martensite_app.static_site.run_module import RunSource
 from martensite_app.worker import Desk
 from martensite_export.wasm import module
@@ -27,7 +28,7 @@ def ask(name: str, *paths: str, more: str = "") -> dict[str, object]:
 
 def test_a_model_goes_out_with_its_module_and_the_number_of_its_handle(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(RunSource, "compile", lambda source: source.march.encode())
-    monkeypatch.setattr(module, "find_wasm_compiler", list)
+    monkeypatch.setattr(stepped_model, "find_wasm_compiler", list)
     found = ask("dead_weight", "mechanism.mass")
     assert base64.b64decode(str(found["module"])) == b"adaptive"
     scenario = found["scenario"]

@@ -30,7 +30,7 @@ from martensite_app.earlier_tokens import digest_token
 from martensite_app.messages import COLUMNS_TYPE, Packed, Refusal, Written, write_message
 
 POLICY = (
-    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
+    "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' data: blob:; connect-src 'self' ws://{host}; font-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )

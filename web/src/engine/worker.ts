@@ -17,9 +17,9 @@ export interface Asked {
   text: string;
 }
 
-/** A model that goes on by spans of time: put at rest, then stepped with all drives at levels, in SI. */
+/** A model that goes on by spans of time: from an address or the bytes of its module, put at rest, then stepped with all drives at levels, in SI. */
 export type AskedStep =
-  | { begin: { address: string; scenario: Scenario }; changes: Record<string, number> }
+  | { begin: { from: string | Uint8Array; scenario: Scenario }; changes: Record<string, number> }
   | { length: number; parts: number; levels: number[]; changes: Record<string, number> | null };
 
 /** `took`: time of the calculation [ms]. */
@@ -57,8 +57,9 @@ async function step(asked: AskedStep): Promise<Stepped> {
   const nothing = { times: new Float64Array(), rows: new Float64Array(), said: "" };
   try {
     if ("begin" in asked) {
-      const { scenario, address } = asked.begin;
-      stepping = beginStepping(scenario, await load({ address }, scenario), asked.changes);
+      const { scenario, from } = asked.begin;
+      const module = typeof from === "string" ? await load({ address: from }, scenario) : new RunModule(await WebAssembly.compile(from.slice()), scenario.layout);
+      stepping = beginStepping(scenario, module, asked.changes);
       return { ...nothing, took: performance.now() - begun };
     }
     if (asked.changes) stepping!.change(asked.changes);

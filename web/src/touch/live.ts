@@ -115,7 +115,7 @@ export async function begin(): Promise<void> {
   try {
     const model = await findModel(text.value);
     startWorker();
-    const found = await ask({ begin: { address: model.address, scenario: model.scenario }, changes: model.changes });
+    const found = await ask({ begin: { from: model.from, scenario: model.scenario }, changes: model.changes });
     if ("refused" in found) throw new Error(found.refused);
     if (run.value !== first) return; // something else was run meanwhile
     moved = false;

@@ -11,8 +11,8 @@ export interface Model {
   scenario: Scenario;
   /** Controls that differ from the document of the scenario. */
   changes: Changes;
-  /** Where its module lies. */
-  address: string;
+  /** Where its module lies, or the module itself. */
+  from: string | Uint8Array;
   /** Of the document's run [s]. */
   duration: number;
 }
@@ -28,15 +28,14 @@ const made = new Map<string, Model>();
 export async function findModel(text: string): Promise<Model> {
   if (isStatic()) {
     const { scenario, changes, address } = await findStepped(text);
-    return { text, scenario, changes, address, duration: predictInputs(scenario, changes)[scenario.places.duration]! };
+    return { text, scenario, changes, from: address, duration: predictInputs(scenario, changes)[scenario.places.duration]! };
   }
   const known = made.get(text);
   if (known) return known;
   const path = handleOf(kindOf(text))?.path;
   const { scenario, module } = await call<Answer>("model", { text, changes: {}, paths: path ? [path] : [] }, "model");
-  const bytes = Uint8Array.from(atob(module), (letter) => letter.charCodeAt(0));
-  const address = URL.createObjectURL(new Blob([bytes], { type: "application/wasm" }));
-  const found = { text, scenario, changes: {}, address, duration: Number(scenario.inputs[scenario.places.duration]) };
+  const from = Uint8Array.from(atob(module), (letter) => letter.charCodeAt(0));
+  const found = { text, scenario, changes: {}, from, duration: Number(scenario.inputs[scenario.places.duration]) };
   made.set(text, found);
   return found;
 }

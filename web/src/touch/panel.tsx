@@ -1,6 +1,6 @@
 // Running by hand: the button, what is held, and how strongly.
 
-import { useEffect } from "preact/hooks";
+import { useEffect, useLayoutEffect } from "preact/hooks";
 import { digits, toShown } from "../lib/numbers.ts";
 import { printed } from "../plots/drawn.ts";
 import { Message } from "../ui/message.tsx";
@@ -49,7 +49,7 @@ function follow(): () => void {
 }
 
 export function LivePanel() {
-  useEffect(follow, []);
+  useLayoutEffect(follow, []); // a key may come before the first picture
   useEffect(() => stop, []);
   const now = hand.value;
   if (!now) return null;

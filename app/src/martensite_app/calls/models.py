@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-import base64
-import functools
-from collections.abc import Callable
-
 from martensite.base.errors import InputError
 from martensite_app.documents import read_request_scenario
 from martensite_app.messages import BadMessageError, JsonTable, Request, require_entry
+from martensite_app.static_site.stepped_model import describe_stepped
 from martensite_app.worker import Desk
-
-KEPT = 8
-"""Models that are kept; one takes some seconds."""
 
 
 def build_model(request: Request, desk: Desk) -> JsonTable:
@@ -35,28 +29,4 @@ def build_model(request: Request, desk: Desk) -> JsonTable:
             "A controller in discrete time drives this mechanism: it does not run by hand. "
             "Open one without, such as `Wire and dead weight`."
         )
-    return _build_model(scenario.text, tuple(paths))
-
-
-@functools.lru_cache(KEPT)
-def _build_model(text: str, paths: tuple[str, ...]) -> JsonTable:
-    from martensite_app.static_site.flat_inputs import waveforms_of
-    from martensite_app.static_site.input_map import measure_map
-    from martensite_app.static_site.run_module import require_compiler, write_source
-    from martensite_app.static_site.scenario_table import describe_static
-
-    require_compiler()
-    made = measure_map(text, paths)
-    source = write_source(made.scenario, waveforms_of(made.scenario))
-    module = _compile_source(source.digest, source.compile)
-    return {"scenario": describe_static("", text, made, source, ""), "module": module}
-
-
-_modules: dict[str, str] = {}
-
-
-def _compile_source(digest: str, compile_it: Callable[[], bytes]) -> str:
-    """The module in base 64: compiled once for every structure."""
-    if digest not in _modules:
-        _modules[digest] = base64.b64encode(compile_it()).decode()
-    return _modules[digest]
+    return describe_stepped(scenario.text, tuple(paths))

@@ -1,0 +1,42 @@
+"""A model for a page that has a server: that of a static page, made when it is asked for."""
+
+from __future__ import annotations
+
+import base64
+import functools
+from collections.abc import Callable
+
+from martensite_app.messages import JsonTable
+from martensite_app.static_site.flat_inputs import waveforms_of
+from martensite_app.static_site.input_map import measure_map
+from martensite_app.static_site.run_module import write_source
+from martensite_app.static_site.scenario_table import describe_static
+from martensite_export.wasm.module import find_wasm_compiler
+
+KEPT = 8
+"""Models that are kept; one takes some seconds."""
+
+
+@functools.lru_cache(KEPT)
+def describe_stepped(text: str, paths: tuple[str, ...]) -> JsonTable:
+    """What the page knows of a scenario, and the module of its runs in base 64.
+
+    Raises:
+        InputError: there is no compiler of WebAssembly.
+        CompileError: the compiler failed.
+    """
+    find_wasm_compiler()
+    made = measure_map(text, paths)
+    source = write_source(made.scenario, waveforms_of(made.scenario))
+    module = _compile_source(source.digest, source.compile)
+    return {"scenario": describe_static("", text, made, source, ""), "module": module}
+
+
+_modules: dict[str, str] = {}
+
+
+def _compile_source(digest: str, compile_it: Callable[[], bytes]) -> str:
+    """The module in base 64: compiled once for every structure."""
+    if digest not in _modules:
+        _modules[digest] = base64.b64encode(compile_it()).decode()
+    return _modules[digest]
