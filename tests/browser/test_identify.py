@@ -161,5 +161,5 @@ def test_a_fit_goes_on_over_a_reload_and_is_stopped_and_kept(page: Page, tmp_pat
     page.get_by_role("button", name="Stop and keep the best").click()
     open_sets = page.get_by_role("region", name="What the data cannot tell")
     expect(open_sets).to_be_visible(timeout=PATIENT)
-    expect(page.get_by_text("The search did not converge: interrupted.")).to_be_visible()
+    expect(page.get_by_text("The search did not converge: interrupted.").first).to_be_visible()
     expect(page.get_by_role("button", name="Go on with the search")).to_be_visible()

@@ -2,7 +2,7 @@
 // coils by shapes between which they are blended. Colours are those at the time of the cursor.
 
 import {
-  AnimationClip, BufferAttribute, BufferGeometry, Group, Mesh, NumberKeyframeTrack, QuaternionKeyframeTrack, Quaternion,
+  AnimationClip, BufferAttribute, BufferGeometry, Group, Mesh, MeshLambertMaterial, MeshStandardMaterial, NumberKeyframeTrack, QuaternionKeyframeTrack, Quaternion,
   Vector3, VectorKeyframeTrack, type KeyframeTrack, type Object3D,
 } from "three";
 import { GLTFExporter } from "three/examples/jsm/exporters/GLTFExporter.js";
@@ -60,9 +60,13 @@ function nameOf(mesh: Mesh, group: Group, stage: Stage): string {
   return stage.nameOf(top) || "mark";
 }
 
+/** The paint of a picture without a graphics processor as glTF has it. */
+const convertPaint = ({ color, opacity, transparent, side, vertexColors }: MeshLambertMaterial): MeshStandardMaterial =>
+  new MeshStandardMaterial({ color, opacity, transparent, side, vertexColors, roughness: 0.8, metalness: 0 });
+
 function copied(source: Mesh, name: string, count: number, root: Group): Part {
   const geometry: BufferGeometry = source.userData.bends ? source.geometry.clone() : source.geometry;
-  const copy = new Mesh(geometry, source.material);
+  const copy = new Mesh(geometry, source.material instanceof MeshLambertMaterial ? convertPaint(source.material) : source.material);
   copy.name = `${name} ${count}`.replaceAll(/[^\w]+/g, "_");
   root.add(copy);
   return { source, copy, places: [], turns: [], sizes: [], bent: [] };
