@@ -115,7 +115,8 @@ def test_the_committed_page_is_that_of_the_committed_numbers():
     folder = page.PAGE.parent / FOLDER
     expected = render(committed())
     there = {f"{FOLDER}/{path.name}" for path in folder.iterdir()} | {page.PAGE.name}
-    others = {f"{FOLDER}/machines.json", f"{FOLDER}/control.json"}  # of other pages, with tests of their own
+    # of other pages, with tests of their own
+    others = {f"{FOLDER}/{name}.json" for name in ("machines", "control", "guards")}
     assert there - others == expected.keys() | {f"{FOLDER}/{page.NUMBERS}"}
     for name, text in expected.items():
         assert (page.PAGE.parent / name).read_text(encoding="utf-8") == text, name
