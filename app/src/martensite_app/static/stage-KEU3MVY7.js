@@ -1,1 +1,0 @@
-import{b as a}from"./chunk-YABPTFYA.js";import"./chunk-REN3FACO.js";import"./chunk-R32IY5BT.js";export{a as Stage};
