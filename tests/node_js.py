@@ -15,6 +15,6 @@ def node() -> str:
     places = spec.submodule_search_locations if spec else None
     own = f"{places[0]}/bin" if places else None
     found = shutil.which("node") or shutil.which("node", path=own)
-    if found is None or not (WEB / "node_modules" / "esbuild").is_dir():
+    if found is None or not (WEB / "node_modules" / ".package-lock.json").is_file():
         pytest.skip("needs Node.js and the packages of the page (`npm ci` in `web`)")
     return found

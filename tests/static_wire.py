@@ -12,7 +12,7 @@ from typing import Any
 
 from martensite_app.documents import list_standalone
 from martensite_app.messages import write_message
-from martensite_app.static_site.flat_inputs import waveforms_of
+from martensite_app.static_site.flat_inputs import list_waveforms
 from martensite_app.static_site.input_map import InputMap, measure_map
 from martensite_app.static_site.run_module import RunSource, write_source
 from martensite_app.static_site.scenario_table import describe_static
@@ -33,7 +33,7 @@ TEXT = list_standalone()[FIRST]
 def measure_wire() -> tuple[InputMap, RunSource]:
     """The map of the default wire, and the C of its runs."""
     made = measure_map(TEXT, CONTROLS)
-    return made, write_source(made.scenario, waveforms_of(made.scenario))
+    return made, write_source(made.scenario, list_waveforms(made.scenario))
 
 
 def write_wire(folder: Path, page: bool = False) -> dict[str, Any]:

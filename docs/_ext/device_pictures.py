@@ -66,7 +66,7 @@ def find_share(text: str) -> float:
     return float(result.times[moved] / result.times[-1])
 
 
-def photograph(page: Page, address: str, text: str) -> bytes:
+def take_picture(page: Page, address: str, text: str) -> bytes:
     """The scene of a scenario, PNG."""
     page.goto("about:blank")
     page.goto(build_address(address, text))
@@ -98,7 +98,7 @@ def draw_devices() -> None:
         browser = playwright.chromium.launch(executable_path=found, args=list(FLAGS))
         page = browser.new_page(viewport={"width": 1440, "height": 1000}, reduced_motion="reduce", color_scheme="light")
         for name in list_devices():
-            size = write_picture(photograph(page, address, list_standalone()[name]), FOLDER / f"{name}.webp")
+            size = write_picture(take_picture(page, address, list_standalone()[name]), FOLDER / f"{name}.webp")
             print(f"{name}: {size / 1e3:.0f} kB")
         browser.close()
 

@@ -19,7 +19,7 @@ from martensite_app.documents import FOLDER, list_standalone
 from martensite_app.messages import write_message
 from martensite_app.views.columns import choose_rows, list_columns
 from martensite_app.views.diagrams import describe_energy
-from martensite_app.views.formulas import Formulas, explore
+from martensite_app.views.formulas import Formulas, explore_choices
 from martensite_app.views.page import describe_page
 from martensite_app.views.traces import list_alarms, list_loops, list_panels
 
@@ -166,7 +166,7 @@ def test_choices_are_explored() -> None:
         x, y = table.leaf("p", "x", 2.0), table.leaf("p", "y", 3.0)
         return table, "large" if x * y > 5.0 else f"{x + 1.0:.3g}"
 
-    (_, here), (table, there) = explore(build)
+    (_, here), (table, there) = explore_choices(build)
     assert here == "large"
     told = table.collect(text=there)
     (choice,) = told["choices"]

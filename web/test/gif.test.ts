@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { choosePalette, Gif, pack } from "../src/scene/gif.ts";
+import { choosePalette, Gif, packCodes } from "../src/scene/gif.ts";
 
 /** Codes of 9 to 12 bits, as a reader has to follow them. */
 function unpack(bytes: number[]): number[] {
@@ -35,7 +35,7 @@ function unpack(bytes: number[]): number[] {
 test("what is packed comes back, over more codes than a table holds", () => {
   let seed = 1;
   const noise = Uint8Array.from({ length: 60_000 }, (_, k) => (k % 3000 < 1000 ? 7 : (seed = (16807 * seed) % 2147483647) & 255));
-  assert.deepEqual(unpack(pack(noise)), [...noise]);
+  assert.deepEqual(unpack(packCodes(noise)), [...noise]);
 });
 
 test("colours are within a level of those of the picture, and what stays is sent as none", async () => {

@@ -1,9 +1,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Run } from "../src/lib/types.ts";
-import { insightOf, promise } from "../src/views/insight.ts";
+import { insightOf, writePromise } from "../src/views/insight.ts";
 import { scaledRow } from "../src/views/remedies.ts";
-import { concerns, cycleOf, deviation, measures } from "../src/views/results.ts";
+import { isConcerned, cycleOf, measureDeviation, measures } from "../src/views/results.ts";
 
 const how = (unit: string, shown = unit, factor = 1, offset = 0) => ({ unit, shown, factor, offset, long_name: unit, symbol: unit });
 const STEP = 0.01;
@@ -52,25 +52,25 @@ test("pulses with short pauses are one heating", () => {
 test("the sentence tells the share that the numbers have, and a promise is the ratio of two runs", () => {
   const [slow, fast] = [made(4), made(2, 0.5)];
   assert.match(insightOf(slow)?.sentence ?? "", /^Cooling takes 66 % of the cycle: 3\.7 s back \(the first 1\.3 s from 127 °C without moving\), 1\.9 s out\.$/);
-  assert.match(promise(slow, fast, "cooling", "a fan"), /^With a fan, it would come back in about 1\.8 s, 2 times as fast\.$/);
-  assert.match(promise(slow, fast, "cooling", "two", 2), /for 2 times the energy/);
-  assert.equal(promise(fast, slow, "cooling", "a jacket"), "");
+  assert.match(writePromise(slow, fast, "cooling", "a fan"), /^With a fan, it would come back in about 1\.8 s, 2 times as fast\.$/);
+  assert.match(writePromise(slow, fast, "cooling", "two", 2), /for 2 times the energy/);
+  assert.equal(writePromise(fast, slow, "cooling", "a jacket"), "");
 });
 
 test("a loop is told by its deviation from the reference", () => {
   const run = made(4);
   const columns = { ...run.columns, reference: run.columns["position"]!.map((x) => x + 0.001) };
   const loop = { ...run, columns, outputs: { ...run.outputs, reference: how("m", "mm", 1000) } } as Run;
-  near(1e3 * (deviation(loop)?.rms ?? 0), 1);
-  assert.equal(deviation(loop)?.cooling, 0);
+  near(1e3 * (measureDeviation(loop)?.rms ?? 0), 1);
+  assert.equal(measureDeviation(loop)?.cooling, 0);
   assert.match(insightOf(loop)?.sentence ?? "", /off by 1 mm RMS, 10 % of the stroke; 100 % .* has to heat/);
 });
 
 test("what a law says about a stress concerns a run that comes half as far", () => {
   const run = made(4);
-  assert.ok(!concerns(run, "the strips overlap above 1792 MPa."));
-  assert.ok(concerns(run, "the strips overlap above 170 MPa."));
-  assert.ok(concerns(run, "A_s is below M_s."));
+  assert.ok(!isConcerned(run, "the strips overlap above 1792 MPa."));
+  assert.ok(isConcerned(run, "the strips overlap above 170 MPa."));
+  assert.ok(isConcerned(run, "A_s is below M_s."));
 });
 
 test("a list of quantities is drawn as a whole", () => {

@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { compareDocuments, findKnown, writeChanged } from "../src/engine/documents.ts";
-import { g } from "../src/engine/run.ts";
-import { flatten, readToml, writeToml } from "../src/engine/toml.ts";
+import { formatGeneral } from "../src/views/formulas.ts";
+import { flattenTable, readToml, writeToml } from "../src/engine/toml.ts";
 import type { Manifest } from "../src/engine/types.ts";
 
 const TEXT = `# a wire
@@ -19,7 +19,7 @@ on = true
 `;
 
 test("documents are read, changed and written as the server does it", () => {
-  const found = Object.fromEntries(flatten(readToml(TEXT)));
+  const found = Object.fromEntries(flattenTable(readToml(TEXT)));
   assert.deepEqual(found, {
     title: 'A "wire"',
     "element.kind": "wire",
@@ -29,7 +29,7 @@ test("documents are read, changed and written as the server does it", () => {
     "actuators.one.points": "[0, 1e-3]",
     "actuators.one.on": "true",
   });
-  assert.deepEqual(flatten(readToml(writeToml(readToml(TEXT)))), flatten(readToml(TEXT)));
+  assert.deepEqual(flattenTable(readToml(writeToml(readToml(TEXT)))), flattenTable(readToml(TEXT)));
   const next = writeChanged(TEXT, { "element.kind.turns": 3, "element.law.n": "2 mm" });
   assert.match(next, /kind = \{ kind = "wire", turns = 3 \}/);
   assert.match(next, /law = \{ kind = "a-b", n = "2 mm" \}/);
@@ -47,5 +47,5 @@ test("a document is known by its numbers", () => {
 
 test("numbers in sentences are those of Python", () => {
   const pairs: [number, number, string][] = [[0.1234567, 6, "0.123457"], [1e-7, 6, "1e-07"], [1234567, 6, "1.23457e+06"], [150, 5, "150"], [0, 5, "0"]];
-  for (const [value, digits, text] of pairs) assert.equal(g(value, digits), text);
+  for (const [value, digits, text] of pairs) assert.equal(formatGeneral(value, digits), text);
 });

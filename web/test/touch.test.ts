@@ -1,19 +1,19 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { flatten, readToml } from "../src/engine/toml.ts";
+import { flattenTable, readToml } from "../src/engine/toml.ts";
 import type { Scenario } from "../src/engine/types.ts";
 import type { Run } from "../src/lib/types.ts";
-import { drag, HANDLES, kindOf, type Load } from "../src/touch/handles.ts";
+import { dragLoad, HANDLES, kindOf, type Load } from "../src/touch/handles.ts";
 import { Recording } from "../src/touch/recording.ts";
 
 const load = (kind: string): Load => ({ ...HANDLES[kind]!, value: 0.3, low: 0.1, high: 0.9, unit: "kg", how: { shown: "g", factor: 1000, offset: 0 } });
 
 test("a body that is dragged along its way changes its number, by its whole range across the picture", () => {
   const weight = load("dead-weight");
-  assert.equal(drag(weight, 0.3, [0, 0, -0.1], 0.4), 0.5);
-  assert.equal(drag(weight, 0.3, [0.2, 0.2, 0], 0.4), 0.3); // across its way
-  assert.equal(drag(weight, 0.3, [0, 0, 5], 0.4), 0.1);
-  assert.equal(drag(weight, 0.3, [0, 0, -5], 0.4), 0.9);
+  assert.equal(dragLoad(weight, 0.3, [0, 0, -0.1], 0.4), 0.5);
+  assert.equal(dragLoad(weight, 0.3, [0.2, 0.2, 0], 0.4), 0.3); // across its way
+  assert.equal(dragLoad(weight, 0.3, [0, 0, 5], 0.4), 0.1);
+  assert.equal(dragLoad(weight, 0.3, [0, 0, -5], 0.4), 0.9);
 });
 
 test("the kind of a mechanism is read where it is a table and where it is a word", () => {
@@ -32,7 +32,7 @@ test("what was held is written as a table with jumps", () => {
   add([0, 0.5], 0), add([1], 0), add([1.5, 2], 0.45), add([3], 0);
   assert.equal(made.now("temperature"), 303);
   const text = made.write('[drive]\nkind = "power"\nwaveform = { kind = "step", high = "1 W" }\n[run]\nduration = "9 s"\n', {}, () => "drive.waveform");
-  const found = flatten(readToml(text!));
+  const found = flattenTable(readToml(text!));
   assert.equal(found.get("run.duration"), "3 s");
   assert.match(text!, /waveform = \{ kind = "table", times = \["0 s", "1 s", "1.000001 s", "2 s", "2.000001 s", "3 s"\], values = \["0 W", "0 W", "0.45 W", "0.45 W", "0 W", "0 W"\] \}/);
 });

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import type { Tally } from "../src/studies/types.ts";
-import { describeTally, rank } from "../src/studies/verdict.tsx";
+import { describeTally, rankVerdict } from "../src/studies/verdict.tsx";
 
 const NONE: Tally = { reproduced: 0, disagrees: 0, misprint: 0, "self-contradictory": 0, "not comparable": 0, recovery: 0 };
 
@@ -12,5 +12,5 @@ test("a tally says what could fail, and what could not", () => {
 });
 
 test("what was compared comes first", () => {
-  assert.ok(rank("disagrees") < rank("misprint") && rank("misprint") < rank("not comparable"));
+  assert.ok(rankVerdict("disagrees") < rankVerdict("misprint") && rankVerdict("misprint") < rankVerdict("not comparable"));
 });

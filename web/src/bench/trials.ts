@@ -6,9 +6,9 @@ import { call, superseded } from "../lib/api.ts";
 import type { Run } from "../lib/types.ts";
 import { computing, run } from "../state/run.ts";
 import { text } from "../state/scenario.ts";
-import { insightOf, promise } from "../views/insight.ts";
+import { insightOf, writePromise } from "../views/insight.ts";
 import { entriesOf, remediesOf, type Changes, type Remedy } from "../views/remedies.ts";
-import { cycleOf, peakOf, tracked } from "../views/results.ts";
+import { cycleOf, peakOf, findTracked } from "../views/results.ts";
 
 export interface Trial {
   remedy: Remedy;
@@ -65,7 +65,7 @@ export const promised = computed(() => {
   const [now, aim] = [run.value, insight.value?.aim];
   if (!now || !aim) return "";
   for (const { remedy, run: after } of trials.value) {
-    const said = after && promise(now, after, aim, remedy.words, remedy.wires);
+    const said = after && writePromise(now, after, aim, remedy.words, remedy.wires);
     if (said) return said;
   }
   return "";
@@ -104,6 +104,6 @@ export function followTrials(): () => void {
     clearTimeout(waiting);
     const isNew = remedies.value.length > 0 && trials.value.length === 0;
     const isCalm = !computing.value && !trying.value && text.value === now?.text;
-    if (now && isNew && isCalm && (now.seconds < QUICK || !tracked(now))) waiting = window.setTimeout(() => void tryRemedies(false), CALM);
+    if (now && isNew && isCalm && (now.seconds < QUICK || !findTracked(now))) waiting = window.setTimeout(() => void tryRemedies(false), CALM);
   });
 }

@@ -3,7 +3,7 @@
 import { take } from "../lib/api.ts";
 import { text as onBench } from "../state/scenario.ts";
 import {
-  ARM, begin, BENCH, board, busy, calibration, document, duration, fetchFirmware, isRunning, kind, known, levels, port, readCalibration, scenario, word,
+  ARM, beginRun, BENCH, board, busy, calibration, document, duration, fetchFirmware, isRunning, kind, known, levels, port, readCalibration, scenario, word,
 } from "./state.ts";
 
 function Board() {
@@ -121,7 +121,7 @@ function Arming() {
       <p class="small soft">
         {typed && !heats ? `“${typed}” is not the word.` : heats ? "The board will be armed, and disarmed when the run ends." : "Without it this is a dry run: the board is listened to, nothing is heated."}
       </p>
-      <button type="button" class="main" disabled={isRunning.value || !document.value || (typed !== "" && !heats)} onClick={() => void begin()}>
+      <button type="button" class="main" disabled={isRunning.value || !document.value || (typed !== "" && !heats)} onClick={() => void beginRun()}>
         {heats ? "Arm and run" : "Dry run"}
       </button>
     </fieldset>

@@ -3,7 +3,7 @@
 import { take } from "../lib/api.ts";
 import { Message } from "../ui/message.tsx";
 import { Progress } from "../ui/progress.tsx";
-import { armed, counts, identify, isRunning, outcome, share, stage, stop, stopping, work } from "./state.ts";
+import { armed, counts, openInIdentify, isRunning, outcome, share, stage, stopRun, stopping, work } from "./state.ts";
 
 function Counters() {
   const now = counts.value;
@@ -28,7 +28,7 @@ function Running() {
         {armed.value ? "ARMED" : "not armed"}
       </strong>
       <Progress share={share.value} label={stopping.value ? "Stopping …" : stage.value} />
-      <button type="button" class="board-stop" disabled={stopping.value} onClick={() => void stop()}>
+      <button type="button" class="board-stop" disabled={stopping.value} onClick={() => void stopRun()}>
         Stop and disarm
       </button>
     </div>
@@ -48,7 +48,7 @@ function Ended() {
         <button type="button" class="main" disabled={!found.key} onClick={() => take(found.key, found.name)}>
           Download log
         </button>
-        <button type="button" disabled={!found.key} onClick={() => void identify()}>
+        <button type="button" disabled={!found.key} onClick={() => void openInIdentify()}>
           Open in Identify
         </button>
       </div>

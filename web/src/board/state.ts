@@ -78,7 +78,7 @@ export const document = computed(() =>
   scenario.value === BENCH ? onBench.value : (known.value?.scenarios?.find((one) => one.name === scenario.value)?.text ?? ""),
 );
 
-export async function begin(): Promise<void> {
+export async function beginRun(): Promise<void> {
   const typed = word.value.trim();
   word.value = "";
   stopping.value = false;
@@ -94,7 +94,7 @@ export async function begin(): Promise<void> {
   });
 }
 
-export async function stop(): Promise<void> {
+export async function stopRun(): Promise<void> {
   stopping.value = true;
   await work.cancel(true);
 }
@@ -125,7 +125,7 @@ export async function readCalibration(file: File | undefined): Promise<void> {
 }
 
 /** Fit the log that was just made, with the scenario of the board. */
-export async function identify(): Promise<void> {
+export async function openInIdentify(): Promise<void> {
   const found = outcome.value;
   if (!found?.key) return;
   go("identify");

@@ -74,4 +74,4 @@ function boundError(scenario: Scenario, found: Marched, before: number[][], afte
   return Number.isFinite(total) ? total : Infinity;
 }
 
-export const failed = (status: number): boolean => status >= UNSOLVED;
+export const hasFailed = (status: number): boolean => status >= UNSOLVED;

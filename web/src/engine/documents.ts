@@ -3,7 +3,7 @@
 import type { ScenarioForm } from "../form/types.ts";
 import { Refusal } from "../lib/refusal.ts";
 import { listNumbers, SERVER, type Changes } from "./inputs.ts";
-import { changeDocument, flatten, readToml, writeToml } from "./toml.ts";
+import { changeDocument, flattenTable, readToml, writeToml } from "./toml.ts";
 import type { Manifest, Scenario } from "./types.ts";
 
 const QUANTITY = /^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$/;
@@ -34,7 +34,7 @@ const packaged = new Map<string, Map<string, string>>();
 
 /** The entries of a packaged document, read once. */
 function readPackaged(text: string): Map<string, string> {
-  const found = packaged.get(text) ?? flatten(readToml(text));
+  const found = packaged.get(text) ?? flattenTable(readToml(text));
   packaged.set(text, found);
   return found;
 }
@@ -44,7 +44,7 @@ const liesAbove = (path: string, own: Map<string, string>): boolean => own.has(`
 
 function readDocument(text: string): Map<string, string> {
   try {
-    return flatten(readToml(text));
+    return flattenTable(readToml(text));
   } catch (error) {
     throw new Refusal(error instanceof Error ? error.message : String(error), "input", 400);
   }

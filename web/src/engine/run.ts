@@ -1,10 +1,11 @@
 // A run of a scenario of the page: inputs from its controls, the march, and what is said of it.
 
 import { Refusal } from "../lib/refusal.ts";
-import { failed, marchTo, planMarch, type Base } from "./accuracy.ts";
+import { hasFailed, marchTo, planMarch, type Base } from "./accuracy.ts";
 import { readSignal, tableOf } from "./drives.ts";
 import { listSaid, predictInputs, type Changes } from "./inputs.ts";
 import { LONG_STEP, MOST_STEPS, NOT_FINITE, OK, OUT_OF_ENVELOPE, TooLong, UNSOLVED, type Grid, type Marched, type RunModule } from "./march.ts";
+import { formatGeneral } from "../views/formulas.ts";
 import type { RunCore, Scenario } from "./types.ts";
 
 const SOLVED = 1e-8;
@@ -103,7 +104,7 @@ function describeMarch(scenario: Scenario, inputs: Inputs, times: Float64Array, 
   const warnings = accuracy === null ? [] : listUnbalanced(scenario, inputs, found);
   if (exit) warnings.push(describeExit(scenario, exit));
   if (found.status === LONG_STEP) warnings.push(`Warning: ${scenario.statuses[LONG_STEP]}`);
-  if (accuracy !== null && accuracy > inputs.tolerance && !failed(found.status)) {
+  if (accuracy !== null && accuracy > inputs.tolerance && !hasFailed(found.status)) {
     warnings.push(
       `Warning: the tolerance of ${power(inputs.tolerance)} was not reached in ${found.steps.toLocaleString("en")} steps; ` +
         `what is judged may be off by ${power(accuracy)} of its range.`,
@@ -137,7 +138,7 @@ function marchGiven(scenario: Scenario, module: RunModule, inputs: Inputs): Foun
     ? NOT_FINITE
     : residual > SOLVED ? UNSOLVED : crossing > COARSE ? LONG_STEP : OK;
   if (found.left < Infinity) {
-    const when = g(found.left, 6);
+    const when = formatGeneral(found.left, 6);
     throw new Refusal(`The run stopped at t = ${when} s: ${scenario.statuses[OUT_OF_ENVELOPE]}`, "solve", 400);
   }
   refuseFailure(scenario, status, NaN);
@@ -145,7 +146,7 @@ function marchGiven(scenario: Scenario, module: RunModule, inputs: Inputs): Foun
   const end = times[times.length - 1]!;
   if (Math.abs(end - inputs.duration) > ENDS_ELSEWHERE * inputs.duration) {
     warnings.push(
-      `Warning: The run ends at ${g(end, 6)} s instead of ${g(inputs.duration, 6)} s: it goes in periods of ${g(interval, 6)} s. ` +
+      `Warning: The run ends at ${formatGeneral(end, 6)} s instead of ${formatGeneral(inputs.duration, 6)} s: it goes in periods of ${formatGeneral(interval, 6)} s. ` +
         "Try a duration that is a multiple of it.",
     );
   }
@@ -172,7 +173,7 @@ function gridOf(scenario: Scenario, inputs: Inputs, interval: number): [Grid, Fl
   const { layout, places } = scenario;
   const steps = Math.floor(inputs.duration / interval + 1e-9);
   if (!(steps >= 1 && steps <= MOST_STEPS)) {
-    throw new Refusal(`A run of ${g(inputs.duration, 6)} s in samples of ${g(interval, 6)} s has ${steps} steps.`, "input", 400);
+    throw new Refusal(`A run of ${formatGeneral(inputs.duration, 6)} s in samples of ${formatGeneral(interval, 6)} s has ${steps} steps.`, "input", 400);
   }
   const pieces = Math.min(inputs.samples - 1, steps);
   const ends = Array.from({ length: pieces + 1 }, (_, i) => roundHalfEven((steps * i) / pieces));
@@ -201,8 +202,8 @@ function roundHalfEven(x: number): number {
 }
 
 function refuseFailure(scenario: Scenario, status: number, time: number): void {
-  if (!failed(status) || status === OUT_OF_ENVELOPE) return;
-  const when = Number.isNaN(time) ? "during the run" : `at t = ${g(time, 6)} s`;
+  if (!hasFailed(status) || status === OUT_OF_ENVELOPE) return;
+  const when = Number.isNaN(time) ? "during the run" : `at t = ${formatGeneral(time, 6)} s`;
   const said = `The coupled step of law, heat and mechanism failed ${when}. ${scenario.statuses[status] ?? ""}`;
   throw new Refusal(said, "solve", 400);
 }
@@ -235,10 +236,10 @@ function spread(scenario: Scenario, rows: Float64Array, times: Float64Array, rea
 
 export function describeExit(scenario: Scenario, exit: NonNullable<RunCore["exit"]>): string {
   const bound = scenario.envelope[exit.place]!;
-  const shown = (x: number): string => `${g(x * bound.factor + bound.offset, 5)} ${bound.shown}`;
+  const shown = (x: number): string => `${formatGeneral(x * bound.factor + bound.offset, 5)} ${bound.shown}`;
   const reason = bound.name === "hottest" && exit.value <= 0 ? "absolute zero" : bound.reason;
   const limit = exit.value > 0 ? exit.high : exit.low;
-  return `The run stopped at t = ${g(exit.time, 6)} s: the ${bound.words} came to ${shown(exit.value)}, beyond ${shown(limit)}, ${reason}.`;
+  return `The run stopped at t = ${formatGeneral(exit.time, 6)} s: the ${bound.words} came to ${shown(exit.value)}, beyond ${shown(limit)}, ${reason}.`;
 }
 
 /** Sentences on heat and work that are not accounted for; see `martensite/simulate/ledger.py`. */
@@ -267,18 +268,6 @@ function listUnbalanced(scenario: Scenario, inputs: Inputs, found: Marched): str
     tell("work", Math.abs(sum("work") - held - spent - sum("outside")), most, LEAST_WORK);
   }
   return said;
-}
-
-/** A number of so many digits, as Python's format `g` writes it. */
-export function g(value: number, digits: number): string {
-  if (!Number.isFinite(value)) return Number.isNaN(value) ? "nan" : value > 0 ? "inf" : "-inf";
-  if (value === 0) return "0";
-  const [size = "", exponent = "0"] = value.toExponential(digits - 1).split("e");
-  const power = Number(exponent);
-  const clean = (text: string): string => (text.includes(".") ? text.replace(/\.?0+$/, "") : text);
-  if (power >= -4 && power < digits) return clean(value.toFixed(Math.max(0, digits - 1 - power)));
-  const sign = power < 0 ? "-" : "+";
-  return `${clean(size)}e${sign}${String(Math.abs(power)).padStart(2, "0")}`;
 }
 
 /** As Python's format `.1e` writes it. */

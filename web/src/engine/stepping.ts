@@ -2,7 +2,7 @@
 // at levels and numbers that may change from span to span.
 
 import { Refusal } from "../lib/refusal.ts";
-import { failed, planMarch, LOCAL, FINER, type Base } from "./accuracy.ts";
+import { hasFailed, planMarch, LOCAL, FINER, type Base } from "./accuracy.ts";
 import type { Changes } from "./inputs.ts";
 import { OUT_OF_ENVELOPE, type Marched, type RunModule } from "./march.ts";
 import { describeExit, planBase, readInputs, type Inputs } from "./run.ts";
@@ -81,7 +81,7 @@ export class Stepping {
       const exit = { place, value, low: inputs.low[place]!, high: inputs.high[place]!, time: this.time + found.time };
       return describeExit(scenario, exit);
     }
-    return failed(found.status) ? `The model cannot go on from here. ${scenario.statuses[found.status] ?? ""}` : "";
+    return hasFailed(found.status) ? `The model cannot go on from here. ${scenario.statuses[found.status] ?? ""}` : "";
   }
 }
 

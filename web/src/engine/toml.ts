@@ -203,11 +203,11 @@ function structuredCloneTable(table: Table): Table {
 }
 
 /** Dotted path and value, as it is written, of every entry. */
-export function flatten(table: Table, above = ""): Map<string, string> {
+export function flattenTable(table: Table, above = ""): Map<string, string> {
   const found = new Map<string, string>();
   for (const [key, value] of Object.entries(table)) {
     const path = `${above}${key}`;
-    if (isTable(value)) flatten(value, `${path}.`).forEach((one, below) => found.set(below, one));
+    if (isTable(value)) flattenTable(value, `${path}.`).forEach((one, below) => found.set(below, one));
     else found.set(path, typeof value === "string" ? value : writeValue(value));
   }
   return found;

@@ -1,7 +1,7 @@
 // Which controls stand on top: a few that matter for what the scenario is, and those that the reader wants there.
 
 import { computed, signal } from "@preact/signals";
-import { entriesOf, heats, type Entries } from "../views/remedies.ts";
+import { entriesOf, listHeats, type Entries } from "../views/remedies.ts";
 import { form } from "./state.ts";
 import type { FormNode, GroupNode, NumberNode, RowNode } from "./types.ts";
 
@@ -41,7 +41,7 @@ function granted({ paths, title }: Wish, entries: Entries): Pinnable | null {
 }
 
 function heat(entries: Entries): Pinnable | null {
-  const nodes = heats(entries);
+  const nodes = listHeats(entries);
   const node = nodes.find((one) => /(high|values|value|amplitude)$/.test(one.path)) ?? nodes[0];
   if (!node) return null;
   const unit = node.sort === "number" ? (node.unit ?? "") : (/[A-Za-z]+\s*$/.exec(node.value)?.[0].trim() ?? "");

@@ -4,7 +4,7 @@ import { useEffect } from "preact/hooks";
 import { toShown } from "../lib/numbers.ts";
 import { NumberField, printed, SECONDS } from "./number.tsx";
 import { Key, Plot } from "./plot.tsx";
-import { changeLog, choose, logs, overlay, put, readOverlay, removeLog, state, type LogState } from "./state.ts";
+import { changeLog, chooseLog, logs, overlay, put, readOverlay, removeLog, state, type LogState } from "./state.ts";
 
 const COLOURS = 6;
 
@@ -21,7 +21,7 @@ export function LogList() {
           const name = log.file?.name ?? "";
           return (
             <li key={log.file?.key} class="row">
-              <button type="button" aria-pressed={state.value.at === k} onClick={() => void choose(k)}>
+              <button type="button" aria-pressed={state.value.at === k} onClick={() => void chooseLog(k)}>
                 {name}
               </button>
               {k > 0 && timed(log) && timed(logs.value[0]) && (

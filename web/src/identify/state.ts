@@ -289,7 +289,7 @@ async function nameRecord(held: boolean): Promise<void> {
 }
 
 /** Look at another log. */
-export async function choose(at: number): Promise<void> {
+export async function chooseLog(at: number): Promise<void> {
   if (at === state.value.at) return;
   putLogs(logs.value, at);
   table.value = records.value = null;

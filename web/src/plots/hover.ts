@@ -25,7 +25,7 @@ function partsOf(label: string): [name: string, unit: string] {
   return [name, unit === "–" ? "" : unit];
 }
 
-export function tell(label: string, value: number | null, name?: string): string {
+export function writeReading(label: string, value: number | null, name?: string): string {
   const [own, unit] = partsOf(label);
   const called = name || own;
   return `${called}${called && " = "}${digits(value, 4)} ${unit}`.trim();
@@ -52,15 +52,15 @@ function foundSample(picture: Picture, curve: number, index: number): Found | nu
   if (!of || !Number.isFinite(x + y)) return null;
   const here = picture.along ? picture.curves.map((one) => ({ one, value: one.y[nearestIn(one.x, x, lengthOf(one))] as number })) : [{ one: of, value: y }];
   const told = here.filter(({ value }) => Number.isFinite(value));
-  const lines = told.slice(-MOST).map(({ one, value }) => ({ words: tell(picture.y.label, value, one.name), colour: one.look.colour }));
+  const lines = told.slice(-MOST).map(({ one, value }) => ({ words: writeReading(picture.y.label, value, one.name), colour: one.look.colour }));
   if (told.length > MOST) lines.push({ words: `and ${told.length - MOST} more`, colour: -1 });
-  return { x, y, index, curve, lines: [{ words: tell(picture.x.label, x) }, ...lines] };
+  return { x, y, index, curve, lines: [{ words: writeReading(picture.x.label, x) }, ...lines] };
 }
 
 export function foundSpot(picture: Picture, spot: Spot): Found {
-  const lines = [{ words: tell(picture.x.label, spot.x) }];
-  lines.push({ words: tell(picture.y.label, spot.state === "failed" && !picture.cells ? null : spot.y) });
-  if (picture.colour) lines.push({ words: tell(picture.colour.label, spot.value) });
+  const lines = [{ words: writeReading(picture.x.label, spot.x) }];
+  lines.push({ words: writeReading(picture.y.label, spot.state === "failed" && !picture.cells ? null : spot.y) });
+  if (picture.colour) lines.push({ words: writeReading(picture.colour.label, spot.value) });
   if (spot.state !== "ok") lines.push({ words: { failed: "failed", never: "never happened", missing: "not made yet" }[spot.state] });
   return { x: spot.x, y: spot.y, index: picture.spots?.indexOf(spot) ?? 0, curve: -1, spot, lines };
 }

@@ -3,7 +3,7 @@
 import { digits, toShown, difference } from "../lib/numbers.ts";
 import type { Alarm, Run } from "../lib/types.ts";
 import { cursor, run } from "../state/run.ts";
-import { concerns } from "../views/results.ts";
+import { isConcerned } from "../views/results.ts";
 import { printed } from "./drawn.ts";
 
 const KINDS: Record<string, string> = {
@@ -59,7 +59,7 @@ function One({ alarm }: { alarm: Alarm }) {
 function others(now: Run): { near: string[]; far: string[] } {
   const told = new Set(now.alarms.map((alarm) => alarm.sentence));
   const warned = now.warnings.filter((one) => !told.has(one)).map((one) => one.replace(/^Warning: /, ""));
-  return { near: warned.filter((one) => concerns(now, one)), far: [...warned.filter((one) => !concerns(now, one)), ...now.cautions] };
+  return { near: warned.filter((one) => isConcerned(now, one)), far: [...warned.filter((one) => !isConcerned(now, one)), ...now.cautions] };
 }
 
 /** What is unusual of the document; nothing that happens in this run. */

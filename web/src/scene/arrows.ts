@@ -1,7 +1,7 @@
 // Forces as arrows: of elements on what they pull, and of weights, as long as they are large.
 
 import { Group, Vector3, type Material } from "three";
-import { arrow } from "./bodies.ts";
+import { makeArrow } from "./bodies.ts";
 import type { Cast } from "./cast.ts";
 import type { Word } from "./labels.ts";
 import type { Reading } from "./stage.ts";
@@ -12,7 +12,7 @@ const GRAVITY = 9.80665;
 
 export class Arrows {
   readonly group = new Group();
-  private readonly made: ReturnType<typeof arrow>[] = [];
+  private readonly made: ReturnType<typeof makeArrow>[] = [];
 
   constructor(private readonly material: Material) {}
 
@@ -50,9 +50,9 @@ export class Arrows {
     return free < 0 ? this.made.length : free;
   }
 
-  private next(): ReturnType<typeof arrow> {
+  private next(): ReturnType<typeof makeArrow> {
     const k = this.index();
-    const found = this.made[k] ?? arrow(this.material);
+    const found = this.made[k] ?? makeArrow(this.material);
     if (k === this.made.length) {
       this.made.push(found);
       this.group.add(found.object);

@@ -3,7 +3,7 @@
 import { Group, Vector3, type Material, type Mesh } from "three";
 import type { Shape } from "../lib/types.ts";
 import { drawnAt, type Cut } from "./cuts.ts";
-import { part, ROUND, stretch } from "./parts.ts";
+import { makeMesh, ROUND, stretchBar } from "./parts.ts";
 import { drawnRadius } from "./wires.ts";
 
 const TILT = new Vector3(0, 0.15, 0.5);
@@ -22,8 +22,8 @@ export class Break {
     back: Material,
     dark: Material,
   ) {
-    this.gap = part(ROUND, back);
-    this.strokes = [part(ROUND, dark), part(ROUND, dark)];
+    this.gap = makeMesh(ROUND, back);
+    this.strokes = [makeMesh(ROUND, dark), makeMesh(ROUND, dark)];
     this.object.add(this.gap, ...this.strokes);
     this.follow(cut, cuts);
   }
@@ -47,14 +47,14 @@ export class Break {
     const radius = shape.kind === "wire" ? drawnRadius(shape, extent) : Math.max(shape.size, 0.0015 * extent);
     const half = Math.min(0.008 * extent, 0.3 * this.cut.kept);
     const way = last.clone().sub(first).normalize();
-    stretch(this.gap, this.at.clone().addScaledVector(way, -half), this.at.clone().addScaledVector(way, half), 1.06 * radius);
+    stretchBar(this.gap, this.at.clone().addScaledVector(way, -half), this.at.clone().addScaledVector(way, half), 1.06 * radius);
     const tall = 1.3 * radius + 0.006 * extent;
     const up = TILT.clone().addScaledVector(way, -TILT.dot(way)).normalize();
     if (axis === 2) up.set(1, 0, 0);
     this.strokes.forEach((stroke, side) => {
       const centre = this.at.clone().addScaledVector(way, side ? half : -half);
       const lean = up.clone().multiplyScalar(tall).addScaledVector(way, 0.4 * tall);
-      stretch(stroke, centre.clone().sub(lean), centre.clone().add(lean), 0.0016 * extent);
+      stretchBar(stroke, centre.clone().sub(lean), centre.clone().add(lean), 0.0016 * extent);
     });
   }
 

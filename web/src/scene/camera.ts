@@ -9,7 +9,7 @@ export type Spot = [at: Vector3, around: number];
 export type Room = [across: number, up: number];
 
 /** The place from which all spots are seen along a direction, and the point in their midst. */
-export function frame(spots: Spot[], towards: Vector3, up: Vector3, slopes: [number, number], room: Room): { eye: Vector3; target: Vector3; wide: number } {
+export function fitFrustum(spots: Spot[], towards: Vector3, up: Vector3, slopes: [number, number], room: Room): { eye: Vector3; target: Vector3; wide: number } {
   const basis = new Matrix4().lookAt(new Vector3(), towards, up);
   const back = basis.clone().transpose();
   const most = [-Infinity, -Infinity, -Infinity, -Infinity];
@@ -32,9 +32,9 @@ export function frame(spots: Spot[], towards: Vector3, up: Vector3, slopes: [num
 }
 
 /** Put the camera there; gives the point that it looks at. */
-export function place(camera: PerspectiveCamera, spots: Spot[], from: Vector3, room: Room, extent: number): Vector3 {
+export function placeCamera(camera: PerspectiveCamera, spots: Spot[], from: Vector3, room: Room, extent: number): Vector3 {
   const tall = Math.tan((camera.fov * Math.PI) / 360);
-  const { eye, target, wide } = frame(spots, from.clone().negate(), camera.up, [tall * camera.aspect, tall], room);
+  const { eye, target, wide } = fitFrustum(spots, from.clone().negate(), camera.up, [tall * camera.aspect, tall], room);
   camera.position.copy(eye);
   camera.near = Math.max(0.02 * extent, 0.1 * (wide - extent));
   camera.far = wide + 30 * extent;

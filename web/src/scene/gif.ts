@@ -104,7 +104,7 @@ export class Gif {
     this.bytes.push(NONE, 0, 0x2c);
     this.words(0, 0, this.width, this.height);
     this.bytes.push(0, 8);
-    this.blocks(pack(drawn));
+    this.blocks(packCodes(drawn));
     this.parts.push(Uint8Array.from(this.bytes.splice(0)));
   }
 
@@ -147,7 +147,7 @@ export class Gif {
 }
 
 /** Bytes by the method of Lempel, Ziv and Welch with codes of 9 to 12 bits. */
-export function pack(data: Uint8Array): number[] {
+export function packCodes(data: Uint8Array): number[] {
   const [clear, end] = [256, 257];
   const found: number[] = [];
   let [held, holds] = [0, 0];

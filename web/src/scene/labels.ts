@@ -22,7 +22,7 @@ const LETTER = 6.6;
 const ABOVE: Record<Word["kind"], number> = { name: -16, mass: 0, cut: -22, force: 0, hover: -20 };
 
 /** Where words stand in a picture of a size [px]; what would lie on another is left out, the last ones first. */
-export function arrange(words: Word[], camera: Camera, width: number, height: number): Written[] {
+export function arrangeLabels(words: Word[], camera: Camera, width: number, height: number): Written[] {
   const found: (Written & { wide: number })[] = [];
   const spot = new Vector3();
   for (const { text, at: place, kind } of words) {

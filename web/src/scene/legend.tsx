@@ -7,7 +7,7 @@ import { css, NAMES, SCALES, span, valueOf, type Quantity } from "./tint.ts";
 /** So many elements have their values beside the picture; those of more are in a list to open. */
 const FEW = 3;
 
-export function written(run: Run, quantity: Quantity | "force" | "stress", value: number): string {
+export function writeValue(run: Run, quantity: Quantity | "force" | "stress", value: number): string {
   const first = Object.values(run.scene.ports)[0];
   const how = run.outputs[first?.[quantity] ?? ""];
   if (!how) return digits(value);
@@ -26,7 +26,7 @@ export function Legend({ run, quantity }: { run: Run; quantity: Quantity }) {
       <div class="scene-marks small">
         {marks.map((value, k) => (
           <span key={k}>
-            {written(run, quantity, value)}
+            {writeValue(run, quantity, value)}
             {quantity === "martensite_fraction" && k === 0 ? " austenite" : ""}
           </span>
         ))}
@@ -38,7 +38,7 @@ export function Legend({ run, quantity }: { run: Run; quantity: Quantity }) {
 /** One element at the cursor, in words. */
 export function told(run: Run, port: string, time: number, slack: boolean): string {
   const both: Quantity[] = ["temperature", "martensite_fraction"];
-  const values = both.map((one) => `${one === "temperature" ? "" : "ξ "}${written(run, one, valueOf(run, port, one, time))}`);
+  const values = both.map((one) => `${one === "temperature" ? "" : "ξ "}${writeValue(run, one, valueOf(run, port, one, time))}`);
   return [...values, ...(slack ? ["slack"] : [])].join(", ");
 }
 

@@ -49,7 +49,7 @@ function makeWeight(): BufferGeometry {
 }
 
 /** Put something that reaches from -1/2 to 1/2 along y between two points, so thick. */
-export function stretch(mesh: Mesh, first: Vector3, last: Vector3, radius: number): void {
+export function stretchBar(mesh: Mesh, first: Vector3, last: Vector3, radius: number): void {
   const way = last.clone().sub(first);
   const length = way.length();
   mesh.visible = length > 1e-9;
@@ -59,9 +59,9 @@ export function stretch(mesh: Mesh, first: Vector3, last: Vector3, radius: numbe
 }
 
 /** A direction at a right angle to an axis: to the right, if that is one. */
-export function across(axis: Vector3): Vector3 {
+export function findNormal(axis: Vector3): Vector3 {
   const right = Math.abs(axis.x) < 0.9 ? new Vector3(1, 0, 0) : new Vector3(0, 0, 1);
   return right.addScaledVector(axis, -right.dot(axis)).normalize();
 }
 
-export const part = (geometry: BufferGeometry, material: Material): Mesh => new Mesh(geometry, material);
+export const makeMesh = (geometry: BufferGeometry, material: Material): Mesh => new Mesh(geometry, material);

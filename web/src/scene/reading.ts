@@ -3,7 +3,7 @@
 import { digits, toShown } from "../lib/numbers.ts";
 import type { Palette } from "../lib/theme.ts";
 import type { Kind, Run, Shape } from "../lib/types.ts";
-import { written } from "./legend.tsx";
+import { writeValue } from "./legend.tsx";
 import { valueAt, type Motion } from "./motion.ts";
 import type { Colours } from "./materials.ts";
 import type { Reading } from "./stage.ts";
@@ -17,7 +17,7 @@ const WHAT: Record<Kind, string> = {
 };
 
 /** Colours of the page for the stage. */
-export function painted(p: Palette): Colours {
+export function choosePaints(p: Palette): Colours {
   const [, , spring = p.soft, rotor = p.accent, , weight = p.soft] = p.curves;
   return { back: p.panel, ink: p.ink, soft: p.soft, line: p.line, spring, weight, rotor, accent: p.accent };
 }
@@ -50,16 +50,16 @@ function words(now: Run, shape: Shape, time: number, motion: Motion, extent: num
     return [name, shape.kind === name ? "" : WHAT[shape.kind] ?? "", known].filter((line, k) => k === 0 || line);
   }
   const columns = now.scene.ports[shape.port];
-  const value = (quantity: Quantity): string => written(now, quantity, valueOf(now, shape.port as string, quantity, time));
+  const value = (quantity: Quantity): string => writeValue(now, quantity, valueOf(now, shape.port as string, quantity, time));
   const pull = (quantity: "force" | "stress"): string =>
-    columns?.[quantity] ? written(now, quantity, valueAt(now.times, now.columns[columns[quantity]], time)) : "";
+    columns?.[quantity] ? writeValue(now, quantity, valueAt(now.times, now.columns[columns[quantity]], time)) : "";
   const slack = motion.slack(shape.port, time) ? "slack" : "";
   const state = [value("temperature"), `ξ ${value("martensite_fraction")}`, pull("force"), slack].filter(Boolean).join(", ");
   return [name, [shape.coil ? "shape-memory coil" : WHAT.wire, thickness(shape, extent)].filter(Boolean).join(", "), state];
 }
 
 /** By time, what is read of a run; elements are coloured by a quantity. */
-export function reader(now: Run, quantity: Quantity, motion: Motion): (time: number) => Reading {
+export function makeReader(now: Run, quantity: Quantity, motion: Motion): (time: number) => Reading {
   const range = span(now, quantity);
   const columns = Object.values(now.scene.ports).map(({ force }) => now.columns[force] ?? []);
   const most = columns.reduce((found, column) => column.reduce((a, b) => Math.max(a, b), found), 0);

@@ -5,7 +5,7 @@ import type { Palette } from "../lib/theme.ts";
 import type { Run } from "../lib/types.ts";
 import type { Asked } from "./gif.worker.ts";
 import { paintWords } from "./labels.ts";
-import { painted } from "./reading.ts";
+import { choosePaints } from "./reading.ts";
 import { Stage, type Reading } from "./stage.ts";
 
 export type Taken = "gif" | "video" | "glb";
@@ -56,7 +56,7 @@ class Painter {
     Object.assign(this.host.style, { position: "fixed", left: "-9999px", width: `${width / scale}px`, height: `${height / scale}px` });
     document.body.append(this.host);
     this.stage = new Stage(this.host, fine * scale);
-    this.stage.paint(painted(asked.palette));
+    this.stage.paint(choosePaints(asked.palette));
     this.stage.show(asked.run.scene, asked.ghost?.scene ?? null, asked.whole);
     this.stage.follow(asked.stage);
   }

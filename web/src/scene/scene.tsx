@@ -10,7 +10,7 @@ import { Message } from "../ui/message.tsx";
 import { findCuts } from "./cuts.ts";
 import { Legend, told, Values } from "./legend.tsx";
 import { Motion, valueAt } from "./motion.ts";
-import { painted, reader } from "./reading.ts";
+import { choosePaints, makeReader } from "./reading.ts";
 import { toggle } from "./playing.ts";
 import { Saving } from "./saving.tsx";
 import { Side } from "./side.tsx";
@@ -56,7 +56,7 @@ function Shown({ now }: { now: Run }) {
   const quantity = useSignal<Quantity>("temperature");
   const flat = useSignal(!hasWebGLOnce());
   const motion = useMemo(() => new Motion(now.scene), [now]);
-  const read = useMemo(() => reader(now, quantity.value, motion), [now, quantity.value]);
+  const read = useMemo(() => makeReader(now, quantity.value, motion), [now, quantity.value]);
   const broken = useMemo(() => findCuts([now.scene]).length > 0, [now]);
   const whole = useSignal(false);
   const stage = useRef<Stage | null>(null);
@@ -149,7 +149,7 @@ function Space(props: PictureProps & { stage: { current: Stage | null }; whole: 
   const ghost = ghostOf(now);
   useEffect(() => stage.current?.show(now.scene, ghost?.scene, whole), [now, ghost, whole, ready.value]);
   useEffect(() => {
-    return palette.subscribe((p) => stage.current?.paint(painted(p)));
+    return palette.subscribe((p) => stage.current?.paint(choosePaints(p)));
   }, [ready.value]);
   useEffect(() => {
     const leave = cursor.subscribe((time) => {

@@ -10,7 +10,7 @@ const ROUNDED = 0.14;
 const BEYOND = 0.09;
 
 /** A plate: made anew only if its sides get longer, moved as a whole otherwise. */
-export function plate(material: Material): Body {
+export function makePlate(material: Material): Body {
   const mesh = new Mesh(new BufferGeometry(), material);
   mesh.matrixAutoUpdate = false;
   let made = "";
@@ -64,7 +64,7 @@ function prism(points: Vector3[], half: number): BufferGeometry {
 const [WIDE, THICK] = [7, 0.9];
 
 /** A flat strip through its points, wide along y. */
-export function strip(shape: Shape, material: Material): Body {
+export function makeStrip(shape: Shape, material: Material): Body {
   const n = shape.count;
   const geometry = new BufferGeometry();
   // four faces, each with corners of its own, so that edges are sharp

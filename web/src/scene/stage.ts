@@ -7,11 +7,11 @@ import {
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { SceneData, Shape } from "../lib/types.ts";
 import { Arrows } from "./arrows.ts";
-import { place, type Spot } from "./camera.ts";
+import { placeCamera, type Spot } from "./camera.ts";
 import { Cast } from "./cast.ts";
 import { findCuts, type Cut } from "./cuts.ts";
 import { Ground } from "./ground.ts";
-import { arrange, Labels, type Written } from "./labels.ts";
+import { arrangeLabels, Labels, type Written } from "./labels.ts";
 import { Materials, type Colours } from "./materials.ts";
 import { round, type Motion } from "./motion.ts";
 import { Picker, Pointer, type Grabbing } from "./pick.ts";
@@ -184,7 +184,7 @@ export class Stage {
     // what is as deep as it is wide is seen from its corner
     const deep = high[1] - low[1] > 0.3 * (high[0] - low[0]);
     const eye = view === "free" && deep ? CORNER : EYES[view];
-    const target = place(this.camera, this.spots, new Vector3(...eye).normalize(), ROOM, extent);
+    const target = placeCamera(this.camera, this.spots, new Vector3(...eye).normalize(), ROOM, extent);
     this.controls.target.copy(target);
     this.controls.minDistance = 0.1 * extent;
     this.controls.maxDistance = 12 * extent;
@@ -234,7 +234,7 @@ export class Stage {
     if (!hurried || performance.now() - this.shaded > SHADOW) this.castShadow();
     this.renderer.render(this.world, this.camera);
     const { clientWidth: width, clientHeight: height } = this.host;
-    return { canvas: this.renderer.domElement, words: arrange([...wordsOf(this.cast, this.reading, this.pointer.hover, this.named), ...shown], this.camera, width, height) };
+    return { canvas: this.renderer.domElement, words: arrangeLabels([...wordsOf(this.cast, this.reading, this.pointer.hover, this.named), ...shown], this.camera, width, height) };
   }
 
   private castShadow(): void {

@@ -3,7 +3,7 @@
 import { Group, Vector3, type Material } from "three";
 import type { Shape } from "../lib/types.ts";
 import type { Body, Pose } from "./bodies.ts";
-import { part, ROUND, stretch } from "./parts.ts";
+import { makeMesh, ROUND, stretchBar } from "./parts.ts";
 import { Tube, windHelix } from "./tube.ts";
 
 /** Least radius of a line, as a share of the picture. */
@@ -16,9 +16,9 @@ const PER_TURN = 16;
 /** The radius that a wire is drawn with [m]: its own, or so much that it can be seen. */
 export const drawnRadius = (shape: Shape, extent: number): number => Math.max(0.5 * (shape.diameter ?? 0), THIN.wire * extent);
 
-export function wire(shape: Shape, material: Material, metal: Material): Body {
+export function makeWire(shape: Shape, material: Material, metal: Material): Body {
   const tube = new Tube(shape.count + PIECES - 1, material);
-  const crimps = [part(ROUND, metal), part(ROUND, metal)];
+  const crimps = [makeMesh(ROUND, metal), makeMesh(ROUND, metal)];
   const object = new Group();
   object.add(tube.mesh, ...crimps);
   const row = Array.from({ length: shape.count + PIECES - 1 }, () => new Vector3());
@@ -36,10 +36,10 @@ export function wire(shape: Shape, material: Material, metal: Material): Body {
 }
 
 /** A sleeve on the end of a wire. */
-function crimp(mesh: ReturnType<typeof part> | undefined, end?: Vector3, inner?: Vector3, radius = 0): void {
+function crimp(mesh: ReturnType<typeof makeMesh> | undefined, end?: Vector3, inner?: Vector3, radius = 0): void {
   if (!mesh || !end || !inner) return;
   const length = Math.min(7 * radius, 0.4 * end.distanceTo(inner));
-  stretch(mesh, end, end.clone().lerp(inner, length / (end.distanceTo(inner) || 1)), 2.2 * radius);
+  stretchBar(mesh, end, end.clone().lerp(inner, length / (end.distanceTo(inner) || 1)), 2.2 * radius);
 }
 
 /** The points of a line, its longest part cut into pieces that hang down by a share of its length. */
@@ -64,7 +64,7 @@ function sag(points: Vector3[], share: number, row: Vector3[]): void {
   });
 }
 
-export function thread(shape: Shape, material: Material): Body {
+export function makeThread(shape: Shape, material: Material): Body {
   const tube = new Tube(shape.count, material, 6);
   return {
     object: tube.mesh,
@@ -74,7 +74,7 @@ export function thread(shape: Shape, material: Material): Body {
 }
 
 /** A coil on the last part of a line, a thread on those before it. */
-export function coil(shape: Shape, material: Material, turns: number): Body {
+export function makeCoil(shape: Shape, material: Material, turns: number): Body {
   const leads = shape.count > 2 ? new Tube(shape.count - 1, material, 6) : null;
   const row = Array.from({ length: turns * PER_TURN + 3 }, () => new Vector3());
   const helix = new Tube(row.length, material, 8);

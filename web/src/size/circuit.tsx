@@ -1,6 +1,6 @@
 // The electronics of a wire that was found, drawn: supply, wires in series or parallel, transistor; and what each must bear.
 
-import { digits } from "../lib/numbers.ts";
+import { digits, readComma } from "../lib/numbers.ts";
 import { fields, fileName } from "./state.ts";
 import type { Candidate } from "./types.ts";
 
@@ -32,7 +32,7 @@ function Strands({ found }: { found: Candidate }) {
 /** What to buy for it, in words. */
 function listParts(found: Candidate, supply: string): string[] {
   const { current, voltage, power } = found.drive ?? { current: 0, voltage: 0, power: 0 };
-  const volts = Number.parseFloat(supply.replace(",", "."));
+  const volts = Number.parseFloat(readComma(supply));
   const share = /^[\d.,]+\s*V?$/.test(supply.trim()) && volts >= voltage ? `, which a duty of ${digits(100 * (voltage / volts) ** 2, 2)} % gives, if nothing else limits the current` : "";
   return [
     `Supply: ${supply}, at least ${digits(SPARE * current, 2)} A. The wires take ${digits(voltage, 3)} V and ${digits(current, 3)} A, ${digits(power, 3)} W, while they heat${share}.`,

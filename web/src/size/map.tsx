@@ -2,7 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
-import { digits } from "../lib/numbers.ts";
+import { digits, readComma } from "../lib/numbers.ts";
 import { Message } from "../ui/message.tsx";
 import { beginMap, fields, mapped, mapping, wish } from "./state.ts";
 import type { Cell } from "./types.ts";
@@ -33,9 +33,9 @@ function valueOn(levels: number[], place: number): number {
 const SI: Record<string, number> = { N: 1, mN: 1e-3, kN: 1e3, kgf: 9.80665, m: 1, cm: 1e-2, mm: 1e-3, um: 1e-6, "µm": 1e-6 };
 
 /** A typed quantity in SI; NaN where only the server can read it. */
-function readQuantity(text: string | undefined): number {
-  const found = /^\s*([\d.,]+(?:e[+-]?\d+)?)\s*(\S+)\s*$/i.exec(text ?? "");
-  return found ? Number(found[1]?.replace(",", ".")) * (SI[found[2] ?? ""] ?? NaN) : NaN;
+function convertQuantity(text: string | undefined): number {
+  const found = /^\s*([\d.,]+(?:e[+-]?\d+)?)\s*(\S+)\s*$/i.exec(readComma(text ?? ""));
+  return found ? Number(found[1]) * (SI[found[2] ?? ""] ?? NaN) : NaN;
 }
 
 function nameCell(cell: Cell, axes: Axes): string {
@@ -82,8 +82,8 @@ function Wish({ axes }: { axes: Axes }) {
   const dragged = useSignal<[number, number] | null>(null);
   const host = useRef<SVGGElement>(null);
   const asked: [number, number] = [
-    placeOn(axes.forces, readQuantity(fields.value["force"])),
-    placeOn(axes.strokes, readQuantity(fields.value["stroke"])),
+    placeOn(axes.forces, convertQuantity(fields.value["force"])),
+    placeOn(axes.strokes, convertQuantity(fields.value["stroke"])),
   ];
   const now = dragged.value ?? asked;
   if (!now.every(Number.isFinite)) return null;

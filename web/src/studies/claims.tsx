@@ -3,7 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { digits } from "../lib/numbers.ts";
 import type { Claim, Report, Verdict } from "./types.ts";
-import { counted, describeTally, rank, TallyFilter, VerdictMark } from "./verdict.tsx";
+import { counted, describeTally, rankVerdict, TallyFilter, VerdictMark } from "./verdict.tsx";
 
 type Key = (claim: Claim) => string | number;
 type Order = { column: number; down: boolean } | null;
@@ -88,7 +88,7 @@ export function Claims({ claims }: { claims: Claim[] }) {
   const order = useSignal<Order>(null);
   const rows = claims.filter((claim) => (!verdict.value || claim.verdict === verdict.value) && matches(claim, words.value));
   const key = order.value && COLUMNS[order.value.column]?.[1];
-  rows.sort(key && order.value ? compared(key, order.value.down) : (a, b) => rank(a.verdict) - rank(b.verdict));
+  rows.sort(key && order.value ? compared(key, order.value.down) : (a, b) => rankVerdict(a.verdict) - rankVerdict(b.verdict));
   const count = rows.length === claims.length ? `${claims.length} claims` : `${rows.length} of ${claims.length} claims`;
   return (
     <section class="panel stack claims" aria-label="Claims">

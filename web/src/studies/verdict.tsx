@@ -15,7 +15,7 @@ const known = (verdict: Verdict): [Verdict, string, string] => VERDICTS.find(([n
 const style = (verdict: Verdict): string => `verdict ${verdict.replaceAll(" ", "-")}`;
 
 /** Place of a verdict: what was compared stands before what cannot be. */
-export const rank = (verdict: Verdict): number => VERDICTS.findIndex(([name]) => name === verdict);
+export const rankVerdict = (verdict: Verdict): number => VERDICTS.findIndex(([name]) => name === verdict);
 
 /** What a tally means, in a sentence: only what can be compared can fail. */
 export function describeTally(tally: Tally): string {

@@ -1,7 +1,7 @@
 // What a dragged body changes, by the kind of the mechanism: a number of the document, and how it grows.
 
 import { listNumbers } from "../engine/inputs.ts";
-import { flatten, readToml } from "../engine/toml.ts";
+import { flattenTable, readToml } from "../engine/toml.ts";
 import type { Scenario } from "../engine/types.ts";
 
 export interface Handle {
@@ -41,7 +41,7 @@ export const handleOf = (kind: string): Handle | null => (Object.hasOwn(HANDLES,
 
 /** The kind of the mechanism that a document names. */
 export function kindOf(text: string): string {
-  const found = flatten(readToml(text));
+  const found = flattenTable(readToml(text));
   return (found.get("mechanism.kind") ?? found.get("mechanism") ?? "").replace(/^["']|["']$/g, "");
 }
 
@@ -56,10 +56,10 @@ export function findLoad(scenario: Scenario, text: string, changes: Record<strin
 }
 
 /** Its value after a drag from a value, in a mechanism of a size [m]: across it goes the whole range. */
-export function drag(held: Load, from: number, moved: readonly [number, number, number], extent: number): number {
+export function dragLoad(held: Load, from: number, moved: readonly [number, number, number], extent: number): number {
   const length = Math.hypot(...held.toward);
   const along = held.toward.reduce((sum, part, k) => sum + part * moved[k]!, 0) / length;
-  return clamp(held, from + (along / extent) * (held.high - held.low));
+  return clampLoad(held, from + (along / extent) * (held.high - held.low));
 }
 
-export const clamp = ({ low, high }: Load, value: number): number => Math.min(Math.max(value, low), high);
+export const clampLoad = ({ low, high }: Load, value: number): number => Math.min(Math.max(value, low), high);

@@ -10,7 +10,7 @@ import type { Run } from "../lib/types.ts";
 import { before, cursor, run } from "../state/run.ts";
 import { text } from "../state/scenario.ts";
 import { pause, rate } from "../scene/playing.ts";
-import { clamp, drag, findLoad, type Load } from "./handles.ts";
+import { clampLoad, dragLoad, findLoad, type Load } from "./handles.ts";
 import { findModel, type Model } from "./model.ts";
 import { Recording } from "./recording.ts";
 
@@ -105,7 +105,7 @@ function parametersOf(now: Hand): Record<string, number> {
 let parameters: Record<string, number> = {};
 
 /** Begin, or go on from what was recorded and is still shown. */
-export async function begin(): Promise<void> {
+export async function beginLive(): Promise<void> {
   if (hand.value || preparing.value || !run.value) return;
   pause();
   said.value = "";
@@ -183,7 +183,7 @@ function refuse(now: Hand, words: string, over: boolean): void {
     changed = true;
   }
   turned.value++;
-  if (over) stop();
+  if (over) stopLive();
 }
 
 function draw(now: Hand): void {
@@ -202,7 +202,7 @@ function draw(now: Hand): void {
 const HAND = "Recorded by hand";
 
 /** Stop, and keep what was recorded as the run that is shown. */
-export function stop(): void {
+export function stopLive(): void {
   const now = hand.peek();
   if (!now) return;
   leave();
@@ -246,14 +246,14 @@ effect(() => {
 // ---------------------------------------------------------------- what is held
 
 /** Give a share of a drive's strength. */
-export function give(k: number, share: number): void {
+export function giveShare(k: number, share: number): void {
   const one = hand.peek()?.drives[k];
   if (!one || one.share === share) return;
   one.share = share;
   turned.value++;
 }
 
-export function strengthen(k: number, strength: number): void {
+export function setStrength(k: number, strength: number): void {
   const one = hand.peek()?.drives[k];
   if (!one) return;
   one.strength = strength;
@@ -263,7 +263,7 @@ export function strengthen(k: number, strength: number): void {
 export function setLoad(value: number): void {
   const load = hand.peek()?.load;
   if (!load) return;
-  load.value = clamp(load, value);
+  load.value = clampLoad(load, value);
   changed = moved = true;
   turned.value++;
 }
@@ -286,7 +286,7 @@ export const grabbing = {
     const scene = run.peek()?.scene;
     if (!load || !scene) return;
     const extent = Math.hypot(...scene.high.map((x, k) => x - scene.low[k]!)) || 1;
-    setLoad(drag(load, this.from, point.map((x, k) => x - this.at[k]!) as [number, number, number], extent));
+    setLoad(dragLoad(load, this.from, point.map((x, k) => x - this.at[k]!) as [number, number, number], extent));
   },
   onRelease: (): void => undefined,
 };
@@ -308,7 +308,7 @@ const FAR = 30;
 const HIGH = 240;
 
 export const pullAt = (pull: Pull | null): void => {
-  if (!pull && held) give(held.drive, 0);
+  if (!pull && held) giveShare(held.drive, 0);
   held = pull;
 };
 
@@ -318,7 +318,7 @@ function pull(now: Hand, seconds: number): void {
   const box = held.dot.getBoundingClientRect();
   const right = held.x - (box.left + box.width / 2);
   const above = box.top + box.height / 2 - held.y;
-  give(held.drive, Math.min(Math.max(right / FAR, 0), 1));
+  giveShare(held.drive, Math.min(Math.max(right / FAR, 0), 1));
   const { load } = now;
   if (load && Math.abs(above) > 3) setLoad(load.value + (load.loads * above * seconds * (load.high - load.low)) / HIGH);
 }

@@ -5,7 +5,7 @@ import { digits, toShown } from "../lib/numbers.ts";
 import { printed } from "../plots/drawn.ts";
 import { Message } from "../ui/message.tsx";
 import type { Load } from "./handles.ts";
-import { begin, give, hand, preparing, said, setLoad, stop, strengthen, turned, type Source } from "./live.ts";
+import { beginLive, giveShare, hand, preparing, said, setLoad, stopLive, setStrength, turned, type Source } from "./live.ts";
 
 /** A hundred places are enough for a slider. */
 const PLACES = 100;
@@ -16,7 +16,7 @@ export function LiveButton() {
   const title = on ? "Pause: what was recorded stays as a run, to pin and to save" : "Run forward by hand: hold the heat, drag the load, see the loop grow";
   return (
     <>
-      <button type="button" class={`live-button ${on ? "main" : ""}`} aria-pressed={on} title={title} disabled={preparing.value} onClick={() => (on ? stop() : void begin())}>
+      <button type="button" class={`live-button ${on ? "main" : ""}`} aria-pressed={on} title={title} disabled={preparing.value} onClick={() => (on ? stopLive() : void beginLive())}>
         {on ? "Pause" : preparing.value ? "Preparing …" : "Live"}
       </button>
       {!on && said.value && <Message kind="error">{said.value}</Message>}
@@ -32,10 +32,10 @@ function follow(): () => void {
   const key = (event: KeyboardEvent): void => {
     if (event.key.toLowerCase() !== KEY || event.ctrlKey || event.metaKey || event.altKey || inField(event.target)) return;
     event.preventDefault();
-    give(0, event.type === "keydown" ? 1 : 0);
+    giveShare(0, event.type === "keydown" ? 1 : 0);
   };
-  const release = (): void => hand.peek()?.drives.forEach((_, k) => give(k, 0));
-  const hidden = (): void => void (document.hidden && stop());
+  const release = (): void => hand.peek()?.drives.forEach((_, k) => giveShare(k, 0));
+  const hidden = (): void => void (document.hidden && stopLive());
   addEventListener("keydown", key);
   addEventListener("keyup", key);
   addEventListener("blur", release);
@@ -77,14 +77,14 @@ function Drive({ one, k, alone }: { one: Source; k: number; alone: boolean; turn
   const name = drive.port ? (alone ? "Heat" : `Heat ${drive.port.replaceAll("_", " ")}`) : drive.name;
   const press = (event: PointerEvent): void => {
     (event.currentTarget as Element).setPointerCapture(event.pointerId);
-    give(k, 1);
+    giveShare(k, 1);
   };
   const key = (event: KeyboardEvent): void => {
     if (event.key !== " " && event.key !== "Enter") return;
     event.preventDefault();
-    give(k, event.type === "keydown" ? 1 : 0);
+    giveShare(k, event.type === "keydown" ? 1 : 0);
   };
-  const let_go = (): void => give(k, 0);
+  const let_go = (): void => giveShare(k, 0);
   return (
     <div class="live-drive">
       <button
@@ -113,7 +113,7 @@ function Drive({ one, k, alone }: { one: Source; k: number; alone: boolean; turn
           max={most}
           step={most / PLACES}
           value={strength}
-          onInput={(event) => strengthen(k, event.currentTarget.valueAsNumber)}
+          onInput={(event) => setStrength(k, event.currentTarget.valueAsNumber)}
         />
       </label>
     </div>

@@ -3,7 +3,7 @@
 import { changeDocument, readToml, Written, writeToml } from "../engine/toml.ts";
 import type { RunCore, Scenario } from "../engine/types.ts";
 import type { Run, SceneData } from "../lib/types.ts";
-import { chooseRows, listStretches, pick } from "../views/columns.ts";
+import { chooseRows, listStretches, pickRows } from "../views/columns.ts";
 import { describePhase } from "../views/diagrams.ts";
 import { drawScene } from "../views/drawing.ts";
 import { describeRun } from "../views/run.ts";
@@ -64,11 +64,11 @@ export class Recording {
   draw(parameters: Record<string, number>): Run {
     const { scenario, before } = this;
     const rows = chooseRows(this.times.length, DRAWN);
-    const columns = Object.fromEntries(scenario.names.slice(0, scenario.columns).map((name, k) => [name, pick(this.samples[k]!, rows)]));
+    const columns = Object.fromEntries(scenario.names.slice(0, scenario.columns).map((name, k) => [name, pickRows(this.samples[k]!, rows)]));
     const temperature = (port: string): string => (scenario.views.elements.prefixed ? `${port}.temperature` : "temperature");
     return {
       ...before,
-      times: pick(this.times, rows),
+      times: pickRows(this.times, rows),
       columns,
       stretches: Object.fromEntries(scenario.ports.map((port) => [port, listStretches(columns[temperature(port)]!)])),
       phase: describePhase(columns, parameters, scenario.views),
@@ -82,8 +82,8 @@ export class Recording {
   private drawScene(parameters: Record<string, number>): SceneData {
     const { scenario, times } = this;
     const last = [Math.max(times.length - 2, 0), times.length - 1];
-    const columns = Object.fromEntries(scenario.names.slice(0, scenario.columns).map((name, k) => [name, pick(this.samples[k]!, last)]));
-    const scene = drawScene(pick(times, last), columns, parameters, scenario.views);
+    const columns = Object.fromEntries(scenario.names.slice(0, scenario.columns).map((name, k) => [name, pickRows(this.samples[k]!, last)]));
+    const scene = drawScene(pickRows(times, last), columns, parameters, scenario.views);
     const { low, high } = this.bounds;
     const outer = (own: number[], known: number[], bound: (a: number, b: number) => number) => own.map((x, k) => bound(x, known[k]!)) as [number, number, number];
     this.bounds = { low: outer(scene.low, low, Math.min), high: outer(scene.high, high, Math.max) };

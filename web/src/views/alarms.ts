@@ -2,7 +2,7 @@
 
 import type { Alarm, Output } from "../lib/types.ts";
 import { farthestChanges, findExcursion, findSpans, limitSpans, type Excursion, type Numbers, type Span } from "./excursions.ts";
-import { Computed, fill, general, type Columns, type Values } from "./formulas.ts";
+import { Computed, fillRow, formatGeneral, type Columns, type Values } from "./formulas.ts";
 import type { PortRows, Views } from "./types.ts";
 
 const ROUNDING = 1e-9;
@@ -72,8 +72,8 @@ function judgePort(run: Run, port: string, at: PortRows, known: Computed): Judge
   return found.filter((one) => one !== null);
 }
 
-const words = (when: Excursion): string => `first at t = ${general(when.first, 4)} s, for ${general(when.duration, 3)} s in all`;
-const differences = (values: Numbers, limit: number): Float64Array => fill(values.length, (k) => values[k]! - limit);
+const words = (when: Excursion): string => `first at t = ${formatGeneral(when.first, 4)} s, for ${formatGeneral(when.duration, 3)} s in all`;
+const differences = (values: Numbers, limit: number): Float64Array => fillRow(values.length, (k) => values[k]! - limit);
 
 function make(times: Numbers, when: Excursion, kind: string, quantity: string, unit: string, worst: number, limit: number, sentence: string): Found {
   return {
@@ -87,7 +87,7 @@ function watchAbove(times: Numbers, values: Numbers, column: string, kind: "temp
   const when = findExcursion(times, margins);
   if (!when) return null;
   const worst = values[when.worst]!;
-  const told = (value: number): string => `${general((value - zero) / scale, 4)} ${shown}`;
+  const told = (value: number): string => `${formatGeneral((value - zero) / scale, 4)} ${shown}`;
   const sentence = `Warning: ${kind} reaches ${told(worst)}, above the \`${kind}_limit\` of ${told(limit)}, ${words(when)}.`;
   const [quantity, unit] = kind === "stress" ? ["stress", "Pa"] : ["hottest", "K"];
   return { alarm: make(times, when, kind, quantity!, unit!, worst, limit, sentence), column, margins, level: limit };
@@ -99,7 +99,7 @@ function watchStrain(times: Numbers, strain: Numbers, column: string, limit: num
   const when = findExcursion(times, margins);
   if (!when) return null;
   const worst = changes[when.worst]!;
-  const told = (value: number): string => `${general(100 * value, 3)} %`;
+  const told = (value: number): string => `${formatGeneral(100 * value, 3)} %`;
   const sentence = `Warning: strain varies by ${told(worst)}, more than the \`strain_limit\` of ${told(limit)}, ${words(when)}.`;
   return { alarm: make(times, when, "strain", "strain", "1", worst, limit, sentence), column, margins, level: null };
 }
@@ -120,15 +120,15 @@ function watchSlack(times: Numbers, force: Numbers, column: string): Judged | nu
 /** A source that is asked for what it cannot deliver. */
 function watchSource(times: Numbers, drive: Numbers, column: string, at: PortRows, known: Computed): Judged | null {
   const [least, most] = at.reach;
-  const margins = fill(drive.length, (k) => Math.max(drive[k]! - known.at(most, k), known.at(least, k) - drive[k]!) - ROUNDING * Math.abs(drive[k]!));
+  const margins = fillRow(drive.length, (k) => Math.max(drive[k]! - known.at(most, k), known.at(least, k) - drive[k]!) - ROUNDING * Math.abs(drive[k]!));
   const when = findExcursion(times, margins);
   if (!when) return null;
   const worst = drive[when.worst]!;
   const limit = Math.min(Math.max(worst, known.at(least, when.worst)), known.at(most, when.worst));
   const unit = at.unit === "1" ? "" : ` ${at.unit}`;
   const sentence =
-    `Warning: the drive \`${at.source}\` cannot deliver what is demanded, at t = ${general(times[when.worst]!, 4)} s only ` +
-    `${general(limit, 4)}${unit} of ${general(worst, 4)}${unit}, ${words(when)}.`;
+    `Warning: the drive \`${at.source}\` cannot deliver what is demanded, at t = ${formatGeneral(times[when.worst]!, 4)} s only ` +
+    `${formatGeneral(limit, 4)}${unit} of ${formatGeneral(worst, 4)}${unit}, ${words(when)}.`;
   return { alarm: make(times, when, "supply", "drive", at.unit, worst, limit, sentence), column, margins, level: null };
 }
 
@@ -138,8 +138,8 @@ function watchSupply(run: Run, limit: number): Judged | null {
   if (!when) return null;
   const worst = demand[when.worst]!;
   const sentence =
-    `Warning: the sources ask the supply for ${general(worst, 4)} A at t = ${general(run.times[when.worst]!, 4)} s, more than its ` +
-    `\`current_limit\` of ${general(limit, 4)} A; its voltage falls to ${general(run.columns["supply_voltage"]![when.worst]!, 4)} V, ${words(when)}.`;
+    `Warning: the sources ask the supply for ${formatGeneral(worst, 4)} A at t = ${formatGeneral(run.times[when.worst]!, 4)} s, more than its ` +
+    `\`current_limit\` of ${formatGeneral(limit, 4)} A; its voltage falls to ${formatGeneral(run.columns["supply_voltage"]![when.worst]!, 4)} V, ${words(when)}.`;
   const alarm = make(run.times, when, "rig", "supply_demand", "A", worst, limit, sentence);
   return { alarm, column: "supply_demand", margins: differences(demand, limit), level: null };
 }
@@ -152,10 +152,10 @@ function watchFirstCycle(run: Run, name: (output: string) => string, alone: bool
   if (at === null) return null;
   const [start, share] = [oriented[0]! / fraction[0]!, oriented[at]! / fraction[at]!];
   if (Math.abs(share - start) <= DRIFT) return null;
-  const percent = (value: number): string => `${general(100 * value, 3)} %`;
+  const percent = (value: number): string => `${formatGeneral(100 * value, 3)} %`;
   const sentence =
     `Warning: the first cycle drifts: ${percent(start)} of the martensite is oriented at the start (strain ${percent(strain[0]!)}), ` +
-    `${percent(share)} at t = ${general(times[at]!, 4)} s (strain ${percent(strain[at]!)}); judge by later cycles.`;
+    `${percent(share)} at t = ${formatGeneral(times[at]!, 4)} s (strain ${percent(strain[at]!)}); judge by later cycles.`;
   const when = { first: times[at]!, duration: times[times.length - 1]! - times[at]!, worst: at };
   const alarm = make(times, when, "drift", "oriented_fraction", "1", share, start, sentence);
   return { alarm, column: name("oriented_fraction"), margins: differences(oriented, start), level: null };
@@ -198,7 +198,7 @@ function listSupervised(run: Run, warnings: string[]): Alarm[] {
   if (!spans.length) return [];
   const first = spans[0]![0];
   const duration = spans.reduce((sum, [from, to]) => sum + (to - from), 0);
-  const said = `Warning: the supervisor raised its alarm, first at t = ${general(first, 4)} s, for ${general(duration, 3)} s in all.`;
+  const said = `Warning: the supervisor raised its alarm, first at t = ${formatGeneral(first, 4)} s, for ${formatGeneral(duration, 3)} s in all.`;
   return [
     {
       kind: "supervisor", quantity: guard.column, unit: "1", worst: 1, limit: 0, excess: 1, first, duration, worst_time: first, port: "",

@@ -20,7 +20,7 @@ export function chooseRows(count: number, most = MOST_ROWS): number[] {
   return Array.from({ length: most }, (_, k) => roundHalfEven((k * (count - 1)) / (most - 1)));
 }
 
-export const pick = (column: Numbers, rows: number[]): number[] => rows.map((k) => column[k]!);
+export const pickRows = (column: Numbers, rows: number[]): number[] => rows.map((k) => column[k]!);
 
 export const highest = (column: Numbers): number => {
   let found = -Infinity;

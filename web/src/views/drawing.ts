@@ -1,7 +1,7 @@
 // The mechanism in space over time, from the formulas of its drawing.
 
 import type { SceneData, Shape } from "../lib/types.ts";
-import { chooseRows, highest, lowest, pick } from "./columns.ts";
+import { chooseRows, highest, lowest, pickRows } from "./columns.ts";
 import type { Numbers } from "./excursions.ts";
 import { Computed, roundHalfEven, type Columns, type Value, type Values } from "./formulas.ts";
 import type { ShapeRows, Views } from "./types.ts";
@@ -35,7 +35,7 @@ export function drawScene(times: Numbers, columns: Columns, parameters: Values, 
   const picture = (values: Value[], k: number): number[] => values.map((value) => (typeof value === "number" ? value : value[k]!));
   return {
     shapes: shapes.map((shape, k) => describeShape(known, shape, still[k] ? shape.points.flat().map((row) => place(known.one(row))) : null)),
-    times: pick(times, rows),
+    times: pickRows(times, rows),
     quantum,
     newton: scene.newton,
     frames: rows.map((_, k) => picture(moving, k).map(place)),

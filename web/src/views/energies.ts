@@ -1,9 +1,9 @@
 // Energies of a run over time; see martensite.design.analysis.energy.
 
 import type { Energy } from "../lib/types.ts";
-import { pick } from "./columns.ts";
+import { pickRows } from "./columns.ts";
 import type { Numbers } from "./excursions.ts";
-import { Computed, fill, type Columns, type Values } from "./formulas.ts";
+import { Computed, fillRow, type Columns, type Values } from "./formulas.ts";
 import type { Views } from "./types.ts";
 
 const PRESCRIBED = "A drive that prescribes the temperature takes whatever energy it needs; there is no balance.";
@@ -42,7 +42,7 @@ export function integrateEnergies(times: Numbers, columns: Columns, parameters: 
     const force = columns[label(views, port, "force")]!;
     const length = one.length === null ? 0 : known.one(one.length);
     const strain = columns[label(views, port, "strain")]!;
-    const way = one.way === null ? fill(strain.length, (k) => -length * strain[k]!) : columns[one.way]!;
+    const way = one.way === null ? fillRow(strain.length, (k) => -length * strain[k]!) : columns[one.way]!;
     const [given, taken] = sumWork(force, way);
     work.forEach((_, k) => {
       work[k]! += given[k]!;
@@ -81,7 +81,7 @@ export function describeEnergy(found: Energies | string, rows: number[]): Energy
   if (typeof found === "string") return { courses: [], efficiency: null, sentence: found };
   const { electrical, lost, work, returned } = found;
   const course = (key: string, symbol: string, long_name: string, shown: string, factor: number, values: Numbers) =>
-    ({ key, symbol, long_name, shown, factor, values: pick(values, rows) });
+    ({ key, symbol, long_name, shown, factor, values: pickRows(values, rows) });
   const courses = [
     course("electrical", "E", "electrical energy in", "J", 1, electrical),
     course("lost", "Q", "heat to the surroundings", "J", 1, lost),

@@ -1,6 +1,6 @@
 // When a margin, linear between samples, is above zero; see martensite.simulate.alarms.
 
-import { fill } from "./formulas.ts";
+import { fillRow } from "./formulas.ts";
 
 export type Numbers = ArrayLike<number>;
 export type Span = [begin: number, end: number];
@@ -60,7 +60,7 @@ export function limitSpans(spans: Span[]): Span[] {
 export function farthestChanges(values: Numbers): Float64Array {
   let low = values[0]!;
   let high = low;
-  return fill(values.length, (k) => {
+  return fillRow(values.length, (k) => {
     const value = values[k]!;
     low = Math.min(low, value);
     high = Math.max(high, value);

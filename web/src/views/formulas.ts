@@ -83,13 +83,13 @@ export class Computed {
     if (kind === "first") return require(columns, of as string, "column")[0]!;
     if (kind === "y") {
       const column = require(columns, of as string, "column");
-      return fill(rows.length, (k) => column[rows[k]!]!);
+      return fillRow(rows.length, (k) => column[rows[k]!]!);
     }
     const apply = operation(kind);
     const given = (row.slice(1) as number[]).map((k) => this.values[k]!);
     if (given.every((one) => typeof one === "number")) return apply(given[0]!, given[1]!, given[2]!);
     const [a, b = a, c = a] = given.map((one) => (typeof one === "number" ? new Float64Array(rows.length).fill(one) : one));
-    return fill(rows.length, (k) => apply(a![k]!, b![k]!, c![k]!));
+    return fillRow(rows.length, (k) => apply(a![k]!, b![k]!, c![k]!));
   }
 
   /** Whether all choices come out as they were recorded. */
@@ -117,12 +117,12 @@ export class Computed {
 
   /** A text with its numbers written in. */
   write(text: string): string {
-    return text.replace(/\x02(\d+):\.(\d+)g\x03/g, (_, row, digits) => general(this.one(Number(row)), Number(digits)));
+    return text.replace(/\x02(\d+):\.(\d+)g\x03/g, (_, row, digits) => formatGeneral(this.one(Number(row)), Number(digits)));
   }
 }
 
 /** Numbers by their place. */
-export function fill(count: number, value: (k: number) => number): Float64Array {
+export function fillRow(count: number, value: (k: number) => number): Float64Array {
   const found = new Float64Array(count);
   for (let k = 0; k < count; k++) found[k] = value(k);
   return found;
@@ -139,7 +139,7 @@ function require<T>(table: Record<string, T>, name: string, kind: string): T {
 export const roundHalfEven = nearest;
 
 /** A number as Python writes it with the format `.{digits}g`. */
-export function general(value: number, digits: number): string {
+export function formatGeneral(value: number, digits: number): string {
   if (!Number.isFinite(value)) return Number.isNaN(value) ? "nan" : value > 0 ? "inf" : "-inf";
   if (value === 0) return Object.is(value, -0) ? "-0" : "0";
   const [mantissa = "", power = "0"] = roundDecimal(value, digits).split("e");

@@ -2,7 +2,7 @@
 
 import { difference, digits, toShown } from "../lib/numbers.ts";
 import type { Run } from "../lib/types.ts";
-import { cycleOf, deviation, energyOf, howOf, peakOf, travel } from "./results.ts";
+import { cycleOf, measureDeviation, energyOf, howOf, peakOf, measureTravel } from "./results.ts";
 
 const PRINTED: Record<string, string> = { degC: "°C", deg: "°" };
 const printed = (unit: string): string => PRINTED[unit] ?? unit;
@@ -33,10 +33,10 @@ export interface Insight {
 /** What takes the time of this run; null where nothing is heated. */
 export function insightOf(run: Run): Insight | null {
   if (energyOf(run) === null) return null;
-  const error = deviation(run);
+  const error = measureDeviation(run);
   if (error) return ofLoop(run, error);
   const cycle = cycleOf(run);
-  if (!cycle && travel(run)) return null;
+  if (!cycle && measureTravel(run)) return null;
   if (!cycle || cycle.up === null) return { aim: "motion", sentence: `It hardly moves: the wire gets ${hottest(run)} hot, and that does not transform it far.` };
   const { up, down, wait } = cycle;
   if (cycle.isOfCurve) return ofSeveral(run, up, down);
@@ -62,8 +62,8 @@ function ofLoop(run: Run, { rms, cooling }: { rms: number; cooling: number }): I
 }
 
 /** Time or error that is judged [SI]; null if the run does not show it. */
-export function judged(run: Run, aim: Aim): number | null {
-  if (aim === "error") return deviation(run)?.rms ?? null;
+export function findJudged(run: Run, aim: Aim): number | null {
+  if (aim === "error") return measureDeviation(run)?.rms ?? null;
   if (aim === "motion") return run.stroke;
   const cycle = cycleOf(run);
   if (!cycle) return null;
@@ -72,8 +72,8 @@ export function judged(run: Run, aim: Aim): number | null {
 }
 
 /** What a remedy brings, told from a run of it; empty if it brings nothing. */
-export function promise(before: Run, after: Run, aim: Aim, words: string, wires = 1): string {
-  const [then, now] = [judged(before, aim), judged(after, aim)];
+export function writePromise(before: Run, after: Run, aim: Aim, words: string, wires = 1): string {
+  const [then, now] = [findJudged(before, aim), findJudged(after, aim)];
   if (now === null) return "";
   if (aim === "return") return `With ${words}, it comes back in about ${seconds(now)}.`;
   if (then === null || then === 0) return "";

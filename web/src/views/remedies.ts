@@ -47,7 +47,7 @@ export function entriesOf(sections: GroupNode[]): Entries {
 const HEAT_UNITS = ["W", "A", "V"];
 
 /** Numbers of the drive's waveform that say how strongly it heats. */
-export function heats(entries: Entries): (NumberNode | RowNode)[] {
+export function listHeats(entries: Entries): (NumberNode | RowNode)[] {
   const isHeat = (path: string): boolean => path.startsWith("drive.waveform.");
   const numbers = [...entries.numbers.values()].filter((node) => isHeat(node.path) && node.value !== null && HEAT_UNITS.includes(node.unit ?? ""));
   const strong = numbers.filter((node) => node.value !== 0);
@@ -93,11 +93,11 @@ function thinner(entries: Entries): Remedy | null {
       if (node?.value) made[node.path] = scaled(node, factor);
     };
     shared.forEach((name) => take(entries.numbers.get(`mechanism.${name}`), 0.25));
-    for (const node of heats(entries)) made[node.path] = scaled(node, DRIVEN[unitOf(node)]?.(share) ?? 1);
+    for (const node of listHeats(entries)) made[node.path] = scaled(node, DRIVEN[unitOf(node)]?.(share) ?? 1);
     for (const part of ["drive", "driver"]) SERIES.forEach((name) => take(entries.numbers.get(`${part}.${name}`), 4));
     return made;
   };
-  const isDriven = heats(entries).length > 0;
+  const isDriven = listHeats(entries).length > 0;
   return {
     key: "thinner", words: `four wires of half the diameter side by side${isDriven ? ", heated as hot" : ""}`, changes, share: isDriven ? 0.5 : null, wires: 4,
     about: "The same section and stress with twice the surface. It is run as one of the four, with a quarter of the load.",
@@ -119,7 +119,7 @@ function blown(entries: Entries, off: number | null): Remedy | null {
 }
 
 function warmer(entries: Entries, factor: number): Remedy | null {
-  const nodes = heats(entries);
+  const nodes = listHeats(entries);
   if (!nodes.length) return null;
   const size = `${Math.abs(100 * (factor - 1)).toFixed(0)} %`;
   const word = { W: "power", A: "current", V: "voltage" }[unitOf(nodes[0]!)] ?? "drive";

@@ -62,7 +62,7 @@ export function peakOf(run: Run, name: string): number | null {
 }
 
 /** Way of the coordinate from where it begins, as a share of the largest; null if it stays. */
-export function travel(run: Run): Float64Array | null {
+export function measureTravel(run: Run): Float64Array | null {
   const x = run.columns[run.coordinate];
   if (!x?.length) return null;
   let far = 0;
@@ -71,7 +71,7 @@ export function travel(run: Run): Float64Array | null {
 }
 
 /** Time at which a column goes through a level, upwards or downwards, after a row; null if it does not. */
-export function crossing(times: Column, y: Column, level: number, sense: 1 | -1, from = 0): number | null {
+export function findCrossing(times: Column, y: Column, level: number, sense: 1 | -1, from = 0): number | null {
   for (let k = Math.max(from, 1); k < y.length; k++) {
     const [a, b] = [y[k - 1]!, y[k]!];
     if (sense * (b - level) >= 0 && sense * (a - level) < 0) return times[k - 1]! + ((level - a) / (b - a)) * (times[k]! - times[k - 1]!);
@@ -119,11 +119,11 @@ const rowAfter = (times: Column, time: number): number => {
 
 /** How long the mechanism takes out and back; null if it does not move, or shakes. */
 export function cycleOf(run: Run): Cycle | null {
-  const y = travel(run);
+  const y = measureTravel(run);
   const count = y ? countOf(y) : 0;
   if (!y || count > SHAKES) return null;
-  const there = crossing(run.times, y, MOST, 1);
-  const alone = run.ports.length < 2 && !tracked(run);
+  const there = findCrossing(run.times, y, MOST, 1);
+  const alone = run.ports.length < 2 && !findTracked(run);
   return (alone && there !== null && byHeat(run, y, there, count)) || byCurve(run, y, there, count);
 }
 
@@ -134,12 +134,12 @@ function byHeat(run: Run, y: Column, there: number, count: number): Cycle | null
   const begun = spansOf(times, power, HALF * power.reduce((a, b) => Math.max(a, b), 0)).filter(([begin]) => begin < there).at(-1);
   if (!begun) return null;
   const row = rowAfter(times, there);
-  const left = crossing(times, y, MOST, -1, row);
+  const left = findCrossing(times, y, MOST, -1, row);
   const held = power.slice(row, left === null ? undefined : rowAfter(times, left));
   const level = held.length ? (HALF * held.reduce((a, b) => a + b, 0)) / held.length : 0;
   const until = spansOf(times, power, level).filter(([begin]) => begin < (left ?? Infinity) && begin <= Math.max(there, begun[0])).at(-1)?.[1] ?? null;
   const off = until !== null && until < times.at(-1)! - NOTHING ? until : null;
-  const back = off === null ? null : crossing(times, y, LEAST, -1, Math.max(row, 1));
+  const back = off === null ? null : findCrossing(times, y, LEAST, -1, Math.max(row, 1));
   const up = there - begun[0];
   if (off === null || back === null || back < off) return { up, down: null, wait: null, off, isOfCurve: false, count };
   return { up, down: back - off, wait: left === null ? null : Math.max(left - off, 0), off, isOfCurve: false, count };
@@ -147,9 +147,9 @@ function byHeat(run: Run, y: Column, there: number, count: number): Cycle | null
 
 /** Times from 10 % to 90 % and back. */
 function byCurve({ times }: Run, y: Column, there: number | null, count: number): Cycle {
-  const begun = crossing(times, y, LEAST, 1);
-  const left = there === null ? null : crossing(times, y, MOST, -1, rowAfter(times, there));
-  const back = left === null ? null : crossing(times, y, LEAST, -1, rowAfter(times, left));
+  const begun = findCrossing(times, y, LEAST, 1);
+  const left = there === null ? null : findCrossing(times, y, MOST, -1, rowAfter(times, there));
+  const back = left === null ? null : findCrossing(times, y, LEAST, -1, rowAfter(times, left));
   return {
     up: there === null || begun === null || there < begun ? null : there - begun,
     down: back === null || left === null ? null : back - left,
@@ -158,16 +158,16 @@ function byCurve({ times }: Run, y: Column, there: number | null, count: number)
 }
 
 /** The position that a controller should hold, if the run has one of the coordinate's unit. */
-export function tracked(run: Run): { reference: Column; actual: Column } | null {
+export function findTracked(run: Run): { reference: Column; actual: Column } | null {
   const [reference, actual] = [run.columns["reference"], run.columns[run.coordinate]];
   const same = run.outputs["reference"]?.unit === run.outputs[run.coordinate]?.unit;
   return reference && actual && same ? { reference, actual } : null;
 }
 
 /** Deviation from the reference: its root mean square [SI], and the share of its square that arises while it must cool. */
-export function deviation(run: Run): { rms: number; cooling: number } | null {
-  const both = tracked(run);
-  const y = travel(run);
+export function measureDeviation(run: Run): { rms: number; cooling: number } | null {
+  const both = findTracked(run);
+  const y = measureTravel(run);
   const x = run.columns[run.coordinate];
   if (!both || !y || !x) return null;
   let [sum, cooling, time] = [0, 0, 0];
@@ -197,7 +197,7 @@ function motions(run: Run): Measure[] {
   const how = run.outputs[run.coordinate];
   if (!how) return [];
   const cycle = cycleOf(run);
-  const error = deviation(run);
+  const error = measureDeviation(run);
   const own = { shown: how.shown, factor: how.factor, offset: 0 };
   const found: Measure[] = [
     { key: "stroke", name: "Stroke", value: run.stroke, how: own, about: `Range of the ${how.long_name}`, better: 1 },
@@ -230,8 +230,8 @@ function peaks(run: Run): Measure[] {
 function energies(run: Run): Measure[] {
   const total = energyOf(run);
   if (total === null) return [];
-  const count = deviation(run) ? 1 : (cycleOf(run)?.count ?? 1) || 1;
-  const came = cycleOf(run)?.down != null && !deviation(run);
+  const count = measureDeviation(run) ? 1 : (cycleOf(run)?.count ?? 1) || 1;
+  const came = cycleOf(run)?.down != null && !measureDeviation(run);
   const value = total / count;
   const share = run.energy.efficiency?.at(-1) ?? null;
   return [
@@ -244,7 +244,7 @@ function energies(run: Run): Measure[] {
 }
 
 /** Sentences of a law that begin to matter at a stress: only where the run comes half as far do they concern it. */
-export function concerns(run: Run, sentence: string): boolean {
+export function isConcerned(run: Run, sentence: string): boolean {
   const level = /above ([\d.e+]+) MPa/.exec(sentence)?.[1];
   const peak = peakOf(run, "stress");
   return level === undefined || peak === null || 2e-6 * peak >= Number(level);

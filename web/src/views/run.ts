@@ -3,11 +3,11 @@
 import type { RunCore, Scenario } from "../engine/types.ts";
 import type { Alarm, KeyResult, Run } from "../lib/types.ts";
 import { listAlarms } from "./alarms.ts";
-import { chooseRows, dropRepeated, highest, listStretches, lowest, pick } from "./columns.ts";
+import { chooseRows, dropRepeated, highest, listStretches, lowest, pickRows } from "./columns.ts";
 import { describePhase } from "./diagrams.ts";
 import { drawScene } from "./drawing.ts";
 import { describeEnergy, efficiencyAt, integrateEnergies, type Energies } from "./energies.ts";
-import { general, type Columns, type Values } from "./formulas.ts";
+import { formatGeneral, type Columns, type Values } from "./formulas.ts";
 import type { Views } from "./types.ts";
 import { listWarnings } from "./warnings.ts";
 
@@ -22,7 +22,7 @@ export function describeRun(core: RunCore, scenario: Described, values: Values =
   const { times, columns } = core;
   const { views, outputs, ports } = scenario;
   const rows = chooseRows(times.length);
-  const thinned = Object.fromEntries(Object.entries(columns).map(([name, column]) => [name, pick(column, rows)]));
+  const thinned = Object.fromEntries(Object.entries(columns).map(([name, column]) => [name, pickRows(column, rows)]));
   const { alarms, warnings } = listAlarms({ times, columns, outputs, parameters: values, views }, (found) => listWarnings(core, views, values, found));
   const energies = integrateEnergies(times, columns, values, views);
   const temperature = (port: string): string => (views.elements.prefixed ? `${port}.temperature` : "temperature");
@@ -42,7 +42,7 @@ export function describeRun(core: RunCore, scenario: Described, values: Values =
     alarms,
     runtime: "WebAssembly",
     seconds: core.seconds,
-    times: pick(times, rows),
+    times: pickRows(times, rows),
     columns: thinned,
     outputs,
     traces: dropRepeated(scenario.traces, columns),
@@ -60,28 +60,28 @@ const spell = (number: string, unit: string): string => (unit ? `${number} ${uni
 
 /** The few numbers by which runs are compared; see martensite.show.summaries.run. */
 function listKeyResults(columns: Columns, { key }: Views, energies: Energies | string, alarms: Alarm[]): KeyResult[] {
-  const strokes = key.strokes.map((one): KeyResult => [one.words, spell(general(range(columns, one.column) / one.size, 4), one.unit)]);
+  const strokes = key.strokes.map((one): KeyResult => [one.words, spell(formatGeneral(range(columns, one.column) / one.size, 4), one.unit)]);
   const peaks = key.peaks.map((one): KeyResult => {
     const ends = one.columns.map((name) => (one.least ? lowest : highest)(columns[name]!));
     const value = one.least ? Math.min(...ends) : Math.max(...ends);
-    return [one.words, spell(general(((Math.abs(value) > NOTHING ? value : 0) - one.zero) / one.size, 4), one.unit)];
+    return [one.words, spell(formatGeneral(((Math.abs(value) > NOTHING ? value : 0) - one.zero) / one.size, 4), one.unit)];
   });
   const beyond = alarms.reduce((sum, one) => sum + one.duration, 0);
-  return [...strokes, ...peaks, ...listEnergies(energies), ["time beyond limits", `${general(beyond, 4)} s`]];
+  return [...strokes, ...peaks, ...listEnergies(energies), ["time beyond limits", `${formatGeneral(beyond, 4)} s`]];
 }
 
 function listEnergies(found: Energies | string): KeyResult[] {
   if (typeof found === "string") return [];
   const last = found.electrical.length - 1;
   const told: KeyResult[] = [
-    ["electrical energy in", `${general(found.electrical[last]!, 4)} J`],
-    ["heat to the surroundings", `${general(found.lost[last]!, 4)} J`],
+    ["electrical energy in", `${formatGeneral(found.electrical[last]!, 4)} J`],
+    ["heat to the surroundings", `${formatGeneral(found.lost[last]!, 4)} J`],
   ];
   if (!found.work || !found.returned) return told;
   return [
     ...told,
-    ["work given while pulling", `${general(1e3 * found.work[last]!, 4)} mJ`],
-    ["work taken back while stretched", `${general(1e3 * found.returned[last]!, 4)} mJ`],
-    ["efficiency (work over electrical)", `${general(100 * efficiencyAt(found, last), 4)} %`],
+    ["work given while pulling", `${formatGeneral(1e3 * found.work[last]!, 4)} mJ`],
+    ["work taken back while stretched", `${formatGeneral(1e3 * found.returned[last]!, 4)} mJ`],
+    ["efficiency (work over electrical)", `${formatGeneral(100 * efficiencyAt(found, last), 4)} %`],
   ];
 }

@@ -4,7 +4,7 @@ import type { RunCore } from "../engine/types.ts";
 import type { Alarm } from "../lib/types.ts";
 import { highest, lowest } from "./columns.ts";
 import type { Numbers } from "./excursions.ts";
-import { Computed, general, type Values } from "./formulas.ts";
+import { Computed, formatGeneral, type Values } from "./formulas.ts";
 import type { Doubt, LawWords, Views } from "./types.ts";
 
 /** Share of a stress from which a law is doubtful, from which on it is said. */
@@ -33,7 +33,7 @@ function describeDoubts(core: RunCore, views: Views, values: Values, law: LawWor
     );
   if (law.tension && lowest(stress) <= -NOTICEABLE)
     found.push(
-      `Caution: the stress falls to ${general(lowest(stress) / 1e6, 4)} MPa, but \`${law.name}\` knows tension only, and compression drives ` +
+      `Caution: the stress falls to ${formatGeneral(lowest(stress) / 1e6, 4)} MPa, but \`${law.name}\` knows tension only, and compression drives ` +
         `its martensite back${law.symmetric ? '; try `compression = "symmetric"` of the law' : ""}.`,
     );
   return [...found, ...describeDoubt(views.doubts[law.port] ?? [], values, Math.max(highest(stress), -lowest(stress)))];
@@ -44,7 +44,7 @@ function describeDoubt(doubts: Doubt[], values: Values, most: number): string[] 
     const known = new Computed(one, values);
     if (!known.holds) continue;
     if (one.stress === null || one.sentence === null || !(most > NEAR * known.one(one.stress))) return [];
-    return [`Caution: ${known.write(one.sentence)} The stress comes to ${general(most / 1e6, 4)} MPa.`];
+    return [`Caution: ${known.write(one.sentence)} The stress comes to ${formatGeneral(most / 1e6, 4)} MPa.`];
   }
   return doubts.length ? ["Caution: from which stress on this law is doubtful is not known in the page for its numbers."] : [];
 }
@@ -74,7 +74,7 @@ function describeGuard(core: RunCore, { guard }: Views): string[] {
     const names = (guard.checks[String(Math.trunc(number) % guard.limited)] ?? ["supervisor"]).map((name) => `\`${name}\``).join(", ");
     return (
       `Warning: The guard ${number > guard.limited ? "limited" : "cut"} a signal by ${names} (alarm ${number.toFixed(0)}), ` +
-      `first at t = ${general(core.times[raised.indexOf(number)]!, 4)} s, for ${general(guard.period * samples, 3)} s in all.`
+      `first at t = ${formatGeneral(core.times[raised.indexOf(number)]!, 4)} s, for ${formatGeneral(guard.period * samples, 3)} s in all.`
     );
   });
 }

@@ -30,7 +30,7 @@ from martensite_app.documents import describe_scenarios, list_following
 from martensite_app.identify.fit_request import build_scenario, list_rows
 from martensite_app.identify.followed_columns import describe_drives, follow_column
 from martensite_app.identify.log_kinds import describe_proposal, describe_reading, propose_models
-from martensite_app.identify.log_overlay import draw_overlay, fill_at
+from martensite_app.identify.log_overlay import draw_overlay, interpolate_within
 from martensite_app.identify.mapped_table import describe_cuts, prepare_log, read_file, read_records
 from martensite_app.messages import JsonTable, Request, require_entry
 from martensite_app.uploads import UploadFolder
@@ -167,7 +167,7 @@ def _draw_column(name: str, record: Record, recorded: Record) -> JsonTable:
     times = record.times if shown is column else recorded.times
     rows = find_envelope(shown, DRAWN)
     drawn = [times[row] for row in rows]
-    values = [column[row] for row in rows] if shown is column else fill_at(record.times, column, drawn)
+    values = [column[row] for row in rows] if shown is column else interpolate_within(record.times, column, drawn)
     return {
         "name": name,
         "times": drawn,

@@ -10,6 +10,7 @@ import numpy as np
 from martensite.base.errors import ParameterError
 from martensite.signals.records import Record
 from martensite_app.identify.log_kinds import LOOPS, find_kind
+from martensite_app.identify.preparation import interpolate_column
 from martensite_app.messages import JsonTable
 from martensite_app.views.columns import choose_rows, describe_conversion, describe_display
 
@@ -59,7 +60,7 @@ def _draw_times(records: Sequence[Record], align: str, names: Sequence[str]) -> 
             records,
             name,
             [
-                fill_at(one.times, one.columns.get(name, [math.nan] * len(one)), [t + zero for t in x])
+                interpolate_within(one.times, one.columns.get(name, [math.nan] * len(one)), [t + zero for t in x])
                 for one, zero in zip(records, zeros, strict=True)
             ],
         )
@@ -87,12 +88,8 @@ def _draw_loops(records: Sequence[Record], axis: str, names: Sequence[str]) -> J
     return {"x": [place[0] for place in places], "quantities": quantities}
 
 
-def fill_at(times: Sequence[float], values: Sequence[float], wanted: Sequence[float]) -> list[float]:
+def interpolate_within(times: Sequence[float], values: Sequence[float], wanted: Sequence[float]) -> list[float]:
     """Values at other times by straight lines; nothing beyond the ends, nor beside what is missing."""
-    column = np.asarray(values, float)
-    known = np.isfinite(column)
-    if not known.any():
-        return [math.nan] * len(wanted)
-    found = np.interp(wanted, times, np.where(known, column, 0.0), left=np.nan, right=np.nan)
-    lost = np.interp(wanted, times, (~known).astype(float))
-    return np.where(lost > 1e-9, np.nan, found).tolist()
+    places = np.asarray(wanted, float)
+    inside = (places >= times[0]) & (places <= times[-1])
+    return np.where(inside, interpolate_column(places, times, np.asarray(values, float)), np.nan).tolist()

@@ -170,12 +170,14 @@ def _resample_rows(record: Record, step: Request) -> tuple[Record, str]:
             f"Rows must be {span / MOST_ROWS:.3g} s to {span:.3g} s apart, but are to be {interval:g} s apart."
         )
     grid = times[0] + interval * np.arange(int(span / interval + 1e-9) + 1)
-    columns = {name: _interpolate(grid, times, np.asarray(x, float)).tolist() for name, x in record.columns.items()}
+    columns = {
+        name: interpolate_column(grid, times, np.asarray(x, float)).tolist() for name, x in record.columns.items()
+    }
     said = f"Rows {interval:g} s apart, straight lines between: {len(grid)} of {len(times)}."
     return replace(record, columns=columns | {"time": grid.tolist()}), said
 
 
-def _interpolate(grid: Any, times: Any, values: Any) -> Any:
+def interpolate_column(grid: Any, times: Any, values: Any) -> Any:
     """Straight lines between neighbours; nothing beside a sample that is missing."""
     found = np.interp(grid, times, np.where(np.isfinite(values), values, 0.0))
     lost = np.interp(grid, times, (~np.isfinite(values)).astype(float))

@@ -65,7 +65,7 @@ class FlatInputs:
         return hashlib.sha256(b"".join(one.tobytes() for one in self.samples)).hexdigest()
 
 
-def waveforms_of(scenario: Scenario) -> list[AbstractWaveform]:
+def list_waveforms(scenario: Scenario) -> list[AbstractWaveform]:
     """What drives a scenario, in the order of its drives."""
     bench = scenario.bench
     if bench is None:
@@ -87,7 +87,7 @@ def list_inputs(scenario: Scenario, shapes: Sequence[DriveShape] | None = None) 
     system = scenario.whole
     compiled = compile_march(system)
     found = dict(_list_scalars(scenario, compiled))
-    interval, waves = system.sample_time(), waveforms_of(scenario)
+    interval, waves = system.sample_time(), list_waveforms(scenario)
     known = shapes or [_choose_shape(wave, scenario.duration, interval) for wave in waves]
     if len(known) != len(waves):
         raise ValueError("another number of drives")

@@ -19,7 +19,7 @@ from martensite.signals.base import AbstractWaveform
 from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.marching_native import RANGES, MarchKernel
 from martensite.simulate.native import march_source
-from martensite_export.wasm.module import compile_sources, find_wasm_compiler, write_math
+from martensite_export.wasm.module import compile_sources, write_math
 
 WARMER = 50.0
 """Above the surroundings [K], where `longest_step` looks at the loss."""
@@ -28,11 +28,6 @@ void *memcpy(void *, const void *, size_t);
 void *memset(void *, int, size_t);
 """
 EXPORTED = {"march": ("march",), "march_on": ("march_on", "size_of_block")}
-
-
-def require_compiler() -> None:
-    """`InputError` unless there is a compiler of WebAssembly."""
-    find_wasm_compiler()
 
 
 @dataclass(frozen=True)

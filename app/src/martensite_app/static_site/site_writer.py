@@ -16,7 +16,7 @@ from martensite.base.errors import DataError
 from martensite_app.documents import build_packaged, list_standalone
 from martensite_app.messages import JsonTable, write_message
 from martensite_app.site import STATIC, WIDGET
-from martensite_app.static_site.flat_inputs import waveforms_of
+from martensite_app.static_site.flat_inputs import list_waveforms
 from martensite_app.static_site.input_map import measure_map
 from martensite_app.static_site.run_module import RunSource, write_source
 from martensite_app.static_site.scenario_table import describe_static
@@ -86,7 +86,7 @@ def can_offer(text: str) -> bool:
 def describe_scenario_files(name: str, text: str) -> tuple[Mapping[str, bytes], JsonTable]:
     """The files of a scenario, and its entry in the manifest."""
     made = measure_map(text)
-    source = write_source(made.scenario, waveforms_of(made.scenario))
+    source = write_source(made.scenario, list_waveforms(made.scenario))
     module = name_module(source)
     table = describe_static(name, text, made, source, module)
     files = {f"{name}.json": write_message(table), module: source.compile()}

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import base64
 import functools
-from collections.abc import Callable
 
 from martensite_app.messages import JsonTable
-from martensite_app.static_site.flat_inputs import waveforms_of
+from martensite_app.static_site.flat_inputs import list_waveforms
 from martensite_app.static_site.input_map import measure_map
-from martensite_app.static_site.run_module import write_source
+from martensite_app.static_site.run_module import RunSource, write_source
 from martensite_app.static_site.scenario_table import describe_static
 from martensite_export.wasm.module import find_wasm_compiler
 
@@ -27,16 +26,12 @@ def describe_stepped(text: str, paths: tuple[str, ...]) -> JsonTable:
     """
     find_wasm_compiler()
     made = measure_map(text, paths)
-    source = write_source(made.scenario, waveforms_of(made.scenario))
-    module = _compile_source(source.digest, source.compile)
+    source = write_source(made.scenario, list_waveforms(made.scenario))
+    module = _compile_source(source)
     return {"scenario": describe_static("", text, made, source, ""), "module": module}
 
 
-_modules: dict[str, str] = {}
-
-
-def _compile_source(digest: str, compile_it: Callable[[], bytes]) -> str:
+@functools.lru_cache(KEPT)
+def _compile_source(source: RunSource) -> str:
     """The module in base 64: compiled once for every structure."""
-    if digest not in _modules:
-        _modules[digest] = base64.b64encode(compile_it()).decode()
-    return _modules[digest]
+    return base64.b64encode(source.compile()).decode()

@@ -209,7 +209,9 @@ def locate_part(whole: Parametrised, part: object) -> str | None:
     return None
 
 
-def explore(build: Callable[[Sequence[bool]], tuple[Formulas, Any]], most: int = 8) -> Iterator[tuple[Formulas, Any]]:
+def explore_choices(
+    build: Callable[[Sequence[bool]], tuple[Formulas, Any]], most: int = 8
+) -> Iterator[tuple[Formulas, Any]]:
     """What a function answers for all outcomes of its choices, the one here and now first."""
     left: list[list[bool]] = [[]]
     while left and most:

@@ -27,7 +27,14 @@ from martensite.simulate.result import Result
 from martensite_app.messages import JsonTable
 from martensite_app.views.columns import describe_column
 from martensite_app.views.diagrams import describe_lines
-from martensite_app.views.formulas import Formulas, explore, locate_part, rebuild_recorded, record_part, write_number
+from martensite_app.views.formulas import (
+    Formulas,
+    explore_choices,
+    locate_part,
+    rebuild_recorded,
+    record_part,
+    write_number,
+)
 from martensite_app.views.scene import describe_shapes
 from martensite_app.views.traces import list_loops, list_panels
 
@@ -138,7 +145,7 @@ def _list_doubts(scenario: Scenario, result: Result, port: str) -> list[JsonTabl
 
     return [
         table.collect(stress=doubt and doubt.stress, sentence=doubt and doubt.sentence)
-        for table, doubt in explore(build)
+        for table, doubt in explore_choices(build)
     ]
 
 
