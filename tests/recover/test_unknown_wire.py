@@ -100,10 +100,10 @@ def test_its_confidence_falls_where_the_wire_is_no_longer_the_one_it_calibrated(
 def test_the_same_loop_runs_sample_by_sample_in_real_time() -> None:
     """Without a plant: the signal of the calibration goes to the drive, and the controller waits."""
     step = RealtimeStep(BENCH)
-    ohms = 13.0 * (1.0 + 0.01 * np.random.default_rng(0).standard_normal(round(6.0 / PERIOD)))
+    ohms = 13.0 * (1.0 + 0.01 * np.random.default_rng(0).standard_normal(round(10.0 / PERIOD)))
     signals = [step.step({"resistance": one})[0] for one in ohms]  # one that stays the same would be stuck
-    assert signals[10:190] == [0.02] * 180
-    assert signals[201] == 1.0
+    assert signals[10:390] == [0.02] * 380
+    assert signals[401] == 1.0
     pulse = signals.count(1.0) * PERIOD
     assert 0.5 < pulse < 1.0
     assert signals[-1] == 0.02

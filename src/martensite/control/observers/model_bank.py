@@ -30,7 +30,7 @@ from martensite.control.observers.base import OBSERVERS, Column, Named, Observer
 from martensite.control.observers.covariance import Matrix, UnknownReading
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.observers.filter import AbstractFilter, Believed, Forecast
-from martensite.control.observers.innovation_test import Innovation, RunningTest, find_misfit
+from martensite.control.observers.innovation_test import RunningTest, find_misfit
 from martensite.control.observers.usual_models import (
     AS_MODELLED,
     FAN,
@@ -220,10 +220,8 @@ class ModelBank(ExtendedKalman):
         share = 1.0 - xp.exp(-dt / self.window)
         first = rows[0].expected
         news = [
-            Innovation(
-                row.value - first.mean[row.index], first.covariance[row.index][row.index] + row.variance, row.used
-            )
-            for row in rows[0].rows
+            row._replace(value=row.value - first.mean[i], variance=first.covariance[i][i] + row.variance)
+            for i, row in ((row.index, row) for row in rows[0].rows)
         ]
         tests = tuple(test.add(xp, one, share) for test, one in zip(before.tests, news, strict=True))
         nis = sum_column([one.used * one.value * one.value / one.variance for one in news])

@@ -18,16 +18,17 @@ power P, that the wire then loses to the surroundings as fast as it is heated,
     ln ρ_M = ln R_M - ln R(T_a, 1),   ln ρ_A = ln R_A - ln R(T_h, 0),   ln h = ln P - ln Q(T_h - T_a),
 
 each with the error of its mean and those of T_h and T_a in it. The filter goes on from there, through the cooling,
-with parameters that walk `learning` times as fast as later. Resistivities do not walk at all by default and keep the
-small spreads of their means: a filter that goes on fitting both to one reading gives way in the wrong one of them.
+with parameters that walk `learning` times as fast as later. Resistivities are then considered and no longer estimated
+(Schmidt, 1966): they stay as measured, and their spreads count in all others. A filter that goes on fitting both to one
+reading gives way in the wrong one, for sigma points that end at ξ = 1 pull ξ off a pure phase, and ρ_M with it.
 
 In a pure phase nothing transforms without a change of temperature: the random walk of ξ is √(4 ξ (1 - ξ)) of
 `fraction_noise`. Its `beta` is 2, which is right for normal errors; sigma points at a kink of the hysteresis need it.
 
 Beside the estimates of a filter it says how far it can be trusted, its `confidence`: see `trust.py`.
 
-Source: joint estimation of states and parameters with sigma points, Julier and Uhlmann (2004); everything else is a
-choice of this project, judged on random wires (`martensite_control.unknown_wires`).
+Source: joint estimation of states and parameters with sigma points, Julier and Uhlmann (2004); considered ones as in
+Schmidt (1966), Application of state-space methods to navigation problems; everything else is a choice of this project, judged on random wires (`martensite_control.unknown_wires`).
 """
 
 from __future__ import annotations
@@ -243,7 +244,7 @@ class SelfSensing(UnscentedKalman):
         found: tuple[list[Scalar], Matrix],
         going: ObserverPeriod,
     ) -> tuple[list[Scalar], Matrix]:
-        """Unknowns, put to those of rest while the wire is cold, and to those of austenite after the soak."""
+        """Unknowns: those of rest while the wire is cold, of austenite after the soak, then with resistivities kept."""
         before, own = calibration
         if self.start == "sheet":
             return found
@@ -260,7 +261,13 @@ class SelfSensing(UnscentedKalman):
             self.first_covariance(xp, variances, going.signals),
         )
         hot = self._austenite(xp, own, expected, going)
-        mean, matrix = list(found[0]), [list(row) for row in found[1]]
+        mean = covariance.put_unknown(xp, *found, 1, xp.clip(found[0][1], 0.0, 1.0))
+        matrix, measured = [list(row) for row in found[1]], own.phase > SETTLE - 0.5
+        kept = [self._index(names) for names in RESISTIVITIES]
+        for i in kept:
+            mean[i] = xp.where(measured, expected.mean[i], mean[i])
+            for j in kept:
+                matrix[i][j] = xp.where(measured, expected.covariance[i][j], matrix[i][j])
         for i in range(count):
             mean[i] = xp.where(cold, rest[0][i], xp.where(soaked, hot[0][i], mean[i]))
             for j in range(count):
