@@ -73,7 +73,7 @@ class Calibration(Parametrised):
     cold: Scalar = param("s", "time at the probing signal", above=0.0, default=8.0)
     pulse: Scalar = param("1", "energy of the pulse, over that for all but latent heat", above=0.0, default=1.6)
     apart: Scalar = param("s", "time from the pulse to the heating", above=0.0, default=16.0)
-    visible: Scalar = param("1", "change of the resistance that a transformation must have", above=0.0, default=0.02)
+    visible: Scalar = param("1", "change of the resistance that a transformation must have", above=0.0, default=0.03)
     growth: Scalar = param("s", "time in which the signal grows e-fold", above=0.0, default=15.0)
     longest: Scalar = param("s", "longest time of the heating", above=0.0, default=36.0)
     beyond: Scalar = param("s", "time for which it grows on after the end", low=0.0, default=0.3)
