@@ -30,6 +30,7 @@ from martensite.control.checks.base import Checks
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import NOISE
 from martensite.control.loop.parts import Controllers, Observers, Sensors
+from martensite.control.loop.run import EXPECTED, TRUSTED
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.supervisors.from_plant import guard_for
 from martensite.control.supervisors.guard import Guard
@@ -43,7 +44,7 @@ LOW, HIGH = 1e-3, 6e-3
 """Of the reference [m]."""
 HELD, PERIODS = 30.0, 3
 """How long the reference stays low after the calibration [s], and periods of the sine that count."""
-WITHIN, EXPECTED, TRUSTED = 0.05, 0.04, 0.8
+WITHIN = 0.05
 CHUNK = 250
 """Periods that are kept at once."""
 POSITION, CONFIDENCE = "estimated.position", "estimated.confidence"
