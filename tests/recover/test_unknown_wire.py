@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 
 from martensite.base.errors import ParameterError
+from martensite.control.loop.parts import Observers
 from martensite.control.loop.realtime import RealtimeStep
+from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.calibration import Calibration
 from martensite.control.observers.self_sensing import SelfSensing
 from martensite.simulate.lanes import Lanes
@@ -108,6 +110,20 @@ def test_the_same_loop_runs_sample_by_sample_in_real_time() -> None:
     assert 0.5 < pulse < 1.0
     assert signals[-1] == 0.02
     assert (step.estimates["estimated.calibrating"], step.estimates[CONFIDENCE]) == (1.0, 0.0)
+
+
+def test_a_run_warns_where_it_expects_to_miss_its_reference() -> None:
+    """On floats, and without a calibration: after 0.2 s nothing can be known well for so small a span."""
+    (observer,) = BENCH.observers.members().values()
+    own = BENCH.with_parts(observers=Observers(wire=observer.with_parts(start="sheet")), supervisor=None)
+    run = simulate_bench(own, 0.2, runtime="floats")
+    columns = {name: np.array(column) for name, column in run.columns.items()}
+    off = columns["estimated.position"] - columns["reference"]
+    expected = np.sqrt(np.mean(off**2) + np.mean(columns["estimated.position_std"] ** 2)) / np.ptp(columns["reference"])
+    (said,) = [one for one in run.warnings if "may miss its reference" in one]
+    assert f"expects {100 * expected:.1f} % rms, with a confidence down to {columns[CONFIDENCE].min():.2f}" in said
+    known = build_bench("none")
+    assert not [one for one in simulate_bench(known, 0.2, runtime="floats").warnings if "miss its reference" in one]
 
 
 def test_what_it_cannot_do_is_refused() -> None:
