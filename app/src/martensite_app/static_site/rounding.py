@@ -8,13 +8,12 @@ a last digit, and two ways of computing them are no more equal than that. It is 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from martensite.base.errors import MartensiteError
 from martensite.scenario.scenario import Scenario
@@ -30,7 +29,7 @@ CLOSE = 1e-9
 VISIBLE = 1e-3
 """Share of a range that is seen in a curve."""
 DIGIT = 2.0**-52
-Columns = Mapping[str, NDArray[np.float64]]
+Columns = Mapping[str, Sequence[float]]
 
 
 def measure_rounding(scenario: Scenario, *others: Result) -> float:
@@ -62,9 +61,9 @@ def compare_columns(ours: Columns, others: Columns, least: Mapping[str, float]) 
     worst = 0.0
     for name, one in ours.items():
         other = others[name]
-        size = float(np.abs(one).max())
+        size = float(np.max(np.abs(one)))
         span = max(float(np.ptp(one)), least.get(name, 0.0))
-        apart = float(np.abs(np.subtract(one, other)).max())
+        apart = float(np.max(np.abs(np.subtract(one, other))))
         worst = max(worst, apart / (span if span > CLOSE * size else size)) if apart else worst
     return worst
 
