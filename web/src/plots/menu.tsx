@@ -22,8 +22,9 @@ export function Menu({ name, about, children }: { name: string; about?: string; 
       removeEventListener("keydown", keyed);
     };
   }, []);
+  const show = (): void => void (home.current?.open && home.current.querySelector(".menu-body")?.scrollIntoView({ block: "nearest" }));
   return (
-    <details class="menu" ref={home}>
+    <details class="menu" ref={home} onToggle={show}>
       <summary aria-label={about} title={about}>{name}</summary>
       <div class="menu-body">{children}</div>
     </details>
