@@ -263,7 +263,7 @@ function drawSides(sheet: Sheet, strip: Strip, taken: [number, number][]): void 
 
 /** The name of a line of a strip, where it leaves the chart or ends. */
 function nameLine({ pen, box, x, y }: Sheet, side: Strip["sides"][number], taken: [number, number][]): void {
-  const [level, right] = [box.top + 14, box.left + box.width - 20];
+  const [level, right] = [box.top + 14, box.left + box.width - 28];
   const flat = side.y.length > 1 && side.y[0] === side.y[1];
   let [px, py] = [x(side.x[0] ?? 0), y(side.y[0] ?? 0) - 4];
   if (flat) px = Math.max(px, box.left) + 4;
