@@ -88,8 +88,8 @@ export function Preparation() {
         {how.number && <NumberField label={how.number.label} value={amount.value} how={plain} placeholder={String(how.number.usual)} onChange={(value) => (amount.value = value)} />}
         {kind.value === "cut" && (
           <>
-            <NumberField label="from" value={from.value} how={SECONDS} placeholder={String(Number(found.begin.toPrecision(6)))} onChange={(value) => (from.value = value)} />
-            <NumberField label="to" value={to.value} how={SECONDS} placeholder={String(Number(found.end.toPrecision(6)))} onChange={(value) => (to.value = value)} />
+            <NumberField label="kept from" value={from.value} how={SECONDS} placeholder={String(Number(found.begin.toPrecision(6)))} onChange={(value) => (from.value = value)} />
+            <NumberField label="kept to" value={to.value} how={SECONDS} placeholder={String(Number(found.end.toPrecision(6)))} onChange={(value) => (to.value = value)} />
           </>
         )}
         <button type="button" onClick={add}>

@@ -113,8 +113,8 @@ function Pace() {
   };
   return (
     <>
-      <label class="small player-speed">
-        Speed{" "}
+      <label class="small player-speed" title="Speed">
+        <span class="hidden">Speed</span>
         <select value={String(speed.value)} onChange={choose}>
           <option value="fit" title="the whole run in 8 s">auto, {digits(fitting.value, 2)}×</option>
           {SPEEDS.map((one) => (
