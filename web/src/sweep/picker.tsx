@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
+import { Words } from "../studies/words.tsx";
 import { addAxis, choices, form } from "./asking.ts";
 import type { Target } from "./types.ts";
 
@@ -86,7 +87,7 @@ export function Picker() {
           >
             <strong>{one.name}</strong> <span>{one.words}</span>
             <small class="soft">
-              {one.about}
+              <Words text={one.about} />
               {bounds(one) && ` (${bounds(one)})`}
             </small>
           </li>
