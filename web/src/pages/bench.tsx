@@ -72,7 +72,7 @@ export function Page() {
   };
   if (broken.value) return <BrokenLink onFirst={() => void beginFirst()} />;
   return (
-    <div class={`bench ${sheet.value ? "with-sheet" : ""} ${busy.value ? "stale" : ""}`} aria-busy={computing.value}>
+    <div class={`bench ${sheet.value ? "with-sheet" : ""} ${busy.value ? "stale" : ""}`} aria-busy={computing}>
       <section class="bench-controls stack" id="bench-controls" aria-label="Scenario">
         <Documents />
         <Controls />
