@@ -11,9 +11,11 @@ in a headless Chromium without a graphics processor. Told are the median, 95 % a
     move                         the slider is moved once the run of the last move is there
     live                         the model runs by hand under heat: from one picture to the next
 
-with the frames that came, the runs begun but not shown yet when an event came, and CPU time of the page,
-its worker, and what draws. With `flat` the mechanism is hidden: the difference is WebGL by a processor.
-`--profile` lists where the page spends its time. Needs Playwright, a Chromium and `/proc`.
+with the frames that came, how many runs a picture was behind the newest that was begun, and CPU time of
+the page, its worker, and what draws; `wait` is for how long page and worker waited for a processor that was
+at something else, which is in the times above and would not be on a quiet machine. With `flat` there is no
+WebGL, and the mechanism is drawn from the side: the difference is WebGL by a processor. `--profile` lists
+where the page spends its time. Needs Playwright, a Chromium and `/proc`.
 """
 
 from __future__ import annotations
@@ -27,6 +29,7 @@ import threading
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
 from shutil import which
 from typing import Any
@@ -39,12 +42,12 @@ PATIENCE = 60_000
 WATCH = """(() => {
   const found = (window.watched = { curve: 0, asked: [], answered: [], drawn: [], frames: 0 });
   const clear = CanvasRenderingContext2D.prototype.clearRect;
-  let dirty = false, newest = -1, after = 0;
+  let dirty = false, newest = -1, begun = -1;
   const painted = (time) => {
     found.frames += 1;
     if (dirty) {
       dirty = false;
-      setTimeout((run) => found.drawn.push([performance.now(), run]), 0, newest);
+      setTimeout((...which) => found.drawn.push([performance.now(), ...which]), 0, newest, begun);
       if (!found.curve) setTimeout(() => (found.curve = performance.now()));
     }
     requestAnimationFrame(painted);
@@ -64,7 +67,7 @@ WATCH = """(() => {
       });
     }
     postMessage(...what) {
-      found.asked.push([performance.now(), what[0].id ?? -1]);
+      if (what[0].id) found.asked.push([performance.now(), (begun = what[0].id)]);
       super.postMessage(...what);
     }
   };
@@ -72,6 +75,7 @@ WATCH = """(() => {
 """Notes when runs are asked for and answered, and the frames after charts were drawn. A page's rAF is called in
 the order of asking, so that a chart that is drawn in one is in the same frame as the watcher, or in the next."""
 CLEARED = "() => Object.assign(window.watched, { asked: [], answered: [], drawn: [], frames: 0 })"
+RENDERED = "Number(document.querySelector('.scene-view')?.dataset.rendered ?? 0)"
 PAINTED = "performance.getEntriesByName('first-contentful-paint')[0].startTime"
 DRAG = """async ([seconds, waits]) => {
   const slider = document.querySelector(".top-controls input[type=range]");
@@ -89,12 +93,21 @@ DRAG = """async ([seconds, waits]) => {
   while (performance.now() - begun < 1000 * seconds) {
     const count = window.watched.drawn.length;
     move();
-    do await frame(); while (waits && window.watched.drawn.length === count && performance.now() - events.at(-1) < 2000);
+    const late = () => performance.now() - events.at(-1) > 2000;
+    do await frame(); while (waits && window.watched.drawn.length === count && !late());
   }
   const over = performance.now();
   await new Promise((done) => setTimeout(done, 300));
   return { events, seconds: (over - begun) / 1000 };
 }"""
+FINGER = """async () => {
+  const { scenarios } = await (await fetch("runs/manifest.json")).json();
+  const { text } = scenarios.find((one) => one.name === "finger");
+  const packed = new Blob([text]).stream().pipeThrough(new CompressionStream("deflate-raw"));
+  const letters = btoa(String.fromCharCode(...new Uint8Array(await new Response(packed).arrayBuffer())));
+  return letters.replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
+}"""
+"""The letters of a link to the scenario of the package."""
 FLAT = "--disable-3d-apis"
 """Draws the mechanism from the side, as where there is no WebGL."""
 KINDS = {"renderer": "page", "GPU": "drawing"}
@@ -132,7 +145,10 @@ class Processor:
                 part = KINDS.get(kind, "browser")
                 if kind == "renderer" and task.name != str(process["id"]):
                     part = "worker" if (task / "comm").read_text().startswith(WORKER) else "helpers"
-                found[part] += int((task / "schedstat").read_text().split()[0]) / 1e6
+                ran, waited, _ = (int(word) / 1e6 for word in (task / "schedstat").read_text().split())
+                found[part] += ran
+                if part in ("page", "worker"):
+                    found["wait"] += waited
         return found
 
     def spent(self) -> dict[str, float]:
@@ -154,12 +170,12 @@ def open_page(browser: Any, address: str, script: str = WATCH) -> Any:
 
 
 def measure_start(browser: Any, address: str) -> dict[str, float]:
-    """First paint and first curve [ms]; CPU time until then [ms]."""
+    """First paint and first curve [ms]; CPU time until then, or a little more [ms]."""
     processor = Processor(browser)
     page = open_page(browser, f"{address}#/bench")
+    spent = processor.spent()
     row = {"first paint": page.evaluate(PAINTED), "first curve": page.evaluate("window.watched.curve")}
-    page.wait_for_timeout(2500)
-    row |= {f"CPU {key}": value for key, value in processor.spent().items()}
+    row |= {f"CPU {key}": value for key, value in spent.items()}
     page.context.close()
     return row
 
@@ -169,21 +185,19 @@ def compare_drag(moved: dict[str, Any], watched: dict[str, Any], spent: dict[str
     events, asked, drawn = moved["events"], watched["asked"], watched["drawn"]
     # a run that is asked for has the newest event before it
     of_run = {run: max((k for k, at in enumerate(events) if at <= time), default=-1) for time, run in asked}
-    pictures = [(time, of_run.get(run, -1)) for time, run in drawn]
-    late, behind = [], []
+    pictures = [(time, of_run.get(run, -1)) for time, run, _ in drawn]
+    late = list[float]()
     for k, at in enumerate(events):
         shown = next((time for time, has in pictures if has >= k), None)
         if shown is not None:
             late.append(shown - at)
-        begun = [run for time, run in asked if time < at]
-        seen = [run for time, run in drawn if time < at]
-        behind.append(max(begun, default=0) - max(seen, default=max(begun, default=0)))
+    behind = [begun - seen for _, seen, begun in drawn]
     return {
         "late": late,
         "unseen": len(events) - len(late),
         "behind": max(behind, default=0),
         "moves": len(events),
-        "pictures": len({run for _, run in drawn}),
+        "pictures": len({run for _, run, _ in drawn}),
         "seconds": moved["seconds"],
         **{f"CPU {key}": value / max(len(events), 1) for key, value in spent.items()},
     }
@@ -203,20 +217,25 @@ def measure_live(page: Any, browser: Any, seconds: float) -> dict[str, Any]:
     page.get_by_role("button", name="Live").click()
     page.locator(".live-heat").first.wait_for()
     page.wait_for_timeout(1000)
-    page.keyboard.down("h")
     page.evaluate(CLEARED)
+    rendered = page.evaluate(RENDERED)
     processor = Processor(browser)
-    page.wait_for_timeout(1000 * seconds)
+    for _ in range(round(seconds)):  # so that it moves all the time
+        page.keyboard.down("h")
+        page.wait_for_timeout(400)
+        page.keyboard.up("h")
+        page.wait_for_timeout(600)
     spent = processor.spent()
     watched = page.evaluate("window.watched")
-    page.keyboard.up("h")
+    rendered = page.evaluate(RENDERED) - rendered
     page.get_by_role("button", name="Pause").click()
-    times = [time for time, _ in watched["drawn"]]
+    times = [time for time, *_ in watched["drawn"]]
     count = max(len(times), 1)
     return {
-        "late": [b - a for a, b in zip(times, times[1:], strict=False)],
+        "late": [b - a for a, b in pairwise(times)],
         "frames": watched["frames"],
         "pictures": count,
+        "in space": rendered,
         "seconds": seconds,
         **{f"CPU {key}": value / count for key, value in spent.items()},
     }
@@ -243,7 +262,8 @@ def write_profile(page: Any, act: Any) -> None:
     nodes, own = {one["id"]: one["callFrame"] for one in found["nodes"]}, Counter[str]()
     for node, took in zip(found["samples"], found["timeDeltas"], strict=True):
         frame = nodes[node]
-        own[f"{frame['functionName']} {frame['url'].rsplit('/')[-1]}:{frame['lineNumber']}:{frame['columnNumber']}"] += took
+        place = f"{frame['url'].rsplit('/')[-1]}:{frame['lineNumber']}:{frame['columnNumber']}"
+        own[f"{frame['functionName']} {place}"] += took
     for name, took in own.most_common(40):
         print(f"    {took / 1e3:8.1f} ms  {100 * took / sum(own.values()):5.1f} %  {name}")
 
@@ -299,14 +319,6 @@ def main() -> None:
                 page.context.close()
         browser.close()
 
-
-FINGER = """async () => {
-  const { scenarios } = await (await fetch("runs/manifest.json")).json();
-  const { text } = scenarios.find((one) => one.name === "finger");
-  const packed = new Response(new Blob([JSON.stringify({ text, parts: {} })]).stream().pipeThrough(new CompressionStream("deflate-raw")));
-  const letters = btoa(String.fromCharCode(...new Uint8Array(await packed.arrayBuffer())));
-  return letters.replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
-}"""
 
 if __name__ == "__main__":
     main()

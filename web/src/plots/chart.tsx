@@ -41,7 +41,7 @@ const FAST = 10;
 /** Charts that are out of sight are drawn after so long a rest: those in sight do not wait for them [ms]. */
 const REST = 250;
 /** So near to what is seen a chart is drawn at once [px]. */
-const NEARBY = "80px";
+const NEARBY = 80;
 
 interface Size {
   width: number;
@@ -107,7 +107,7 @@ export function Chart(props: ChartProps) {
     const [sheet, top] = [canvas.current, over.current];
     if (!sheet || !top) return;
     const stop = [
-      effect(() => (palette.value, redraw())),
+      effect(() => (palette.value, drawSoon())),
       effect(() => mark(top, now.current.shown, box.current, !!now.current.props.timed, cursor.value, row.value)),
       pointing({
         over: top, select: top.querySelector<HTMLElement>(".chart-select")!, props: () => now.current.props, shown: () => now.current.shown,
@@ -116,15 +116,17 @@ export function Chart(props: ChartProps) {
       }),
     ];
     const sized = new ResizeObserver(() => {
+      const { top: above, bottom } = sheet.getBoundingClientRect();
       size.current = { width: sheet.clientWidth, height: sheet.clientHeight };
-      redraw();
+      seen.current = above < innerHeight + NEARBY && bottom > -NEARBY;
+      drawSoon();
     });
     const near = new IntersectionObserver(
       (entries) => {
         seen.current = entries.at(-1)!.isIntersecting;
         if (seen.current && waiting.current) redraw();
       },
-      { rootMargin: NEARBY },
+      { rootMargin: `${NEARBY}px` },
     );
     sized.observe(sheet);
     near.observe(sheet);

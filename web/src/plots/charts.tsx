@@ -27,7 +27,8 @@ export function Planes() {
   );
 }
 
-/** The run that is shown; while charts are out of sight, the one after which there was a rest. */
+/** The run that is shown; while charts are out of sight, the one after which there was a rest. The first run is
+ * shown beside the mechanism before it is shown in them. */
 function useCalmRun(host: { current: Element | null }): Run | null {
   const calm = useSignal(run.peek());
   useEffect(() => {
@@ -40,7 +41,8 @@ function useCalmRun(host: { current: Element | null }): Run | null {
     if (host.current) watch.observe(host.current);
     const leave = run.subscribe((now) => {
       clearTimeout(waiting);
-      if (seen || !calm.peek() || !now) follow();
+      if (now && !calm.peek()) requestAnimationFrame(() => setTimeout(follow));
+      else if (seen || !now) follow();
       else waiting = window.setTimeout(follow, REST);
     });
     return () => (leave(), watch.disconnect(), clearTimeout(waiting));

@@ -48,7 +48,9 @@ const SHADOW = 400;
 
 /** Between two pictures while something can be held, or runs follow a slider, where a processor has to draw: curves
  * come more often [ms]. */
-const SELDOM = 80;
+const SELDOM = 50;
+/** Pixels of the picture for one of the page meanwhile: a processor spends its time on each. */
+const COARSE = 0.7;
 /** So soon after a run another one is taken to follow it [ms]. */
 const FOLLOWING = 300;
 /** Share of the whole motion, and angle [rad], below which nothing is seen of a change. */
@@ -343,7 +345,8 @@ export class Stage {
     if (!this.quick && hurried && begun - this.drawn < SELDOM) return void (this.waiting = requestAnimationFrame(() => this.next()));
     this.waiting = 0;
     this.drawn = begun;
-    if (!this.quick && this.renderer.getPixelRatio() !== 1) this.renderer.setPixelRatio(1);
+    const pixels = hurried ? COARSE : 1;
+    if (!this.quick && this.renderer.getPixelRatio() !== pixels) this.renderer.setPixelRatio(pixels);
     this.draw(!this.quick);
     if (this.quick) return;
     this.resting = window.setTimeout(() => {
