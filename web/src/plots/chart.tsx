@@ -40,8 +40,6 @@ const FAST = 10;
 
 /** Charts that are out of sight are drawn after so long a rest: those in sight do not wait for them [ms]. */
 const REST = 250;
-/** So near to what is seen a chart is drawn at once [px]. */
-const NEARBY = 80;
 
 interface Size {
   width: number;
@@ -118,16 +116,13 @@ export function Chart(props: ChartProps) {
     const sized = new ResizeObserver(() => {
       const { top: above, bottom } = sheet.getBoundingClientRect();
       size.current = { width: sheet.clientWidth, height: sheet.clientHeight };
-      seen.current = above < innerHeight + NEARBY && bottom > -NEARBY;
+      seen.current = above < innerHeight && bottom > 0;
       drawSoon();
     });
-    const near = new IntersectionObserver(
-      (entries) => {
-        seen.current = entries.at(-1)!.isIntersecting;
-        if (seen.current && waiting.current) redraw();
-      },
-      { rootMargin: `${NEARBY}px` },
-    );
+    const near = new IntersectionObserver((entries) => {
+      seen.current = entries.at(-1)!.isIntersecting;
+      if (seen.current && waiting.current) redraw();
+    });
     sized.observe(sheet);
     near.observe(sheet);
     return () => {

@@ -13,6 +13,8 @@ import { Traces } from "./traces.tsx";
 
 /** After so long a rest, charts that are out of sight follow [ms]. */
 const REST = 250;
+/** What shows only its first title counts as out of sight. */
+const HARDLY = "-64px";
 
 /** The hysteresis loop and the phase diagram, which stand beside the mechanism. */
 export function Planes() {
@@ -34,10 +36,13 @@ function useCalmRun(host: { current: Element | null }): Run | null {
   useEffect(() => {
     let [seen, waiting] = [true, 0];
     const follow = (): void => void (calm.value = run.peek());
-    const watch = new IntersectionObserver((entries) => {
-      seen = entries.at(-1)!.isIntersecting;
-      if (seen) follow();
-    });
+    const watch = new IntersectionObserver(
+      (entries) => {
+        seen = entries.at(-1)!.isIntersecting;
+        if (seen) follow();
+      },
+      { rootMargin: HARDLY },
+    );
     if (host.current) watch.observe(host.current);
     const leave = run.subscribe((now) => {
       clearTimeout(waiting);
