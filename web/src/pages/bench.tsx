@@ -13,7 +13,7 @@ import { Compare } from "../plots/compare.tsx";
 import { Warnings } from "../plots/warnings.tsx";
 import { Player } from "../scene/player.tsx";
 import { Scene } from "../scene/scene.tsx";
-import { place } from "../state/route.ts";
+import { place, readPlace } from "../state/route.ts";
 import { computing, followDocument, followWaiting, refused, run } from "../state/run.ts";
 import { broken, change, followInAddress, fromAddress, text } from "../state/scenario.ts";
 import { hand } from "../touch/live.ts";
@@ -30,11 +30,13 @@ interface Listed {
 /** Begin with the scenario of the address, with what was on the bench, or with the first one. */
 async function begin(): Promise<void> {
   if ((await fromAddress()) || text.value) return;
-  await beginFirst();
+  await beginFirst(() => !text.value && !readPlace().query.has("scenario"));
 }
 
-async function beginFirst(): Promise<void> {
+/** Put the first scenario there, unless something else has come meanwhile. */
+async function beginFirst(isWanted = (): boolean => true): Promise<void> {
   const { scenarios } = await call<Listed>("scenarios");
+  if (!isWanted()) return;
   const first = scenarios.find((one) => one.name === FIRST) ?? scenarios[0];
   if (first) change(first.text);
 }

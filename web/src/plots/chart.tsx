@@ -90,10 +90,14 @@ export function Chart(props: ChartProps) {
     if (!sheet || !top || !size.current.width) return;
     const { props: p, shown: what } = now.current;
     paint(sheet, what, size.current, !!p.bare);
-    const next = boxOf(what, size.current.width, size.current.height, p.bare);
-    for (const side of ["left", "top", "width", "height"] as const) if (next[side] !== box.current[side]) top.style[side] = `${next[side]}px`;
-    box.current = next;
+    layOver();
     mark(top, what, box.current, !!p.timed, cursor.peek(), row.peek());
+  };
+  /** Lay what answers the pointer over the curves. */
+  const layOver = (): void => {
+    const next = boxOf(now.current.shown, size.current.width, size.current.height, now.current.props.bare);
+    for (const side of ["left", "top", "width", "height"] as const) if (next[side] !== box.current[side]) over.current!.style[side] = `${next[side]}px`;
+    box.current = next;
   };
   const drawSoon = (): void => {
     clearTimeout(waiting.current);
@@ -117,6 +121,7 @@ export function Chart(props: ChartProps) {
       const { top: above, bottom } = sheet.getBoundingClientRect();
       size.current = { width: sheet.clientWidth, height: sheet.clientHeight };
       seen.current = above < innerHeight && bottom > 0;
+      if (size.current.width) layOver();
       drawSoon();
     });
     const near = new IntersectionObserver((entries) => {
