@@ -1,6 +1,7 @@
 // The first step: a file, and what its columns mean.
 
 import { useSignal } from "@preact/signals";
+import { Empty } from "../ui/empty.tsx";
 import { Message } from "../ui/message.tsx";
 import { ColumnRows } from "./columns.tsx";
 import { NumberField, SECONDS } from "./number.tsx";
@@ -119,6 +120,7 @@ export function FileStep() {
     <div class="stack">
       <Drop />
       {!file && <Samples />}
+      {!file && <Empty picture="log">What the log holds is recognised and said; then a model is fitted to it, with what the log tells and what it does not.</Empty>}
       <LogList />
       {file && found && (
         <>

@@ -14,6 +14,7 @@ import { Warnings } from "../plots/warnings.tsx";
 import { Player } from "../scene/player.tsx";
 import { Scene } from "../scene/scene.tsx";
 import { place, readPlace } from "../state/route.ts";
+import { tellRefusal } from "../lib/refusal.ts";
 import { computing, followDocument, followWaiting, refused, run } from "../state/run.ts";
 import { broken, change, followInAddress, fromAddress, text } from "../state/scenario.ts";
 import { hand } from "../touch/live.ts";
@@ -85,7 +86,7 @@ export function Page() {
           {!hand.value && <Compare />}
         </div>
         <Busy />
-        {refused.value && <Message kind="error">{refused.value}</Message>}
+        {refused.value && <Message kind="error">{tellRefusal(refused.value)}{run.value && " What is shown is the run before."}</Message>}
         {hand.value ? (
           <LivePanel />
         ) : (
