@@ -1,12 +1,15 @@
 """A page of files with the default wire, for tests: a module that is committed, and a map of a few controls.
 
+`TABLE` is the same wire with another drive, a table, for which the module holds as well.
+
 The module is named by what it is compiled of. Where that has changed, `python tests/static_wire.py` makes it anew; it
 needs zig (`pip install 'martensite[cc]'`), which the tests do not.
 """
 
 from __future__ import annotations
 
-import json
+import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,28 +31,34 @@ CONTROLS = (
     "run.duration",
 )
 TEXT = list_standalone()[FIRST]
+ROW = "drive.waveform.values"
+_ROWS = 'kind = "table", times = ["0 s", "1 s", "2 s", "5 s"], values = ["0 W", "0.5 W", "0.5 W", "0 W"]'
+TABLE = re.sub("title = .*", 'title = "Power of a table"', re.sub("waveform = .*", f"waveform = {{ {_ROWS} }}", TEXT))
 
 
-def measure_wire() -> tuple[InputMap, RunSource]:
+def measure_wire(text: str = TEXT, controls: Sequence[str] = CONTROLS) -> tuple[InputMap, RunSource]:
     """The map of the default wire, and the C of its runs."""
-    made = measure_map(TEXT, CONTROLS)
+    made = measure_map(text, controls)
     return made, write_source(made.scenario, list_waveforms(made.scenario))
 
 
-def write_wire(folder: Path, page: bool = False) -> dict[str, Any]:
-    """Write what the page reads of the wire, and the page if it is asked for; what it reads."""
-    made, source = measure_wire()
-    module = name_module(source)
-    table = describe_static(FIRST, TEXT, made, source, module)
-    runs = folder / RUNS
-    runs.mkdir(parents=True)
-    (runs / f"{FIRST}.json").write_bytes(write_message(table))
-    (runs / module).write_bytes((MODULES / module).read_bytes())
-    entry = {"name": FIRST, "title": made.scenario.title, "text": TEXT, "file": f"{FIRST}.json", "module": module}
-    write_manifest(folder, [entry])
+def write_wire(folder: Path, page: bool = False, table: bool = False) -> None:
+    """Write what the page reads of the wire, of that with a table as well, and the page if it is asked for."""
+    (folder / RUNS).mkdir(parents=True)
+    entries = [_write_runs(folder / RUNS, FIRST, TEXT, CONTROLS)]
+    entries += [_write_runs(folder / RUNS, "table", TABLE, (ROW, "drive.waveform.times"))] if table else []
+    write_manifest(folder, entries)
     if page:
         copy_page(folder)
-    return json.loads((runs / f"{FIRST}.json").read_text("utf-8"))
+
+
+def _write_runs(runs: Path, name: str, text: str, controls: Sequence[str]) -> dict[str, Any]:
+    made, source = measure_wire(text, controls)
+    module = name_module(source)
+    told = describe_static(name, text, made, source, module)
+    (runs / f"{name}.json").write_bytes(write_message(told))
+    (runs / module).write_bytes((MODULES / module).read_bytes())
+    return {"name": name, "title": made.scenario.title, "text": text, "file": f"{name}.json", "module": module}
 
 
 if __name__ == "__main__":

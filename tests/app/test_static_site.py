@@ -12,12 +12,13 @@ import numpy as np
 import pytest
 from command import Command
 from node_js import WEB, node
-from static_wire import MODULES, TEXT, measure_wire, write_wire
+from static_wire import MODULES, ROW, TABLE, TEXT, measure_wire, write_wire
 
 from martensite.simulate.compiled import compile_march
 from martensite_app.documents import build_packaged, list_standalone
 from martensite_app.static_site.flat_inputs import list_inputs
 from martensite_app.static_site.input_map import InputMap, measure_map, write_quantity
+from martensite_app.static_site.number_rows import list_rows, read_row
 from martensite_app.static_site.rounding import describe_rounding, measure_rounding
 from martensite_app.static_site.site_writer import FIRST, RUNS, name_module
 
@@ -61,26 +62,73 @@ def test_a_product_of_controls_is_measured() -> None:
     assert made.predict(changes) == pytest.approx(meant, rel=1e-11, abs=0.0)
 
 
+def test_a_row_of_numbers_is_a_control_for_each() -> None:
+    """Where two neighbours are equal, the slope between them is no rounding, but 0."""
+    made = measure_map(TABLE, (ROW, "drive.waveform.times"))
+    assert [row.path for row in made.rows] == [ROW]
+    assert [one.path for one in made.controls] == [f"{ROW}.{k}" for k in range(4)]
+    for values in ([0.7, 0.37, 0.37, 0.0], [0.1, -0.2, 1.3, 4.5]):
+        meant = list_inputs(build_packaged(TABLE, {ROW: [f"{x} W" for x in values]}), made.drives).numbers
+        found = made.predict(dict(enumerate(values)))
+        assert found == pytest.approx(meant, rel=1e-12, abs=0.0)
+    with pytest.raises(ValueError, match="more than 50 numbers"):
+        read_row({**next(list_rows(made.form)), "value": ", ".join(51 * ["1 W"])})
+
+
+Played = list[dict[str, Any]]
+
+
 @pytest.fixture(scope="module")
-def played(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, Any]]:
-    """Runs of the wire in Node.js: as packaged, with changes, and with what the page refuses."""
-    folder = tmp_path_factory.mktemp("static")
-    write_wire(folder)
-    script = folder / "run_columns.mjs"
-    program = node()
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What the page reads of the wires, and a program for Node.js that runs them."""
+    made = tmp_path_factory.mktemp("static")
+    write_wire(made, table=True)
     bundle = ["node_modules/.bin/esbuild", "test/run_columns.ts", "--bundle", "--platform=node", "--format=esm"]
-    subprocess.run([*bundle, f"--outfile={script}", "--log-level=warning"], cwd=WEB, check=True)
-    apart = {"element.law.A_s": 340.0, "element.law.A_f": 345.0}
-    cases = [{}, CHANGES, apart, {"element.diameter": 1.0}, {"element.length": 0.2}]
-    command = [program, script, folder / RUNS, FIRST, *map(json.dumps, cases)]
+    node()
+    subprocess.run([*bundle, f"--outfile={made / 'run.mjs'}", "--log-level=warning"], cwd=WEB, check=True)
+    return made
+
+
+def play(folder: Path, name: str, *cases: dict[str, Any]) -> Played:
+    """What comes of changes of a scenario in Node.js."""
+    command = [node(), folder / "run.mjs", folder / RUNS, name, *map(json.dumps, cases)]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     return [json.loads(line) for line in done.stdout.splitlines()]
 
 
+@pytest.fixture(scope="module")
+def played(folder: Path) -> Played:
+    """Runs of the wire: as packaged, with changes, and with what the page refuses."""
+    apart = {"element.law.A_s": 340.0, "element.law.A_f": 345.0}
+    return play(folder, FIRST, {}, CHANGES, apart, {"element.diameter": 1.0}, {"element.length": 0.2})
+
+
 @pytest.mark.parametrize(("number", "changes"), [(0, {}), (1, CHANGES)])
-def test_a_run_in_the_page_is_the_run(played: list[dict[str, Any]], number: int, changes: dict[str, float]) -> None:
+def test_a_run_in_the_page_is_the_run(played: Played, number: int, changes: dict[str, float]) -> None:
     made, _ = measure_wire()
-    found, scenario = played[number], build(made, changes)
+    require_run(played[number], build(made, changes))
+
+
+def test_a_row_is_read_as_it_is_typed(folder: Path) -> None:
+    typed = ["0 W", "300 mW", "0.4 W", "0.1 W"]
+    short, far, odd = typed[:3], ["0 W", "9 W", "0.4 W", "0 W"], ["0 W", "0.3", "0.4 W", "0 W"]
+    times = {"drive.waveform.times": ["0 s", "1 s", "2 s", "6 s"]}
+    run, *others = play(folder, "table", {ROW: typed}, {ROW: short}, {ROW: far}, {ROW: odd}, {ROW: "1 W"}, times)
+    require_run(run, build_packaged(TABLE, {ROW: typed}))
+    assert run["rows"][ROW] == ", ".join(typed)
+    words = [
+        f"keeps the 4 numbers of `{ROW}`, but 3 were given",
+        f"change `{ROW}` from -5 to 5 W only",
+        f"`{ROW}` needs a number with a unit such as `W`, `mW`, but is `0.3`",
+        f"`{ROW}` must be a list, but is `1 W`",
+        "cannot change `drive.waveform.times` by itself",
+    ]
+    for one, said in zip(others, words, strict=True):
+        assert said in one["refused"]
+
+
+def require_run(found: dict[str, Any], scenario: Any) -> None:
+    """Steps, status, heat and columns are those of `martensite run`."""
     meant = scenario.run(runtime="floats")
     least = dict(compile_march(scenario.whole).convergence_scales)
     assert (found["steps"], found["rejected"], found["status"]) == (meant.steps, meant.rejected, meant.status.name)
@@ -93,7 +141,7 @@ def test_a_run_in_the_page_is_the_run(played: list[dict[str, Any]], number: int,
     assert math.isclose(found["putIn"], meant.heat.put_in, rel_tol=1e-9)
 
 
-def test_what_the_page_cannot_do_is_said(played: list[dict[str, Any]]) -> None:
+def test_what_the_page_cannot_do_is_said(played: Played) -> None:
     words = [one["refused"] for one in played[2:]]
     assert "cannot change `element.law.A_s` and `element.law.A_f` together" in words[0]
     assert "from 0.01 to 1 mm only" in words[1]

@@ -11,7 +11,7 @@ from urllib.parse import urlsplit
 
 import pytest
 from playwright.sync_api import Page, expect
-from static_wire import TEXT, write_wire
+from static_wire import ROW, TABLE, TEXT, write_wire
 
 from martensite_app.documents import build_packaged
 
@@ -26,7 +26,7 @@ class Quiet(SimpleHTTPRequestHandler):
 @pytest.fixture(scope="module")
 def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     folder = tmp_path_factory.mktemp("static-page")
-    write_wire(folder, page=True)
+    write_wire(folder, page=True, table=True)
     with ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=str(folder))) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         yield f"http://127.0.0.1:{server.server_port}/"
@@ -46,9 +46,9 @@ def page(chromium: Any, address: str) -> Iterator[Page]:
     assert {urlsplit(url).netloc for url in asked if url.startswith("http")} == {urlsplit(address).netloc}
 
 
-def title_of(**changes: str) -> str:
+def title_of(text: str = TEXT, **changes: Any) -> str:
     """What the page says of a run."""
-    result = build_packaged(TEXT, {path.replace("__", "."): text for path, text in changes.items()}).run()
+    result = build_packaged(text, {path.replace("__", "."): value for path, value in changes.items()}).run()
     return f"{len(result.times)} samples, {result.steps} steps"
 
 
@@ -61,6 +61,24 @@ def test_a_field_runs_the_wire_without_a_server(page: Page) -> None:
     expect(about).to_contain_text(title_of(element__diameter="0.12 mm"))
     page.reload()
     expect(about).to_contain_text(title_of(element__diameter="0.12 mm"))
+
+
+def test_the_power_of_a_table_is_drawn_up_as_a_whole(page: Page) -> None:
+    """By the slider on top; it is still there after a reload, and undone by a click."""
+    about = page.locator(".bench-title")
+    expect(about).to_contain_text(title_of())
+    page.get_by_role("combobox").first.select_option(label="Power of a table")
+    expect(about).to_contain_text(title_of(TABLE))
+    power = page.get_by_role("slider", name="heating power")
+    expect(power).to_be_enabled()
+    power.focus()
+    power.press("Home")  # a tenth of it
+    expect(about).to_contain_text(title_of(TABLE, **{ROW: ["0 W", "0.05 W", "0.05 W", "0 W"]}))
+    page.reload()
+    expect(about).to_contain_text(title_of(TABLE, **{ROW: ["0 W", "0.05 W", "0.05 W", "0 W"]}))
+    expect(page.locator(".top-controls output").first).to_have_text("0.05")
+    page.get_by_role("button", name="Undo").click()
+    expect(about).to_contain_text(title_of(TABLE))
 
 
 def test_what_needs_the_server_is_grey_and_says_so(page: Page) -> None:

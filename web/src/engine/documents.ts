@@ -2,9 +2,9 @@
 
 import type { ScenarioForm } from "../form/types.ts";
 import { Refusal } from "../lib/refusal.ts";
-import { listNumbers, SERVER, type Changes } from "./inputs.ts";
-import { changeDocument, flattenTable, readToml, writeToml } from "./toml.ts";
-import type { Manifest, Scenario } from "./types.ts";
+import { listControls, listNumbers, SERVER, type Changes } from "./inputs.ts";
+import { changeDocument, flattenTable, readList, readToml, writeToml, type Given } from "./toml.ts";
+import type { Manifest, NumberRow, Scenario } from "./types.ts";
 
 const QUANTITY = /^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$/;
 
@@ -58,12 +58,29 @@ export function readChanges(scenario: Scenario, written: Map<string, string>): C
   for (const [path, text] of written) {
     const short = path.endsWith(".kind") ? path.slice(0, -5) : "";
     if (short && base.get(short) === text) continue;
+    const row = scenario.rows[path];
+    if (row) {
+      readRow(scenario, path, row, text).forEach(([place, value]) => (found[place] = value));
+      continue;
+    }
     const node = nodes.get(path);
     if (!node) throw new Refusal(`This page cannot change \`${path}\` by itself. ${SERVER}`, "server", 501);
     const value = readQuantity(scenario, node.unit ?? "1", text, path);
-    if (node.value === null || Math.abs(value - node.value) > 1e-12 * Math.abs(node.value)) found[path] = value;
+    if (node.value === null || differs(value, node.value)) found[path] = value;
   }
   return found;
+}
+
+const differs = (value: number, packaged: number): boolean => Math.abs(value - packaged) > 1e-12 * Math.abs(packaged);
+
+/** Paths and values of the numbers of a row that are others than the packaged ones. */
+function readRow(scenario: Scenario, path: string, row: NumberRow, text: string): [string, number][] {
+  const items = readList(text);
+  if (!items) throw new Refusal(`\`${path}\` must be a list, but is \`${text}\`.`, "input", 400);
+  if (items.length !== row.count) throw new Refusal(`This page keeps the ${row.count} numbers of \`${path}\`, but ${items.length} were given. ${SERVER}`, "server", 501);
+  const known = new Map(scenario.controls.map((one) => [one.path, one.value]));
+  const read = items.map((item, k): [string, number] => [`${path}.${k}`, readQuantity(scenario, row.unit, item, path)]);
+  return read.filter(([place, value]) => differs(value, known.get(place)!));
 }
 
 function readQuantity(scenario: Scenario, unit: string, text: string, path: string): number {
@@ -80,10 +97,10 @@ export function writeChanged(text: string, changes: Record<string, unknown>): st
   const given = Object.entries(changes);
   if (!given.length) return text;
   for (const [path, value] of given) {
-    if (typeof value === "string" || typeof value === "number") continue;
+    if ((Array.isArray(value) ? value : [value]).every((one) => typeof one === "string" || typeof one === "number")) continue;
     throw new Refusal(`This page cannot change \`${path}\` by itself. ${SERVER}`, "server", 501);
   }
-  return writeToml(changeDocument(readToml(text), Object.fromEntries(given) as Record<string, string | number>));
+  return writeToml(changeDocument(readToml(text), Object.fromEntries(given) as Record<string, Given>));
 }
 
 /** What differs between documents, as the call `compare` answers. */
@@ -109,6 +126,10 @@ export function fillForm(scenario: Scenario, text: string, changes: Changes, inp
     if (!(node.path in changes)) continue;
     node.changed = true;
     node.origin = { sort: "scenario", words: "written in the scenario" };
+  }
+  const own = flattenTable(readToml(text));
+  for (const node of listControls(form.sections)) {
+    if (node.sort === "row" && scenario.rows[node.path]) node.value = readList(own.get(node.path) ?? "")?.join(", ") ?? node.value;
   }
   return { ...form, text, notes: [], assumed: [], missing: [], refused: "" };
 }

@@ -1,6 +1,6 @@
 // The inputs of a run under changes of controls, by the map that was measured on the builder.
 
-import type { FormNode, NumberNode } from "../form/types.ts";
+import type { FormNode, NumberNode, SingleNode } from "../form/types.ts";
 import { Refusal } from "../lib/refusal.ts";
 import type { Control, Scenario, Shape } from "./types.ts";
 
@@ -16,6 +16,8 @@ const SHAPES: Record<Shape, (x: number) => number> = {
 };
 /** Share of a number that is rounding. */
 const HAIR = 1e-9;
+/** Share of its terms that a sum is rounding, and 0. */
+const ROUNDING = 8 * Number.EPSILON;
 
 export const SERVER = "Install martensite on this machine to change it: pip install 'martensite[app]', then martensite app.";
 
@@ -27,6 +29,11 @@ export function predictInputs(scenario: Scenario, changes: Changes): Float64Arra
   const inputs = Float64Array.from(scenario.inputs, Number);
   const moved = findMoved(scenario, changes);
   const steps = new Map<number, Map<number, number>>();
+  const sizes = new Map<number, number>();
+  const add = (entry: number, term: number): void => {
+    sizes.set(entry, (sizes.get(entry) ?? Math.abs(inputs[entry]!)) + Math.abs(term));
+    inputs[entry]! += term;
+  };
   const invert = (): void => scenario.inverted.forEach((entry) => (inputs[entry] = 1 / inputs[entry]!));
   invert();
   for (const [number, value] of moved) {
@@ -35,15 +42,17 @@ export function predictInputs(scenario: Scenario, changes: Changes): Float64Arra
       const step = SHAPES[shape](value) - SHAPES[shape](control.value);
       const known = steps.get(entry) ?? new Map<number, number>();
       steps.set(entry, known.set(number, step));
-      inputs[entry]! += coefficient * step;
+      add(entry, coefficient * step);
     }
   }
   for (const [entry, one, other, coefficient] of scenario.products) {
     const found = steps.get(entry);
     const x = found?.get(one);
     const y = found?.get(other);
-    if (x !== undefined && y !== undefined) inputs[entry]! += coefficient * x * y;
+    if (x !== undefined && y !== undefined) add(entry, coefficient * x * y);
   }
+  const inverted = new Set(scenario.inverted);
+  for (const [entry, size] of sizes) if (!inverted.has(entry) && Math.abs(inputs[entry]!) <= ROUNDING * size) inputs[entry] = 0;
   invert();
   return inputs;
 }
@@ -61,7 +70,7 @@ function findMoved(scenario: Scenario, changes: Changes): Map<number, number> {
   }
   for (const [one, other] of scenario.apart) {
     if (!found.has(one) || !found.has(other)) continue;
-    const names = [one, other].map((k) => `\`${scenario.controls[k]!.path}\``).join(" and ");
+    const names = [one, other].map((k) => `\`${writtenAt(scenario, scenario.controls[k]!.path)}\``).join(" and ");
     throw new Refusal(`This page cannot change ${names} together. ${SERVER}`, "server", 501);
   }
   return found;
@@ -70,18 +79,28 @@ function findMoved(scenario: Scenario, changes: Changes): Map<number, number> {
 function outside(scenario: Scenario, control: Control): string {
   const how = findNode(scenario, control.path);
   const words = [control.low, control.high].map((x) => Number((x * how.factor + how.offset).toPrecision(4)));
-  return `This page can change \`${control.path}\` from ${words[0]} to ${words[1]} ${how.label} only. ${SERVER}`.replace("  ", " ");
+  return `This page can change \`${writtenAt(scenario, control.path)}\` from ${words[0]} to ${words[1]} ${how.label} only. ${SERVER}`.replace("  ", " ");
+}
+
+/** The entry of the document in which the number of a control stands: its own, or that of its row. */
+function writtenAt(scenario: Scenario, path: string): string {
+  const above = path.slice(0, path.lastIndexOf("."));
+  return scenario.rows[above] ? above : path;
 }
 
 /** How the control of a path is shown. */
 function findNode(scenario: Scenario, path: string): { factor: number; offset: number; label: string } {
-  return listNumbers(scenario.form.sections).find((one) => one.path === path) ?? { factor: 1, offset: 0, label: "" };
+  const row = scenario.rows[writtenAt(scenario, path)];
+  return row ?? listNumbers(scenario.form.sections).find((one) => one.path === path) ?? { factor: 1, offset: 0, label: "" };
+}
+
+/** All controls of a form. */
+export function listControls(items: FormNode[]): SingleNode[] {
+  return items.flatMap((one) => (one.sort === "group" ? listControls(one.items) : [one]));
 }
 
 /** All number controls of a form. */
-export function listNumbers(items: FormNode[]): NumberNode[] {
-  return items.flatMap((one) => (one.sort === "number" ? [one] : one.sort === "group" ? listNumbers(one.items) : []));
-}
+export const listNumbers = (items: FormNode[]): NumberNode[] => listControls(items).filter((one) => one.sort === "number");
 
 /** Cautions that come with changes. */
 export function listSaid(scenario: Scenario, changes: Changes): string[] {

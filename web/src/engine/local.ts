@@ -141,7 +141,7 @@ const calls: Record<string, (request: Request) => Promise<unknown>> = {
   form: async (request) => {
     if (!request["text"] || (request["removed"] as string[] | undefined)?.length) throw new Refusal(`This page cannot do that by itself. ${SERVER}`, "server", 501);
     const { scenario, text, changes } = await understand(request["text"] as string, (request["changes"] as Request | undefined) ?? {});
-    movable.value = new Set(scenario.controls.map((one) => one.path));
+    movable.value = new Set([...scenario.controls.map((one) => one.path), ...Object.keys(scenario.rows)]);
     return fillForm(scenario, text, changes, predictInputs(scenario, changes));
   },
   run: async (request): Promise<Run> => {

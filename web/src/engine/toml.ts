@@ -179,8 +179,14 @@ export function writeToml(document: Table): string {
   return `${[...plain, ...sections].join("\n").trim()}\n`;
 }
 
+/** What is written in the place of a value. */
+export type Given = string | number | (string | number)[];
+
+const writtenOf = (given: Given): Value =>
+  Array.isArray(given) ? given.map(writtenOf) : typeof given === "number" ? new Written(String(given)) : given;
+
 /** A copy with values at dotted paths replaced. */
-export function changeDocument(document: Table, changes: Record<string, string | number>): Table {
+export function changeDocument(document: Table, changes: Record<string, Given>): Table {
   const copy = structuredCloneTable(document);
   for (const [path, value] of Object.entries(changes)) {
     const keys = path.split(".");
@@ -191,7 +197,7 @@ export function changeDocument(document: Table, changes: Record<string, string |
       if (!isTable(below)) throw new Error(`\`${path}\` cannot be set: \`${keys.slice(0, depth + 1).join(".")}\` is a value, not a table.`);
       node = below;
     });
-    node[keys.at(-1)!] = typeof value === "number" ? new Written(String(value)) : value;
+    node[keys.at(-1)!] = writtenOf(value);
   }
   return copy;
 }
@@ -200,6 +206,12 @@ function structuredCloneTable(table: Table): Table {
   const copy = (value: Value): Value =>
     Array.isArray(value) ? value.map(copy) : isTable(value) ? structuredCloneTable(value) : value;
   return Object.fromEntries(Object.entries(table).map(([key, value]) => [key, copy(value)]));
+}
+
+/** What stands in a list, as `flattenTable` writes it; null if it is none. */
+export function readList(text: string): string[] | null {
+  const value = text.startsWith("[") ? readToml(`list = ${text}`)["list"] : null;
+  return Array.isArray(value) ? value.map((one) => (typeof one === "string" ? one : writeValue(one))) : null;
 }
 
 /** Dotted path and value, as it is written, of every entry. */

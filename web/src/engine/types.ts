@@ -82,6 +82,15 @@ export interface Control {
   said: string[];
 }
 
+/** How the numbers of a row are read and shown: shown = SI · factor + offset. */
+export interface NumberRow {
+  count: number;
+  unit: string;
+  factor: number;
+  offset: number;
+  label: string;
+}
+
 /** A drive: so many segments and tones from an entry of the inputs on, column by column; or readings. */
 export interface DriveAt {
   segments: number;
@@ -147,6 +156,8 @@ export interface Scenario {
   inverted: number[];
   /** Controls which may not be changed together. */
   apart: [one: number, other: number][];
+  /** Rows of numbers, by path: their numbers are controls, whose paths end in a place from 0 on. */
+  rows: Record<string, NumberRow>;
   /** Paths of controls that need the server. */
   elsewhere: string[];
   /** Paths of parameters, in the order of the inputs. */

@@ -150,7 +150,10 @@ class ControlWalk:
         """Samples as the document lists them; what a file holds is not shown."""
         raw = documents.find_entry(self.document, self.written(path))
         if raw is not None:
-            yield controls.describe_row(EntrySpot(self.written(path), name, declared, "scenario"), raw)
+            row = controls.describe_row(EntrySpot(self.written(path), name, declared, "scenario"), raw)
+            if name == "values":
+                row["unit"] = self.unit(Leaf(path, Declared("parameter", "", None, DRIVE), None))
+            yield row
 
 
 def _rank_entry(part: Parametrised) -> Callable[[tuple[str, Declared]], tuple[bool, bool]]:

@@ -9,7 +9,8 @@ with a function g of each control: its value, a power of it, or its inverse; a n
 as a power by resistances in series, is told by that. What is fitted through
 two values must hold at others, up to both ends of the range; where it does not, the range ends
 earlier, or the control is left out. Two controls that some number follows from, or that a builder
-may compare, are tried together; those that do not fit are kept apart.
+may compare, are tried together; those that do not fit are kept apart. A row of numbers, as the values
+of a table, is a control for each: by one trial each, and by trials of all at once.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from martensite_app.forms.form_types import NumberNode, ScenarioForm
 from martensite_app.forms.sections import describe_scenario
 from martensite_app.messages import JsonTable
 from martensite_app.static_site.flat_inputs import DriveShape, list_inputs
+from martensite_app.static_site.number_rows import NumberRow, list_rows, read_row
 
 SAME = 1e-12
 """Share of a number up to which it is the same."""
@@ -35,6 +37,10 @@ SHORTER = (1.0, 0.95, 0.75, 0.5, 0.25, 0.1)
 """Shares of the way to an end that are tried as the end of the range."""
 HARDLY = 0.001
 """Share of the way that hardly changes anything: what is said of a control is said there already."""
+HAIR = 8.0 * 2.0**-52
+"""Share of its terms that a sum is rounding, and 0."""
+PATTERNS = ((0.0, 1.0), (1.0, 0.0), (1.0,), (0.1, 0.9, 0.4, 0.75, 0.3))
+"""Shares of the way from the low to the high end, by turns, at which a row is tried."""
 TOGETHER = 8
 """So many trials are made in one."""
 FUNCTIONS: dict[str, Callable[[float], float]] = {
@@ -106,6 +112,7 @@ class InputMap:
     apart: set[Pair] = field(default_factory=set[Pair])
     inverted: set[str] = field(default_factory=set[str])
     """Numbers of which the inverse is such a sum."""
+    rows: list[NumberRow] = field(default_factory=list[NumberRow])
 
     def predict(self, changes: Mapping[int, float]) -> dict[str, float]:
         """The numbers under changes of controls."""
@@ -116,10 +123,12 @@ class InputMap:
         for name, steps in moved.items():
             inverted = name in self.inverted
             begin = _invert(self.numbers[name], inverted)
-            total = begin + sum(self.controls[k].terms[name][1] * step for k, step in steps.items())
+            parts = [begin, *(self.controls[k].terms[name][1] * step for k, step in steps.items())]
             for (a, x), (b, y) in itertools.combinations(sorted(steps.items()), 2):
-                total += self.products.get((name, a, b), 0.0) * x * y
-            found[name] = _invert(total, inverted)
+                parts.append(self.products.get((name, a, b), 0.0) * x * y)
+            total = sum(parts)
+            is_rounding = not inverted and abs(total) <= HAIR * sum(map(abs, parts))
+            found[name] = 0.0 if is_rounding else _invert(total, inverted)
         return found
 
 
@@ -165,13 +174,19 @@ class _Measurement:
         for a, b in itertools.combinations(range(len(made.controls)), 2):
             self._multiply(a, b)
         self._try_pairs()
+        for row in list_rows(made.form):
+            if only is None or row["path"] in only:
+                try:
+                    self._map_row(read_row(row))
+                except (UnmappedError, MartensiteError, ValueError) as error:
+                    made.left_out[row["path"]] = str(error)
         return made
 
     # ------------------------------------------------------------ building
 
     def build(self, changes: Sequence[tuple[NumberNode, float]]) -> dict[str, float]:
         """The numbers under changes of controls."""
-        settings: JsonTable = {node["path"]: write_quantity(node, value) for node, value in changes}
+        settings = self._write_settings(changes)
         try:
             scenario = build_packaged(self.text, settings)
             found, cautions = list_inputs(scenario, self.map.drives), scenario.cautions
@@ -188,6 +203,16 @@ class _Measurement:
             raise UnmappedError("it changes the cautions")
         self.cautions = tuple(one for one in cautions if one not in known)
         return found.numbers
+
+    def _write_settings(self, changes: Sequence[tuple[NumberNode, float]]) -> JsonTable:
+        """What is set in the document, rows as a whole."""
+        found: JsonTable = {node["path"]: write_quantity(node, value) for node, value in changes}
+        for row in self.map.rows:
+            moved = {one["path"]: found.pop(one["path"]) for one in row.items if one["path"] in found}
+            if moved:
+                listed = zip(row.items, row.entries, strict=True)
+                found[row.path] = [moved.get(node["path"], entry) for node, entry in listed]
+        return found
 
     def _list_said(self, scenario: Scenario) -> Any:
         return scenario.whole.description(), scenario.title, scenario.restart_at, scenario.seed
@@ -334,6 +359,36 @@ class _Measurement:
         return (
             control.value if slider is None else self._choose_value(control, slider["high" if upward else "low"], share)
         )
+
+    # ------------------------------------------------------------ rows
+
+    def _map_row(self, row: NumberRow) -> None:
+        """The numbers of a row: each is linear, and none minds the others."""
+        made, others = self.map, len(self.map.controls)
+        made.rows.append(row)
+        try:
+            made.controls += [self._begin_item(node) for node in row.items]
+            for shares in PATTERNS:
+                turns = enumerate(made.controls[others:])
+                places = {others + k: one.low + shares[k % len(shares)] * (one.high - one.low) for k, one in turns}
+                self.check(places)
+        except UnmappedError:
+            made.rows.pop()
+            del made.controls[others:]
+            raise
+        for a, b in itertools.product(range(others), range(others, len(made.controls))):
+            if made.controls[a].terms.keys() & made.controls[b].terms.keys():
+                made.apart.add((a, b))
+
+    def _begin_item(self, node: NumberNode) -> MappedControl:
+        """A number of a row, from one trial."""
+        slider, value = node["slider"], node["value"]
+        if slider is None or value is None:
+            raise UnmappedError("it has no slider")
+        control = MappedControl(node, value, slider["low"], slider["high"])
+        control.rows = [(control.high, self.build([(node, control.high)]))]
+        self._fit(control)
+        return control
 
     # ------------------------------------------------------------ two controls
 

@@ -124,6 +124,7 @@ def _describe_map(made: InputMap, entries: dict[str, int]) -> JsonTable:
         "products": [[entries[name], a, b, c] for (name, a, b), c in made.products.items()],
         "inverted": [entries[name] for name in sorted(made.inverted)],
         "apart": [list(pair) for pair in sorted(made.apart)],
+        "rows": {row.path: row.describe() for row in made.rows},
         "elsewhere": list(made.left_out),
     }
 
@@ -131,7 +132,7 @@ def _describe_map(made: InputMap, entries: dict[str, int]) -> JsonTable:
 def _list_units(made: InputMap) -> dict[str, dict[str, tuple[float, float]]]:
     """By SI unit the spellings that are read, with size and zero: SI = number · size + zero."""
     found: dict[str, dict[str, tuple[float, float]]] = {}
-    for node in list_numbers(made.form):
+    for node in (*list_numbers(made.form), *(row.items[0] for row in made.rows)):
         unit = node["unit"] or "1"
         own = found.setdefault(unit, {})
         for spelling in (*SPELLINGS, node["shown"], unit):
