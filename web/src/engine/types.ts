@@ -147,6 +147,8 @@ export interface Scenario {
   inverted: number[];
   /** Controls which may not be changed together. */
   apart: [one: number, other: number][];
+  /** Controls which may be, as long as the first stays below the second. */
+  ordered: [less: number, more: number][];
   /** Paths of controls that need the server. */
   elsewhere: string[];
   /** Paths of parameters, in the order of the inputs. */

@@ -54,8 +54,8 @@ const AT_BOUND = 1e-9;
 /** Singular value over the largest, of columns of equal norm, below which a direction is none. */
 export const PRECISION = 1e-4;
 
-export function descendSquares<Extra>(evaluate: Evaluate<Extra>, begin: readonly number[], tell: (now: Descent<Extra>) => void = () => {}): Descent<Extra> {
-  return new Search(evaluate, tell).run(begin);
+export function descendSquares<Extra>(evaluate: Evaluate<Extra>, begin: readonly number[], tell: (now: Descent<Extra>) => void = () => {}, floor = 0): Descent<Extra> {
+  return new Search(evaluate, tell, floor).run(begin);
 }
 
 class Search<Extra> {
@@ -66,6 +66,8 @@ class Search<Extra> {
   constructor(
     private readonly evaluate: Evaluate<Extra>,
     private readonly tell: (now: Descent<Extra>) => void,
+    /** Residuals below it mean nothing: so far evaluations are off. */
+    private readonly floor: number,
   ) {}
 
   private look(shares: readonly number[]): { residuals: Float64Array; extra: Extra } | null {
@@ -89,6 +91,7 @@ class Search<Extra> {
       now.jacobians++;
       const held = this.findHeld(now);
       now.asked = this.ask(now, held);
+      this.report(now);
       if (now.asked <= SETTLED && this.lastStep <= SHORT) return this.end(now, held);
       const next = this.step(now, held, damping);
       if (next === null) {
@@ -103,8 +106,12 @@ class Search<Extra> {
   }
 
   private note(now: Descent<Extra>): void {
-    now.runs = this.runs;
     now.history.push([this.runs, now.cost]);
+    this.report(now);
+  }
+
+  private report(now: Descent<Extra>): void {
+    now.runs = this.runs;
     this.tell({ ...now, history: [...now.history] });
   }
 
@@ -149,7 +156,7 @@ class Search<Extra> {
     const seen = project(columns, now.residuals);
     const spare = now.residuals.length - seen.rank;
     if (!seen.rank || spare < 1) return 0;
-    const scatter = Math.max(Math.sqrt((dot(now.residuals, now.residuals) - seen.square) / spare), ROUGH * now.noise, 1e-14);
+    const scatter = Math.max(Math.sqrt((dot(now.residuals, now.residuals) - seen.square) / spare), ROUGH * now.noise, this.floor, 1e-14);
     return Math.sqrt(seen.square / seen.rank) / scatter;
   }
 

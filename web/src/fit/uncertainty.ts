@@ -30,7 +30,7 @@ export interface Uncertainty {
   confounded: [number, number, number][];
 }
 
-export function estimateUncertainty(residuals: Float64Array, jacobian: Float64Array[], lengths: number[]): Uncertainty {
+export function estimateUncertainty(residuals: Float64Array, jacobian: Float64Array[], lengths: number[], floor = 0): Uncertainty {
   const count = jacobian.length;
   const norms = jacobian.map((one) => Math.sqrt(dot(one, one)));
   const largest = Math.max(...norms, 0);
@@ -40,7 +40,8 @@ export function estimateUncertainty(residuals: Float64Array, jacobian: Float64Ar
   const { values, vectors } = decomposeSymmetric(scaled);
   const rank = values.filter((value) => value > PRECISION ** 2 * values[0]!).length;
   const spare = residuals.length - rank;
-  const noise = spare > 0 ? Math.sqrt(dot(residuals, residuals) / spare) : NaN;
+  // what runs are off by is the least that residuals can tell
+  const noise = spare > 0 ? Math.max(floor, Math.sqrt(dot(residuals, residuals) / spare)) : NaN;
   const spread = jacobian.map(() => jacobian.map(() => NaN));
   loud.forEach((i, a) => loud.forEach((j, b) => {
     let sum = 0;

@@ -117,6 +117,7 @@ def _describe_map(made: InputMap, entries: dict[str, int]) -> JsonTable:
         "products": [[entries[name], a, b, c] for (name, a, b), c in made.products.items()],
         "inverted": [entries[name] for name in sorted(made.inverted)],
         "apart": [list(pair) for pair in sorted(made.apart)],
+        "ordered": [list(pair) for pair in sorted(made.ordered)],
         "elsewhere": list(made.left_out),
     }
 
