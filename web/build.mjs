@@ -25,12 +25,15 @@ await build({
   format: "esm",
   legalComments: "linked",
 });
+// by itself, so that the engine stays one file
+await build({ ...how, entryPoints: { fit: "src/fit/worker.ts" }, outdir: out, format: "esm" });
 for (const name of await readdir("public")) await copyFile(`public/${name}`, `${out}/${name}`);
 
 /** A page in one file, which loads nothing. */
 async function inline(folder) {
   const { outputFiles } = await build({
     ...how, entryPoints: [`src/${folder}/main.tsx`], outdir: folder, write: false, format: "iife", legalComments: "inline",
+    external: ["*/fit/calls.ts"], // what only a page without a server asks for
   });
   const [script, styles] = [".js", ".css"].map((ending) => outputFiles.find((one) => one.path.endsWith(ending)).text);
   const page = await readFile(`src/${folder}/page.html`, "utf8");

@@ -4,7 +4,8 @@ import { RunModule } from "../engine/march.ts";
 import type { Scenario } from "../engine/types.ts";
 import { Refusal } from "../lib/refusal.ts";
 import { descendSquares, type Descent } from "./descent.ts";
-import { FitModel, toShare, type Curves, type Problem } from "./model.ts";
+import { FitModel } from "./model.ts";
+import { toShare, type Curves, type Problem } from "./problem.ts";
 
 export interface AskedFit {
   /** Address of the module. */

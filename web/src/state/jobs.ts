@@ -99,7 +99,7 @@ export function watched<Note, Outcome>(name: string): Watched<Note, Outcome> {
     cancel: (patient = false) => attempt(async () => void (job.value && (await cancelJob(job.value.id, patient ? undefined : GRACE)))),
     resume: () =>
       attempt(async () => {
-        const found = (await jobs()).find((one) => one.call === name);
+        const [found] = await jobs(name);
         if (found) follow(found.id);
         else end();
       }),
