@@ -36,6 +36,7 @@ export interface Descent<Extra> {
 export const CONVERGED = "converged";
 export const BOUNDED = "stopped at bounds";
 export const NOT_STATIONARY = "not at a stationary point";
+export const IDLE = "nothing that is free changes what is compared; the fit did not move";
 export const LIMITED = "ended by its limit of iterations";
 
 const MOST = 60;
@@ -190,7 +191,8 @@ class Search<Extra> {
 
   private end(now: Descent<Extra>, held: boolean[]): Descent<Extra> {
     const still = now.asked <= STATIONARY && this.lastStep <= SHORT;
-    now.reason = !still ? NOT_STATIONARY : held.some(Boolean) ? BOUNDED : CONVERGED;
+    const idle = now.jacobian.every((one) => dot(one, one) === 0);
+    now.reason = idle ? IDLE : !still ? NOT_STATIONARY : held.some(Boolean) ? BOUNDED : CONVERGED;
     now.runs = this.runs;
     return now;
   }

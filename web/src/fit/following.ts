@@ -166,11 +166,12 @@ export function matchDrives(text: string, { columns }: LogRecord): Map<string, s
   const document = readToml(text);
   const found = new Map<string, string>();
   const taken = new Set<string>();
+  const { control = "" } = tableAt(document, "mechanism"); // what the command of a testing machine is
   for (const { path, kind, drive } of listWaveforms(document)) {
     const unit = SOURCES[kind] ?? "";
     const natural = unit === "1" ? DUTY : (NATURAL[unit] ?? "");
-    const candidates = kind ? (drive ? [`${drive}.drive`, `${drive}.${natural}`] : ["drive", natural]) : [drive];
-    const column = candidates.find((name) => name && !taken.has(name) && columns.has(name) && (!kind || columns.get(name)!.si === unit));
+    const candidates = kind ? (drive ? [`${drive}.drive`, `${drive}.${natural}`] : ["drive", natural]) : [drive, drive === "command" ? control : ""];
+    const column = candidates.find((name): name is string => typeof name === "string" && name !== "" && !taken.has(name) && columns.has(name) && (!kind || columns.get(name)!.si === unit));
     if (column) {
       found.set(path, column);
       taken.add(column);

@@ -32,6 +32,7 @@ export interface Task {
 export const INTERRUPTED = "interrupted";
 const [POOR, NOTABLE, WORSE, MANY_LAGS] = [50, 0.05, 1.5, 0.3];
 const AT_BOUND = 1e-4;
+const BLIND = "The search was stopped before its first derivatives: what the log determines is not known.";
 const [DRAWN, SHOWN] = [400, 800];
 
 const quote = (name: string): string => `\`${name}\``;
@@ -86,7 +87,8 @@ export function describeOutcome(task: Task, now: Descent<Curves>, apart: number,
   const found = task.free.map((free, k) => describeFound(free, now.shares[k]!, k, uncertainty));
   const scores = listScores(task, now);
   const reason = now.reason || INTERRUPTED;
-  const judged: Judged = { task, now, reason, found, scores, uncertainty, weak: describeWeak(found, uncertainty) };
+  const weak = now.jacobian.length ? describeWeak(found, uncertainty) : [BLIND];
+  const judged: Judged = { task, now, reason, found, scores, uncertainty, weak };
   const values = Object.fromEntries(task.free.map((free, k) => [free.path, found[k]!.value]));
   const { followed } = task;
   const verdict = judge(judged);
@@ -128,8 +130,14 @@ function describeFound(free: Free, share: number, k: number, { widened, weak }: 
   const bound = share <= AT_BOUND || share >= 1 - AT_BOUND;
   const wide = 2 * half > free.high - free.low;
   const faint = weak.some((one) => one.places.includes(k));
-  const mark = !known ? "not determined" : bound ? "at a bound" : faint ? "weak" : wide ? "not determined" : "";
+  const mark = !known ? "not determined" : bound ? "at a bound" : faint ? "weak" : wide || isImpossible(free, value, half) ? "not determined" : "";
   return { ...describeParameter(free), value, interval: known ? [value - half, value + half] : null, mark };
+}
+
+/** Whether an interval reaches values that a number cannot have, and is wide beside those that it can. */
+function isImpossible({ of: { node } }: Free, value: number, half: number): boolean {
+  const [least, most] = [node.low ?? -Infinity, node.high ?? Infinity];
+  return (value - half < least || value + half > most) && !(2 * half < 0.5 * (most - least) && Number.isFinite(most - least));
 }
 
 /** Sentences about numbers that the log does not determine. */
@@ -145,7 +153,7 @@ function describeWeak(found: Found[], { weak, widened }: Uncertainty): string[] 
       if (told.has(k) || !one.mark || one.mark === "at a bound") return [];
       if (!Number.isFinite(widened[k]!)) return [`${quote(one.name)} is not determined: the data give it no interval.`];
       const half = (one.interval![1] - one.interval![0]) / 2;
-      return [`${quote(one.name)} is not determined: its 95 % interval, ± ${sayChange(half, one)}, is wider than the range in which it was searched.`];
+      return [`${quote(one.name)} is not determined: its 95 % interval, ± ${sayChange(half, one)}, ${2 * half > one.high - one.low ? "is wider than the range in which it was searched" : "reaches values that it cannot have"}.`];
     }),
   ];
 }
@@ -245,9 +253,9 @@ function listCare(judged: Judged): string[] {
   return [...search, ...bounds, ...kept, ...worse, ...weak, ...pairs];
 }
 
-function sayUncertain({ uncertainty, found }: Judged): string[] {
+function sayUncertain({ uncertainty, found, now }: Judged): string[] {
   const { samples, effective, errors } = uncertainty;
-  const lost = found.filter((_, k) => errors[k] === Infinity).map((one) => quote(one.name));
+  const lost = !now.jacobian.length ? [] : found.filter((_, k) => errors[k] === Infinity).map((one) => quote(one.name));
   const widening = Math.sqrt(samples / effective);
   return [
     ...(lost.length ? [`The data do not determine ${join(lost)}.`] : []),

@@ -1,10 +1,11 @@
 // What a log may be explained by: scenarios of the page that take its drive, the simplest first, and what is free in them.
 
 import { listNumbers } from "../engine/inputs.ts";
-import { readManifest, readScenario } from "../engine/local.ts";
+import { readManifest } from "../engine/local.ts";
 import type { Control, Scenario } from "../engine/types.ts";
 import type { NumberNode } from "../form/types.ts";
 import type { ProposalView, ProposedModel, Quantity } from "../identify/types.ts";
+import { Refusal } from "../lib/refusal.ts";
 import { followDrive, matchDrives, matchOutputs, readFollowed, type Followed } from "./following.ts";
 import type { LogRecord } from "./records.ts";
 
@@ -66,7 +67,7 @@ export function chooseFree(followed: Pick<Followed, "scenario" | "changes">, out
     const clash = one && chosen.some((other) => apart.some((pair) => pair.includes(place(one)) && pair.includes(place(other))));
     if (one && !clash && !chosen.includes(one) && chosen.length < MOST_FREE) chosen.push(one);
   }
-  return chosen.length ? chosen : known.filter(({ group }) => group.includes("law")).slice(0, 2);
+  return chosen;
 }
 
 interface Candidate {
@@ -82,13 +83,8 @@ export async function proposeScenarios(records: LogRecord[]): Promise<ProposalVi
   const found: Candidate[] = [];
   for (const one of scenarios) {
     const drives = matchDrives(one.text, log);
-    if (!drives) continue;
-    const { layout } = await readScenario(await readManifest(), one.name);
-    if (layout.march === "given") continue;
-    const text = [...drives].reduce((document, [path, column]) => followDrive(document, path, column), one.text);
-    const followed = await readFollowed(text);
-    const outputs = matchOutputs(followed.scenario, followed.follows, log);
-    if (outputs.length) found.push({ model: describeModel(one.title, followed, outputs), outputs, size: layout.size + layout.parameters / 1000 });
+    const candidate = drives && (await considerScenario(one, drives, log));
+    if (candidate) found.push(candidate);
   }
   found.sort((a, b) => b.outputs.length - a.outputs.length || a.size - b.size);
   const [best] = found;
@@ -97,6 +93,20 @@ export async function proposeScenarios(records: LogRecord[]): Promise<ProposalVi
   const why = found.length > 1 ? "of the scenarios that explain most columns it has the fewest states and numbers" : "it is the only scenario of this page that takes this drive and has these outputs";
   const said = `\`${best.model.name}\` comes first: ${why}. Compared: ${compared}.`;
   return { kind: "run", said, refused: "", notes: [], models: found.map((one) => one.model), best: best.model.name };
+}
+
+/** A scenario whose drives follow columns; null where it cannot, or has no output of the log. */
+async function considerScenario({ text, title }: { text: string; title: string }, drives: Map<string, string>, log: LogRecord): Promise<Candidate | null> {
+  try {
+    const followed = await readFollowed([...drives].reduce((document, [path, column]) => followDrive(document, path, column), text));
+    const { layout } = followed.scenario;
+    const outputs = matchOutputs(followed.scenario, followed.follows, log);
+    if (layout.march === "given" || !outputs.length) return null;
+    return { model: describeModel(title, followed, outputs), outputs, size: layout.size + layout.parameters / 1000 };
+  } catch (error) {
+    if (error instanceof Refusal) return null;
+    throw error;
+  }
 }
 
 function describeModel(title: string, followed: Followed, outputs: string[]): ProposedModel {

@@ -124,7 +124,8 @@ const describeRecord = ({ name, times, timed, dropped }: LogRecord): string =>
 function writeCommand({ hold_out }: FitRequest, records: LogRecord[], outputs: string[][], { scenario, follows }: Followed, free: Free[]): string {
   const quoted = (word: string): string => (/^[\w.,/=-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
   const unit = (one: Free): string => (one.of.unit === "1" ? "" : ` ${one.of.unit}`);
-  const range = (one: Free): string => `${one.of.name}=${one.low}..${one.high}${unit(one)}@${one.start}${unit(one)}${one.log ? " log" : ""}`;
+  const number = (value: number): number => Number(value.toPrecision(10));
+  const range = (one: Free): string => `${one.of.name}=${number(one.low)}..${number(one.high)}${unit(one)}@${number(one.start)}${unit(one)}${one.log ? " log" : ""}`;
   const words = ["martensite", "fit", ...records.map(({ name }) => `${name}.csv`), "--scenario", "scenario.toml", "--free", free.map(range).join(",")];
   const all = new Set(records.flatMap((record) => matchOutputs(scenario, follows, record)));
   const chosen = new Set(outputs.flat());

@@ -343,6 +343,7 @@ export async function fitProposed(): Promise<void> {
   const model = found && simplest(found);
   if (!model) return void (found?.refused && (refused.value = found.refused));
   await takeModel(model);
+  if (!model.free.length) return goTo(2); // nothing speaks for any number: that is for the reader to say
   if (scenario.value && !scenario.value.refused) await beginFit();
 }
 
