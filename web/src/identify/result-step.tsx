@@ -62,7 +62,7 @@ function Correlations({ found }: { found: Outcome }) {
   return (
     <details class="panel">
       <summary>Correlations of the parameters</summary>
-      <Table caption="Correlation; above 0.95 two parameters are hardly told apart" headings={["", ...names]} rows={rows} right={names.map((_, k) => k + 1)} />
+      <Table caption="Correlation; above 0.95 two parameters are hardly told apart" headings={["parameter", ...names]} rows={rows} right={names.map((_, k) => k + 1)} />
     </details>
   );
 }
@@ -168,10 +168,10 @@ export function ResultStep() {
       ))}
       <Open found={found} />
       <div class="panel">
-        <Table caption="Parameters, with intervals of 95 %" headings={["parameter", "value", "95 % interval", "start", "bounds", ""]} rows={found.parameters.map(parameter)} right={[1, 2, 3, 4]} />
+        <Table caption="Parameters, with intervals of 95 %" headings={["parameter", "value", "95 % interval", "start", "bounds", "remark"]} rows={found.parameters.map(parameter)} right={[1, 2, 3, 4]} />
       </div>
       <div class="panel">
-        <Table caption="Errors" headings={["record", "output", "", "rms", "fit", "largest", "bias"]} rows={scores.map(score)} right={[3, 4, 5, 6]} />
+        <Table caption="Errors" headings={["record", "output", "part", "rms", "fit", "largest", "bias"]} rows={scores.map(score)} right={[3, 4, 5, 6]} />
         {found.predictions.map((sentence) => (
           <p key={sentence} class="small">
             <Said>{sentence}</Said>
