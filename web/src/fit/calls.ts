@@ -8,7 +8,7 @@ import { followDrive, matchOutputs, readFollowed } from "./following.ts";
 import { guessHeading, guessUnit, listNames } from "./headings.ts";
 import { listChoosable, proposeScenarios } from "./proposals.ts";
 import { cutLog, findEnvelope, findRange, findTable, keepLog, orNull, readLog, readRecords, writeRecord, type LogRequest } from "./records.ts";
-import type { TextColumn } from "./text_table.ts";
+import type { TextColumn } from "./text-table.ts";
 import { describeDifference, describeShown } from "./units.ts";
 
 export { beginFit, cancelFit, listFits, watchFit } from "./job.ts";

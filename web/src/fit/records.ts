@@ -5,7 +5,7 @@ import type { Uploaded } from "../lib/api.ts";
 import { Refusal } from "../lib/refusal.ts";
 import { makeId } from "../lib/tab.ts";
 import { quantityOf } from "./headings.ts";
-import { decodeText, readTable, type TextTable } from "./text_table.ts";
+import { decodeText, readTable, type TextTable } from "./text-table.ts";
 import { siOf, toSi } from "./units.ts";
 
 /** A table and what its columns mean, as identify/state.ts asks with it. */

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { guessHeading } from "../src/fit/headings.ts";
-import { decodeText, readTable } from "../src/fit/text_table.ts";
+import { decodeText, readTable } from "../src/fit/text-table.ts";
 import { siOf, toSi } from "../src/fit/units.ts";
 
 const bytes = (text: string): Uint8Array => new TextEncoder().encode(text);
