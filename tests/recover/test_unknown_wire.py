@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 
 from martensite.base.errors import ParameterError
+from martensite.control.loop.parts import Observers
 from martensite.control.loop.realtime import RealtimeStep
+from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.calibration import Calibration
 from martensite.control.observers.self_sensing import SelfSensing
 from martensite.simulate.lanes import Lanes
@@ -100,14 +102,28 @@ def test_its_confidence_falls_where_the_wire_is_no_longer_the_one_it_calibrated(
 def test_the_same_loop_runs_sample_by_sample_in_real_time() -> None:
     """Without a plant: the signal of the calibration goes to the drive, and the controller waits."""
     step = RealtimeStep(BENCH)
-    ohms = 13.0 * (1.0 + 0.01 * np.random.default_rng(0).standard_normal(round(6.0 / PERIOD)))
+    ohms = 13.0 * (1.0 + 0.01 * np.random.default_rng(0).standard_normal(round(10.0 / PERIOD)))
     signals = [step.step({"resistance": one})[0] for one in ohms]  # one that stays the same would be stuck
-    assert signals[10:190] == [0.02] * 180
-    assert signals[201] == 1.0
+    assert signals[10:390] == [0.02] * 380
+    assert signals[401] == 1.0
     pulse = signals.count(1.0) * PERIOD
     assert 0.5 < pulse < 1.0
     assert signals[-1] == 0.02
     assert (step.estimates["estimated.calibrating"], step.estimates[CONFIDENCE]) == (1.0, 0.0)
+
+
+def test_a_run_warns_where_it_expects_to_miss_its_reference() -> None:
+    """On floats, and without a calibration: after 0.2 s nothing can be known well for so small a span."""
+    (observer,) = BENCH.observers.members().values()
+    own = BENCH.with_parts(observers=Observers(wire=observer.with_parts(start="sheet")), supervisor=None)
+    run = simulate_bench(own, 0.2, runtime="floats")
+    columns = {name: np.array(column) for name, column in run.columns.items()}
+    off = columns["estimated.position"] - columns["reference"]
+    expected = np.sqrt(np.mean(off**2) + np.mean(columns["estimated.position_std"] ** 2)) / np.ptp(columns["reference"])
+    (said,) = [one for one in run.warnings if "may miss its reference" in one]
+    assert f"expects {100 * expected:.1f} % rms, with a confidence down to {columns[CONFIDENCE].min():.2f}" in said
+    known = build_bench("none")
+    assert not [one for one in simulate_bench(known, 0.2, runtime="floats").warnings if "miss its reference" in one]
 
 
 def test_what_it_cannot_do_is_refused() -> None:

@@ -7,11 +7,12 @@ surroundings ±10 K; the film coefficient by a factor of 0.5 to 2, uniform in it
 
 A wire holds if the rms of position less reference, over all of the sine, is within 5 % of the 5 mm asked for. What a
 filter says of that without knowing the position is its expected error, √(mean of (x̂ - r)² + s_x²): a run says that it
-misses if that is beyond 3.7 % of the span, or if its confidence was ever below a half.
+misses if that is beyond 4 % of the span, or if its confidence was ever below 0.8. These two were chosen on 2000 wires
+of the seeds 11 to 20, for at least 97 % of those that miss.
 
     python -m martensite_control.unknown_wires [--wires 200] [--own-resistivities] [--before] [--guard fixed]
 
-Observers were tuned on the wires of seed `TUNED_ON` alone, and are judged on those of `JUDGED_ON`.
+Observers were tuned on the wires of seed `TUNED_ON` and the nine after it, and are judged on those from `JUDGED_ON` on.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from martensite.control.checks.base import Checks
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import NOISE
 from martensite.control.loop.parts import Controllers, Observers, Sensors
+from martensite.control.loop.run import EXPECTED, TRUSTED
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.supervisors.from_plant import guard_for
 from martensite.control.supervisors.guard import Guard
@@ -42,7 +44,7 @@ LOW, HIGH = 1e-3, 6e-3
 """Of the reference [m]."""
 HELD, PERIODS = 30.0, 3
 """How long the reference stays low after the calibration [s], and periods of the sine that count."""
-WITHIN, EXPECTED, TRUSTED = 0.05, 0.037, 0.5
+WITHIN = 0.05
 CHUNK = 250
 """Periods that are kept at once."""
 POSITION, CONFIDENCE = "estimated.position", "estimated.confidence"

@@ -70,7 +70,7 @@ class Calibration(Parametrised):
     probe: Scalar = param(DRIVE, "signal of a current that measures but hardly heats", above=0.0, default=0.02)
     largest: Scalar = param(DRIVE, "largest signal of the heating", above=0.0, default=1.0)
     begin: Scalar = param("1", "signal at which heating begins, over the probing one", above=1.0, default=4.0)
-    cold: Scalar = param("s", "time at the probing signal", above=0.0, default=4.0)
+    cold: Scalar = param("s", "time at the probing signal", above=0.0, default=8.0)
     pulse: Scalar = param("1", "energy of the pulse, over that for all but latent heat", above=0.0, default=1.6)
     apart: Scalar = param("s", "time from the pulse to the heating", above=0.0, default=16.0)
     visible: Scalar = param("1", "change of the resistance that a transformation must have", above=0.0, default=0.03)

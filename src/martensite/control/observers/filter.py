@@ -22,6 +22,7 @@ first, and the normalised innovation squared `nis`, 0 without a reading.
 
 from abc import abstractmethod
 from collections.abc import Sequence
+from itertools import combinations
 from typing import Any, NamedTuple
 
 from martensite.actuators.mechanisms.base import Output
@@ -173,7 +174,7 @@ class AbstractFilter(AbstractObserver):
         core = list(found)
         found |= {name: known[name] for name in self.shown_outputs()}
         found |= {f"{name}_std": _find_deviation(output) for name, output in list(found.items())}
-        for a, b in _list_pairs(core):
+        for a, b in combinations(core, 2):
             found[f"{CORRELATION}.{a}.{b}"] = Output("1", f"correlation of {a} and {b}", "ρ")
         return found | {"nis": Output("1", "normalised innovation squared", "NIS")}
 
@@ -309,17 +310,13 @@ class AbstractFilter(AbstractObserver):
         estimates = [*mean[:unknown], *(one.values(xp, known, x)[0][1] for one, x in free), *mean[count:]]
         sizes = [*[1.0] * unknown, *(one.size(xp, known, x) for one, x in free), *[1.0] * len(mean[count:])]
         estimates += [x * s for x, s in zip(deviations, sizes, strict=True)]
-        for i, j in _list_pairs(range(count)):
+        for i, j in combinations(range(count), 2):
             both = deviations[i] * deviations[j]
             some = both > 0.0
             estimates.append(xp.where(some, matrix[i][j] / xp.where(some, both, 1.0), 0.0))
         left = [row[:count] for row in matrix[:count]]
         memory = [*flatten_numbers(state), *drift, *covariance.pack_matrix(left)]
         return [*estimates, nis], memory
-
-
-def _list_pairs(items: Sequence[Any]) -> list[tuple[Any, Any]]:
-    return [(a, b) for i, a in enumerate(items) for b in items[i + 1 :]]
 
 
 def _find_deviation(output: Output) -> Output:

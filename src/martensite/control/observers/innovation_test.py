@@ -17,20 +17,12 @@ Source: Bar-Shalom, Li and Kirubarajan (2001), section 5.4 (time-average tests),
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from martensite.control.observers.covariance import UnknownReading
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import find_largest
 
 MOST = 5.0
 """Deviations beyond which an innovation counts no more."""
-
-
-class Innovation(NamedTuple):
-    """What a reading says beyond what was expected."""
-
-    value: Scalar
-    variance: Scalar
-    used: Scalar
-    """1 if it counts, else 0."""
 
 
 class RunningTest(NamedTuple):
@@ -39,8 +31,8 @@ class RunningTest(NamedTuple):
     mean: Scalar = 0.0
     square: Scalar = 1.0
 
-    def add(self, xp: Namespace, found: Innovation, share: Scalar) -> "RunningTest":
-        """With another innovation, whose weight is a share."""
+    def add(self, xp: Namespace, found: UnknownReading, share: Scalar) -> "RunningTest":
+        """With another innovation and the variance claimed of it, whose weight is a share."""
         z = xp.clip(found.value / xp.sqrt(found.variance), -MOST, MOST)
         weight = share * found.used
         return RunningTest(self.mean + weight * (z - self.mean), self.square + weight * (z * z - self.square))

@@ -19,7 +19,7 @@ Source: Bar-Shalom, Li and Kirubarajan (2001), section 11.6: static and interact
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 from martensite.actuators.assembly import AbstractSystem, Members
 from martensite.actuators.mechanisms.base import Output
@@ -30,7 +30,7 @@ from martensite.control.observers.base import OBSERVERS, Column, Named, Observer
 from martensite.control.observers.covariance import Matrix, UnknownReading
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.observers.filter import AbstractFilter, Believed, Forecast
-from martensite.control.observers.innovation_test import Innovation, RunningTest, find_misfit
+from martensite.control.observers.innovation_test import RunningTest, find_misfit
 from martensite.control.observers.usual_models import (
     AS_MODELLED,
     FAN,
@@ -43,6 +43,7 @@ from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, find_largest, flatten_numbers, sum_column
 
+Memories: TypeAlias = tuple[tuple[Scalar, ...], ...]
 CONFIDENCE, MISFIT, MOST_PROBABLE, PROBABILITY = "confidence", "misfit", "most_probable", "probability_"
 
 
@@ -64,7 +65,7 @@ class BankMemory(NamedTuple):
     confidence: Scalar
     reach: Scalar
     """Of what is controlled, from austenite to martensite."""
-    filters: tuple[tuple[Scalar, ...], ...]
+    filters: Memories
 
 
 class Weighed(NamedTuple):
@@ -185,9 +186,8 @@ class ModelBank(ExtendedKalman):
         share = self.fault / (self.sound + self.fault) / max(others, 1)
         weights = (1.0 - share * others, *(share for _ in range(others)))
         tests = tuple(RunningTest() for _ in self.reads())
-        return BankMemory(
-            weights, tests, weights, 1.0, self._find_reach(xp, starts[0], filters[0], applied), memories
-        ), starts
+        reach = self._find_reach(xp, starts[0], filters[0], applied)
+        return BankMemory(weights, tests, weights, 1.0, reach, memories), starts
 
     def _find_reach(self, xp: Namespace, start: Forecast, one: AbstractFilter, applied: Column) -> Scalar:
         """How far what is controlled is between austenite and martensite."""
@@ -220,10 +220,9 @@ class ModelBank(ExtendedKalman):
         share = 1.0 - xp.exp(-dt / self.window)
         first = rows[0].expected
         news = [
-            Innovation(
-                row.value - first.mean[row.index], first.covariance[row.index][row.index] + row.variance, row.used
-            )
+            row._replace(value=row.value - first.mean[i], variance=first.covariance[i][i] + row.variance)
             for row in rows[0].rows
+            for i in [row.index]
         ]
         tests = tuple(test.add(xp, one, share) for test, one in zip(before.tests, news, strict=True))
         nis = sum_column([one.used * one.value * one.value / one.variance for one in news])
@@ -251,12 +250,7 @@ class ModelBank(ExtendedKalman):
         return sums, [[x / total for x in row] for row, total in zip(into, sums, strict=True)]
 
     def _interact(
-        self,
-        xp: Namespace,
-        filters: Sequence[AbstractFilter],
-        before: BankMemory,
-        shares: Sequence[Sequence[Scalar]],
-        going: ObserverPeriod,
+        self, xp: Namespace, filters: list[AbstractFilter], before: BankMemory, shares: Matrix, going: ObserverPeriod
     ) -> list[Believed]:
         """Where every filter goes on from."""
         ends = [one.unflatten_memory(memory) for one, memory in zip(filters, before.filters, strict=True)]
@@ -291,13 +285,7 @@ class ModelBank(ExtendedKalman):
         return Weighed(expected, rows, one.place_unknowns(xp, expected.state, mean, matrix, going), weight)
 
     def _answer(
-        self,
-        xp: Namespace,
-        now: BankMemory,
-        found: Sequence[Forecast],
-        nis: Scalar,
-        misfit: Scalar,
-        kept: tuple[tuple[Scalar, ...], ...],
+        self, xp: Namespace, now: BankMemory, found: list[Forecast], nis: Scalar, misfit: Scalar, kept: Memories
     ) -> tuple[Column, Column]:
         """Estimates of the mixture, and what is remembered."""
         mean, matrix = _mix_moments(now.weights, [one.mean for one in found], [one.covariance for one in found])
@@ -333,9 +321,7 @@ def _mix_memories(weights: Sequence[Scalar], memories: Sequence[Any], own: Belie
     """Memory of a mechanism: mixed if all have the same, else its own."""
     mine = own.state.mechanism
     flat = [flatten_numbers(one) for one in memories]
-    if any(
-        type(one) is not type(mine) or len(numbers) != len(flat[0]) for one, numbers in zip(memories, flat, strict=True)
-    ):
+    if len({(type(one), len(numbers)) for one, numbers in zip(memories, flat, strict=True)}) > 1:
         return mine
     rows = zip(*flat, strict=True)
     return NestedShape(mine).rebuild([sum_column([w * x for w, x in zip(weights, row, strict=True)]) for row in rows])

@@ -18,16 +18,17 @@ power P, that the wire then loses to the surroundings as fast as it is heated,
     ln ρ_M = ln R_M - ln R(T_a, 1),   ln ρ_A = ln R_A - ln R(T_h, 0),   ln h = ln P - ln Q(T_h - T_a),
 
 each with the error of its mean and those of T_h and T_a in it. The filter goes on from there, through the cooling,
-with parameters that walk `learning` times as fast as later. Resistivities do not walk at all by default and keep the
-small spreads of their means: a filter that goes on fitting both to one reading gives way in the wrong one of them.
+with parameters that walk `learning` times as fast as later. Resistivities are then considered and no longer estimated
+(Schmidt, 1966): they stay as measured, and their spreads count in all others. A filter that goes on fitting both to one
+reading gives way in the wrong one, for sigma points that end at ξ = 1 pull ξ off a pure phase, and ρ_M with it.
 
 In a pure phase nothing transforms without a change of temperature: the random walk of ξ is √(4 ξ (1 - ξ)) of
 `fraction_noise`. Its `beta` is 2, which is right for normal errors; sigma points at a kink of the hysteresis need it.
 
 Beside the estimates of a filter it says how far it can be trusted, its `confidence`: see `trust.py`.
 
-Source: joint estimation of states and parameters with sigma points, Julier and Uhlmann (2004); everything else is a
-choice of this project, judged on random wires (`martensite_control.unknown_wires`).
+Source: joint estimation with sigma points, Julier and Uhlmann (2004); considered parameters, Schmidt (1966); everything
+else is a choice of this project, judged on random wires (`martensite_control.unknown_wires`).
 """
 
 from __future__ import annotations
@@ -89,7 +90,9 @@ class SelfSensing(UnscentedKalman):
     hot_deviation: Scalar = param(DIFFERENCE, "its standard deviation", above=0.0, default=7.0)
     loss_deviation: Scalar = param("1", "standard deviation of P - Q as a share of it", low=0.0, default=0.1)
     learning: Scalar = param("1", "by how much parameters walk faster while it calibrates", low=1.0, default=8.0)
-    resistivity_walk: Scalar = param("1/s^0.5", "random walk of the resistivities", low=0.0, default=0.0)
+    resistivity_walk: Scalar = param(
+        "1/s^0.5", "random walk of the resistivities; once measured, of their spreads", low=0.0, default=0.0
+    )
     film_walk: Scalar = param("1/s^0.5", "random walk of the film coefficient", low=0.0, default=0.0025)
     ambient_walk: Scalar = param("K/s^0.5", "random walk of the surroundings", low=0.0, default=0.005)
     transformation_walk: Scalar = param(
@@ -243,28 +246,29 @@ class SelfSensing(UnscentedKalman):
         found: tuple[list[Scalar], Matrix],
         going: ObserverPeriod,
     ) -> tuple[list[Scalar], Matrix]:
-        """Unknowns, put to those of rest while the wire is cold, and to those of austenite after the soak."""
+        """Unknowns: those of rest while the wire is cold, of austenite after the soak, then with resistivities kept."""
         before, own = calibration
         if self.start == "sheet":
             return found
-        count = self.unknowns()
         cold = own.phase < COLD + 0.5
         # Put there all through the soak, so that the law has forgotten what a filter that knew nothing led it through.
         ended = xp.both(before.phase < SOAK + 0.5, own.phase > SETTLE - 0.5)
         soaks = xp.both(own.phase > SOAK - 0.5, own.phase < SOAK + 0.5)
         soaked = xp.both(xp.either(soaks, ended), own.done > 0.5)
-        variances = [x * x for x in self.first_deviations()]
-        around = self.model.value_of("environment.temperature")
-        rest = (
-            [around, 1.0, *(one.start for one in self.free_parameters())],
-            self.first_covariance(xp, variances, going.signals),
-        )
+        rest = [self.model.value_of(AROUND[0]), 1.0, *(one.start for one in self.free_parameters())]
+        unsure = self.first_covariance(xp, [x * x for x in self.first_deviations()], going.signals)
         hot = self._austenite(xp, own, expected, going)
-        mean, matrix = list(found[0]), [list(row) for row in found[1]]
-        for i in range(count):
-            mean[i] = xp.where(cold, rest[0][i], xp.where(soaked, hot[0][i], mean[i]))
-            for j in range(count):
-                matrix[i][j] = xp.where(cold, rest[1][i][j], xp.where(soaked, hot[1][i][j], matrix[i][j]))
+        mean = covariance.put_unknown(xp, *found, 1, xp.clip(found[0][1], 0.0, 1.0))
+        matrix, measured = [list(row) for row in found[1]], own.phase > SETTLE - 0.5
+        kept = [self._index(names) for names in RESISTIVITIES]
+        for i in kept:
+            mean[i] = xp.where(measured, expected.mean[i], mean[i])
+            for j in kept:
+                matrix[i][j] = xp.where(measured, expected.covariance[i][j], matrix[i][j])
+        for i in range(len(rest)):
+            mean[i] = xp.where(cold, rest[i], xp.where(soaked, hot[0][i], mean[i]))
+            for j in range(len(rest)):
+                matrix[i][j] = xp.where(cold, unsure[i][j], xp.where(soaked, hot[1][i][j], matrix[i][j]))
         return mean, matrix
 
     def _austenite(
@@ -290,8 +294,7 @@ class SelfSensing(UnscentedKalman):
         heated = xp.maximum(seen(xp, hot, 0.0)[power] * warm / austenite, TINY)
         mean = [hot, 0.0, *(one.start for one in self.free_parameters())]
         variances = [x * x for x in self.first_deviations()]
-        k_M, k_A, k_h = (self._index(names) for names in (*RESISTIVITIES, FILMS))
-        k_a = self._index(AROUND)
+        k_M, k_A, k_h, k_a = (self._index(names) for names in (*RESISTIVITIES, FILMS, AROUND))
         mean[k_M], mean[k_A] = xp.log(martensite / at_rest), xp.log(austenite / warm)
         lost = xp.maximum(lost, TINY)
         mean[k_h] = xp.log(heated / lost)
