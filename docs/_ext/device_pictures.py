@@ -1,4 +1,4 @@
-"""Draws the devices of the first page anew: `python docs/_ext/device_pictures.py`, from a checkout.
+"""Draws the devices of the first page and the bench of the README: `python docs/_ext/device_pictures.py`.
 
 The real page runs each scenario of the directive `devices` in a headless Chromium, and its scene is
 photographed where the actuator has moved most. It needs Chromium and the extra `test`; pictures are kept
@@ -31,6 +31,8 @@ WIDTH = 640
 """Of a picture [px]."""
 MOST = 60_000
 """Bytes of a picture."""
+BENCH, SCREEN = "finger", 1440
+"""What the whole page shows, and how wide it is [px]."""
 MOVE = """(range, share) => {
   range.value = Number(range.min) + share * (range.max - range.min);
   range.dispatchEvent(new Event("input", { bubbles: true }));
@@ -66,26 +68,38 @@ def find_share(text: str) -> float:
     return float(result.times[moved] / result.times[-1])
 
 
-def take_picture(page: Page, address: str, text: str) -> bytes:
-    """The scene of a scenario, PNG."""
+def open_scenario(page: Page, address: str, text: str) -> None:
+    """Show a scenario where its actuator has moved most."""
     page.goto("about:blank")
     page.goto(build_address(address, text))
     page.locator(".scene-view canvas").wait_for(timeout=PATIENCE)
     page.locator(".bench[aria-busy=false]").wait_for(timeout=PATIENCE)
     cursor = page.locator(".player-scrub input")
     cursor.evaluate(MOVE, find_share(text))
-    page.add_style_tag(content=".scene-view > :not(canvas) { visibility: hidden }")
     page.wait_for_timeout(1500)  # the camera comes to rest
+
+
+def take_picture(page: Page, address: str, text: str) -> bytes:
+    """The scene of a scenario, PNG."""
+    open_scenario(page, address, text)
+    page.add_style_tag(content=".scene-view > :not(canvas) { visibility: hidden }")
     return page.locator(".scene-view").screenshot()
 
 
-def write_picture(shot: bytes, path: Path) -> int:
+def take_page(page: Page, address: str, text: str) -> bytes:
+    """The whole page with a scenario, and what would help it, PNG."""
+    open_scenario(page, address, text)
+    page.locator(".insight-promise:not(:empty)").wait_for(timeout=PATIENCE)
+    return page.screenshot()
+
+
+def write_picture(shot: bytes, path: Path, width: int = WIDTH, most: int = MOST) -> int:
     """Keep a picture, as good as it may be heavy; its bytes."""
     image = Image.open(io.BytesIO(shot)).convert("RGB")
-    image.thumbnail((WIDTH, WIDTH))
+    image.thumbnail((width, width))
     for quality in range(90, 20, -10):
         image.save(path, quality=quality, method=6)
-        if path.stat().st_size < MOST:
+        if path.stat().st_size < most:
             break
     return path.stat().st_size
 
@@ -100,6 +114,11 @@ def draw_devices() -> None:
         for name in list_devices():
             size = write_picture(take_picture(page, address, list_standalone()[name]), FOLDER / f"{name}.webp")
             print(f"{name}: {size / 1e3:.0f} kB")
+        page.set_viewport_size({"width": SCREEN, "height": 900})
+        size = write_picture(
+            take_page(page, address, list_standalone()[BENCH]), FOLDER.parent / "bench.webp", SCREEN, 2 * MOST
+        )
+        print(f"the bench: {size / 1e3:.0f} kB")
         browser.close()
 
 

@@ -60,3 +60,4 @@ for name in PACKAGES:
 CliRunner().invoke(app, ["materials", "copaci-2019"])
 _draw()
 gc.freeze()
+gc.set_threshold(20_000, 20, 25)  # traced graphs are full of cycles, looked for too often

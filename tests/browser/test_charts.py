@@ -50,7 +50,7 @@ COURSE = """figure => {
 NEAR = 6
 """Per cent by which a curve may be elsewhere: lines are some pixels thick, and charts not equally high."""
 KEPT: dict[str, list[list[int]]] = {
-    "martensite fraction – wire temperature": [
+    "Martensite fraction – wire temperature": [
         *[
             [],
             *[[94, 94]] * 7,

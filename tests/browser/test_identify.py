@@ -102,6 +102,11 @@ def test_a_step_is_drawn_said_and_undone(page: Page) -> None:
     expect(page.get_by_text("median of 5 rows; at most")).to_be_visible()
     page.get_by_role("button", name="Undo step 1").click()
     expect(page.get_by_text("Done to the log before the fit: nothing")).to_be_visible()
+    page.get_by_role("combobox", name="Step", exact=True).select_option("cut")
+    page.get_by_label("kept to [s]").fill("99")
+    page.get_by_label("kept to [s]").press("Tab")
+    page.get_by_role("button", name="Do it").click()
+    expect(page.get_by_text("Rows from 0 s to 99 s: 100 of 499")).to_be_visible()
 
 
 def test_files_are_shown_as_text_or_refused(page: Page, log: Path, tmp_path: Path) -> None:

@@ -121,6 +121,7 @@ def test_a_report_is_one_file_that_answers_and_asks_nobody(page: Page, bench: Be
     page.goto(path.as_uri())
     expect(page.get_by_role("heading", level=1)).to_have_text("Constant power by PWM, 0.1 mm wire")
     expect(page.locator(".report-results")).to_contain_text("peak temperature")
+    expect(page.locator(".report-insight")).to_contain_text("of the cycle")
     expect(page.get_by_role("region", name="What differs")).to_contain_text("element.length")
     readout = page.get_by_role("figure", name="wire temperature", exact=True).locator(".readout")
     before = readout.inner_text()

@@ -220,3 +220,43 @@ def test_a_file_that_is_no_text_is_left_to_the_server(page: Page, tmp_path: Path
     (tmp_path / "log.xlsx").write_bytes(b"PK\x03\x04")
     choose_log(page, tmp_path / "log.xlsx")
     expect(page.get_by_role("alert")).to_contain_text("This page reads tables as text")
+
+
+MOVES = """async (count) => {
+  const slider = document.querySelector(".top-controls input[type=range]");
+  const set = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set;
+  const frame = () => new Promise(requestAnimationFrame);
+  for (let k = 0; k < count; k++) {
+    if (k % 25 === 0) slider.dispatchEvent(new PointerEvent("pointerdown", {bubbles: true}));
+    set.call(slider, 350 + ((37 * k) % 300));
+    slider.dispatchEvent(new Event("input", {bubbles: true}));
+    await frame();
+    await frame();
+  }
+}"""
+"""A slider taken by the hand 25 places long, again and again."""
+
+
+def measure_heap(page: Page) -> tuple[float, int, int]:
+    """What the page holds after its garbage was collected: [MB], nodes of the document, listeners."""
+    page.wait_for_timeout(1500)  # the session is kept, the trial is through
+    session = page.context.new_cdp_session(page)
+    session.send("Performance.enable")
+    for _ in range(2):
+        session.send("HeapProfiler.collectGarbage")
+    used = session.send("Runtime.getHeapUsage")["usedSize"]
+    counted = {one["name"]: one["value"] for one in session.send("Performance.getMetrics")["metrics"]}
+    session.detach()
+    return used / 1e6, int(counted["Nodes"]), int(counted["JSEventListeners"])
+
+
+@pytest.mark.slow
+def test_memory_is_flat_after_a_thousand_moves(page: Page) -> None:
+    expect(page.locator(".bench-title")).to_contain_text(title_of())
+    page.set_viewport_size({"width": 1101, "height": 400})  # a small picture is drawn soon
+    page.evaluate(MOVES, 400)  # what is made once, code too, is there
+    heap, nodes, listeners = measure_heap(page)
+    page.evaluate(MOVES, 1000)
+    after = measure_heap(page)
+    assert after[0] <= heap + 1.0, f"{heap:.2f} MB before, {after[0]:.2f} MB after"
+    assert after[1] <= 1.1 * nodes and after[2] <= 1.1 * listeners, (nodes, listeners, after)

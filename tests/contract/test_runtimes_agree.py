@@ -60,11 +60,13 @@ def require_agreement(thing, kind, name, runtime, meaning=on_kernel_itself, lane
 
 
 @pytest.mark.parametrize(("kind", "cls"), CLASSES)
-def test_every_kernel_is_the_same_in_c(kind, cls, c_compiler):
-    """Of the first form of a class; what arrays say is what floats say, as the next test shows."""
-    meaning = on_kernel_itself if cls.registered_name in LONG else on_numpy
+def test_every_kernel_is_the_same_traced_on_arrays_and_in_c(kind, cls, c_compiler):
+    """Of the first form of a class. On all lanes arrays say what C is to say, for on some they are what floats say."""
+    thing, long = builders.variants(cls)[0], cls.registered_name in LONG
     for name in KERNELS[kind]:
-        require_agreement(builders.variants(cls)[0], kind, name, on_c, meaning)
+        for runtime in () if long else (on_floats, on_numpy):
+            require_agreement(thing, kind, name, runtime, lanes=FEW)
+        require_agreement(thing, kind, name, on_c, on_kernel_itself if long else on_numpy)
 
 
 @pytest.mark.parametrize(("kind", "cls"), [pytest.param(k, c, marks=pytest.mark.slow, id=i) for k, c, i in VARIED])
@@ -81,16 +83,6 @@ def test_kernels_of_other_forms_are_the_same_traced(kind, cls):
     for thing in builders.variants(cls)[1:] if cls.registered_name not in LONG else []:
         for name in KERNELS[kind]:
             require_agreement(thing, kind, name, on_floats, on_numpy, lanes=FEW)
-
-
-@pytest.mark.parametrize(("kind", "cls"), CLASSES)
-def test_every_kernel_is_the_same_traced_and_on_arrays(kind, cls):
-    """Of the first form of a class."""
-    if cls.registered_name in LONG:
-        pytest.skip("it takes long, and C says the same")
-    for name in KERNELS[kind]:
-        for runtime in (on_floats, on_numpy):
-            require_agreement(builders.variants(cls)[0], kind, name, runtime, lanes=FEW)
 
 
 def mark_slow(kind, cls):

@@ -7,17 +7,21 @@ searched on the very course on which both are compared.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from functools import cache
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 from builders import problem_a
 
+import martensite as ms
 from martensite.actuators.assembly import AbstractSystem, Group, Machine
 from martensite.actuators.mechanisms.load_line import DeadWeight
 from martensite.base.errors import ParameterError
+from martensite.control.controllers.base import AHEAD
 from martensite.control.controllers.mpc import Mpc, PlanMemory
 from martensite.control.controllers.pid import Correction, Pid
 from martensite.control.controllers.planning import Planned, Planner, Price, shift_plan
@@ -37,6 +41,7 @@ from martensite.simulate.lanes import Lanes
 from martensite.simulate.result import Result
 
 in_c = pytest.mark.skipif(find_compiler() is None, reason="too slow without a C compiler")
+EXAMPLES = Path(__file__).parents[2] / "examples"
 MM, PERIOD = 1e-3, 0.05
 SYSTEM = problem_a().with_parts(source=PwmVoltage(supply=6.0))
 OTHER = SYSTEM.with_values({"environment.temperature": 298.15, "cooling.h0": 90.0})
@@ -338,14 +343,37 @@ def test_a_model_that_tracks_its_readings_follows_on_a_wire_that_cools_twice_as_
     assert apart[1] < 0.7 * apart[0]
 
 
-def test_tracking_is_for_one_drive() -> None:
-    with pytest.raises(ParameterError, match="`tracking` is for a model with one drive"):
-        Mpc(
-            model=SYSTEM,
-            measured="position",
-            reference=COURSE,
-            period=PERIOD,
-            horizon=1.0,
-            leads=("drive",),
-            tracking=Correction(),
-        )
+def test_what_tracks_adds_to_its_own_drive_and_takes_from_the_one_that_it_leads() -> None:
+    """The angle read is 2° more than that of the model; the model goes on under both signals, within their limits."""
+    lead = ms.load(EXAMPLES / "closed_loop_antagonistic.toml").bench.controllers.protagonist
+    lead = lead.with_parts(blocks=1, horizon=0.1, tracking=Correction(Kp=10.0, Ki=5.0))
+    rows = {f"{AHEAD}protagonist.{k}": 0.1 for k in (0, 1)}
+    memory = lead.rest(floats, 0.1, {"angle": 0.0})
+    known = lead.unflatten(memory)
+    for _ in range(2):
+        said = known.past[0][0]
+        _, memory = lead.answer(floats, memory, 0.1, {"angle": said + math.radians(2.0), **rows}, PERIOD)
+        before, known = known, lead.unflatten(memory)
+    up, down = before.signals
+    added = before.added[0]
+    assert 0.3 < added < 2.0
+    lanes = Lanes(lead.model, 1)
+    lanes.state = np.array(flatten_numbers(before.state))[:, None]
+    given = np.array([min(up + added, 2.0), max(down - added, 0.0)])[None, :, None]
+    turns = lead.layout()[3]
+    lanes.advance(np.repeat(given, turns, axis=0), PERIOD / turns)
+    assert flatten_numbers(known.state) == pytest.approx(lanes.state[:, 0], rel=1e-9)
+
+
+def test_plans_count_on_what_the_model_gets_besides() -> None:
+    plan = (0.5, 0.4, 0.6)
+    shifted = planner(3 * MM, 3, 2, signal=0.2)._replace(shifts=(0.1,)).rate_plan(floats, plan)
+    found = planner(3 * MM, 3, 2, signal=0.3).rate_plan(floats, [u + 0.1 for u in plan])
+    assert [shifted.total, *shifted.residuals] == pytest.approx([found.total, *found.residuals], rel=1e-12)
+
+
+def test_tracking_is_for_one_reading() -> None:
+    kept = {"model": SYSTEM, "measured": "position", "reference": COURSE, "period": PERIOD, "horizon": 1.0}
+    for more in ({"leads": ("a", "b")}, {"leads": ("a",), "also_measured": ("angle",)}):
+        with pytest.raises(ParameterError, match="`tracking` is for one reading, and one drive or two"):
+            Mpc(tracking=Correction(), **kept, **more)

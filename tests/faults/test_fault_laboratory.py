@@ -19,11 +19,11 @@ from fault_experiments import EXPERIMENTS, LARGE, can_mount, list_wanted
 from fault_trials import FINE, HOSTILE, Outcome, Trial, count_trials, run_trials
 
 SMALL = {
-    "scenarios": 30,
-    "commands": 4,
-    "logs": 15,
-    "models": 10,
-    "materials": 10,
+    "scenarios": 16,
+    "commands": 3,
+    "logs": 8,
+    "models": 6,
+    "materials": 6,
     "saved results": 3,
     "binary logs": 3,
     "stores": 4,
@@ -32,7 +32,7 @@ SMALL = {
     "full disks": 1,
     "read-only folders": 1,
     "exported C": 1,
-    "titles": 10,
+    "titles": 6,
 }
 """Trials of each experiment in the small run; the seeds are the first ones."""
 CHUNK = 500
@@ -85,7 +85,7 @@ def test_the_small_run_tries_something(small_run: dict[str, list[Trial]]) -> Non
     counts = count_trials(one for trials in small_run.values() for one in trials)
     for name in ("scenarios", "commands", "logs", "models", "materials", "titles"):
         assert counts[name].get(Outcome.ANSWERED, 0) > 0, counts
-    assert counts["scenarios"][Outcome.REFUSED] > 10
+    assert counts["scenarios"][Outcome.REFUSED] > 5
 
 
 @pytest.mark.slow

@@ -116,18 +116,18 @@ test("cells are found by their limits, half-way between levels, also when zoomed
 
 test("a curve is drawn where its values are", () => {
   const pen = new VectorPen();
-  drawPicture(pen, line, 266, 148, COLOURS);
-  const box = boxOf(line, 266, 148);
-  assert.deepEqual(box, { left: 56, top: 6, width: 200, height: 100 });
-  const text = pen.document(266, 148, "A < B");
+  drawPicture(pen, line, 270, 148, COLOURS);
+  const box = boxOf(line, 270, 148);
+  assert.deepEqual(box, { left: 60, top: 6, width: 200, height: 100 });
+  const text = pen.document(270, 148, "A < B");
   assert.match(text, /<title>A &#60; B<\/title>/);
-  const [path = ""] = /d="(M56 106L[^"]*)" fill="none" stroke="rgb\(1, 2, 3\)"/.exec(text)?.slice(1) ?? [];
-  assert.ok(path.endsWith("L256 6"), path);
+  const [path = ""] = /d="(M60 106L[^"]*)" fill="none" stroke="rgb\(1, 2, 3\)"/.exec(text)?.slice(1) ?? [];
+  assert.ok(path.endsWith("L260 6"), path);
   assert.equal(path.split("L").length, 101);
-  assert.match(text, /M156 86L/); // the pinned one begins in the middle
+  assert.match(text, /M160 86L/); // the pinned one begins in the middle
   const other = new VectorPen();
-  drawPicture(other, { ...line, y: { ...line.y, high: 200 } }, 266, 148, COLOURS);
-  assert.ok(!other.document(266, 148, "").includes(path)); // it can fail
+  drawPicture(other, { ...line, y: { ...line.y, high: 200 } }, 270, 148, COLOURS);
+  assert.ok(!other.document(270, 148, "").includes(path)); // it can fail
 });
 
 test("cells have colours, failed ones are hatched and lie within a clip", () => {

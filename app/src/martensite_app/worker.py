@@ -120,6 +120,8 @@ def main() -> None:
                 lines.send_columns(answer)
             else:
                 lines.send({"answer": answer})
+        except BrokenPipeError:
+            return  # the server is gone, and nobody hears
         except Exception as error:
             said = describe_refusal(error)
             if said["refused"].startswith("Unexpected"):

@@ -28,7 +28,7 @@ class _Column:
     @property
     def narrowest(self) -> int:
         """Width below which a word or a number would be broken."""
-        numbers = self.cells if self.right else [w for cell in self.cells for w in cell.split()]
+        numbers = self.cells if self.right else [w for cell in self.cells for w in cell.replace("\n", " ").split(" ")]
         return max(map(len, ["", *self.head.split(), *numbers]))
 
     def align(self, text: str, width: int) -> str:

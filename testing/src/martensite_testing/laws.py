@@ -27,13 +27,22 @@ TAIL = 0.01
 
 def trace_kinetics(law: AbstractLaw) -> Callable[[Any, float, float, float], Any]:
     """`kinetics` as a function (memory, stress, temperature, dt) -> memory, traced for speed."""
-    bind, shape = _trace_kinetics(Keyed(law))
-    function = bind(*(leaf.value for leaf in law.leaves()))["kinetics"]
-    return lambda memory, *point: shape.rebuild(function(*flatten_numbers(memory), *point))
+    kinetics, _, shape = _bind_law(law)
+    return lambda memory, *point: shape.rebuild(kinetics(*flatten_numbers(memory), *point))
+
+
+def _bind_law(law: AbstractLaw) -> tuple[Callable[..., Sequence[float]], Callable[..., Sequence[float]], NestedShape]:
+    """Functions of the numbers of a memory, `kinetics` and strain, and the shape of a memory.
+
+    What takes many steps keeps to the numbers: to make a memory of them takes longer than a step.
+    """
+    bind, shape = _trace_law(Keyed(law))
+    functions = bind(*(leaf.value for leaf in law.leaves()))
+    return functions["kinetics"], functions["strain"], shape
 
 
 @cache_answers(64)
-def _trace_kinetics(keyed: Keyed[Any]) -> Any:
+def _trace_law(keyed: Keyed[Any]) -> Any:
     program = Program()
     law = keyed.part.rebuilt({leaf.path: program.parameter(leaf.path) for leaf in keyed.part.leaves()})
     shape = NestedShape(keyed.part.init(floats, Fractions(1.0, 1.0), 0.0, 300.0))
@@ -42,8 +51,13 @@ def _trace_kinetics(keyed: Keyed[Any]) -> Any:
         *numbers, stress, temperature, dt = arguments
         return flatten_numbers(law.kinetics(xp, shape.rebuild(numbers), stress, temperature, dt)[0])
 
+    def strain(xp: Any, *numbers: Any) -> list[Any]:
+        memory = shape.rebuild(numbers)
+        return [law.strain(xp, law.fractions(memory), memory.stress, memory.temperature)]
+
     names = [f"m{i}" for i in range(len(flatten_numbers(shape.example)))]
     program.add("kinetics", [*names, "stress", "temperature", "dt"], kinetics)
+    program.add("strain", names, strain)
     return program.bind_floats, shape
 
 
@@ -54,16 +68,16 @@ def follow_path(
 
     Straight legs of dt [s] lead from each to the next, each cut into `substeps` of equal length.
     """
-    memory = law.init(floats, Fractions(fraction, fraction), *points[0])
-    memories = [memory]
-    advance = trace_kinetics(law)
+    memories = [law.init(floats, Fractions(fraction, fraction), *points[0])]
+    kinetics, _, shape = _bind_law(law)
+    numbers: Sequence[float] = flatten_numbers(memories[0])
     for (s0, t0), (s1, t1) in pairwise(points):
         for k in range(1, substeps + 1):
             share = k / substeps
             stress = s1 if k == substeps else s0 + share * (s1 - s0)
             temperature = t1 if k == substeps else t0 + share * (t1 - t0)
-            memory = advance(memory, stress, temperature, dt / substeps)
-        memories.append(memory)
+            numbers = kinetics(*numbers, stress, temperature, dt / substeps)
+        memories.append(shape.rebuild(numbers))
     return memories
 
 
@@ -233,25 +247,27 @@ def find_austenite(law: AbstractLaw) -> float:
     Raises:
         ConformanceError: it is not gone below 480 K.
     """
-    for kelvin in range(280, 480):
-        legs = [(0.0, 250.0), (0.0, float(kelvin))]
-        if find_end(law, legs, 1.0, dt=1e3).martensite <= TAIL:
-            return float(kelvin)
+    kinetics, _, shape = _bind_law(law)
+    cold = flatten_numbers(law.init(floats, Fractions(1.0, 1.0), 0.0, 250.0))
+    for kelvin in map(float, range(280, 480)):
+        if law.fractions(shape.rebuild(kinetics(*cold, 0.0, kelvin, 1e3))).martensite <= TAIL:
+            return kelvin
     require_condition(False, "Martensite without stress is still there at 207 °C.")
     return 480.0
 
 
 def find_work(law: AbstractLaw, kelvin: float, stresses: Sequence[float]) -> tuple[float, float]:
     """∮ σ dε [J/m³] along an isotherm, in steps of about 2 MPa, and the fraction at its end."""
-    memory, advance = (law.init(floats, Fractions(0.0, 0.0), stresses[0], kelvin), trace_kinetics(law))
-    total, last_stress, last_strain = 0.0, stresses[0], find_strain(law, memory)
+    kinetics, strain_of, shape = _bind_law(law)
+    numbers: Sequence[float] = flatten_numbers(law.init(floats, Fractions(0.0, 0.0), stresses[0], kelvin))
+    total, last_stress, (last_strain,) = 0.0, stresses[0], strain_of(*numbers)
     for a, b in pairwise(stresses):
         for sigma in np.linspace(a, b, 2 + int(abs(b - a) / 2e6)).tolist()[1:]:
-            memory = advance(memory, sigma, kelvin, 1.0)
-            strain = find_strain(law, memory)
+            numbers = kinetics(*numbers, sigma, kelvin, 1.0)
+            (strain,) = strain_of(*numbers)
             total += 0.5 * (sigma + last_stress) * (strain - last_strain)
             last_stress, last_strain = sigma, strain
-    return total, law.fractions(memory).martensite
+    return total, law.fractions(shape.rebuild(numbers)).martensite
 
 
 def check_dissipation(law: AbstractLaw) -> None:

@@ -3,6 +3,7 @@
 import { signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { isStatic } from "../engine/local.ts";
+import { host } from "../lib/host.ts";
 import { cancelRun, computing, run } from "../state/run.ts";
 
 /** From when a run is told, and from when it is told why [ms]. */
@@ -31,7 +32,7 @@ export function Busy() {
         {busy.value > 0 && `${what} …`}
         {busy.value > 1 && " What is new in kind is compiled once, in some seconds."}
       </p>
-      {busy.value > 0 && !isStatic() && (
+      {busy.value > 0 && !isStatic() && !host && ( // the kernel of a notebook answers when it is done
         <button type="button" onClick={cancelRun}>
           Cancel
         </button>

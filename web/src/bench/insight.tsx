@@ -47,7 +47,7 @@ function Trials({ now }: { now: Run }) {
   return (
     <Table
       caption="What would help, each as a run of its own"
-      headings={["with", ...own.map((one) => one.name), "warnings", ""]}
+      headings={["With", ...own.map((one) => one.name), "Warnings", ""]}
       rows={[["This run", ...cells(now), now.alarms.length ? `${now.alarms.length} beyond limits` : "", ""], ...rows]}
       right={own.map((_, k) => k + 1)}
     />

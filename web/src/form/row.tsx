@@ -3,6 +3,7 @@
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { whyFixed } from "../engine/fixed.ts";
+import { tellBesideField } from "../lib/refusal.ts";
 import { Details, hint } from "./details.tsx";
 import { isOnTop, putOnTop } from "./pinned.ts";
 import { refusals } from "./state.ts";
@@ -84,7 +85,7 @@ export function Row({ node, children }: { node: SingleNode; children: ComponentC
       {fixed ? <Fixed words={fixed}>{children}</Fixed> : children}
       {words && (
         <p class="fault small" id={faultId(node.path)} role="alert">
-          {words}
+          {tellBesideField(words)}
         </p>
       )}
       {open.value && <Details node={node} id={`${id}-more`} />}

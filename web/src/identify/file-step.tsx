@@ -4,6 +4,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { isStatic } from "../engine/local.ts";
 import { call } from "../lib/api.ts";
+import { Empty } from "../ui/empty.tsx";
 import { Message } from "../ui/message.tsx";
 import { ColumnRows } from "./columns.tsx";
 import { NumberField, SECONDS } from "./number.tsx";
@@ -141,6 +142,7 @@ export function FileStep() {
     <div class="stack">
       <Drop />
       {!file && <Samples />}
+      {!file && <Empty picture="log">What the log holds is recognised and said; then a model is fitted to it, with what the log tells and what it does not.</Empty>}
       <LogList />
       {file && found && (
         <>

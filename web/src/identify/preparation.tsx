@@ -1,7 +1,7 @@
 // What is done to a log before it is fitted: added by a choice, said in words, taken back by a click.
 
 import { useSignal } from "@preact/signals";
-import { NumberField } from "./number.tsx";
+import { NumberField, SECONDS } from "./number.tsx";
 import { Said } from "./said.tsx";
 import { put, records, state, type Step } from "./state.ts";
 
@@ -12,7 +12,7 @@ interface Kind {
   column: boolean;
 }
 
-const KINDS: Record<Exclude<Step["kind"], "cut">, Kind> = {
+const KINDS: Record<Step["kind"], Kind> = {
   median: { words: "median filter", number: { key: "width", label: "rows", usual: 5, whole: true }, column: true },
   smooth: { words: "smooth (moving mean)", number: { key: "width", label: "rows", usual: 9, whole: true }, column: true },
   outliers: { words: "leave out outliers", number: { key: "limit", label: "beyond scatters", usual: 6 }, column: true },
@@ -20,6 +20,7 @@ const KINDS: Record<Exclude<Step["kind"], "cut">, Kind> = {
   offset: { words: "add an offset", number: { key: "value", label: "offset", usual: 0 }, column: true },
   hold: { words: "take its mean", column: true },
   resample: { words: "resample all columns", number: { key: "interval", label: "every [s]", usual: 1 }, column: false },
+  cut: { words: "keep only a part of the time", column: false },
 };
 type Name = keyof typeof KINDS;
 
@@ -29,6 +30,7 @@ export function Preparation() {
   const kind = useSignal<Name>("median");
   const column = useSignal("");
   const amount = useSignal<number | null>(null);
+  const [from, to] = [useSignal<number | null>(null), useSignal<number | null>(null)];
   const found = records.value;
   if (!found) return null;
   const how = KINDS[kind.value];
@@ -39,8 +41,9 @@ export function Preparation() {
   const { steps } = state.value;
   const add = (): void => {
     const value = amount.value ?? how.number?.usual ?? 0;
-    change([...steps, { kind: kind.value, ...(how.column ? { column: chosen } : {}), ...(how.number ? { [how.number.key]: how.number.whole ? Math.round(value) : value } : {}) }]);
-    amount.value = null;
+    const part = kind.value === "cut" ? { from: from.value ?? found.begin, to: to.value ?? found.end } : {};
+    change([...steps, { kind: kind.value, ...(how.column ? { column: chosen } : {}), ...(how.number ? { [how.number.key]: how.number.whole ? Math.round(value) : value } : {}), ...part }]);
+    amount.value = from.value = to.value = null;
   };
   return (
     <fieldset class="panel stack">
@@ -83,6 +86,12 @@ export function Preparation() {
           </label>
         )}
         {how.number && <NumberField label={how.number.label} value={amount.value} how={plain} placeholder={String(how.number.usual)} onChange={(value) => (amount.value = value)} />}
+        {kind.value === "cut" && (
+          <>
+            <NumberField label="kept from" value={from.value} how={SECONDS} placeholder={String(Number(found.begin.toPrecision(6)))} onChange={(value) => (from.value = value)} />
+            <NumberField label="kept to" value={to.value} how={SECONDS} placeholder={String(Number(found.end.toPrecision(6)))} onChange={(value) => (to.value = value)} />
+          </>
+        )}
         <button type="button" onClick={add}>
           Do it
         </button>

@@ -13,6 +13,7 @@ import { Compare } from "../plots/compare.tsx";
 import { Warnings } from "../plots/warnings.tsx";
 import { Player } from "../scene/player.tsx";
 import { Scene } from "../scene/scene.tsx";
+import { tellRefusal } from "../lib/refusal.ts";
 import { place } from "../state/route.ts";
 import { computing, followDocument, followWaiting, refused, run } from "../state/run.ts";
 import { broken, change, followInAddress, fromAddress, text } from "../state/scenario.ts";
@@ -83,7 +84,7 @@ export function Page() {
           {!hand.value && <Compare />}
         </div>
         <Busy />
-        {refused.value && <Message kind="error">{refused.value}</Message>}
+        {refused.value && <Message kind="error">{tellRefusal(refused.value)}{run.value && " What is shown is the run before."}</Message>}
         {hand.value ? (
           <LivePanel />
         ) : (

@@ -5,6 +5,7 @@ import { Curves } from "../board/curves.tsx";
 import { Form } from "../board/form.tsx";
 import { Live } from "../board/live.tsx";
 import { columns, known, readBoards, refused, work } from "../board/state.ts";
+import { Empty } from "../ui/empty.tsx";
 import { Message } from "../ui/message.tsx";
 
 function Absent({ command }: { command: string }) {
@@ -31,7 +32,7 @@ export function Page() {
           <Form />
           <div class="stack board-results">
             <Live />
-            {!work.job.value && !columns.value["time"] && <p class="soft">Curves, and what the link counts, come here while the board runs.</p>}
+            {!work.job.value && !columns.value["time"] && <Empty picture="hold">Curves, and what the link counts, come here while the board runs.</Empty>}
             <Curves />
           </div>
         </div>

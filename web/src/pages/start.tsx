@@ -35,7 +35,7 @@ export function Page() {
         ))}
       </ul>
       <p class="small">
-        <a href="#/bench">{text.value ? "Back to what is on the bench" : "An empty bench, with all packaged scenarios"}</a>
+        <a href="#/bench">{text.value ? "Back to what is on the bench" : "Straight to the bench, with all packaged scenarios"}</a>
       </p>
     </div>
   );

@@ -3,12 +3,13 @@
 import { useEffect } from "preact/hooks";
 import { beginForm, followForm } from "../sweep/asking.ts";
 import { Export } from "../sweep/export.tsx";
-import { follow } from "../sweep/following.ts";
+import { follow, running } from "../sweep/following.ts";
 import { Form } from "../sweep/form.tsx";
 import { List } from "../sweep/list.tsx";
 import { Live } from "../sweep/live.tsx";
 import { Pictures } from "../sweep/picture.tsx";
 import { key, list, refused, stored, work } from "../sweep/shown.ts";
+import { Empty } from "../ui/empty.tsx";
 import { Message } from "../ui/message.tsx";
 
 function Title() {
@@ -39,6 +40,7 @@ export function Page() {
         <Title />
         {refused.value && <Message kind="error">{refused.value}</Message>}
         <Live />
+        {!key.value && !running.value && <Empty picture="sweep">Every number of a scenario can be varied: one gives a curve, two a map, more a scatter. They are drawn while the runs come.</Empty>}
         <Pictures key={key.value} />
         <Export key={`export ${key.value}`} />
         <List />

@@ -63,6 +63,9 @@ function drawLine(pen: Pen, x0: number, y0: number, x1: number, y1: number): voi
   pen.lineTo(x1, y1);
 }
 
+/** Printed numbers have a minus, not a hyphen. */
+const minus = (text: string): string => text.replaceAll("-", "\u2212");
+
 /** Least distance of numbers across and up [px]. */
 const APART = { x: 62, y: 20 };
 
@@ -81,15 +84,15 @@ function drawFrame({ pen, box, colours, x, y }: Sheet, picture: Picture, bare: b
   pen.textAlign = "right";
   pen.textBaseline = "middle";
   const apart = (all: number[]): number => Math.abs((all[1] ?? 0) - (all[0] ?? 0));
-  for (const tick of up) pen.fillText(tickText(tick, apart(up)), box.left - 8, y(tick));
+  for (const tick of up) pen.fillText(minus(tickText(tick, apart(up))), box.left - 8, y(tick));
   pen.textAlign = "center";
   if (!bare) {
     pen.textBaseline = "top";
-    for (const tick of across) pen.fillText(tickText(tick, apart(across)), x(tick), bottom + 7);
+    for (const tick of across) pen.fillText(minus(tickText(tick, apart(across))), x(tick), bottom + 7);
     pen.font = `12px ${FAMILY}`;
     pen.fillText(picture.x.label, box.left + box.width / 2, bottom + 23);
   }
-  writeUpward(pen, picture.y.label, 8, box.top + box.height / 2);
+  writeUpward(pen, picture.y.label, 7, box.top + box.height / 2);
 }
 
 function writeUpward(pen: Pen, words: string, x: number, y: number): void {
@@ -117,7 +120,7 @@ function drawBar({ pen, box, colours }: Sheet, scale: NonNullable<Picture["colou
   pen.font = `11.5px ${FAMILY}`;
   pen.textAlign = "left";
   pen.textBaseline = "middle";
-  for (const tick of ticks(scale, 5)) pen.fillText(tickText(tick), left + BAR.wide + 4, box.top + (1 - share(scale, tick)) * box.height);
+  for (const tick of ticks(scale, 5)) pen.fillText(minus(tickText(tick)), left + BAR.wide + 4, box.top + (1 - share(scale, tick)) * box.height);
   writeUpward(pen, scale.label, left + BAR.wide + 50, box.top + box.height / 2);
 }
 
@@ -260,16 +263,17 @@ function drawSides(sheet: Sheet, strip: Strip, taken: [number, number][]): void 
 
 /** The name of a line of a strip, where it leaves the chart or ends. */
 function nameLine({ pen, box, x, y }: Sheet, side: Strip["sides"][number], taken: [number, number][]): void {
-  const level = box.top + 14;
+  const [level, right] = [box.top + 14, box.left + box.width - 28];
   const flat = side.y.length > 1 && side.y[0] === side.y[1];
   let [px, py] = [x(side.x[0] ?? 0), y(side.y[0] ?? 0) - 4];
   if (flat) px = Math.max(px, box.left) + 4;
   else {
     for (let i = 1; i < side.x.length; i++) {
       const [ax, ay, bx, by] = [x(side.x[i - 1] ?? 0), y(side.y[i - 1] ?? 0), x(side.x[i] ?? 0), y(side.y[i] ?? 0)];
-      const part = Math.min(1, (ay - level) / (ay - by || 1));
-      [px, py] = [ax + part * (bx - ax) + 3, Math.max(level, by + 10)];
-      if (by <= level) break;
+      const edge = bx > ax ? (right - ax) / (bx - ax) : 1;
+      const part = Math.min(1, (ay - level) / (ay - by || 1), edge);
+      [px, py] = [ax + part * (bx - ax) + 7, Math.max(level, ay + part * (by - ay) + (part < 1 ? 0 : 10))];
+      if (part < 1) break;
     }
   }
   while (taken.some(([a, b]) => Math.abs(a - px) < 18 && Math.abs(b - py) < 12)) py += 13;

@@ -22,9 +22,16 @@ export function Menu({ name, about, children }: { name: string; about?: string; 
       removeEventListener("keydown", keyed);
     };
   }, []);
+  /** At once, not when the browser comes to it: nothing moves below a pointer that is under way. */
+  const flip = (event: Event): void => {
+    event.preventDefault();
+    if (!home.current) return;
+    home.current.open = !home.current.open;
+    if (home.current.open) home.current.querySelector(".menu-body")?.scrollIntoView({ block: "nearest" });
+  };
   return (
     <details class="menu" ref={home}>
-      <summary aria-label={about} title={about}>{name}</summary>
+      <summary aria-label={about} title={about} onClick={flip}>{name}</summary>
       <div class="menu-body">{children}</div>
     </details>
   );

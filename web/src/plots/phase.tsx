@@ -64,7 +64,7 @@ export function Phase({ of, height }: { of: Run; height: number }) {
     <>
       <Drawn>
       <LoopChart
-        title="phase diagram"
+        title="Phase diagram"
         about="Phase diagram: stress over temperature, with the bands in which the law transforms; a band begins at its dashed line"
         picture={found.picture}
         height={height}

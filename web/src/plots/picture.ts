@@ -92,7 +92,7 @@ export interface Box {
 }
 
 /** Room for numbers and labels at the four sides, and for the bar of colours at the right [px]. */
-const SIDES = { left: 56, right: 10, top: 6, bottom: 42, bare: 6, bar: 74 };
+const SIDES = { left: 60, right: 10, top: 6, bottom: 42, bare: 6, bar: 74 };
 
 /** Where the curves are, on a chart of such a size. */
 export const boxOf = (picture: Picture, width: number, height: number, bare = false): Box => ({

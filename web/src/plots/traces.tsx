@@ -12,6 +12,9 @@ import { TimePanel, type Series } from "./timepanel.tsx";
 
 export const isShown = (panel: Panel): boolean => panelChoice.value[panel.key] ?? panel.usual;
 
+/** An estimate has the hat of the field: x̂ beside x. */
+const hatted = (name: string, symbol: string): string => (/^(.*\.)?estimated\./.test(name) && symbol.length === 1 ? `${symbol}\u0302` : symbol);
+
 function seriesOf(of: Run, panel: Panel, look: (k: number) => Look): Series[] {
   const ports = Object.keys(panel.ports);
   const drawn = ["", ...portsOf(of)].filter((port) => ports.includes(port));
@@ -21,7 +24,7 @@ function seriesOf(of: Run, panel: Panel, look: (k: number) => Look): Series[] {
     const how = of.outputs[name];
     const words = `${how?.long_name ?? name}${port && of.ports.length > 1 ? `, ${port}` : ""}`;
     return {
-      symbol: `${how?.symbol ?? name}${several && port ? `_${port}` : ""}`,
+      symbol: `${hatted(name, how?.symbol ?? name)}${several && port ? `_${port}` : ""}`,
       word: port ? name.slice(name.lastIndexOf(".") + 1) : name,
       name: words,
       unit: how?.shown ?? "",

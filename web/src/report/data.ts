@@ -8,6 +8,8 @@ export interface ReportData {
   run: Run;
   pins: { id: number; name: string; run: Run }[];
   notes: string;
+  /** What limits the run, and what a run of its own promised; empty if nothing is to be said. */
+  insight: string;
   /** Which program made it, and when. */
   made: string;
   /** Entries of the documents that differ: path, and value by run. */

@@ -164,6 +164,7 @@ function Report({ data }: { data: ReportData }) {
       </header>
       {notes && <p class="report-notes">{notes}</p>}
       <Results data={data} />
+      {data.insight && <p class="report-insight panel">{data.insight}</p>}
       <Runs data={data} />
       <Warnings />
       <Charts data={data} />

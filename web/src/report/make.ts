@@ -1,5 +1,6 @@
 // A report of what is on the bench, for somebody without an installation.
 
+import { insight, promised } from "../bench/trials.ts";
 import { form } from "../form/state.ts";
 import { readAsset } from "../lib/host.ts";
 import { call } from "../lib/api.ts";
@@ -23,6 +24,7 @@ export async function makeReport(): Promise<string> {
     run: now,
     pins,
     notes: notes.value,
+    insight: [insight.value?.sentence, promised.value].filter(Boolean).join(" "),
     made: `Made by martensite on ${new Date().toLocaleDateString("en", { dateStyle: "long" })}`,
     differences,
     sections: form.value?.sections ?? [],

@@ -40,7 +40,7 @@ export class Arrows {
       const from = shape.port === undefined ? end.clone().add(new Vector3(0, 0, -2.3 * shape.size)) : end.clone();
       const to = from.clone().addScaledVector(way, long * force);
       this.next().point(from, to, 0.006 * extent);
-      words.push({ text: `${Number(force.toPrecision(force < 100 ? 2 : 3))} N`, at: to, kind: "force" });
+      words.push({ text: `${Number(force.toPrecision(force < 100 ? 2 : 3))} N`, at: to, kind: "force", beside: Math.abs(way.z) > 0.9 });
     });
     return words;
   }

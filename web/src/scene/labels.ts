@@ -6,6 +6,8 @@ export interface Word {
   text: string;
   at: Vector3;
   kind: "name" | "mass" | "cut" | "force" | "hover";
+  /** Right of its place, not above it: that of a part that stands upright. */
+  beside?: boolean;
 }
 
 export interface Written {
@@ -25,17 +27,17 @@ const ABOVE: Record<Word["kind"], number> = { name: -16, mass: 0, cut: -22, forc
 export function arrangeLabels(words: Word[], camera: Camera, width: number, height: number): Written[] {
   const found: (Written & { wide: number })[] = [];
   const spot = new Vector3();
-  for (const { text, at: place, kind } of words) {
+  for (const { text, at: place, kind, beside: aside } of words) {
     spot.copy(place).project(camera);
     if (spot.z > 1 || Math.abs(spot.x) > 1.02 || Math.abs(spot.y) > 1.02) continue;
     const wide = Math.max(...text.split("\n").map((line) => line.length)) * LETTER + 10;
-    const x = Math.min(Math.max((0.5 + 0.5 * spot.x) * width, 0.5 * wide), width - 0.5 * wide);
+    const x = Math.min(Math.max((0.5 + 0.5 * spot.x) * width + (aside ? 0.5 * wide + 8 : 0), 0.5 * wide), width - 0.5 * wide);
     const lines = text.split("\n").length;
     const at = (0.5 - 0.5 * spot.y) * height;
     // what is pointed at has its words above it, or below where there is no room
     const box = LINE * lines + 10;
     const beside = at > box + 16 ? at - 14 - 0.5 * box : at + 22 + 0.5 * box;
-    const y = kind === "hover" ? beside : Math.min(Math.max(at + ABOVE[kind], 12), height - 12);
+    const y = kind === "hover" ? beside : Math.min(Math.max(at + (aside ? 0 : ABOVE[kind]), 12), height - 12);
     const clear = found.every((other) => Math.abs(other.x - x) > 0.5 * (other.wide + wide) || Math.abs(other.y - y) > HIGH * lines);
     if (clear || kind === "hover") found.push({ text, x, y, kind, wide });
   }

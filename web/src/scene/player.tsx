@@ -113,10 +113,10 @@ function Pace() {
   };
   return (
     <>
-      <label class="small">
-        Speed{" "}
+      <label class="small player-speed" title="Speed">
+        <span class="hidden">Speed</span>
         <select value={String(speed.value)} onChange={choose}>
-          <option value="fit">whole run in 8 s ({digits(fitting.value, 2)}×)</option>
+          <option value="fit" title="the whole run in 8 s">auto, {digits(fitting.value, 2)}×</option>
           {SPEEDS.map((one) => (
             <option key={one} value={one}>
               {one}×

@@ -24,7 +24,7 @@ function cutWords({ breaks, motion: { cuts } }: Cast): Word[] {
     const along = cuts.filter((cut) => cut.axis === axis).sort((a, b) => lengthOf(b) - lengthOf(a));
     const mark = breaks.find((one) => one.mark.object.visible && one.mark.cut === along[0])?.mark;
     const lost = along.reduce((sum, cut) => sum + lengthOf(cut), 0);
-    return mark ? [{ text: `${Number((1000 * lost).toPrecision(3))} mm not drawn`, at: mark.at, kind: "cut" }] : [];
+    return mark ? [{ text: `${Number((1000 * lost).toPrecision(3))} mm not drawn`, at: mark.at, kind: "cut", beside: axis === 2 }] : [];
   });
 }
 
@@ -43,7 +43,7 @@ function nameWords(cast: Cast, reading: Reading, middle: (k: number) => Vector3)
     .sort((a, b) => rank(a) - rank(b))
     .map((k): Word => {
       const [name = "", , value] = reading.words(shapes[k] as Shape, cast.motion.extent);
-      return { text: value && few && shapes[k]?.port ? `${name}: ${value}` : name, at: middle(k), kind: "name" };
+      return { text: value && few && shapes[k]?.port ? `${name}: ${value}` : name, at: middle(k), kind: "name", beside: isUpright(cast.targets[k]?.points ?? []) };
     });
 }
 
@@ -59,6 +59,12 @@ export function wordsOf(cast: Cast | null, reading: Reading | null, hover: Hit |
     ...massWords(shapes, middle),
     ...(named ? nameWords(cast, reading, middle) : []),
   ];
+}
+
+/** Whether a line stands: words above its middle would lie on it. */
+function isUpright(points: Vector3[]): boolean {
+  const [first, last] = [points[0], points.at(-1)];
+  return !!first && !!last && Math.abs(last.z - first.z) > 2 * Math.hypot(last.x - first.x, last.y - first.y);
 }
 
 /** A mass in words. */

@@ -81,7 +81,7 @@ export function Candidates({ sizing, all, onAll, chosen, onChoose }: Props) {
     <section class="panel stack candidates" aria-label="Wires">
       <div class="row">
         <span role="status">
-          {good === 0 ? "No wire meets the request; the nearest come first." : `${good} of ${candidates.length} wires do, the best first. ${robust} of them ${robust === 1 ? "withstands" : "withstand"} a warmer day and more load.`}
+          {good === 0 ? "No wire meets the request; the nearest come first." : `${good} of ${candidates.length} wires do, the best first. ${robust || "None"} of them ${robust < 2 ? "withstands" : "withstand"} a warmer day and more load.`}
         </span>
         <label class="row">
           Order

@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { Empty } from "../ui/empty.tsx";
 import { Message } from "../ui/message.tsx";
 import { Candidates } from "./candidates.tsx";
 import { Details } from "./details.tsx";
@@ -50,7 +51,7 @@ export function Wires() {
         <Work watched={sizing} what="Simulating wires" />
         {(found || busy) && <WishMap />}
         {found && <Answer found={found} />}
-        {!found && !busy && <p class="soft">Every size and alloy of the maker's catalogue is simulated against the request; the best wires come first.</p>}
+        {!found && !busy && <Empty picture="wire">Every size and alloy of the maker's catalogue is simulated against the request; the best wires come first, each with its electronics.</Empty>}
       </div>
     </div>
   );

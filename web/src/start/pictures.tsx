@@ -119,4 +119,17 @@ function Paper() {
   );
 }
 
-export const PICTURES: Record<string, () => ComponentChildren> = { lift: Lift, finger: Finger, hold: Hold, log: Log, wire: Wire, paper: Paper };
+/** A map of a result over two numbers: stronger to the upper right, with a ridge. */
+function Sweep() {
+  const cells = Array.from({ length: 40 }, (_, k) => ({ x: k % 8, y: Math.floor(k / 8) }));
+  return (
+    <Frame>
+      {cells.map(({ x, y }) => (
+        <rect key={`${x} ${y}`} class="p-cell" x={48 + 18 * x} y={8 + 18 * (4 - y)} width="16" height="16" opacity={0.12 + 0.88 * Math.exp(-(((x - 5) / 3) ** 2) - ((y - 3) / 2) ** 2)} />
+      ))}
+      <path class="p-soft" d="M42 6V102H194" />
+    </Frame>
+  );
+}
+
+export const PICTURES: Record<string, () => ComponentChildren> = { lift: Lift, finger: Finger, hold: Hold, log: Log, wire: Wire, paper: Paper, sweep: Sweep };

@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { digits } from "../lib/numbers.ts";
+import { printed } from "../plots/drawn.ts";
 import type { Claim, Report, Verdict } from "./types.ts";
 import { counted, describeTally, rankVerdict, TallyFilter, VerdictMark } from "./verdict.tsx";
 
@@ -33,7 +34,7 @@ function compared(key: Key, down: boolean): (a: Claim, b: Claim) => number {
 const matches = (claim: Claim, words: string): boolean =>
   [claim.id, claim.statement, reason(claim), claim.source, claim.unit].join(" ").toLowerCase().includes(words.toLowerCase());
 
-const unit = (name: string): string => (name === "1" ? "" : name.replaceAll("^2", "²").replaceAll("^3", "³"));
+const unit = (name: string): string => (name === "1" ? "" : printed(name));
 
 function Heading({ column, order, onOrder }: { column: number; order: Order; onOrder: (order: Order) => void }) {
   const [heading, key, right] = COLUMNS[column] ?? ["", null];

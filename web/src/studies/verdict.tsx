@@ -36,13 +36,18 @@ export function VerdictMark({ verdict }: { verdict: Verdict }) {
   );
 }
 
+const MANY: Partial<Record<Verdict, string>> = { disagrees: "disagree", misprint: "misprints" };
+
+/** So many with a verdict. */
+const countOf = (verdict: Verdict, count: number): string => `${count} ${(count !== 1 && MANY[verdict]) || (verdict === "recovery" ? "recovered" : verdict)}`;
+
 /** The tally as a line. */
 export function TallyLine({ tally }: { tally: Tally }) {
   return (
     <span class="tally">
       {VERDICTS.filter(([verdict]) => tally[verdict]).map(([verdict, sign, about]) => (
         <span key={verdict} class={style(verdict)} title={about}>
-          <span aria-hidden="true">{sign}</span> {tally[verdict]} {verdict}
+          <span aria-hidden="true">{sign}</span> {countOf(verdict, tally[verdict])}
         </span>
       ))}
     </span>
@@ -63,7 +68,7 @@ export function TallyFilter({ tally, chosen, onChoose }: { tally: Tally; chosen:
           disabled={!tally[verdict]}
           onClick={() => onChoose(chosen === verdict ? "" : verdict)}
         >
-          <span aria-hidden="true">{sign}</span> {tally[verdict]} {verdict}
+          <span aria-hidden="true">{sign}</span> {countOf(verdict, tally[verdict])}
         </button>
       ))}
     </div>

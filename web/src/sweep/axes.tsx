@@ -1,6 +1,7 @@
 // The axes: what is varied, and over which numbers.
 
 import type { AxisChoice, Kind } from "./axis.ts";
+import { Words } from "../studies/words.tsx";
 import { changeAxis, choices, fault, removeAxis, targetOf } from "./asking.ts";
 import { Field, Wrong } from "./field.tsx";
 
@@ -63,7 +64,7 @@ function One({ axis, place, grid }: { axis: AxisChoice; place: number; grid: boo
       </button>
       {about && (
         <p class="soft small">
-          {about.about}; now {about.words}
+          <Words text={about.about} />; now {about.words}
         </p>
       )}
       <div class="sweep-kinds" role="radiogroup" aria-label={`How ${axis.name} is varied`}>

@@ -5,7 +5,7 @@ import { Axes } from "./axes.tsx";
 import { BENCH, choices, choose, fault, form, packaged, put, trouble } from "./asking.ts";
 import { Choice, Field, Wrong } from "./field.tsx";
 import { Outputs } from "./outputs.tsx";
-import { Picker } from "./picker.tsx";
+import { Picker, Suggested } from "./picker.tsx";
 import { Start } from "./start.tsx";
 
 function Source() {
@@ -91,6 +91,7 @@ export function Form() {
       </section>
       <section class="stack" aria-label="Axes">
         <Picker />
+        <Suggested />
         <Axes />
       </section>
       <section aria-label="Sample">

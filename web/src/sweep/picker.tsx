@@ -2,13 +2,18 @@
 
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
+import { Words } from "../studies/words.tsx";
 import { addAxis, choices, form } from "./asking.ts";
 import type { Target } from "./types.ts";
 
 const MOST = 60;
 
+/** What the bench calls a drive, by the last letter of its unit. */
+const HEATING: Record<string, string> = { W: "heating power", A: "heating current", V: "heating voltage" };
+
 function fits(one: Target, words: string[]): boolean {
-  const all = `${one.name} ${one.about}`.toLowerCase();
+  const heat = /^drives?\..*(high|values?|amplitude)$/.test(one.name) ? (HEATING[one.unit.at(-1) ?? ""] ?? "") : "";
+  const all = `${one.name} ${one.about} ${heat}`.toLowerCase();
   return words.every((word) => all.includes(word));
 }
 
@@ -82,7 +87,7 @@ export function Picker() {
           >
             <strong>{one.name}</strong> <span>{one.words}</span>
             <small class="soft">
-              {one.about}
+              <Words text={one.about} />
               {bounds(one) && ` (${bounds(one)})`}
             </small>
           </li>
@@ -90,6 +95,26 @@ export function Picker() {
       </ul>
       {open.value && <p class="sweep-found-more soft" role="status">{counted(found.length, form.value !== null)}</p>}
     </div>
+  );
+}
+
+/** Numbers that are varied most. */
+const USUAL = [/^element\.(\w+\.)?diameter$/, /^(drives?|references?)\..*(high|value|amplitude)$/, /^mechanism\.(mass|force|preload)$/, /^environment\.temperature$/];
+
+/** Some numbers at hand while nothing is varied yet. */
+export function Suggested() {
+  const targets = form.value?.targets ?? [];
+  const found = USUAL.flatMap((name) => targets.find((one) => name.test(one.name)) ?? []).slice(0, 3);
+  if (choices.value.axes.length || !found.length) return null;
+  return (
+    <p class="row small sweep-suggested">
+      such as
+      {found.map((one) => (
+        <button key={one.name} type="button" onClick={() => addAxis(one)} title={one.about}>
+          {one.name}
+        </button>
+      ))}
+    </p>
   );
 }
 

@@ -6,7 +6,7 @@ In every period:
        the reading of the same time, and a part of the difference becomes its offset d:
            d_k = d_k-1 + K (y_k - ŷ_k - d_k-1)
        With `tracking` the model also gets u + v, v being the answer of a PID law to y - ŷ: so it goes where the
-       readings are, on a plant that is heated or cooled otherwise too
+       readings are, on a plant that is heated or cooled otherwise too. A drive that is led pulls against it: u - v
     2. plans start from the state of the model, and are compared on the reference ahead, which is
        known, less d (`martensite.control.controllers.planning`); with the integral of v added to all signals,
        an input disturbance (Pannocchia and Rawlings (2003))
@@ -157,8 +157,8 @@ class Mpc(AbstractController, SignalLimits):
         self.__dict__["_example"] = self.model.init(floats, *[self.idle] * len(self.model.drives()))
 
     def _check_drives(self) -> None:
-        if self.tracking is not None and self._leads:
-            raise ParameterError("`tracking` is for a model with one drive; leave it out where others are led.")
+        if self.tracking is not None and (len(self._leads) > 1 or self._also):
+            raise ParameterError("`tracking` is for one reading, and one drive or two that pull against each other.")
         drives = [drive.name for drive in self.model.drives()]
         for name in self._leads:
             if name not in drives:
@@ -232,9 +232,8 @@ class Mpc(AbstractController, SignalLimits):
 
     def share_signals(self, memory: Column) -> dict[str, Scalar]:
         """Signals of the drives that it leads."""
-        signals = self.unflatten(memory).signals
-        rows = zip(self.model.drives(), signals, strict=True)
-        return {drive.name: u for drive, u in rows if drive.name in self._leads}
+        signals = self._name_signals(self.unflatten(memory))
+        return {name: signals[name] for name in self._leads}
 
     # ------------------------------------------------------------ the kernel
 
@@ -253,12 +252,12 @@ class Mpc(AbstractController, SignalLimits):
         """Signal of this sample, and what is remembered for the next."""
         before = self.unflatten(memory)
         if isinstance(dt, float | int) and dt == 0.0:
-            return self._own_signal(before), memory
+            return self._name_signals(before)[self._own], memory
         known = self._correct_offsets(xp, self._go_on(xp, before, readings), readings)
         planned = self._plan(xp, known, self._list_wanted(known, reference, readings))
         signals = planned.plan[: len(known.signals)]
         after = self._track_reading(xp, known._replace(signals=signals, planned=planned), readings, dt)
-        return self._own_signal(after), flatten_numbers(after)
+        return self._name_signals(after)[self._own], flatten_numbers(after)
 
     def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Any]:
         """Signal at `time` [s] and the new memory; called once in every period."""
@@ -269,15 +268,15 @@ class Mpc(AbstractController, SignalLimits):
         ahead = {f"{AHEAD}{self._own}.{k}": wave.value(time) for k, wave in enumerate(waves, 1)}
         return super().__call__(time, {**measurement, **ahead}, memory)
 
-    def _own_signal(self, memory: PlanMemory) -> Scalar:
-        rows = zip(self.model.drives(), memory.signals, strict=True)
-        return next(u for drive, u in rows if drive.name == self._own)
+    def _name_signals(self, memory: PlanMemory) -> dict[str, Scalar]:
+        return {drive.name: u for drive, u in zip(self.model.drives(), memory.signals, strict=True)}
 
     def _go_on(self, xp: Namespace, memory: PlanMemory, readings: Readings) -> PlanMemory:
         """The model at this sample, under the signals since the last one."""
         turns = self.layout()[3]
-        added = memory.added[:1] or (0.0,) * len(memory.signals)
-        signals = [u + v for u, v in zip(memory.signals, added, strict=True)]
+        signals: Column = memory.signals
+        if memory.added:
+            signals = [xp.clip(u, self.low, self.high) for u in self._add_opposed(signals, memory.added[0])]
         state, _ = advance_steps(xp, self.model, memory.state, [(signals, self.period / turns)], turns)
         if self.state == "observer":
             hidden = [readings[ESTIMATED + name] for name in list_names(self.model)]
@@ -307,16 +306,24 @@ class Mpc(AbstractController, SignalLimits):
         return model
 
     def _track_reading(self, xp: Namespace, memory: PlanMemory, readings: Readings, dt: Scalar) -> PlanMemory:
-        """With the signal of a plan, made of that for the model, and what the model then gets besides."""
+        """With what the model gets besides the signals, within what changes any of them."""
         if self.tracking is None:
             return memory
-        before, (planned,) = PidMemory(*memory.added[1:]), memory.signals
-        signal = xp.clip(planned - before.integral, self.low, self.high)
+        before = PidMemory(*memory.added[1:])
         model = self._recall_model(xp, self.measured, memory.past[0], readings)
-        law = self.tracking.law.rebuilt({"low": self.low - signal, "high": self.high - signal})
+        signals = self._name_signals(memory)
+        low, high = self.low - signals[self._own], self.high - signals[self._own]
+        for name in self._leads:
+            low, high = xp.minimum(low, signals[name] - self.high), xp.maximum(high, signals[name] - self.low)
+        law = self.tracking.law.rebuilt({"low": low, "high": high})
         gains = Gains(self.tracking.Kp, self.tracking.Ki, self.tracking.Kd)
         added, after = law.answer(xp, gains, before, readings[self.measured], model, dt)
-        return memory._replace(signals=(signal,), added=(added, *after))
+        return memory._replace(added=(added, *after))
+
+    def _add_opposed(self, signals: Column, added: Scalar) -> list[Scalar]:
+        """Signals with one that its own drive gets more, and one that it leads less."""
+        rows = zip(self.model.drives(), signals, strict=True)
+        return [u - added if drive.name in self._leads else u + added for drive, u in rows]
 
     def _list_wanted(self, memory: PlanMemory, reference: Scalar, readings: Readings) -> list[Scalar]:
         """References less offsets, now and at the end of every block."""
@@ -330,13 +337,11 @@ class Mpc(AbstractController, SignalLimits):
     def _plan(self, xp: Namespace, memory: PlanMemory, wanted: list[Scalar]) -> Planned:
         blocks, rounds, _, _, turns = self.layout()
         length = self.horizon / blocks
-        shift = memory.added[1] if memory.added else 0.0
-        limits = (self.low + shift, self.high + shift) if memory.added else (self.low, self.high)
-        signals = tuple(u + shift for u in memory.signals) if memory.added else memory.signals
-        planner = Planner(
-            self.model, self.followed_outputs, self.price, limits, blocks, turns, length, memory.state, signals, wanted
-        )
-        moved = (tuple(shift_plan(one, len(memory.signals), self.period / length)) for one in memory.planned)
+        limits, count = (self.low, self.high), len(memory.signals)
+        kept = (memory.state, memory.signals, wanted)
+        shifts = self._add_opposed((0.0,) * count, memory.added[1]) if memory.added else ()
+        planner = Planner(self.model, self.followed_outputs, self.price, limits, blocks, turns, length, *kept, shifts)
+        moved = (tuple(shift_plan(one, count, self.period / length)) for one in memory.planned)
         return planner.search(xp, rounds, Planned(*moved))
 
     def unflatten(self, memory: Column) -> PlanMemory:

@@ -24,6 +24,7 @@ Source of the method: Diehl, Bock and Schlöder (2005), a real-time iteration, w
 
 import math
 from collections.abc import Sequence
+from itertools import cycle
 from typing import Any, NamedTuple
 
 from martensite.actuators.assembly import AbstractSystem
@@ -116,6 +117,8 @@ class Planner(NamedTuple):
     """Of the last period."""
     wanted: Sequence[Scalar]
     """References less what the model is known to lack, now and at the end of every block, one after the other."""
+    shifts: Sequence[Scalar] = ()
+    """What the model gets besides, for every drive; nothing if empty."""
 
     @property
     def drives(self) -> int:
@@ -243,19 +246,11 @@ class Planner(NamedTuple):
             residuals = [*residuals[kinds:], *(share * x for x in sums)]
             wanted = [*wanted[outputs:], *wanted[:outputs]]
             energy = energy + self.price.energy * power / self.blocks
-            return [
-                *state,
-                *ahead[self.drives :],
-                *now,
-                *wanted,
-                *now,
-                *residuals,
-                cost,
-                energy,
-                xp.maximum(worst, failed),
-            ]
+            worst = xp.maximum(worst, failed)
+            return [*state, *ahead[self.drives :], *now, *wanted, *now, *residuals, cost, energy, worst]
 
-        begin = [*flatten_numbers(self.state), *plan, *self.wanted, *self.signals]
+        given = [[u + d for u, d in zip(x, cycle(self.shifts))] if self.shifts else x for x in (plan, self.signals)]
+        begin = [*flatten_numbers(self.state), *given[0], *self.wanted, *given[1]]
         found = xp.repeat(self.blocks, block, *begin, *[0.0] * (kinds * self.blocks), 0.0, 0.0, 0.0)
         *_, residuals, (cost, energy, worst) = cut_pieces(found, parts)
         total = cost + energy

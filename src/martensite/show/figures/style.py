@@ -44,7 +44,6 @@ STYLE: dict[Any, Any] = {
     "axes.grid": True,
     "axes.formatter.useoffset": False,
     "axes.formatter.limits": (-4, 5),
-    "axes.formatter.use_mathtext": True,
     "grid.color": FAINT,
     "grid.linewidth": 0.6,
     "xtick.color": QUIET,

@@ -213,9 +213,8 @@ def _tell_rest(result: PointResult) -> str:
 
 
 def _list_rows(result: PointResult) -> list[tuple[str, ...]]:
-    return [
-        (result.label if i == 0 else "", *_write_stage(i + 1, stage)) for i, stage in enumerate(list_stages(result))
-    ]
+    label = result.label.replace(" ", "\u00a0")
+    return [(label if i == 0 else "", *_write_stage(i + 1, stage)) for i, stage in enumerate(list_stages(result))]
 
 
 def _write_stage(number: int, stage: PathStage) -> tuple[str, ...]:
