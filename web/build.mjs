@@ -15,8 +15,9 @@ const how = {
   jsxImportSource: "preact",
   charset: "utf8",
 };
-await build({
+const { metafile } = await build({
   ...how,
+  metafile: true,
   entryPoints: { bench: "src/main.tsx", engine: "src/engine/worker.ts", gif: "src/scene/gif.worker.ts" },
   outdir: out,
   entryNames: "[name]",
@@ -28,6 +29,19 @@ await build({
 // by itself, so that the engine stays one file
 await build({ ...how, entryPoints: { fit: "src/fit/worker.ts" }, outdir: out, format: "esm" });
 for (const name of await readdir("public")) await copyFile(`public/${name}`, `${out}/${name}`);
+
+// what the bench needs is fetched at once, not when what needs it was read; the mechanism in space comes later
+const files = Object.entries(metafile.outputs).map(([path, made]) => ({ name: path.split("/").at(-1), ...made }));
+const bench = files.find((one) => one.entryPoint === "src/pages/bench.tsx");
+const needed = new Set([bench.name]);
+for (const name of needed) {
+  for (const { path, kind } of files.find((one) => one.name === name).imports) {
+    if (kind === "import-statement") needed.add(path.split("/").at(-1));
+  }
+}
+const links = [...needed].map((name) => `    <link rel="modulepreload" href="${name}">\n`).join("");
+const index = await readFile(`${out}/index.html`, "utf8");
+await writeFile(`${out}/index.html`, index.replace("  </head>", () => `${links}  </head>`));
 
 /** A page in one file, which loads nothing. */
 async function inline(folder) {

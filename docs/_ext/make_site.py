@@ -16,6 +16,7 @@ import sys
 from pathlib import Path
 
 import live
+from drawings import shorten_drawing
 
 from martensite.base.errors import DataError, MartensiteError
 from martensite_app.documents import check_files
@@ -23,7 +24,7 @@ from martensite_app.static_site.site_writer import can_offer, list_offered, meas
 
 DOCS = Path(__file__).resolve().parents[1]
 TREES = DOCS / "_build" / "site"
-MOST = 15e6
+MOST = 10e6
 """Bytes of the whole folder as they go over the wire: servers of files compress pages and drawings."""
 FILE = re.compile(r"^%%writefile ([\w-]+)\.toml\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
@@ -75,6 +76,8 @@ def make_site(folder: Path) -> None:
     write_site(bench, list_offered() | list_documented(), print)
     command = [sys.executable, "-m", "sphinx", "-b", "html", "-W", "--keep-going", "-q", "-d", TREES, DOCS, folder]
     subprocess.run(command, env=os.environ | {"MARTENSITE_BENCH": str(bench.resolve())}, check=True)
+    for drawing in (folder / "_images").glob("*.svg"):
+        drawing.write_text(shorten_drawing(drawing.read_text("utf-8")), encoding="utf-8")
     (folder / ".buildinfo").unlink(missing_ok=True)
     print(report_size(folder))
     print(f"See it with: python -m http.server --directory {folder}")

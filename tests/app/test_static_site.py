@@ -18,6 +18,7 @@ from martensite.simulate.compiled import compile_march
 from martensite_app.documents import build_packaged, list_standalone
 from martensite_app.static_site.flat_inputs import list_inputs
 from martensite_app.static_site.input_map import InputMap, measure_map, write_quantity
+from martensite_app.static_site.rounding import describe_rounding, measure_rounding
 from martensite_app.static_site.site_writer import FIRST, RUNS, name_module
 
 CLOSE = 1e-9
@@ -117,6 +118,16 @@ def test_steps_by_hand_are_the_run(tmp_path: Path) -> None:
     assert list(found["apart"]) == ["temperature", "martensite_fraction", "stress", "position"]
     assert max(found["apart"].values()) <= build_packaged(TEXT).tolerance
     assert max(found["apart"].values()) > 0.0
+
+
+def test_what_a_last_digit_grows_to_is_measured_and_said() -> None:
+    """A wire keeps it; where a platform turns, the length of a step follows from small differences."""
+    assert measure_rounding(build_packaged(TEXT)) == 0.0
+    share = measure_rounding(build_packaged(list_standalone()["platform_spring"]))
+    assert CLOSE < share < 1e-5
+    assert f"as much as {share:.0e} of a range".replace("e-0", "e-") in describe_rounding(share)
+    assert "as much as 40 % of a range: `martensite run` may differ" in describe_rounding(0.4)
+    assert describe_rounding(0.0) == ""
 
 
 # ---------------------------------------------------------------- the command

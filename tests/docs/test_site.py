@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import io
+import math
 import random
 import re
 from importlib import import_module
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 from fences import ROOT
+from matplotlib.figure import Figure
 from static_wire import TEXT
 
 from martensite.base.errors import DataError
 from martensite_app.static_site.site_writer import list_offered
 
 DOCS = ROOT / "docs"
+WORD = r"[A-Za-z]|-?\d[\d.]*(?:e[+-]?\d+)?"
 
 
 @pytest.fixture
@@ -54,6 +59,20 @@ def test_only_an_earlier_site_is_taken_away(site: Any, tmp_path: Path) -> None:
     (tmp_path / "bench" / "runs" / "manifest.json").write_text("{}", encoding="utf-8")
     site.clear_folder(tmp_path)
     assert not tmp_path.exists()
+
+
+def test_a_drawing_is_the_same_in_fewer_bytes(site: Any) -> None:
+    figure, drawn = Figure(), io.StringIO()
+    figure.subplots().plot([math.sin(k) for k in range(999)], label="sine")
+    figure.savefig(drawn, format="svg", metadata=dict.fromkeys(("Creator", "Date", "Format", "Type")))
+    before, after = drawn.getvalue(), site.shorten_drawing(drawn.getvalue())
+    assert len(after) < 0.8 * len(before)
+    trees = [list(ElementTree.fromstring(one).iter()) for one in (before, after)]
+    for old, new in zip(*trees, strict=True):
+        assert (old.tag, old.keys(), (old.text or "").strip()) == (new.tag, new.keys(), (new.text or "").strip())
+        words = [re.findall(WORD, " ".join(one.attrib.values())) for one in (old, new)]
+        for one, other in zip(*words, strict=True):
+            assert one == other or abs(float(one) - float(other)) <= 0.0051
 
 
 def test_its_weight_is_told_and_has_an_end(site: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,6 +3,7 @@
 import "./style/all.css";
 import { useSignal, useSignalEffect } from "@preact/signals";
 import { Component, render, type ComponentChildren, type ComponentType } from "preact";
+import { expectFirst, isStatic } from "./engine/local.ts";
 import { awaitServer } from "./lib/connection.ts";
 import { place } from "./state/route.ts";
 import { openSession } from "./state/session.ts";
@@ -84,6 +85,9 @@ function App() {
 
 const root = document.getElementById("page");
 if (root) {
+  // what is needed next comes while the session is read; what fails is said when it is asked for
+  void PAGES[place.peek().page]?.().catch(() => undefined);
+  if (isStatic() && ["bench", "start"].includes(place.peek().page)) void expectFirst().catch(() => undefined);
   void openSession().finally(() => {
     root.textContent = "";
     render(<App />, root);

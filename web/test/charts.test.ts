@@ -146,3 +146,18 @@ test("numbers are saved in columns; gaps are empty cells", () => {
   const cells = writeNumbers(map).split("\n");
   assert.deepEqual([cells[0], cells[3]], ["d [mm],P [W],stroke [mm],state", "2,10,,failed"]);
 });
+
+test("of what lies closer than a hair one point is drawn, and peaks and ends stay", () => {
+  const x = Array.from({ length: 10_001 }, (_, k) => k / 1000);
+  const y = x.map((t, k) => (k === 5000 ? 90 : 10 * t));
+  const points: [number, number][] = [];
+  const pen = new Proxy({} as VectorPen, {
+    get: (_, name) => (name === "lineTo" ? (px: number, py: number) => points.push([px, py]) : name === "measureText" ? () => ({ width: 5 }) : () => undefined),
+    set: () => true,
+  });
+  drawPicture(pen, { ...line, curves: [{ x, y, look: LOOK }] }, 266, 148, COLOURS);
+  const box = boxOf(line, 266, 148);
+  const at = (t: number, value: number): [number, number] => [box.left + (t / 10) * box.width, box.top + (1 - value / 100) * box.height];
+  assert.ok(points.length < 1000, `${points.length} points`);
+  for (const [px, py] of [at(5, 90), at(10, 100)]) assert.ok(points.some(([a, b]) => Math.hypot(a - px, b - py) < 1e-6));
+});

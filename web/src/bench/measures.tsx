@@ -1,7 +1,6 @@
 // Big numbers of the run, with their change against the run that was pinned last.
 
 import { difference, digits, toShown } from "../lib/numbers.ts";
-import type { Run } from "../lib/types.ts";
 import { printed } from "../plots/drawn.ts";
 import { pinned, run } from "../state/run.ts";
 import { measures, type Measure } from "../views/results.ts";
@@ -44,24 +43,16 @@ function Tile({ one, then, name }: { one: Measure; then: Measure | undefined; na
   );
 }
 
-const known = new WeakMap<Run, Measure[]>();
-
-function measuresOf(of: Run): Measure[] {
-  const found = known.get(of) ?? measures(of);
-  known.set(of, found);
-  return found;
-}
-
 export function Measures() {
   const now = run.value;
   if (!now) return null;
   const pin = pinned.value.at(-1);
-  const then = pin ? measuresOf(pin.run) : [];
+  const then = pin ? measures(pin.run) : [];
   const isSame = pin?.run === now || pin?.run.text === now.text;
   return (
     <section class={`panel measures ${pin && !isSame ? "compared" : ""}`} aria-label="Key results">
       <dl>
-        {measuresOf(now).map((one) => (
+        {measures(now).map((one) => (
           <Tile key={one.key} one={one} then={then.find((other) => other.key === one.key)} name={pin?.name ?? ""} />
         ))}
       </dl>

@@ -3,6 +3,13 @@
 import type { DriveTable } from "./march.ts";
 import type { DriveAt, Scenario } from "./types.ts";
 
+/** Share of a level that is rounding. */
+const HAIR = 1e-12;
+
+/** As `blend_levels` in martensite/signals/edges.py, to the last digit. */
+const blend = (first: number, last: number, share: number): number =>
+  Math.min(Math.max(first + share * (last - first), Math.min(first, last)), Math.max(first, last));
+
 /** What C is told of a drive. */
 export function tableOf(drive: DriveAt, inputs: Float64Array): DriveTable {
   const { segments, tones, at } = drive;
@@ -19,7 +26,12 @@ export function readSignal(scenario: Scenario, drive: DriveAt, inputs: Float64Ar
   return times.map((time) => {
     while (place + 1 < segments && start![place + 1]! <= time) place++;
     const along = time - start![place]!;
+    const next = place + 1 < segments && slope![place] && !bend![place] ? level![place + 1]! : NaN;
     let sum = level![place]! + (slope![place]! + bend![place]! * along) * along;
+    const hair = HAIR * Math.max(Math.abs(level![place]!), Math.abs(next));
+    if (Math.abs(sum + slope![place]! * (start![place + 1]! - time) - next) <= hair) {
+      sum = blend(level![place]!, next, along / (start![place + 1]! - start![place]!));
+    }
     for (let j = 0; j < tones; j++) sum += amplitude![j]! * Math.cos(rate![j]! * time + phase![j]!);
     return sum;
   });

@@ -7,7 +7,7 @@ import { movable } from "./fixed.ts";
 import { predictInputs, SERVER, type Changes } from "./inputs.ts";
 import type { Manifest, RunCore, Scenario } from "./types.ts";
 import { drawRun } from "./drawn.ts";
-import type { Answered, Asked } from "./worker.ts";
+import type { Answered, Asked, Expected } from "./worker.ts";
 
 /** Address of the manifest, if this page has no server. */
 const manifestAddress = (): string | null =>
@@ -38,6 +38,16 @@ export async function readScenario(manifest: Manifest, name: string): Promise<Sc
   const listed = manifest.scenarios.find((one) => one.name === name);
   if (!listed) throw new Refusal(`This page has no scenario \`${name}\`. ${SERVER}`, "server", 501);
   return fetchJson<Scenario>(locateFile(listed.file));
+}
+
+/** Fetch what the first scenario needs while the page itself is coming. */
+export async function expectFirst(): Promise<void> {
+  worker ??= startWorker();
+  const manifest = await readManifest();
+  const first = manifest.scenarios[0];
+  if (!first) return;
+  worker.postMessage({ fetch: beside(first.module) } satisfies Expected);
+  await readScenario(manifest, first.name);
 }
 
 interface Meant {

@@ -14,6 +14,8 @@ const JUST_AFTER = 1e-9;
 const LEAST_HEAT = 1e-9;
 const LEAST_WORK = 1e-12;
 const ENDS_ELSEWHERE = 1e-6;
+/** Share of a range that is seen in a curve. */
+const VISIBLE = 1e-3;
 
 /** What a run needs, from the inputs. */
 export interface Inputs {
@@ -31,6 +33,7 @@ export function runScenario(scenario: Scenario, module: RunModule, changes: Chan
   const { layout } = scenario;
   const inputs = readInputs(scenario, changes);
   const found = layout.march === "given" ? marchGiven(scenario, module, inputs) : march(scenario, module, inputs);
+  const seen = scenario.magnified > VISIBLE;
   return {
     name: scenario.name,
     text,
@@ -41,7 +44,8 @@ export function runScenario(scenario: Scenario, module: RunModule, changes: Chan
     tolerance: inputs.tolerance,
     samples: inputs.samples,
     seconds: (performance.now() - begun) / 1000,
-    cautions: [...scenario.cautions, ...listSaid(scenario, changes)],
+    warnings: [...found.warnings, ...(seen ? scenario.differs : [])],
+    cautions: [...scenario.cautions, ...listSaid(scenario, changes), ...(seen ? [] : scenario.differs)],
   };
 }
 

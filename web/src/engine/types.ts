@@ -170,6 +170,9 @@ export interface Scenario {
   traces: Panel[];
   loops: Loop[];
   cautions: string[];
+  /** To which share of a range a last digit grows; above 1e-9 `differs` says so. */
+  magnified: number;
+  differs: string[];
   /** What else the views need; made by martensite_app.views. */
   views: Views;
 }

@@ -17,6 +17,11 @@ export interface Asked {
   text: string;
 }
 
+/** A module that will be asked for. */
+export interface Expected {
+  fetch: string;
+}
+
 /** A model that goes on by spans of time: from an address or the bytes of its module, put at rest, then stepped with all drives at levels, in SI. */
 export type AskedStep =
   | { begin: { from: string | Uint8Array; scenario: Scenario }; changes: Record<string, number> }
@@ -30,10 +35,25 @@ export type Answered = { id: number; run: RunCore } | { id: number; refused: str
 const scenarios = new Map<string, Scenario>();
 const modules = new Map<string, Promise<RunModule>>();
 
+const compiled = new Map<string, Promise<WebAssembly.Module>>();
+
+/** A module, fetched and compiled once: while it comes, if the server says what it is. */
+function compile(address: string): Promise<WebAssembly.Module> {
+  const known = compiled.get(address) ?? fetchModule(address);
+  compiled.set(address, known);
+  known.catch(() => compiled.delete(address));
+  return known;
+}
+
+async function fetchModule(address: string): Promise<WebAssembly.Module> {
+  const response = await fetch(address);
+  if (!response.ok) throw new Refusal(`The page cannot be read further: ${address.split("/").at(-1)} is missing.`, "lost", response.status);
+  if (response.headers.get("Content-Type") === "application/wasm") return WebAssembly.compileStreaming(response);
+  return WebAssembly.compile(await response.arrayBuffer());
+}
+
 async function load(asked: Pick<Asked, "address">, scenario: Scenario): Promise<RunModule> {
-  const response = await fetch(asked.address);
-  if (!response.ok) throw new Refusal(`The page cannot be read further: ${scenario.module} is missing.`, "lost", response.status);
-  return new RunModule(await WebAssembly.compile(await response.arrayBuffer()), scenario.layout);
+  return new RunModule(await compile(asked.address), scenario.layout);
 }
 
 async function answer(asked: Asked): Promise<Answered> {
@@ -69,7 +89,8 @@ async function step(asked: AskedStep): Promise<Stepped> {
   }
 }
 
-onmessage = async (event: MessageEvent<Asked | AskedStep>) => {
+onmessage = async (event: MessageEvent<Asked | AskedStep | Expected>) => {
+  if ("fetch" in event.data) return void compile(event.data.fetch).catch(() => undefined); // said when it is asked for
   if (!("id" in event.data)) return postMessage(await step(event.data));
   const found = await answer(event.data);
   const arrays = "run" in found ? [found.run.times, ...Object.values(found.run.columns), ...Object.values(found.run.profiles)] : [];

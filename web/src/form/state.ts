@@ -180,9 +180,8 @@ async function pump(): Promise<void> {
     const mine: { changes: Changes; drag: number } = pending;
     pending = null;
     const merge = mine.drag > 0 && mine.drag === drag && dragged.taken;
-    const taken = await tryChanges(mine.changes, merge);
+    const taken = await tryChanges(mine.changes, merge, (document) => sent.add(document));
     if (taken) {
-      sent.add(text.value);
       if (mine.drag === drag) dragged.taken = true;
     }
     settle(Object.keys(mine.changes), taken ? "" : refused.value);

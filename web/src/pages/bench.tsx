@@ -13,8 +13,8 @@ import { Compare } from "../plots/compare.tsx";
 import { Warnings } from "../plots/warnings.tsx";
 import { Player } from "../scene/player.tsx";
 import { Scene } from "../scene/scene.tsx";
+import { place, readPlace } from "../state/route.ts";
 import { tellRefusal } from "../lib/refusal.ts";
-import { place } from "../state/route.ts";
 import { computing, followDocument, followWaiting, refused, run } from "../state/run.ts";
 import { broken, change, followInAddress, fromAddress, text } from "../state/scenario.ts";
 import { hand } from "../touch/live.ts";
@@ -31,11 +31,13 @@ interface Listed {
 /** Begin with the scenario of the address, with what was on the bench, or with the first one. */
 async function begin(): Promise<void> {
   if ((await fromAddress()) || text.value) return;
-  await beginFirst();
+  await beginFirst(() => !text.value && !readPlace().query.has("scenario"));
 }
 
-async function beginFirst(): Promise<void> {
+/** Put the first scenario there, unless something else has come meanwhile. */
+async function beginFirst(isWanted = (): boolean => true): Promise<void> {
   const { scenarios } = await call<Listed>("scenarios");
+  if (!isWanted()) return;
   const first = scenarios.find((one) => one.name === FIRST) ?? scenarios[0];
   if (first) change(first.text);
 }
@@ -73,7 +75,7 @@ export function Page() {
   };
   if (broken.value) return <BrokenLink onFirst={() => void beginFirst()} />;
   return (
-    <div class={`bench ${sheet.value ? "with-sheet" : ""} ${busy.value ? "stale" : ""}`} aria-busy={computing.value}>
+    <div class={`bench ${sheet.value ? "with-sheet" : ""} ${busy.value ? "stale" : ""}`} aria-busy={computing}>
       <section class="bench-controls stack" id="bench-controls" aria-label="Scenario">
         <Documents />
         <Controls />

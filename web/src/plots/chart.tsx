@@ -7,7 +7,7 @@ import { palette } from "../lib/theme.ts";
 import { cursor, row } from "../state/run.ts";
 import { drawPicture } from "./drawing.ts";
 import { foundSpot, stepFrom, type Found } from "./hover.ts";
-import { boxOf, type Picture } from "./picture.ts";
+import { boxOf, type Box, type Picture } from "./picture.ts";
 import { pointing } from "./pointing.ts";
 import { Saving } from "./saving.tsx";
 import { share, type Scale } from "./scale.ts";
@@ -38,9 +38,16 @@ export interface ChartProps {
 const KEYS: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 const FAST = 10;
 
+/** Charts that are out of sight are drawn after so long a rest: those in sight do not wait for them [ms]. */
+const REST = 250;
+
+interface Size {
+  width: number;
+  height: number;
+}
+
 /** Puts a picture onto a canvas, as sharp as the screen is. */
-function paint(canvas: HTMLCanvasElement, picture: Picture, bare: boolean): void {
-  const { clientWidth: width, clientHeight: height } = canvas;
+function paint(canvas: HTMLCanvasElement, picture: Picture, { width, height }: Size, bare: boolean): void {
   const dense = devicePixelRatio || 1;
   const [wide, high] = [Math.round(width * dense), Math.round(height * dense)];
   if (canvas.width !== wide) canvas.width = wide;
@@ -71,38 +78,68 @@ export function Chart(props: ChartProps) {
     if (shared) shared.zoom(to && to.x);
     else part.value = to;
   };
+  // what is known of its place, so that a picture asks for no layout
+  const size = useRef<Size>({ width: 0, height: 0 });
+  const box = useRef<Box>({ left: 0, top: 0, width: 0, height: 0 });
+  const seen = useRef(true);
+  const waiting = useRef(0);
   const redraw = (): void => {
     const [sheet, top] = [canvas.current, over.current];
-    if (!sheet || !top) return;
+    clearTimeout(waiting.current);
+    waiting.current = 0;
+    if (!sheet || !top || !size.current.width) return;
     const { props: p, shown: what } = now.current;
-    paint(sheet, what, !!p.bare);
-    const box = boxOf(what, sheet.clientWidth, sheet.clientHeight, p.bare);
-    for (const side of ["left", "top", "width", "height"] as const) top.style[side] = `${box[side]}px`;
-    mark(top, what, !!p.timed, cursor.peek(), row.peek());
+    paint(sheet, what, size.current, !!p.bare);
+    layOver();
+    mark(top, what, box.current, !!p.timed, cursor.peek(), row.peek());
+  };
+  /** Lay what answers the pointer over the curves. */
+  const layOver = (): void => {
+    const next = boxOf(now.current.shown, size.current.width, size.current.height, now.current.props.bare);
+    for (const side of ["left", "top", "width", "height"] as const) if (next[side] !== box.current[side]) over.current!.style[side] = `${next[side]}px`;
+    box.current = next;
+  };
+  const drawSoon = (): void => {
+    clearTimeout(waiting.current);
+    if (seen.current) redraw();
+    else waiting.current = window.setTimeout(redraw, REST);
   };
 
   useLayoutEffect(() => {
     const [sheet, top] = [canvas.current, over.current];
     if (!sheet || !top) return;
     const stop = [
-      effect(() => (palette.value, redraw())),
-      effect(() => mark(top, now.current.shown, !!now.current.props.timed, cursor.value, row.value)),
+      effect(() => (palette.value, drawSoon())),
+      effect(() => mark(top, now.current.shown, box.current, !!now.current.props.timed, cursor.value, row.value)),
       pointing({
         over: top, select: top.querySelector<HTMLElement>(".chart-select")!, props: () => now.current.props, shown: () => now.current.shown,
         whole: () => ({ x: now.current.props.shared?.whole ?? now.current.props.picture.x, y: now.current.props.picture.y }),
         zoom: (to) => latest.current(to), look: (found) => found !== now.current.at && look(found),
       }),
     ];
-    const seen = new ResizeObserver(redraw);
-    seen.observe(sheet);
+    const sized = new ResizeObserver(() => {
+      const { top: above, bottom } = sheet.getBoundingClientRect();
+      size.current = { width: sheet.clientWidth, height: sheet.clientHeight };
+      seen.current = above < innerHeight && bottom > 0;
+      if (size.current.width) layOver();
+      drawSoon();
+    });
+    const near = new IntersectionObserver((entries) => {
+      seen.current = entries.at(-1)!.isIntersecting;
+      if (seen.current && waiting.current) redraw();
+    });
+    sized.observe(sheet);
+    near.observe(sheet);
     return () => {
       stop.forEach((end) => end());
-      seen.disconnect();
+      sized.disconnect();
+      near.disconnect();
+      clearTimeout(waiting.current);
     };
   }, []);
   const latest = useRef(zoom);
   latest.current = zoom;
-  useLayoutEffect(redraw, [shown, props.height, props.bare]);
+  useLayoutEffect(drawSoon, [shown, props.bare]);
 
   const press = (event: KeyboardEvent): void => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
@@ -145,7 +182,7 @@ const labelled = ({ x, y }: Picture, part: { x: Scale; y: Scale }): { x: Scale; 
 });
 
 /** Put time line and moving points where they belong now. */
-function mark(over: HTMLElement, picture: Picture, timed: boolean, time: number, at: number): void {
+function mark(over: HTMLElement, picture: Picture, { width, height }: Size, timed: boolean, time: number, at: number): void {
   const home = over.querySelector<HTMLElement>(".chart-marks");
   if (!home) return;
   const marks = picture.marks ?? [];
@@ -153,7 +190,6 @@ function mark(over: HTMLElement, picture: Picture, timed: boolean, time: number,
   while (home.children.length > count) home.lastChild?.remove();
   while (home.children.length < count) home.append(document.createElement("i"));
   const colours = palette.peek();
-  const [width, height] = [parseFloat(over.style.width) || 0, parseFloat(over.style.height) || 0];
   marks.forEach((point, k) => {
     const dot = home.children[k] as HTMLElement;
     const [x, y] = [share(picture.x, point.x[at] as number) * width, (1 - share(picture.y, point.y[at] as number)) * height];

@@ -158,6 +158,9 @@ function setStroke({ pen, colours }: Sheet, look: Look): void {
   pen.setLineDash(look.dash);
 }
 
+/** What is nearer than this to what was drawn last is not seen [px]. */
+const HAIR = 0.35;
+
 function drawCurve(sheet: Sheet, curve: Curve): void {
   const { pen, x, y, colours } = sheet;
   const [first, last] = curve.part ?? [0, Math.min(curve.x.length, curve.y.length) - 1];
@@ -169,9 +172,12 @@ function drawCurve(sheet: Sheet, curve: Curve): void {
   }
   pen.beginPath();
   let down = false;
+  let [fromX, fromY] = [0, 0];
   for (let i = first; i <= last; i++) {
-    const [px, py] = [x(curve.x[i] as number), y(curve.y[i] as number)];
+    const px = x(curve.x[i] as number);
+    const py = y(curve.y[i] as number);
     if (!Number.isFinite(px + py)) down = false;
+    else if (down && i < last && Math.abs(px - fromX) < HAIR && Math.abs(py - fromY) < HAIR) continue;
     else if (curve.dots) {
       pen.moveTo(px + 2.2, py);
       pen.arc(px, py, 2.2, 0, 7);
@@ -180,6 +186,7 @@ function drawCurve(sheet: Sheet, curve: Curve): void {
       else pen.moveTo(px, py);
       down = true;
     }
+    [fromX, fromY] = [px, py];
   }
   if (curve.dots) pen.fill();
   if (curve.dots !== "full") pen.stroke();
@@ -217,13 +224,14 @@ const [ARROW, SHORT] = [7, 60];
 /** Arrowheads at two places of a part that is long enough, as the eye measures length. */
 function drawArrows({ pen, x, y }: Sheet, curve: Curve, first: number, last: number): void {
   const point = (i: number): [number, number] => [x(curve.x[i] as number), y(curve.y[i] as number)];
-  const way = [0];
-  for (let i = first + 1; i <= last; i++) {
-    const [[ax, ay], [bx, by]] = [point(i - 1), point(i)];
-    const step = Math.hypot(bx - ax, by - ay);
-    way.push((way.at(-1) ?? 0) + (Number.isFinite(step) ? step : 0));
+  const way = new Float64Array(last - first + 1);
+  for (let i = first + 1, [ax, ay] = point(first); i <= last; i++) {
+    const [bx, by] = point(i);
+    const step = Math.sqrt((bx - ax) ** 2 + (by - ay) ** 2);
+    way[i - first] = way[i - first - 1]! + (Number.isFinite(step) ? step : 0);
+    [ax, ay] = [bx, by];
   }
-  const long = way.at(-1) ?? 0;
+  const long = way[last - first] ?? 0;
   if (long < SHORT) return;
   const at = (part: number): [number, number] => {
     const k = Math.max(1, way.findIndex((w) => w >= part * long));

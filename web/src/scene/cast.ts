@@ -15,7 +15,11 @@ const LINES = ["wire", "tether", "ground", "link", "phalanx", "fingertip"];
 
 const built = (data: SceneData, cuts: Cut[]): string => [structure(data.shapes), ...cuts.map((cut) => cut.axis)].join();
 
+let casts = 0;
+
 export class Cast {
+  /** Tells it from others. */
+  readonly id = ++casts;
   readonly group = new Group();
   readonly targets: Target[] = [];
   breaks: { mark: Break; shape: number }[] = [];

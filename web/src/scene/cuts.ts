@@ -72,8 +72,18 @@ function gapsOf(ranges: Range[]): { gaps: Range[]; ends: Range } {
   return { gaps, ends: [sorted[0]?.[0] ?? 0, reached] };
 }
 
-/** Where pictures of these runs are best broken. */
+const known = new WeakMap<SceneData, Cut[]>();
+
+/** Where pictures of these runs are best broken; of one run it is found once. */
 export function findCuts(runs: SceneData[]): Cut[] {
+  const [only, other] = runs;
+  if (!only || other) return seekCuts(runs);
+  const cuts = known.get(only) ?? seekCuts(runs);
+  known.set(only, cuts);
+  return cuts;
+}
+
+function seekCuts(runs: SceneData[]): Cut[] {
   const shapes = runs.flatMap((data) => placesOf(data).map((pictures, k) => ({ shape: data.shapes[k] as Shape, pictures })));
   if (!shapes.length) return [];
   const axes = ([0, 1, 2] as const).map((axis) => gapsOf(shapes.flatMap(({ shape, pictures }) => taken(shape, pictures, axis))));

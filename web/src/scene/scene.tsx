@@ -22,12 +22,8 @@ import { grabbing, hand } from "../touch/live.ts";
 const VIEWS: [View, string][] = [["free", "Fit"], ["front", "Front"], ["side", "Side"], ["top", "Top"]];
 const MANY = 4;
 
-/** Whether this browser can draw in space. */
-function hasWebGL(): boolean {
-  const context = document.createElement("canvas").getContext("webgl2");
-  context?.getExtension("WEBGL_lose_context")?.loseContext();
-  return context !== null;
-}
+/** Whether this browser was found to have no WebGL. */
+let isFlat = false;
 
 /** What the picture shows, in words. */
 function described(now: Run, time: number, motion: Motion): string {
@@ -54,7 +50,7 @@ export function Scene() {
 
 function Shown({ now }: { now: Run }) {
   const quantity = useSignal<Quantity>("temperature");
-  const flat = useSignal(!hasWebGLOnce());
+  const flat = useSignal(isFlat);
   const motion = useMemo(() => new Motion(now.scene), [now]);
   const read = useMemo(() => makeReader(now, quantity.value, motion), [now, quantity.value]);
   const broken = useMemo(() => findCuts([now.scene]).length > 0, [now]);
@@ -69,7 +65,7 @@ function Shown({ now }: { now: Run }) {
           <Flat now={now} motion={motion} read={read} />
         </>
       ) : (
-        <Space now={now} motion={motion} read={read} stage={stage} whole={whole.value} lost={() => (flat.value = true)} />
+        <Space now={now} motion={motion} read={read} stage={stage} whole={whole.value} lost={() => (flat.value = isFlat = true)} />
       )}
       <div class="row scene-below">
         {!flat.value && (
@@ -89,9 +85,6 @@ function Shown({ now }: { now: Run }) {
     </section>
   );
 }
-
-let known: boolean | null = null;
-const hasWebGLOnce = (): boolean => (known ??= hasWebGL());
 
 function Colours(props: { now: Run; quantity: Quantity; choose: (quantity: Quantity) => void }) {
   return (
@@ -179,6 +172,9 @@ function Space(props: PictureProps & { stage: { current: Stage | null }; whole: 
   );
 }
 
+/** After the next frame: the first curves do not wait for what draws in space. */
+const painted = (): Promise<void> => new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
+
 /** Make the stage once its code is there; gives what ends it. */
 function made(
   host: HTMLElement | null,
@@ -188,7 +184,7 @@ function made(
 ): () => void {
   let over = false;
   const watch = new ResizeObserver(() => stage.current?.resize());
-  import("./stage.ts").then(
+  painted().then(() => import("./stage.ts")).then(
     ({ Stage }) => {
       if (over || !host) return;
       try {

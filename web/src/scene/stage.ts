@@ -42,12 +42,19 @@ const NEARER = 0.88;
 /** Share of half a frame that is filled: names need some room. */
 const ROOM: [number, number] = [0.93, 0.88];
 /** Rest after which a picture is drawn again with smooth edges, where that costs much [ms]. */
-const REST = 130;
+const REST = 400;
 /** Between two pictures of the shadow while anything moves, where a processor has to draw [ms]. */
-const SHADOW = 200;
+const SHADOW = 400;
 
-/** Between two pictures while something can be held, where a processor has to draw: curves come more often [ms]. */
-const SELDOM = 60;
+/** Between two pictures while something can be held, or runs follow a slider, where a processor has to draw: curves
+ * come more often [ms]. */
+const SELDOM = 50;
+/** Pixels of the picture for one of the page meanwhile: a processor spends its time on each. */
+const COARSE = 0.7;
+/** So soon after a run another one is taken to follow it [ms]. */
+const FOLLOWING = 300;
+/** Share of the whole motion, and angle [rad], below which nothing is seen of a change. */
+const UNSEEN = 2e-4;
 
 /** Asked of WebGL. Where a processor has to draw, edges are not smoothed while anything moves, which costs it most. */
 const ASKED = { alpha: true, antialias: true, powerPreference: "low-power" } as const;
@@ -55,14 +62,17 @@ const ASKED = { alpha: true, antialias: true, powerPreference: "low-power" } as 
 /** Names of what draws by the processor, where a browser does not say so otherwise. */
 const PROCESSOR = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 
-/** A canvas, and what draws on it if that is not the processor. */
-function openQuick(): [HTMLCanvasElement, WebGL2RenderingContext | null] {
+/** A canvas, what draws on it, and whether that is not the processor. Throws where there is no WebGL. */
+function openCanvas(): [HTMLCanvasElement, WebGL2RenderingContext, boolean] {
   const canvas = document.createElement("canvas");
-  const context = canvas.getContext("webgl2", { ...ASKED, failIfMajorPerformanceCaveat: true });
-  const named = context?.getExtension("WEBGL_debug_renderer_info");
-  if (!context || !named || !PROCESSOR.test(String(context.getParameter(named.UNMASKED_RENDERER_WEBGL)))) return [canvas, context];
-  context.getExtension("WEBGL_lose_context")?.loseContext();
-  return [document.createElement("canvas"), null];
+  const quick = canvas.getContext("webgl2", { ...ASKED, failIfMajorPerformanceCaveat: true });
+  const named = quick?.getExtension("WEBGL_debug_renderer_info");
+  if (quick && !(named && PROCESSOR.test(String(quick.getParameter(named.UNMASKED_RENDERER_WEBGL))))) return [canvas, quick, true];
+  quick?.getExtension("WEBGL_lose_context")?.loseContext();
+  const other = document.createElement("canvas");
+  const context = other.getContext("webgl2", { ...ASKED, antialias: false });
+  if (!context) throw new Error("There is no WebGL.");
+  return [other, context, false];
 }
 
 export class Stage {
@@ -100,6 +110,9 @@ export class Stage {
   private shaded = 0;
   private drawn = 0;
   private grabbed = false;
+  private shown = 0;
+  /** What was put on the stage last, as far as it is seen. */
+  private seen = "";
   private time = 0;
   private reading: Reading | null = null;
 
@@ -108,9 +121,9 @@ export class Stage {
     private readonly host: HTMLElement,
     private readonly smooth = 0,
   ) {
-    const [canvas, context] = openQuick();
-    this.quick = context !== null;
-    this.renderer = new WebGLRenderer(context ? { canvas, context } : { ...ASKED, canvas, antialias: false });
+    const [canvas, context, quick] = openCanvas();
+    this.quick = quick;
+    this.renderer = new WebGLRenderer({ canvas, context });
     this.renderer.setPixelRatio(smooth || (this.quick ? Math.min(devicePixelRatio, 2) : 1));
     this.renderer.autoClear = true;
     canvas.setAttribute("aria-hidden", "true");
@@ -152,6 +165,7 @@ export class Stage {
       if (!this.touched || names(where) !== names(this.fitted)) this.fit();
     }
     this.fitted = where;
+    this.shown = performance.now();
   }
 
   /** Put everything to where it is at a time [s]. */
@@ -160,7 +174,24 @@ export class Stage {
     this.reading = reading;
     this.cast?.put(time, reading.colour);
     this.ghost?.put(time);
-    this.soon();
+    const seen = this.describe();
+    if (seen && seen === this.seen) this.host.dataset.time = String(time);
+    else this.soon();
+    this.seen = seen;
+  }
+
+  /** All that is seen, in letters; empty where words stand beside it, which change with every number. */
+  private describe(): string {
+    if (this.named || this.forces || this.pointer.hover || !this.cast) return "";
+    const casts = [this.cast, ...(this.ghost ? [this.ghost] : [])];
+    const looks = casts.map(({ id, motion }) => {
+      const { shapes, ports } = motion.data;
+      const places = Array.from(motion.places, (x) => Math.round(x / (UNSEEN * motion.extent)));
+      const slack = Object.keys(ports).map((port) => motion.slack(port, this.time));
+      return [id, places, motion.turns.map((x) => Math.round(x / UNSEEN)), slack, shapes.map(({ mass, size, diameter, coils }) => [mass, size, diameter, coils])];
+    });
+    const colours = Object.keys(this.cast.motion.data.ports).map((port) => this.reading?.colour(port).map(Math.round));
+    return JSON.stringify([this.fitted, looks, colours, this.cuts]);
   }
 
   /** Draw again with other things switched on. */
@@ -310,10 +341,12 @@ export class Stage {
   /** Draw, unless a processor that draws has to leave the rest of the page its time. */
   private next(): void {
     const begun = performance.now();
-    if (!this.quick && this.grabbed && begun - this.drawn < SELDOM) return void (this.waiting = requestAnimationFrame(() => this.next()));
+    const hurried = this.grabbed || begun - this.shown < FOLLOWING;
+    if (!this.quick && hurried && begun - this.drawn < SELDOM) return void (this.waiting = requestAnimationFrame(() => this.next()));
     this.waiting = 0;
     this.drawn = begun;
-    if (!this.quick && this.renderer.getPixelRatio() !== 1) this.renderer.setPixelRatio(1);
+    const pixels = hurried ? COARSE : 1;
+    if (!this.quick && this.renderer.getPixelRatio() !== pixels) this.renderer.setPixelRatio(pixels);
     this.draw(!this.quick);
     if (this.quick) return;
     this.resting = window.setTimeout(() => {

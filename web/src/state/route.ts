@@ -9,15 +9,16 @@ export interface Place {
   query: URLSearchParams;
 }
 
-function read(): Place {
+/** What the address says now, which `place` may not have heard of yet. */
+export function readPlace(): Place {
   const [path = "", query = ""] = location.hash.replace(/^#\/?/, "").split("?");
   const [page = "", ...rest] = path.split("/").map(decodeURIComponent);
   const asked = new URLSearchParams(query);
   return { page: page || (asked.has("scenario") ? "bench" : "start"), rest, query: asked };
 }
 
-export const place = signal<Place>(read());
-addEventListener("hashchange", () => (place.value = read()));
+export const place = signal<Place>(readPlace());
+addEventListener("hashchange", () => (place.value = readPlace()));
 
 /** In a notebook there is one page. */
 export const go = (path: string): void => void (host || (location.hash = `#/${path}`));
@@ -28,7 +29,7 @@ export const go = (path: string): void => void (host || (location.hash = `#/${pa
  * Nothing is changed if the address names another page already, which `place` may not have heard of yet.
  */
 export function remember(page: string, query: Record<string, string>): void {
-  if (read().page !== page) return;
+  if (readPlace().page !== page) return;
   const text = new URLSearchParams(query).toString();
   history.replaceState(null, "", `#/${page}${text ? `?${text}` : ""}`);
 }

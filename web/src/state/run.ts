@@ -109,17 +109,18 @@ let latest = 0;
 /** The text that `run` shows, or tries to. */
 let shown = "";
 
-/** Run a document with changes; it becomes the state if it can be run. */
-export async function tryChanges(changes: Record<string, unknown>, merge = false): Promise<boolean> {
-  return show(text.value, changes, merge);
+/** Run a document with changes; it becomes the state if it can be run, of which `taken` is told before. */
+export async function tryChanges(changes: Record<string, unknown>, merge = false, taken: (document: string) => void = () => undefined): Promise<boolean> {
+  return show(text.value, changes, merge, taken);
 }
 
-async function show(document: string, changes: Record<string, unknown>, merge: boolean): Promise<boolean> {
+async function show(document: string, changes: Record<string, unknown>, merge: boolean, taken: (document: string) => void = () => undefined): Promise<boolean> {
   const mine = ++latest;
   computing.value = true;
   try {
     const found = await call<Run>("run", { text: document, changes }, "run");
     if (mine !== latest) return false;
+    taken(found.text);
     batch(() => {
       shown = found.text;
       change(found.text, merge);

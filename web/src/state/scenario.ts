@@ -2,7 +2,7 @@
 
 import { batch, computed, effect, signal } from "@preact/signals";
 import { packLink, unpackLink } from "../lib/pack.ts";
-import { go, place, remember } from "./route.ts";
+import { go, place, readPlace, remember } from "./route.ts";
 import { earlier, keepPart, LINKED, readPart, TITLE, touch, writePart } from "./session.ts";
 
 const MOST_STEPS = 200;
@@ -144,6 +144,8 @@ export function followInAddress(): () => void {
     waiting = window.setTimeout(async () => {
       const made = await makeLink();
       if (text.value !== now || broken.value) return;
+      const there = readPlace().query.get("scenario");
+      if (there && there !== letters) return; // a link that came just now is not written over before it is read
       letters = made;
       remember("bench", { scenario: made });
       touch();

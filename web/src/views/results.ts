@@ -61,8 +61,20 @@ export function peakOf(run: Run, name: string): number | null {
   return Number.isFinite(found) ? found : null;
 }
 
+/** The same question about the same run is answered once. */
+function once<T>(answer: (run: Run) => T): (run: Run) => T {
+  const known = new WeakMap<Run, { found: T }>();
+  return (run) => {
+    const had = known.get(run) ?? { found: answer(run) };
+    known.set(run, had);
+    return had.found;
+  };
+}
+
 /** Way of the coordinate from where it begins, as a share of the largest; null if it stays. */
-export function measureTravel(run: Run): Float64Array | null {
+export const measureTravel = once(readTravel);
+
+function readTravel(run: Run): Float64Array | null {
   const x = run.columns[run.coordinate];
   if (!x?.length) return null;
   let far = 0;
@@ -118,7 +130,9 @@ const rowAfter = (times: Column, time: number): number => {
 };
 
 /** How long the mechanism takes out and back; null if it does not move, or shakes. */
-export function cycleOf(run: Run): Cycle | null {
+export const cycleOf = once(findCycle);
+
+function findCycle(run: Run): Cycle | null {
   const y = measureTravel(run);
   const count = y ? countOf(y) : 0;
   if (!y || count > SHAKES) return null;
@@ -165,7 +179,9 @@ export function findTracked(run: Run): { reference: Column; actual: Column } | n
 }
 
 /** Deviation from the reference: its root mean square [SI], and the share of its square that arises while it must cool. */
-export function measureDeviation(run: Run): { rms: number; cooling: number } | null {
+export const measureDeviation = once(findDeviation);
+
+function findDeviation(run: Run): { rms: number; cooling: number } | null {
   const both = findTracked(run);
   const y = measureTravel(run);
   const x = run.columns[run.coordinate];
@@ -189,9 +205,7 @@ export function energyOf(run: Run): number | null {
 }
 
 /** The numbers to take away, in the order of a question: how far, how fast, how hot, how much. */
-export function measures(run: Run): Measure[] {
-  return [...motions(run), ...peaks(run), ...energies(run)];
-}
+export const measures = once((run: Run): Measure[] => [...motions(run), ...peaks(run), ...energies(run)]);
 
 function motions(run: Run): Measure[] {
   const how = run.outputs[run.coordinate];

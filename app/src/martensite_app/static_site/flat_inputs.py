@@ -16,7 +16,7 @@ import hashlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import islice, takewhile
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -122,12 +122,19 @@ def _choose_shape(wave: AbstractWaveform, duration: float, interval: float) -> D
     fitted = type(wave).segments is AbstractWaveform.segments
     if fitted and interval > 0.0:  # parabolas that are put through readings are no better than these
         return DriveShape(0, 0)
-    coming = takewhile(lambda one: one.start <= MORE * duration, wave.segments(0.0))
-    known = list(islice(coming, MOST_SEGMENTS + 1))
+    known = list(islice(_list_until(wave, MORE * duration), MOST_SEGMENTS + 1))
     missed = interval > 0.0 and not _tells_readings(wave, known, duration, interval)
     if missed or len(known) > MOST_SEGMENTS:
         return DriveShape(0, 0)
     return DriveShape(len(known), len(wave.tones()))
+
+
+def _list_until(wave: AbstractWaveform, end: float) -> Iterator[Segment]:
+    """Segments that begin by a time [s], and one more, with which the last of these ends."""
+    for one in wave.segments(0.0):
+        yield one
+        if one.start > end:
+            return
 
 
 def _tells_readings(wave: AbstractWaveform, known: Sequence[Segment], duration: float, interval: float) -> bool:

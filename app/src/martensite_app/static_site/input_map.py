@@ -178,7 +178,7 @@ class _Measurement:
         settings: JsonTable = {node["path"]: write_quantity(node, value) for node, value in changes}
         try:
             scenario = build_packaged(self.text, settings)
-            found = list_inputs(scenario, self.map.drives)
+            found, cautions = list_inputs(scenario, self.map.drives), scenario.cautions
         except (MartensiteError, ArithmeticError, ValueError) as error:
             raise UnmappedError(f"at {settings}: {error}") from None
         if describe_structure(scenario.whole) != self.structure:
@@ -188,9 +188,9 @@ class _Measurement:
         said = self._list_said(scenario)
         if said != self.said:
             raise UnmappedError("it changes what is said of the scenario")
-        if not set(scenario.cautions) >= set(self.map.scenario.cautions):
+        if not set(cautions) >= set(known := self.map.scenario.cautions):
             raise UnmappedError("it changes the cautions")
-        self.cautions = tuple(one for one in scenario.cautions if one not in self.map.scenario.cautions)
+        self.cautions = tuple(one for one in cautions if one not in known)
         return found.numbers
 
     def _list_said(self, scenario: Scenario) -> Any:

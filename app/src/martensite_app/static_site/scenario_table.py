@@ -17,6 +17,7 @@ from martensite.simulate.envelope import BEYOND, WORDS, Envelope
 from martensite_app.messages import JsonTable
 from martensite_app.static_site.flat_inputs import SEGMENT, TONE
 from martensite_app.static_site.input_map import InputMap, list_numbers
+from martensite_app.static_site.rounding import describe_rounding, measure_rounding
 from martensite_app.static_site.run_module import RunSource, describe_layout
 from martensite_app.views.page import describe_page
 
@@ -28,8 +29,14 @@ SPELLINGS = (
 """Units in which numbers are typed."""
 
 
-def describe_static(name: str, text: str, made: InputMap, source: RunSource, module: str) -> JsonTable:
-    """Everything that the page needs to run a scenario and to draw what comes of it."""
+def describe_static(
+    name: str, text: str, made: InputMap, source: RunSource, module: str, *, measured: bool = False
+) -> JsonTable:
+    """Everything that the page needs to run a scenario and to draw what comes of it.
+
+    With `measured` it says how equal a run on the page is to one of `martensite run`, where that is not within
+    `rounding.CLOSE`: several runs more.
+    """
     scenario = made.scenario
     compiled = compile_march(scenario.whole)
     order = order_entries(made, compiled)
@@ -45,7 +52,7 @@ def describe_static(name: str, text: str, made: InputMap, source: RunSource, mod
         "places": _list_places(made, compiled, entries),
         "readings": [base64.b64encode(one.tobytes()).decode() for one in made.samples],
         **_describe_map(made, entries),
-        **_describe_outputs(scenario, compiled),
+        **_describe_outputs(scenario, compiled, measured),
     }
 
 
@@ -137,12 +144,12 @@ def _list_units(made: InputMap) -> dict[str, dict[str, tuple[float, float]]]:
     return found
 
 
-def _describe_outputs(scenario: Scenario, compiled: CompiledMarch) -> JsonTable:
+def _describe_outputs(scenario: Scenario, compiled: CompiledMarch, measured: bool) -> JsonTable:
     system = scenario.whole
     result = scenario.run(runtime="floats" if not system.sample_time() else None)
     names = list(system.outputs())
     judged = [(compiled.outputs.index(name), least) for name, least in compiled.convergence_scales]
-    book = compiled.book
+    book, share = compiled.book, measure_rounding(scenario, result) if measured else 0.0
     return {
         "parameters": list(compiled.paths),
         "names": list(compiled.outputs),
@@ -152,6 +159,8 @@ def _describe_outputs(scenario: Scenario, compiled: CompiledMarch) -> JsonTable:
         "accounts": list(ACCOUNTS),
         "balances": {"heat": book.heat, "work": book.work},
         "statuses": {str(int(one)): one.sentence for one in Status},
+        "magnified": share,
+        "differs": [describe_rounding(share)] if share else [],
         **describe_page(scenario, result),
     }
 

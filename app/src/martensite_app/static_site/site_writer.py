@@ -91,7 +91,7 @@ def describe_scenario_files(name: str, text: str) -> tuple[Mapping[str, bytes], 
     made = measure_map(text)
     source = write_source(made.scenario, list_waveforms(made.scenario))
     module = name_module(source)
-    table = describe_static(name, text, made, source, module)
+    table = describe_static(name, text, made, source, module, measured=True)
     files = {f"{name}.json": write_message(table), module: source.compile()}
     entry = {"name": name, "title": made.scenario.title, "text": text, "file": f"{name}.json", "module": module}
     return files, entry

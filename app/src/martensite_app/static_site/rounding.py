@@ -1,0 +1,91 @@
+"""How far a run moves when its numbers change in their last digit.
+
+A page rounds functions of libm otherwise than C and Python do. Mostly nothing comes of that. But the
+length of a step follows from small differences, a controller may decide by a hair: some runs magnify
+a last digit, and two ways of computing them are no more equal than that. It is measured, and said.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from martensite.base.errors import MartensiteError
+from martensite.scenario.scenario import Scenario
+from martensite.simulate.compiled import compile_march
+from martensite.simulate.result import Result
+
+TRIALS = 8
+"""Runs under other last digits."""
+MARGIN = 2.0
+"""What is said above the most that so few runs show."""
+CLOSE = 1e-9
+"""Share of a range up to which two runs are equal."""
+VISIBLE = 1e-3
+"""Share of a range that is seen in a curve."""
+DIGIT = 2.0**-52
+Columns = Mapping[str, Sequence[float]]
+
+
+def measure_rounding(scenario: Scenario, *others: Result) -> float:
+    """The most by which columns move with the last digits, as a share of their ranges; 0.0 up to `CLOSE`.
+
+    Args:
+        scenario: the run.
+        others: the same run on other runtimes, whose differences count, too.
+    """
+    system = scenario.whole
+    compiled, run = compile_march(system), scenario.run()
+    least = dict(compiled.convergence_scales)
+    values = dict(zip(compiled.paths, compiled.values(system), strict=True))
+    values = {path: value for path, value in values.items() if _is_inexact(path, value, scenario)}
+    found = [compare_columns(run.columns, one.columns, least) for one in others]
+    for seed in range(TRIALS):
+        turns = np.random.default_rng(seed).integers(-1, 2, len(compiled.paths)).tolist()
+        moved = {path: value * (1.0 + k * DIGIT) for (path, value), k in zip(values.items(), turns, strict=False)}
+        other: Any = system.rebuilt(moved)
+        twin = replace(scenario, system=other) if scenario.bench is None else replace(scenario, bench=other)
+        with suppress(MartensiteError):  # a number that must be exact
+            found.append(compare_columns(run.columns, twin.run().columns, least))
+    most = MARGIN * max(found, default=0.0)
+    return _round_up(most) if most > CLOSE else 0.0
+
+
+def compare_columns(ours: Columns, others: Columns, least: Mapping[str, float]) -> float:
+    """The largest difference: of the range of a column or the least that counts, of constants of their size."""
+    worst = 0.0
+    for name, one in ours.items():
+        other = others[name]
+        size = float(np.max(np.abs(one)))
+        span = max(float(np.ptp(one)), least.get(name, 0.0))
+        apart = float(np.max(np.abs(np.subtract(one, other))))
+        worst = max(worst, apart / (span if span > CLOSE * size else size)) if apart else worst
+    return worst
+
+
+def describe_rounding(share: float) -> str:
+    """What is said of it on the page; empty for nothing."""
+    if not share:
+        return ""
+    words = f"{share:.0e}".replace("e-0", "e-") if share < VISIBLE else f"{100.0 * min(share, 1.0):.2g} %"
+    return (
+        f"This run magnifies the last digit of its numbers to as much as {words} of a range: "
+        "`martensite run` may differ from this page by that, as it does from itself on another machine."
+    )
+
+
+def _is_inexact(path: str, value: float, scenario: Scenario) -> bool:
+    """Whether a last digit means nothing: whole numbers may be ends of a range; those around a plant count periods."""
+    around = scenario.bench is not None and (not path.startswith("plant.") or ".source." in path)
+    return not around and value % 1.0 != 0.0
+
+
+def _round_up(value: float) -> float:
+    """To one digit."""
+    size = 10.0 ** math.floor(math.log10(value)) if math.isfinite(value) else 1.0
+    return float(f"{min(math.ceil(value / size - CLOSE) * size, 1.0):.0e}")
