@@ -46,7 +46,7 @@ export async function expectFirst(): Promise<void> {
   const manifest = await readManifest();
   const first = manifest.scenarios[0];
   if (!first) return;
-  worker.postMessage({ fetch: beside(first.module) } satisfies Expected);
+  worker.postMessage({ fetch: locateFile(first.module) } satisfies Expected);
   await readScenario(manifest, first.name);
 }
 
