@@ -43,11 +43,14 @@ const links = [...needed].map((name) => `    <link rel="modulepreload" href="${n
 const index = await readFile(`${out}/index.html`, "utf8");
 await writeFile(`${out}/index.html`, index.replace("  </head>", () => `${links}  </head>`));
 
+/** Fits are asked for by a page without a server alone. */
+const withoutFits = { name: "without fits", setup: ({ onLoad }) => onLoad({ filter: /fit\/calls\.ts$/ }, () => ({ contents: "export {};" })) };
+
 /** A page in one file, which loads nothing. */
 async function inline(folder) {
   const { outputFiles } = await build({
     ...how, entryPoints: [`src/${folder}/main.tsx`], outdir: folder, write: false, format: "iife", legalComments: "inline",
-    external: ["*/fit/calls.ts"], // what only a page without a server asks for
+    plugins: [withoutFits],
   });
   const [script, styles] = [".js", ".css"].map((ending) => outputFiles.find((one) => one.path.endsWith(ending)).text);
   const page = await readFile(`src/${folder}/page.html`, "utf8");
