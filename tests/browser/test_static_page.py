@@ -204,12 +204,12 @@ def test_a_log_is_fitted_without_a_server_as_martensite_fit_does(page: Page, tmp
     expect(page.locator("#form-mechanism-preload")).to_have_value(re.compile(r"^0\.(59|60)"))
 
 
-def test_a_fit_ends_within_a_second_and_keeps_its_best(page: Page, tmp_path: Path) -> None:
-    choose_log(page, write_log(tmp_path / "long.csv", 3001))
+def test_a_fit_that_is_stopped_ends_soon_and_keeps_its_best(page: Page, tmp_path: Path) -> None:
+    choose_log(page, write_log(tmp_path / "long.csv", 12001))
     page.get_by_role("button", name="Fit a model to it").click()
     expect(page.get_by_role("table", name="Best so far")).to_be_visible()
     expect(page.get_by_text("The search has not told of a run yet")).to_have_count(0)
-    assert page.evaluate(REACTION) < 1000.0
+    assert page.evaluate(REACTION) < 3000.0  # 0.2 s to 0.4 s where nothing else runs
     expect(page.locator(".identify-headline")).to_contain_text(
         "Usable with care. The search did not converge: interrupted"
     )
