@@ -73,6 +73,11 @@ function findMoved(scenario: Scenario, changes: Changes): Map<number, number> {
     const names = [one, other].map((k) => `\`${writtenAt(scenario, scenario.controls[k]!.path)}\``).join(" and ");
     throw new Refusal(`This page cannot change ${names} together. ${SERVER}`, "server", 501);
   }
+  for (const [less, more] of scenario.ordered) {
+    if (!(found.has(less) && found.has(more)) || found.get(less)! < found.get(more)!) continue;
+    const [low, high] = [less, more].map((k) => `\`${scenario.controls[k]!.path}\``);
+    throw new Refusal(`${low} must be below ${high}.`, "input", 400);
+  }
   return found;
 }
 

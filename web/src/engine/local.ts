@@ -30,13 +30,14 @@ async function read(address: string): Promise<unknown> {
   return response.json();
 }
 
-const readManifest = (): Promise<Manifest> => fetchJson(new URL(manifestAddress() ?? "", document.baseURI).href);
-const beside = (file: string): string => new URL(file, new URL(manifestAddress() ?? "", document.baseURI)).href;
+export const readManifest = (): Promise<Manifest> => fetchJson(new URL(manifestAddress() ?? "", document.baseURI).href);
+/** Address of a file beside the manifest. */
+export const locateFile = (file: string): string => new URL(file, new URL(manifestAddress() ?? "", document.baseURI)).href;
 
-async function readScenario(manifest: Manifest, name: string): Promise<Scenario> {
+export async function readScenario(manifest: Manifest, name: string): Promise<Scenario> {
   const listed = manifest.scenarios.find((one) => one.name === name);
   if (!listed) throw new Refusal(`This page has no scenario \`${name}\`. ${SERVER}`, "server", 501);
-  return fetchJson<Scenario>(beside(listed.file));
+  return fetchJson<Scenario>(locateFile(listed.file));
 }
 
 /** Fetch what the first scenario needs while the page itself is coming. */
@@ -45,7 +46,7 @@ export async function expectFirst(): Promise<void> {
   const manifest = await readManifest();
   const first = manifest.scenarios[0];
   if (!first) return;
-  worker.postMessage({ fetch: beside(first.module) } satisfies Expected);
+  worker.postMessage({ fetch: locateFile(first.module) } satisfies Expected);
   await readScenario(manifest, first.name);
 }
 
@@ -83,7 +84,7 @@ export function runLocally(scenario: Scenario, changes: Changes, text: string): 
       };
       const asked: Asked = {
         id,
-        address: beside(scenario.module),
+        address: locateFile(scenario.module),
         scenario: told.has(scenario.name) ? null : scenario,
         name: scenario.name,
         changes,
@@ -129,8 +130,15 @@ export interface Stepped {
 
 export async function findStepped(text: string): Promise<Stepped> {
   const { scenario, changes } = await understand(text, {});
-  return { scenario, changes, address: beside(scenario.module) };
+  return { scenario, changes, address: locateFile(scenario.module) };
 }
+
+// ---------------------------------------------------------------- fits
+
+/** Calls of Identify, which are loaded when they are needed. */
+const OF_FITS = ["table", "has_sample", "sample_log", "fit_records", "log_overlay", "fit_starts", "fit_proposal", "fit_scenario", "record_files"];
+
+export const loadFits = (): Promise<typeof import("../fit/calls.ts")> => import("../fit/calls.ts");
 
 // ---------------------------------------------------------------- calls
 
@@ -154,7 +162,7 @@ const calls: Record<string, (request: Request) => Promise<unknown>> = {
 
 /** The answer to a call, as the server would give it. */
 export async function answerLocally<T>(name: string, request: object): Promise<T> {
-  const own = calls[name];
+  const own = OF_FITS.includes(name) ? (await loadFits()).answers[name] : calls[name];
   if (!own) throw new Refusal(`This page has no server, which \`${name}\` needs. ${SERVER}`, "server", 501);
   return (await own(request as Request)) as T;
 }

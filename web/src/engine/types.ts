@@ -156,6 +156,8 @@ export interface Scenario {
   inverted: number[];
   /** Controls which may not be changed together. */
   apart: [one: number, other: number][];
+  /** Controls which may be, as long as the first stays below the second. */
+  ordered: [less: number, more: number][];
   /** Rows of numbers, by path: their numbers are controls, whose paths end in a place from 0 on. */
   rows: Record<string, NumberRow>;
   /** Paths of controls that need the server. */
@@ -190,4 +192,6 @@ export interface Scenario {
 export interface Manifest {
   version: string;
   scenarios: { name: string; title: string; text: string; file: string; module: string }[];
+  /** File of a log to begin with. */
+  sample?: string;
 }

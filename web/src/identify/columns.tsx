@@ -103,7 +103,7 @@ export function ColumnRows() {
         <caption>Columns: what they are, and in which unit</caption>
         <thead>
           <tr>
-            {["heading in the file", "means", "unit", "", "numbers as written", "curve"].map((name, k) => (
+            {["heading in the file", "means", "unit", "known by", "numbers as written", "curve"].map((name, k) => (
               <th key={k} scope="col">
                 {name}
               </th>

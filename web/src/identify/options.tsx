@@ -1,5 +1,6 @@
 // What is compared, what every record has for itself, what is kept back, and how to search.
 
+import { isStatic } from "../engine/local.ts";
 import { heldNames, put, scenario, state } from "./state.ts";
 
 const without = (list: string[], name: string): string[] => list.filter((one) => one !== name);
@@ -71,27 +72,34 @@ const HOLD_OUT = {
 };
 
 export function Options() {
-  const { method, loss, starts, holdOut } = state.value;
+  const { holdOut } = state.value;
   const held = heldNames.value;
-  const found = scenario.value;
   return (
     <fieldset class="panel stack">
       <legend>How to fit</legend>
       <Compared />
-      <OfRecords />
+      {!isStatic() && <OfRecords />}
       {held.length ? (
         <p class="small">Held out, to see how well the fit predicts: {held.join(", ")}.</p>
       ) : (
         <Pick label="Hold out" value={holdOut} choices={HOLD_OUT} onPick={(value) => put({ holdOut: value })} />
       )}
-      <div class="row">
-        <Pick label="Method" value={method} choices={found?.methods ?? {}} onPick={(value) => put({ method: value })} />
-        <Pick label="Loss" value={loss} choices={found?.losses ?? {}} onPick={(value) => put({ loss: value })} />
-        <label>
-          Further starts{" "}
-          <input type="number" min={0} max={64} class="narrow" value={starts} onChange={(event) => put({ starts: Math.min(64, Math.max(0, Math.round(Number(event.currentTarget.value)) || 0)) })} />
-        </label>
-      </div>
+      {!isStatic() && <Searches />}
     </fieldset>
+  );
+}
+
+function Searches() {
+  const { method, loss, starts } = state.value;
+  const found = scenario.value;
+  return (
+    <div class="row">
+      <Pick label="Method" value={method} choices={found?.methods ?? {}} onPick={(value) => put({ method: value })} />
+      <Pick label="Loss" value={loss} choices={found?.losses ?? {}} onPick={(value) => put({ loss: value })} />
+      <label>
+        Further starts{" "}
+        <input type="number" min={0} max={64} class="narrow" value={starts} onChange={(event) => put({ starts: Math.min(64, Math.max(0, Math.round(Number(event.currentTarget.value)) || 0)) })} />
+      </label>
+    </div>
   );
 }

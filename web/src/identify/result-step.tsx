@@ -2,12 +2,12 @@
 
 import { useSignalEffect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { take } from "../lib/api.ts";
+import { save, take } from "../lib/api.ts";
 import { difference, digits, toShown } from "../lib/numbers.ts";
 import { openInBench } from "../state/scenario.ts";
 import { Message } from "../ui/message.tsx";
 import { Table } from "../ui/table.tsx";
-import { addFiles, beginFit, bestKept, goTo, outcome, refused, reporting, state } from "./state.ts";
+import { addFiles, asked, beginFit, bestKept, fitting, goTo, outcome, refused, reporting, state } from "./state.ts";
 import { printed } from "./number.tsx";
 import { Said } from "./said.tsx";
 import { VerdictPanel } from "./verdict.tsx";
@@ -62,15 +62,52 @@ function Correlations({ found }: { found: Outcome }) {
   return (
     <details class="panel">
       <summary>Correlations of the parameters</summary>
-      <Table caption="Correlation; above 0.95 two parameters are hardly told apart" headings={["", ...names]} rows={rows} right={names.map((_, k) => k + 1)} />
+      <Table caption="Correlation; above 0.95 two parameters are hardly told apart" headings={["parameter", ...names]} rows={rows} right={names.map((_, k) => k + 1)} />
     </details>
+  );
+}
+
+/** What a page without a server leaves behind: the scenario with what was found, and records as they were fitted. */
+function OwnFiles({ found }: { found: Outcome }) {
+  const saveLogs = async (): Promise<void> => {
+    const files = await asked<{ name: string; text: string }[]>("record_files", fitting.job.value?.request ?? {}, "Writing …");
+    files?.forEach((one) => save(one.name, one.text));
+  };
+  return (
+    <div class="row">
+      <button type="button" class="main" onClick={() => openInBench(found.scenario)}>
+        Open on the bench
+      </button>
+      <button type="button" onClick={() => save("scenario.toml", found.followed ?? "")}>
+        Save the scenario
+      </button>
+      <button type="button" onClick={() => void saveLogs()}>
+        Save the log as it was fitted
+      </button>
+      <Again found={found} />
+    </div>
+  );
+}
+
+function Again({ found }: { found: Outcome }) {
+  return (
+    <>
+      {found.reason === "interrupted" && (
+        <button type="button" onClick={() => void beginFit({ state: bestKept.value })}>
+          Go on with the search
+        </button>
+      )}
+      <button type="button" onClick={() => void goTo(2)}>
+        Fit something else
+      </button>
+    </>
   );
 }
 
 function Files({ found }: { found: Outcome }) {
   const report = reporting.job.value;
   const writing = report?.state === "running" ? String(report.request["what"]) : "";
-  const save = (what: string): void => void reporting.begin({ key: found.fit, what });
+  const write = (what: string): void => void reporting.begin({ key: found.fit, what });
   useSignalEffect(() => {
     const job = reporting.job.value;
     if (job?.state === "done" && job.outcome && typeof job.outcome === "object") {
@@ -80,24 +117,17 @@ function Files({ found }: { found: Outcome }) {
   });
   return (
     <div class="row">
-      <button type="button" class="main" disabled={writing !== ""} onClick={() => save("material")}>
+      <button type="button" class="main" disabled={writing !== ""} onClick={() => write("material")}>
         {writing === "material" ? "Writing the material …" : "Save the material"}
       </button>
-      <button type="button" disabled={writing !== ""} onClick={() => save("report")}>
+      <button type="button" disabled={writing !== ""} onClick={() => write("report")}>
         {writing === "report" ? "Drawing the report …" : "Save the report"}
       </button>
       <button type="button" onClick={() => openInBench(found.scenario)}>
         Open in bench
       </button>
-      {found.reason === "interrupted" && (
-        <button type="button" onClick={() => void beginFit({ state: bestKept.value })}>
-          Go on with the search
-        </button>
-      )}
-      <button type="button" onClick={() => void goTo(2)}>
-        Fit something else
-      </button>
-      <button type="button" disabled={writing !== ""} onClick={() => save("terminal")}>
+      <Again found={found} />
+      <button type="button" disabled={writing !== ""} onClick={() => write("terminal")}>
         {writing === "terminal" ? "Packing …" : "Save all for the command line"}
       </button>
       <label class="identify-another">
@@ -130,7 +160,7 @@ export function ResultStep() {
         </span>
       </h2>
       <VerdictPanel found={found} />
-      <Files found={found} />
+      {found.followed === undefined ? <Files found={found} /> : <OwnFiles found={found} />}
       {found.warnings.filter((sentence) => !found.verdict.reasons.includes(sentence)).map((sentence) => (
         <Message key={sentence} kind="caution">
           ⚠ <Said>{sentence}</Said>
@@ -138,10 +168,10 @@ export function ResultStep() {
       ))}
       <Open found={found} />
       <div class="panel">
-        <Table caption="Parameters, with intervals of 95 %" headings={["parameter", "value", "95 % interval", "start", "bounds", ""]} rows={found.parameters.map(parameter)} right={[1, 2, 3, 4]} />
+        <Table caption="Parameters, with intervals of 95 %" headings={["parameter", "value", "95 % interval", "start", "bounds", "remark"]} rows={found.parameters.map(parameter)} right={[1, 2, 3, 4]} />
       </div>
       <div class="panel">
-        <Table caption="Errors" headings={["record", "output", "", "rms", "fit", "largest", "bias"]} rows={scores.map(score)} right={[3, 4, 5, 6]} />
+        <Table caption="Errors" headings={["record", "output", "part", "rms", "fit", "largest", "bias"]} rows={scores.map(score)} right={[3, 4, 5, 6]} />
         {found.predictions.map((sentence) => (
           <p key={sentence} class="small">
             <Said>{sentence}</Said>

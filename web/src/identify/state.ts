@@ -327,8 +327,8 @@ export async function readProposal(): Promise<ProposalView | null> {
   return found;
 }
 
-/** The proposal with the fewest numbers: it is found soonest, and tells most surely. */
-export const simplest = (of: ProposalView): ProposedModel | undefined => [...of.models].sort((a, b) => a.free.length - b.free.length)[0];
+/** The proposal that is said to be simplest, or has the fewest numbers: it is found soonest, and tells most surely. */
+export const simplest = (of: ProposalView): ProposedModel | undefined => of.models.find((one) => one.name === of.best) ?? [...of.models].sort((a, b) => a.free.length - b.free.length)[0];
 
 export async function takeModel(model: ProposedModel): Promise<void> {
   const free = Object.fromEntries(model.free.map(({ name, low, high, start, scale }) => [name, { start, low, high, scale }]));
@@ -343,6 +343,7 @@ export async function fitProposed(): Promise<void> {
   const model = found && simplest(found);
   if (!model) return void (found?.refused && (refused.value = found.refused));
   await takeModel(model);
+  if (!model.free.length) return goTo(2); // nothing speaks for any number: that is for the reader to say
   if (scenario.value && !scenario.value.refused) await beginFit();
 }
 

@@ -41,6 +41,8 @@ HAIR = 8.0 * 2.0**-52
 """Share of its terms that a sum is rounding, and 0."""
 PATTERNS = ((0.0, 1.0), (1.0, 0.0), (1.0,), (0.1, 0.9, 0.4, 0.75, 0.3))
 """Shares of the way from the low to the high end, by turns, at which a row is tried."""
+NARROW, WITHIN = 0.02, (0.05, 0.5, 0.93)
+"""How near to each other two numbers in order are tried, and where, as shares of the range that both have."""
 TOGETHER = 8
 """So many trials are made in one."""
 FUNCTIONS: dict[str, Callable[[float], float]] = {
@@ -110,6 +112,8 @@ class InputMap:
     products: dict[tuple[str, int, int], float] = field(default_factory=dict[tuple[str, int, int], float])
     """Coefficients of products, by number and both controls."""
     apart: set[Pair] = field(default_factory=set[Pair])
+    ordered: set[Pair] = field(default_factory=set[Pair])
+    """Pairs that may be changed together as long as the first stays below the second."""
     inverted: set[str] = field(default_factory=set[str])
     """Numbers of which the inverse is such a sum."""
     rows: list[NumberRow] = field(default_factory=list[NumberRow])
@@ -426,7 +430,25 @@ class _Measurement:
                 if x != one.value and y != two.value:
                     pairs.append((a, b))
                     trials.append({a: x, b: y})
-        made.apart |= {pairs[number] for number in self.sort_out(trials)}
+        failed = self.sort_out(trials)
+        made.apart |= {pairs[number] for number in failed}
+        made.ordered = {pair for pair in map(self._find_order, sorted({pairs[number] for number in failed})) if pair}
+        made.apart -= {pair for one, other in made.ordered for pair in ((one, other), (other, one))}
+
+    def _find_order(self, pair: Pair) -> Pair | None:
+        """A pair that a builder refuses in the wrong order only, the smaller one first."""
+        (a, one), (b, two) = sorted(((k, self.map.controls[k]) for k in pair), key=lambda item: item[1].value)
+        low, high = max(one.low, two.low), min(one.high, two.high)
+        if one.node["unit"] != two.node["unit"] or one.value >= two.value or low >= high:
+            return None  # they cannot be in the wrong order: it is something else
+        kept = [
+            (one.low, two.high),
+            *((low + part * (high - low), low + (part + NARROW) * (high - low)) for part in WITHIN),
+        ]
+        turned = [(y, x) for x, y in kept[1:]]
+        right = self.sort_out([{a: x, b: y} for x, y in kept])
+        wrong = self.sort_out([{a: x, b: y} for x, y in turned])
+        return (a, b) if not right and len(wrong) == len(turned) else None
 
 
 def _is_near(one: str, two: str) -> bool:

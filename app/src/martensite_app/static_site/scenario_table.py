@@ -125,6 +125,7 @@ def _describe_map(made: InputMap, entries: dict[str, int]) -> JsonTable:
         "inverted": [entries[name] for name in sorted(made.inverted)],
         "apart": [list(pair) for pair in sorted(made.apart)],
         "rows": {row.path: row.describe() for row in made.rows},
+        "ordered": [list(pair) for pair in sorted(made.ordered)],
         "elsewhere": list(made.left_out),
     }
 

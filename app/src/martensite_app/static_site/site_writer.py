@@ -19,6 +19,7 @@ from martensite_app.site import STATIC, WIDGET
 from martensite_app.static_site.flat_inputs import list_waveforms
 from martensite_app.static_site.input_map import measure_map
 from martensite_app.static_site.run_module import RunSource, write_source
+from martensite_app.static_site.sample_log import make_sample
 from martensite_app.static_site.scenario_table import describe_static
 from martensite_export.wasm.module import find_wasm_compiler
 
@@ -26,6 +27,8 @@ RUNS = "runs"
 """Folder of scenarios and modules in that of the page."""
 MARK = '<meta name="martensite-runs" content="runs/manifest.json">'
 """Says to the page that there is no server."""
+SAMPLE = "stepped_power.csv"
+"""The log that a reader without one begins with."""
 FIRST = "constant_power"
 """The scenario with which the bench begins."""
 
@@ -107,8 +110,11 @@ def prepare_folder(folder: Path) -> None:
 
 
 def write_manifest(folder: Path, scenarios: Sequence[JsonTable]) -> JsonTable:
-    """Write which scenarios the page has."""
+    """Write which scenarios the page has, and a log to begin with where one of them explains it."""
     manifest: JsonTable = {"version": version("martensite"), "scenarios": list(scenarios)}
+    if any(one["name"] == FIRST for one in scenarios):
+        manifest["sample"] = SAMPLE
+        (folder / RUNS / SAMPLE).write_text(make_sample(), encoding="utf-8")
     (folder / RUNS / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
     return manifest
 

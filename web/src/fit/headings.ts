@@ -1,0 +1,101 @@
+// What the heading of a column probably means: martensite/scenario/heading_guess.py for the page.
+
+import { findUnit, listUnits, siOf } from "./units.ts";
+
+/** Known columns with their SI unit (empty for that of a drive), and what else they are called. */
+const QUANTITIES: Record<string, [si: string, words: string[]]> = {
+  time: ["s", ["t", "zeit", "elapsed", "timestamp", "clock", "x_value", "millis", "micros"]],
+  temperature: ["K", ["temp", "temp.", "thermocouple", "theta", "temperatur", "tc", "T"]],
+  strain: ["1", ["eps", "epsilon", "ε", "dehnung"]],
+  stress: ["Pa", ["sigma", "σ", "spannung_mech"]],
+  force: ["N", ["load", "kraft", "standardkraft", "loadcell", "weight", "tension", "F"]],
+  elongation: ["m", ["extension"]],
+  crosshead: ["m", []],
+  lift: ["m", []],
+  position: ["m", ["weg", "standardweg", "pos", "displacement", "disp", "stroke", "travel", "deflection", "contraction", "laser", "x"]],
+  resistance: ["ohm", ["res", "R"]],
+  duty: ["1", ["pwm", "duty_cycle"]],
+  voltage: ["V", ["volt", "volts", "voltage_drop", "U", "V", "u", "v"]],
+  current: ["A", ["strom", "amps", "I", "i"]],
+  power: ["W", ["leistung", "P"]],
+  drive: ["", []],
+  martensite_fraction: ["1", ["martensite", "xi", "ξ"]],
+  rotor_speed: ["rad/s", ["speed", "omega", "rpm"]],
+  angle: ["rad", ["winkel", "phi", "φ"]],
+  rotor_angle: ["rad", []],
+  motor_current: ["A", []],
+};
+const BY_UNIT: Record<string, string> = {
+  s: "time", K: "temperature", Pa: "stress", N: "force", ohm: "resistance", A: "current", V: "voltage", W: "power", m: "position", rad: "angle", "rad/s": "rotor_speed",
+};
+const USUAL: Record<string, string> = { time: "s", temperature: "degC", strain: "%", stress: "MPa", position: "mm", elongation: "mm", crosshead: "mm", lift: "mm", angle: "deg" };
+const IMPLIED: Record<string, string> = { millis: "ms", micros: "us", milliseconds: "ms", microseconds: "us", seconds: "s" };
+const NUMBERED = ["channel", "ch", "kanal", "sensor", "probe", "input", "trace", "analog", "digital"];
+const BRACKETS = /^(.*?)\s*[[(]\s*([^\])]*?)\s*[\])]\s*$/;
+const APART = /^(.*\S)\s*\/\s*(\S.*)$|^(.*\S)\s+in\s+(\S+)$|^(.*\S)[\s_]+(\S+?)$/;
+
+/** The part of a name behind its port. */
+const bare = (name: string): string => name.split(".").at(-1) ?? name;
+export const quantityOf = (name: string): string | undefined => QUANTITIES[bare(name)]?.[0];
+
+/** Known names, each with the units it may be in. */
+export const listNames = (): Record<string, string[]> =>
+  Object.fromEntries(Object.entries(QUANTITIES).map(([name, [si]]) => [name, listUnits(si, USUAL[name] ?? (si || "V"))]));
+
+/** Whether a unit suits a known column. */
+function suits(name: string, unit: string): boolean {
+  const si = quantityOf(name);
+  return si === "" ? ["V", "A", "W", "K"].includes(siOf(unit)) : siOf(unit) === si;
+}
+
+export interface Guess {
+  name: string;
+  unit: string;
+}
+
+/** Name and unit of a column, empty where nothing speaks for anything. */
+export function guessHeading(heading: string, written = ""): Guess {
+  const implied = IMPLIED[heading.trim().toLowerCase()];
+  if (implied) return { name: "time", unit: implied };
+  const [words, spelling] = partHeading(heading.trim());
+  const unit = findUnit(written) || findUnit(spelling);
+  const [, port = "", plain = words] = /^([A-Za-z_]\w*\.)(\w+)$/.exec(words) ?? [];
+  const name = findNamed(plain, unit);
+  return { name: name && `${port.toLowerCase()}${name}`, unit };
+}
+
+function partHeading(heading: string): [string, string] {
+  const bracketed = BRACKETS.exec(heading);
+  if (bracketed) return [bracketed[1]!, bracketed[2]!];
+  const [words, last] = (APART.exec(heading)?.slice(1) ?? []).filter((part) => part !== undefined);
+  if (words && last && findUnit(last) && !/^\d+$/.test(last) && !NUMBERED.includes(words.toLowerCase())) return [words, last];
+  return heading.endsWith("%") ? [heading.slice(0, -1), "%"] : [heading, ""];
+}
+
+/** The known column that some words name, if its unit agrees; else the one of that unit. */
+function findNamed(words: string, unit: string): string {
+  const plain = words.trim().replace(/[\s-]+/g, "_");
+  if (plain.toLowerCase() in QUANTITIES) return plain.toLowerCase();
+  for (const part of [plain, ...plain.split(/[_:,.]+/)].map((one) => one.replace(/\d+$/, ""))) {
+    const found = Object.entries(QUANTITIES).find(
+      ([name, [, others]]) => name !== "drive" && (others.includes(part) || (part.length > 1 && [name, ...others].includes(part.toLowerCase()))) && (!unit || suits(name, unit)),
+    );
+    if (found) return found[0];
+  }
+  return unit ? (BY_UNIT[siOf(unit)] ?? "") : "";
+}
+
+/** The unit of a known quantity by the size of its numbers, where the heading names none; a guess. */
+export function guessUnit(name: string, values: Float64Array): string {
+  const size = values.reduce((most, x) => (Math.abs(x) > most ? Math.abs(x) : most), 0);
+  const least = values.reduce((low, x) => (x < low ? x : low), Infinity);
+  const own = bare(name);
+  if (own === "temperature") return least > 200 ? "K" : "degC";
+  if (own === "strain") return size <= 0.12 ? "1" : size <= 15 ? "%" : "ppm";
+  if (own === "stress") return size > 1e5 ? "Pa" : "MPa";
+  if (own === "martensite_fraction" || own === "duty") return size <= 1 ? "1" : "%";
+  if (own === "voltage") return size <= 60 ? "V" : "mV";
+  if (own === "current") return size <= 15 ? "A" : "mA";
+  if (own === "angle" || own === "rotor_angle") return size > 6.3 ? "deg" : "rad";
+  return own === "drive" || own === "rotor_speed" ? "" : (USUAL[own] ?? quantityOf(own) ?? "");
+}
