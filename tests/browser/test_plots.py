@@ -125,6 +125,7 @@ def test_runs_are_pinned_compared_and_opened_again(page: Page) -> None:
     expect(hottest).to_have_count(3)
     assert hottest.nth(1).text_content() != hottest.nth(2).text_content()
     figure = panel(page, "Wire temperature")
+    page.wait_for_timeout(600)  # charts out of sight follow after a rest
     both = picture(figure)
     page.get_by_role("button", name="Hide weak").click()
     until(page, lambda: picture(figure) != both)
