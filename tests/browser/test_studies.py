@@ -69,7 +69,6 @@ def test_a_scenario_of_a_study_opens_on_the_bench(page: Page) -> None:
     expect(page).to_have_url(re.compile("#/bench"))
 
 
-@pytest.mark.slow
 def test_work_survives_a_reload_and_is_cancelled(page: Page) -> None:
     visit(page, f"studies/{LONG}")
     page.get_by_role("button", name="Compute claims and figure").click()

@@ -1,6 +1,7 @@
 // A board: its firmware, a run that is watched while it goes, its log.
 
 import { useEffect } from "preact/hooks";
+import { isOver } from "../state/jobs.ts";
 import { Curves } from "../board/curves.tsx";
 import { Form } from "../board/form.tsx";
 import { Live } from "../board/live.tsx";
@@ -19,7 +20,7 @@ function Absent({ command }: { command: string }) {
 export function Page() {
   useEffect(() => {
     void readBoards();
-    if (!work.job.value) void work.resume();
+    if (!isOver(work.job.value)) void work.resume();
   }, []);
   const there = known.value;
   return (

@@ -4,6 +4,7 @@ import { useEffect } from "preact/hooks";
 import { Catalogue } from "../size/catalogue.tsx";
 import { ask, check, fromAddress, mapping, show, sizing, tab, type Tab } from "../size/state.ts";
 import { Wires } from "../size/wires.tsx";
+import { isOver } from "../state/jobs.ts";
 import { place } from "../state/route.ts";
 
 const TABS: [tab: Tab, title: string][] = [
@@ -13,9 +14,9 @@ const TABS: [tab: Tab, title: string][] = [
 
 export function Page() {
   useEffect(() => {
-    if (!sizing.job.value) void sizing.resume();
-    if (!check.job.value) void check.resume();
-    if (!mapping.job.value) void mapping.resume();
+    if (!isOver(sizing.job.value)) void sizing.resume();
+    if (!isOver(check.job.value)) void check.resume();
+    if (!isOver(mapping.job.value)) void mapping.resume();
   }, []);
   useEffect(() => {
     if (place.value.page !== "size") return;

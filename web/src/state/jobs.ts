@@ -44,6 +44,9 @@ function remember(name: string, job: Job | null): void {
   known.value = job && JSON.stringify(job).length <= MOST_KEPT ? { ...others, [name]: job } : short && JSON.stringify(short).length <= MOST_KEPT ? { ...others, [name]: short } : others;
 }
 
+/** Whether nothing more will be heard of a job; one that a session kept may still run. */
+export const isOver = (job: { state: string } | null): boolean => job !== null && job.state !== "running";
+
 /** One kind of long work, by the name of its call. */
 export function watched<Note, Outcome>(name: string): Watched<Note, Outcome> {
   const job = signal<Job<Note, Outcome> | null>(null);
