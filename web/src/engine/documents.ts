@@ -66,12 +66,12 @@ export function readChanges(scenario: Scenario, written: Map<string, string>): C
     const node = nodes.get(path);
     if (!node) throw new Refusal(`This page cannot change \`${path}\` by itself. ${SERVER}`, "server", 501);
     const value = readQuantity(scenario, node.unit ?? "1", text, path);
-    if (node.value === null || differs(value, node.value)) found[path] = value;
+    if (node.value === null || differsFrom(value, node.value)) found[path] = value;
   }
   return found;
 }
 
-const differs = (value: number, packaged: number): boolean => Math.abs(value - packaged) > 1e-12 * Math.abs(packaged);
+const differsFrom = (value: number, packaged: number): boolean => Math.abs(value - packaged) > 1e-12 * Math.abs(packaged);
 
 /** Paths and values of the numbers of a row that are others than the packaged ones. */
 function readRow(scenario: Scenario, path: string, row: NumberRow, text: string): [string, number][] {
@@ -80,7 +80,7 @@ function readRow(scenario: Scenario, path: string, row: NumberRow, text: string)
   if (items.length !== row.count) throw new Refusal(`This page keeps the ${row.count} numbers of \`${path}\`, but ${items.length} were given. ${SERVER}`, "server", 501);
   const known = new Map(scenario.controls.map((one) => [one.path, one.value]));
   const read = items.map((item, k): [string, number] => [`${path}.${k}`, readQuantity(scenario, row.unit, item, path)]);
-  return read.filter(([place, value]) => differs(value, known.get(place)!));
+  return read.filter(([place, value]) => differsFrom(value, known.get(place)!));
 }
 
 function readQuantity(scenario: Scenario, unit: string, text: string, path: string): number {

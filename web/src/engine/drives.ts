@@ -7,7 +7,7 @@ import type { DriveAt, Scenario } from "./types.ts";
 const HAIR = 1e-12;
 
 /** As `blend_levels` in martensite/signals/edges.py, to the last digit. */
-const blend = (first: number, last: number, share: number): number =>
+const blendLevels = (first: number, last: number, share: number): number =>
   Math.min(Math.max(first + share * (last - first), Math.min(first, last)), Math.max(first, last));
 
 /** What C is told of a drive. */
@@ -30,7 +30,7 @@ export function readSignal(scenario: Scenario, drive: DriveAt, inputs: Float64Ar
     let sum = level![place]! + (slope![place]! + bend![place]! * along) * along;
     const hair = HAIR * Math.max(Math.abs(level![place]!), Math.abs(next));
     if (Math.abs(sum + slope![place]! * (start![place + 1]! - time) - next) <= hair) {
-      sum = blend(level![place]!, next, along / (start![place + 1]! - start![place]!));
+      sum = blendLevels(level![place]!, next, along / (start![place + 1]! - start![place]!));
     }
     for (let j = 0; j < tones; j++) sum += amplitude![j]! * Math.cos(rate![j]! * time + phase![j]!);
     return sum;

@@ -3,6 +3,7 @@
 import { Refusal } from "../lib/refusal.ts";
 import type { Run } from "../lib/types.ts";
 import { compareDocuments, fillForm, findKnown, readChanges, writeChanged } from "./documents.ts";
+import { fetchFile } from "./files.ts";
 import { movable } from "./fixed.ts";
 import { predictInputs, SERVER, type Changes } from "./inputs.ts";
 import type { Manifest, RunCore, Scenario } from "./types.ts";
@@ -18,16 +19,10 @@ export const isStatic = (): boolean => typeof document !== "undefined" && manife
 const files = new Map<string, Promise<unknown>>();
 
 function fetchJson<T>(address: string): Promise<T> {
-  const known = files.get(address) ?? read(address);
+  const known = files.get(address) ?? fetchFile(address).then((response) => response.json());
   files.set(address, known);
   known.catch(() => files.delete(address));
   return known as Promise<T>;
-}
-
-async function read(address: string): Promise<unknown> {
-  const response = await fetch(address).catch(() => null);
-  if (!response?.ok) throw new Refusal(`The page cannot be read further: ${address} is missing.`, "lost", response?.status ?? 0);
-  return response.json();
 }
 
 export const readManifest = (): Promise<Manifest> => fetchJson(new URL(manifestAddress() ?? "", document.baseURI).href);

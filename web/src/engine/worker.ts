@@ -1,6 +1,7 @@
 // Runs scenarios beside the page: one after the other, each on the module of its structure.
 
 import { Refusal } from "../lib/refusal.ts";
+import { fetchModule } from "./files.ts";
 import { RunModule } from "./march.ts";
 import { runScenario } from "./run.ts";
 import { beginStepping, type Span, type Stepping } from "./stepping.ts";
@@ -37,23 +38,16 @@ const modules = new Map<string, Promise<RunModule>>();
 
 const compiled = new Map<string, Promise<WebAssembly.Module>>();
 
-/** A module, fetched and compiled once: while it comes, if the server says what it is. */
-function compile(address: string): Promise<WebAssembly.Module> {
+/** A module, fetched and compiled once. */
+function compileOnce(address: string): Promise<WebAssembly.Module> {
   const known = compiled.get(address) ?? fetchModule(address);
   compiled.set(address, known);
   known.catch(() => compiled.delete(address));
   return known;
 }
 
-async function fetchModule(address: string): Promise<WebAssembly.Module> {
-  const response = await fetch(address);
-  if (!response.ok) throw new Refusal(`The page cannot be read further: ${address.split("/").at(-1)} is missing.`, "lost", response.status);
-  if (response.headers.get("Content-Type") === "application/wasm") return WebAssembly.compileStreaming(response);
-  return WebAssembly.compile(await response.arrayBuffer());
-}
-
 async function load(asked: Pick<Asked, "address">, scenario: Scenario): Promise<RunModule> {
-  return new RunModule(await compile(asked.address), scenario.layout);
+  return new RunModule(await compileOnce(asked.address), scenario.layout);
 }
 
 async function answer(asked: Asked): Promise<Answered> {
@@ -90,7 +84,7 @@ async function step(asked: AskedStep): Promise<Stepped> {
 }
 
 onmessage = async (event: MessageEvent<Asked | AskedStep | Expected>) => {
-  if ("fetch" in event.data) return void compile(event.data.fetch).catch(() => undefined); // said when it is asked for
+  if ("fetch" in event.data) return void compileOnce(event.data.fetch).catch(() => undefined); // said when it is asked for
   if (!("id" in event.data)) return postMessage(await step(event.data));
   const found = await answer(event.data);
   const arrays = "run" in found ? [found.run.times, ...Object.values(found.run.columns), ...Object.values(found.run.profiles)] : [];

@@ -1,5 +1,6 @@
 // The calls of Identify that a page without a server answers by itself; see martensite_app.calls.logs.
 
+import { fetchFile } from "../engine/files.ts";
 import { locateFile, readManifest } from "../engine/local.ts";
 import type { OverlayView, RecordsView, ScenarioView, TableView } from "../identify/types.ts";
 import type { Uploaded } from "../lib/api.ts";
@@ -34,8 +35,7 @@ export const answers: Record<string, Answer> = {
 async function placeSample(): Promise<Uploaded> {
   const { sample } = await readManifest();
   if (!sample) throw new Refusal("This page has no log at hand.", "input", 404);
-  const response = await fetch(locateFile(sample)).catch(() => null);
-  if (!response?.ok) throw new Refusal(`The page cannot be read further: ${sample} is missing.`, "lost", response?.status ?? 0);
+  const response = await fetchFile(locateFile(sample), sample);
   return keepLog(await response.blob(), sample);
 }
 
@@ -100,13 +100,13 @@ function overlayLogs(request: LogRequest & { align: string }): OverlayView {
   const names = [...new Set(records.flatMap(({ columns }) => [...columns.keys()]))];
   const quantities = names.map((name) => {
     const si = records.map(({ columns }) => columns.get(name)?.si).find(Boolean)!;
-    const lines = records.map(({ times, columns, begin }) => (columns.has(name) ? interpolate(times, columns.get(name)!.values, x.map((at) => at + begin)) : x.map(() => null)));
+    const lines = records.map(({ times, columns, begin }) => (columns.has(name) ? interpolateValues(times, columns.get(name)!.values, x.map((at) => at + begin)) : x.map(() => null)));
     return { name, ...describeShown(name, si), lines };
   });
   return { records: records.map((one) => one.name), axis: { name: "time", ...describeShown("time", "s") }, loops: false, x, quantities };
 }
 
-function interpolate(times: Float64Array, values: Float64Array, at: number[]): (number | null)[] {
+function interpolateValues(times: Float64Array, values: Float64Array, at: number[]): (number | null)[] {
   let row = 0;
   return at.map((time) => {
     while (row + 2 < times.length && times[row + 1]! < time) row++;

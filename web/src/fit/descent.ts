@@ -154,7 +154,7 @@ class Search<Extra> {
   /** Length of the step that the derivatives ask for, in standard errors. */
   private ask(now: Descent<Extra>, held: boolean[]): number {
     const columns = now.jacobian.filter((_, j) => !held[j]);
-    const seen = project(columns, now.residuals);
+    const seen = projectResiduals(columns, now.residuals);
     const spare = now.residuals.length - seen.rank;
     if (!seen.rank || spare < 1) return 0;
     const scatter = Math.max(Math.sqrt((dot(now.residuals, now.residuals) - seen.square) / spare), ROUGH * now.noise, this.floor, 1e-14);
@@ -206,7 +206,7 @@ function predictGain<Extra>(now: Descent<Extra>, shares: number[]): number {
 }
 
 /** Square of the part of residuals in the directions that columns determine, and how many those are. */
-function project(columns: Float64Array[], residuals: Float64Array): { square: number; rank: number } {
+function projectResiduals(columns: Float64Array[], residuals: Float64Array): { square: number; rank: number } {
   const used = columns.filter((one) => dot(one, one) > 0);
   const norms = used.map((one) => Math.sqrt(dot(one, one)));
   const { values, vectors } = decomposeSymmetric(multiplyColumns(used).map((row, i) => row.map((x, j) => x / (norms[i]! * norms[j]!))));

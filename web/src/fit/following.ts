@@ -153,10 +153,10 @@ export function matchOutputs(scenario: Scenario, follows: ReadonlyMap<number, st
     const said = port ? (ECHOES[how.unit] ?? []) : [];
     return [...said, ...said.map((one) => `${name}.${one}`), "drive", `${name}.drive`];
   }));
-  return [...columns].filter(([name, { si, values }]) => scenario.outputs[name]?.unit === si && !taken.has(name) && !echoes.has(name) && varies(values)).map(([name]) => name);
+  return [...columns].filter(([name, { si, values }]) => scenario.outputs[name]?.unit === si && !taken.has(name) && !echoes.has(name) && isVarying(values)).map(([name]) => name);
 }
 
-const varies = (values: Float64Array): boolean => {
+const isVarying = (values: Float64Array): boolean => {
   const known = values.filter(Number.isFinite);
   return known.some((x) => x !== known[0]);
 };

@@ -35,15 +35,15 @@ const BRACKETS = /^(.*?)\s*[[(]\s*([^\])]*?)\s*[\])]\s*$/;
 const APART = /^(.*\S)\s*\/\s*(\S.*)$|^(.*\S)\s+in\s+(\S+)$|^(.*\S)[\s_]+(\S+?)$/;
 
 /** The part of a name behind its port. */
-const bare = (name: string): string => name.split(".").at(-1) ?? name;
-export const quantityOf = (name: string): string | undefined => QUANTITIES[bare(name)]?.[0];
+const cutPort = (name: string): string => name.split(".").at(-1) ?? name;
+export const quantityOf = (name: string): string | undefined => QUANTITIES[cutPort(name)]?.[0];
 
 /** Known names, each with the units it may be in. */
 export const listNames = (): Record<string, string[]> =>
   Object.fromEntries(Object.entries(QUANTITIES).map(([name, [si]]) => [name, listUnits(si, USUAL[name] ?? (si || "V"))]));
 
 /** Whether a unit suits a known column. */
-function suits(name: string, unit: string): boolean {
+function suitsUnit(name: string, unit: string): boolean {
   const si = quantityOf(name);
   return si === "" ? ["V", "A", "W", "K"].includes(siOf(unit)) : siOf(unit) === si;
 }
@@ -78,7 +78,7 @@ function findNamed(words: string, unit: string): string {
   if (plain.toLowerCase() in QUANTITIES) return plain.toLowerCase();
   for (const part of [plain, ...plain.split(/[_:,.]+/)].map((one) => one.replace(/\d+$/, ""))) {
     const found = Object.entries(QUANTITIES).find(
-      ([name, [, others]]) => name !== "drive" && (others.includes(part) || (part.length > 1 && [name, ...others].includes(part.toLowerCase()))) && (!unit || suits(name, unit)),
+      ([name, [, others]]) => name !== "drive" && (others.includes(part) || (part.length > 1 && [name, ...others].includes(part.toLowerCase()))) && (!unit || suitsUnit(name, unit)),
     );
     if (found) return found[0];
   }
@@ -89,7 +89,7 @@ function findNamed(words: string, unit: string): string {
 export function guessUnit(name: string, values: Float64Array): string {
   const size = values.reduce((most, x) => (Math.abs(x) > most ? Math.abs(x) : most), 0);
   const least = values.reduce((low, x) => (x < low ? x : low), Infinity);
-  const own = bare(name);
+  const own = cutPort(name);
   if (own === "temperature") return least > 200 ? "K" : "degC";
   if (own === "strain") return size <= 0.12 ? "1" : size <= 15 ? "%" : "ppm";
   if (own === "stress") return size > 1e5 ? "Pa" : "MPa";

@@ -29,7 +29,7 @@ export function beginFit(request: object): JobSummary {
   const job: FitJob = { id, call: "fit", state: "running", began: Date.now() / 1000, ended: null, last: null, request: request as Record<string, unknown>, trail: [], outcome: null };
   const running: Running = { job, listeners: new Set(), worker: null, task: null, last: null };
   known.set(id, running);
-  search(running, request as FitRequest & { state?: string }).catch((error: unknown) => end(running, "failed", error instanceof Error ? error.message : String(error)));
+  beginSearch(running, request as FitRequest & { state?: string }).catch((error: unknown) => endJob(running, "failed", error instanceof Error ? error.message : String(error)));
   return job;
 }
 
@@ -45,30 +45,30 @@ export const listFits = (): JobSummary[] => [...known.values()].reverse().map(({
 /** End a search at once; the best so far is its outcome. */
 export function cancelFit(id: string): JobSummary {
   const running = known.get(id)!;
-  if (running.job.state === "running") finish(running);
+  if (running.job.state === "running") finishJob(running);
   return running.job;
 }
 
-async function search(running: Running, request: FitRequest & { state?: string }): Promise<void> {
+async function beginSearch(running: Running, request: FitRequest & { state?: string }): Promise<void> {
   const task = await arrangeFit(request);
-  resume(task, request.state);
+  resumeSearch(task, request.state);
   if (running.job.state !== "running") return;
   running.task = task;
-  note(running, { problem: describeProblem(task, running.job.id) });
+  addNote(running, { problem: describeProblem(task, running.job.id) });
   const worker = (running.worker = new Worker(new URL("fit.js", document.baseURI), { type: "module" }));
   const { scenario, address } = task.followed;
   worker.onmessage = ({ data }: MessageEvent<ToldFit>) => {
-    if ("refused" in data) return end(running, "failed", data.refused);
+    if ("refused" in data) return endJob(running, "failed", data.refused);
     running.last = data;
-    note(running, describeNote(task, data.now, seconds(running)));
-    if (data.now.reason) finish(running);
+    addNote(running, describeNote(task, data.now, countSeconds(running)));
+    if (data.now.reason) finishJob(running);
   };
-  worker.onerror = () => end(running, "failed", "The calculation ended unexpectedly; try again.");
+  worker.onerror = () => endJob(running, "failed", "The calculation ended unexpectedly; try again.");
   worker.postMessage({ address, scenario, problem: task.problem } satisfies AskedFit);
 }
 
 /** Go on from where an earlier search of this page was. */
-function resume(task: Task, state: string | undefined): void {
+function resumeSearch(task: Task, state: string | undefined): void {
   const before = state ? known.get(state) : undefined;
   if (!before?.last || !before.task) return;
   before.task.free.forEach((free, k) => {
@@ -79,23 +79,23 @@ function resume(task: Task, state: string | undefined): void {
   });
 }
 
-const seconds = ({ job }: Running): number => Date.now() / 1000 - job.began;
+const countSeconds = ({ job }: Running): number => Date.now() / 1000 - job.began;
 
-function note(running: Running, found: Note): void {
+function addNote(running: Running, found: Note): void {
   const one = { ...found };
   running.job.trail.push(one);
   running.job.last = one;
   running.listeners.forEach((heard) => heard({ note: one }));
 }
 
-function finish(running: Running): void {
+function finishJob(running: Running): void {
   const { task, last } = running;
-  if (!task || !last) return end(running, "failed", "The fit was stopped before its first run had ended.");
+  if (!task || !last) return endJob(running, "failed", "The fit was stopped before its first run had ended.");
   const now = last.now.reason ? last.now : { ...last.now, reason: INTERRUPTED };
-  end(running, "done", describeOutcome(task, now, last.apart, seconds(running), running.job.id));
+  endJob(running, "done", describeOutcome(task, now, last.apart, countSeconds(running), running.job.id));
 }
 
-function end(running: Running, state: FitJob["state"], outcome: FitJob["outcome"]): void {
+function endJob(running: Running, state: FitJob["state"], outcome: FitJob["outcome"]): void {
   running.worker?.terminate();
   running.worker = null;
   Object.assign(running.job, { state, outcome, ended: Date.now() / 1000 });

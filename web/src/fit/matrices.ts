@@ -11,7 +11,7 @@ export function decomposeSymmetric(matrix: Matrix): { values: number[]; vectors:
   const v: Matrix = a.map((_, i) => a.map((__, j) => Number(i === j)));
   for (let sweep = 0; sweep < SWEEPS; sweep++) {
     let off = 0;
-    for (let p = 0; p < size; p++) for (let q = p + 1; q < size; q++) off += rotate(a, v, p, q);
+    for (let p = 0; p < size; p++) for (let q = p + 1; q < size; q++) off += rotateAway(a, v, p, q);
     if (off === 0) break;
   }
   const order = a.map((_, k) => k).sort((j, k) => a[k]![k]! - a[j]![j]!);
@@ -19,7 +19,7 @@ export function decomposeSymmetric(matrix: Matrix): { values: number[]; vectors:
 }
 
 /** Turn away an element; whether there was something to turn. */
-function rotate(a: Matrix, v: Matrix, p: number, q: number): number {
+function rotateAway(a: Matrix, v: Matrix, p: number, q: number): number {
   const away = a[p]![q]!;
   if (Math.abs(away) <= 1e-17 * Math.sqrt(Math.abs(a[p]![p]! * a[q]![q]!)) || away === 0) return 0;
   const theta = (a[q]![q]! - a[p]![p]!) / (2 * away);

@@ -35,8 +35,8 @@ const AT_BOUND = 1e-4;
 const BLIND = "The search was stopped before its first derivatives: what the log determines is not known.";
 const [DRAWN, SHOWN] = [400, 800];
 
-const quote = (name: string): string => `\`${name}\``;
-const join = (words: string[]): string => (words.length < 2 ? (words[0] ?? "") : `${words.slice(0, -1).join(", ")} and ${words.at(-1)!}`);
+const quoteName = (name: string): string => `\`${name}\``;
+const joinNames = (words: string[]): string => (words.length < 2 ? (words[0] ?? "") : `${words.slice(0, -1).join(", ")} and ${words.at(-1)!}`);
 
 const pickRows = (count: number, most: number): number[] =>
   count <= most ? [...Array(count).keys()] : Array.from({ length: most }, (_, k) => Math.round((k * (count - 1)) / (most - 1)));
@@ -91,9 +91,9 @@ export function describeOutcome(task: Task, now: Descent<Curves>, apart: number,
   const judged: Judged = { task, now, reason, found, scores, uncertainty, weak };
   const values = Object.fromEntries(task.free.map((free, k) => [free.path, found[k]!.value]));
   const { followed } = task;
-  const verdict = judge(judged);
+  const verdict = judgeFit(judged);
   const stretch = Math.max(...uncertainty.errors) * 100;
-  const open = judged.weak.length ? judged.weak : [`${join(found.map((one) => quote(one.name)))} ${found.length > 1 ? "are" : "is"} determined, the least certain to ± ${digits(stretch, 2)} % of its range of search.`];
+  const open = judged.weak.length ? judged.weak : [`${joinNames(found.map((one) => quoteName(one.name)))} ${found.length > 1 ? "are" : "is"} determined, the least certain to ± ${digits(stretch, 2)} % of its range of search.`];
   return {
     title: followed.scenario.title,
     verdict,
@@ -145,15 +145,15 @@ function describeWeak(found: Found[], { weak, widened }: Uncertainty): string[] 
   const told = new Set(weak.flatMap((one) => one.places));
   return [
     ...weak.map(({ places, exact }) => {
-      const names = places.map((k) => quote(found[k]!.name));
-      if (names.length > 1) return `${join(names)} are not determined separately: a change of one is made up for by the other${names.length > 2 ? "s" : ""}.`;
+      const names = places.map((k) => quoteName(found[k]!.name));
+      if (names.length > 1) return `${joinNames(names)} are not determined separately: a change of one is made up for by the other${names.length > 2 ? "s" : ""}.`;
       return exact ? `${names[0]} is not determined: it has no effect on the error.` : `${names[0]} is not determined: its whole range changes the error by no more than noise.`;
     }),
     ...found.flatMap((one, k) => {
       if (told.has(k) || !one.mark || one.mark === "at a bound") return [];
-      if (!Number.isFinite(widened[k]!)) return [`${quote(one.name)} is not determined: the data give it no interval.`];
+      if (!Number.isFinite(widened[k]!)) return [`${quoteName(one.name)} is not determined: the data give it no interval.`];
       const half = (one.interval![1] - one.interval![0]) / 2;
-      return [`${quote(one.name)} is not determined: its 95 % interval, ± ${sayChange(half, one)}, ${2 * half > one.high - one.low ? "is wider than the range in which it was searched" : "reaches values that it cannot have"}.`];
+      return [`${quoteName(one.name)} is not determined: its 95 % interval, ± ${sayChange(half, one)}, ${2 * half > one.high - one.low ? "is wider than the range in which it was searched" : "reaches values that it cannot have"}.`];
     }),
   ];
 }
@@ -185,7 +185,7 @@ function listScores(task: Task, now: Descent<Curves>): Score[] {
 }
 
 /** Error of an output over all records. */
-function pool(scores: Score[], output: string, part: string): number {
+function poolErrors(scores: Score[], output: string, part: string): number {
   const own = scores.filter((one) => one.output === output && one.part === part);
   return own.length ? Math.sqrt(own.reduce((sum, one) => sum + one.rms ** 2, 0) / own.length) : NaN;
 }
@@ -193,8 +193,8 @@ function pool(scores: Score[], output: string, part: string): number {
 function listPredictions(task: Task, scores: Score[]): string[] {
   return [...new Set(task.outputs.flat())].map((name) => {
     const how = describeDifference(name, task.followed.scenario.outputs[name]!.unit);
-    const [seen, kept] = [pool(scores, name, "training"), pool(scores, name, "held-out")];
-    const fitted = `${quote(name)}: rms error ${sayChange(seen, how)} in the rows that were fitted`;
+    const [seen, kept] = [poolErrors(scores, name, "training"), poolErrors(scores, name, "held-out")];
+    const fitted = `${quoteName(name)}: rms error ${sayChange(seen, how)} in the rows that were fitted`;
     return Number.isNaN(kept) ? `${fitted}; none were kept back.` : `${fitted}, ${sayChange(kept, how)} in those kept back (${digits(kept / seen, 3)} times).`;
   });
 }
@@ -207,7 +207,7 @@ function listMemory(task: Task, now: Descent<Curves>): string[] {
       const total = errors.reduce((sum, x) => sum + x * x, 0);
       if (errors.length < 10 || !total) return [];
       const next = errors.slice(1).reduce((sum, x, i) => sum + x * errors[i]!, 0) / total;
-      const where = quote(`${task.records[r]!.name}, ${task.outputs[r]![k]!}`);
+      const where = quoteName(`${task.records[r]!.name}, ${task.outputs[r]![k]!}`);
       const words = next > MANY_LAGS ? "the model misses something, or the noise has a memory; intervals are widened for it" : "they look like noise from one row to the next";
       return [`${where}: residuals correlate by ${digits(next, 2)} from one row to the next: ${words}.`];
     }),
@@ -233,7 +233,7 @@ function listRows(task: Task, now: Descent<Curves>): Compared[] {
 function listMisses({ task, scores }: Judged): string[] {
   const ranges = new Map(task.problem.records.flatMap(({ compared }, r) => compared.map(({ scale }, k) => [task.outputs[r]![k]!, scale] as const)));
   const poor = scores.filter((one) => one.fit_percent !== null && one.fit_percent < POOR && one.rms > NOTABLE * ranges.get(one.output)!);
-  return poor.length ? [`The model explains less than half of what varies: ${join(poor.map((one) => `${quote(one.output)} of ${one.record} (${digits(one.fit_percent, 3)} %)`))}.`] : [];
+  return poor.length ? [`The model explains less than half of what varies: ${joinNames(poor.map((one) => `${quoteName(one.output)} of ${one.record} (${digits(one.fit_percent, 3)} %)`))}.`] : [];
 }
 
 /** What asks for care. */
@@ -242,28 +242,28 @@ function listCare(judged: Judged): string[] {
   const search = reason === CONVERGED || reason === BOUNDED ? [] : [`The search did not converge: ${reason}. The numbers are the best it came across.`];
   const bounds = found.filter((one) => one.mark === "at a bound").map((one) => {
     const low = toShare({ ...one, path: "", log: false }, one.value) < 0.5;
-    return `${quote(one.name)} ended on its ${low ? "lower" : "upper"} bound, ${sayValue(low ? one.low : one.high, one)}: the bound decides and not the data. Widen it, or fix the number.`;
+    return `${quoteName(one.name)} ended on its ${low ? "lower" : "upper"} bound, ${sayValue(low ? one.low : one.high, one)}: the bound decides and not the data. Widen it, or fix the number.`;
   });
   const kept = scores.some((one) => one.part === "held-out") ? [] : ["Nothing was kept back: how well the model predicts what it was not fitted to is not known."];
   const worse = [...new Set(task.outputs.flat())].flatMap((name) => {
-    const [seen, other] = [pool(scores, name, "training"), pool(scores, name, "held-out")];
-    return other > WORSE * seen ? [`${quote(name)} is predicted worse than it is fitted: its error in what was kept back is ${digits(other / seen, 3)} times that in what was fitted.`] : [];
+    const [seen, other] = [poolErrors(scores, name, "training"), poolErrors(scores, name, "held-out")];
+    return other > WORSE * seen ? [`${quoteName(name)} is predicted worse than it is fitted: its error in what was kept back is ${digits(other / seen, 3)} times that in what was fitted.`] : [];
   });
-  const pairs = uncertainty.confounded.map(([i, j, value]) => `${quote(found[i]!.name)} and ${quote(found[j]!.name)} are hardly told apart (correlation ${value.toFixed(3)}): the interval of each holds with all others free to follow, and not for several at once.`);
+  const pairs = uncertainty.confounded.map(([i, j, value]) => `${quoteName(found[i]!.name)} and ${quoteName(found[j]!.name)} are hardly told apart (correlation ${value.toFixed(3)}): the interval of each holds with all others free to follow, and not for several at once.`);
   return [...search, ...bounds, ...kept, ...worse, ...weak, ...pairs];
 }
 
 function sayUncertain({ uncertainty, found, now }: Judged): string[] {
   const { samples, effective, errors } = uncertainty;
-  const lost = !now.jacobian.length ? [] : found.filter((_, k) => errors[k] === Infinity).map((one) => quote(one.name));
+  const lost = !now.jacobian.length ? [] : found.filter((_, k) => errors[k] === Infinity).map((one) => quoteName(one.name));
   const widening = Math.sqrt(samples / effective);
   return [
-    ...(lost.length ? [`The data do not determine ${join(lost)}.`] : []),
+    ...(lost.length ? [`The data do not determine ${joinNames(lost)}.`] : []),
     ...(widening > 1.1 ? [`The residuals are autocorrelated: ${samples} samples say as much as ${digits(effective, 2)} independent ones, so that errors are about ${digits(widening, 2)} times as large.`] : []),
   ];
 }
 
-function judge(judged: Judged): Verdict {
+function judgeFit(judged: Judged): Verdict {
   const { task, found, scores } = judged;
   const [against, care] = [listMisses(judged), listCare(judged)];
   const reasons = [...against, ...care];
@@ -272,8 +272,8 @@ function judge(judged: Judged): Verdict {
   const headline = word === "good"
     ? `Good: it predicts what it was not fitted to, and the logs determine all that was free. ${listPredictions(task, scores)[0]!}`
     : `${against.length ? "Not usable" : "Usable with care"}. ${reasons[0]!}${more}`;
-  const told = found.filter((one) => !one.mark).map((one) => `${quote(one.name)} = ${sayValue(one.value, one)} (${sayValue(one.interval![0], one)} to ${sayValue(one.interval![1], one)})`);
-  const untold = found.filter((one) => one.mark).map((one) => `${quote(one.name)}: ${one.mark}`);
+  const told = found.filter((one) => !one.mark).map((one) => `${quoteName(one.name)} = ${sayValue(one.value, one)} (${sayValue(one.interval![0], one)} to ${sayValue(one.interval![1], one)})`);
+  const untold = found.filter((one) => one.mark).map((one) => `${quoteName(one.name)}: ${one.mark}`);
   const next = untold.length ? ["A log in which what was not told matters: through the whole transformation and back, at another load or another rate; or fix what is known, and free less."] : [];
   return { word, headline, reasons, told, untold, next };
 }

@@ -61,7 +61,7 @@ function splitQuoted(line: string): string[] {
   return [...line.matchAll(/(?:^|,)(?:"((?:[^"]|"")*)"|([^,]*))/g)].map(([, quoted, plain]) => quoted ?? plain ?? "");
 }
 
-const clean = (cell: string): string => cell.trim().replace(/^"(.*)"$/, "$1").trim();
+const cleanCell = (cell: string): string => cell.trim().replace(/^"(.*)"$/, "$1").trim();
 const isNumeric = (cell: string): boolean => NUMBER.test(cell) || CLOCK.test(cell);
 
 /** A number, seconds of a clock, or NaN. */
@@ -74,7 +74,7 @@ function readNumber(cell: string): number {
 export function readTable(text: string, separator: string): TextTable {
   const lines = text.replace(/^\ufeff/, "").split(/\r\n|\n|\r/).filter((line) => line.trim() && !/^\s*#/.test(line));
   const chosen = separator === "auto" ? chooseSeparator(lines) : separator;
-  const cells = lines.map((line) => SPLITS[chosen]!(line).map(clean));
+  const cells = lines.map((line) => SPLITS[chosen]!(line).map(cleanCell));
   const begin = cells.findIndex((row, k) => isData(row) && (k + 1 >= cells.length || isData(cells[k + 1]!)));
   if (begin < 0) throw new Refusal("No rows of numbers were found in this file.", "input", 400);
   const data = cells.slice(begin).filter(isData);
@@ -104,7 +104,7 @@ function chooseSeparator(lines: string[]): string {
   const some = lines.slice(0, LOOKED);
   let best = ["whitespace", 0] as [string, number];
   for (const [name, split] of Object.entries(SPLITS)) {
-    const rows = some.map((line) => split(line).map(clean)).filter((row) => row.length > 1 && row.every((cell) => isNumeric(cell) || NONE.test(cell)) && isData(row));
+    const rows = some.map((line) => split(line).map(cleanCell)).filter((row) => row.length > 1 && row.every((cell) => isNumeric(cell) || NONE.test(cell)) && isData(row));
     const width = findWidth(rows);
     const count = rows.filter((row) => row.length === width).length;
     if (count > best[1]) best = [name, count];

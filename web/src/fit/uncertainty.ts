@@ -50,7 +50,7 @@ export function estimateUncertainty(residuals: Float64Array, jacobian: Float64Ar
   }));
   const lost = norms.map((_, j) => silent[j] || vectors.slice(rank).some((one) => Math.abs(one[loud.indexOf(j)]!) > TURNED));
   const deviations = norms.map((_, j) => (lost[j] ? Infinity : Math.sqrt(spread[j]![j]!)));
-  const correlation = spread.map((row, i) => row.map((x, j) => (lost[i] || lost[j] ? null : i === j ? 1 : clip(x / (deviations[i]! * deviations[j]!)))));
+  const correlation = spread.map((row, i) => row.map((x, j) => (lost[i] || lost[j] ? null : i === j ? 1 : clipCorrelation(x / (deviations[i]! * deviations[j]!)))));
   const effective = countEffective(residuals, lengths);
   const free = Math.max(1, Math.min(Math.floor(effective) - rank, spare));
   const factor = spare > 0 ? findStudent(free) * Math.sqrt(residuals.length / effective) : Infinity;
@@ -68,7 +68,7 @@ export function estimateUncertainty(residuals: Float64Array, jacobian: Float64Ar
   return { errors, correlation, widened: errors.map((x) => factor * x), rank, samples: residuals.length, effective, noise, weak, confounded };
 }
 
-const clip = (x: number): number => Math.min(1, Math.max(-1, x));
+const clipCorrelation = (x: number): number => Math.min(1, Math.max(-1, x));
 
 /** Directions that are uncertain by more than the whole range of search. */
 function findFaint(jacobian: Float64Array[], noise: number, lost: boolean[]): Uncertainty["weak"] {
@@ -88,14 +88,14 @@ export function countEffective(residuals: Float64Array, lengths: number[]): numb
   if (!(total > 0)) return residuals.length;
   let time = -1;
   for (let lag = 0; lag < Math.max(...lengths); lag += 2) {
-    const pair = (correlate(residuals, lengths, lag) + correlate(residuals, lengths, lag + 1)) / total;
+    const pair = (sumProducts(residuals, lengths, lag) + sumProducts(residuals, lengths, lag + 1)) / total;
     if (pair <= 0) break;
     time += 2 * pair;
   }
   return Math.min(residuals.length / Math.max(time, 1), residuals.length);
 }
 
-function correlate(residuals: Float64Array, lengths: number[], lag: number): number {
+function sumProducts(residuals: Float64Array, lengths: number[], lag: number): number {
   let sum = 0;
   let at = 0;
   for (const length of lengths) {

@@ -1,8 +1,8 @@
 // Fits beside the page, one each: it tells of every better point with all that is known there.
 
+import { fetchModule } from "../engine/files.ts";
 import { RunModule } from "../engine/march.ts";
 import type { Scenario } from "../engine/types.ts";
-import { Refusal } from "../lib/refusal.ts";
 import { descendSquares, type Descent } from "./descent.ts";
 import { FitModel } from "./model.ts";
 import { toShare, type Curves, type Problem } from "./problem.ts";
@@ -19,16 +19,14 @@ export type ToldFit = { now: Descent<Curves>; apart: number } | { refused: strin
 
 onmessage = async ({ data }: MessageEvent<AskedFit>) => {
   try {
-    postMessage(await search(data));
+    postMessage(await searchNumbers(data));
   } catch (error) {
     postMessage({ refused: error instanceof Error ? error.message : String(error) } satisfies ToldFit);
   }
 };
 
-async function search({ address, scenario, problem }: AskedFit): Promise<ToldFit> {
-  const response = await fetch(address);
-  if (!response.ok) throw new Refusal(`The page cannot be read further: ${scenario.module} is missing.`, "lost", response.status);
-  const module = new RunModule(await WebAssembly.compile(await response.arrayBuffer()), scenario.layout);
+async function searchNumbers({ address, scenario, problem }: AskedFit): Promise<ToldFit> {
+  const module = new RunModule(await fetchModule(address), scenario.layout);
   const model = new FitModel(scenario, module, problem);
   const counted = (now: Descent<Curves>): ToldFit => ({ now: { ...now, runs: now.runs + model.runs }, apart: model.apart });
   const begin = problem.free.map((free) => toShare(free, free.start));

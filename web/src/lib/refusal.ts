@@ -12,13 +12,13 @@ export class Refusal extends Error {
 
 const SECTION = /^\[[^\]]*\] /;
 const NAMED = /^Parameter `([^`]+)` of `([^`]+)` /;
-const capital = (words: string): string => words.charAt(0).toUpperCase() + words.slice(1);
+const beginUpper = (words: string): string => words.charAt(0).toUpperCase() + words.slice(1);
 
 /** A refusal of the library for who sees a form, not a file: without the place in the text of the scenario. */
 export const tellRefusal = (sentence: string): string => {
   const plain = sentence.replace(SECTION, "");
-  return capital(plain.replace(NAMED, (_, name: string, kind: string) => `${name.replaceAll("_", " ")} of ${kind} `));
+  return beginUpper(plain.replace(NAMED, (_, name: string, kind: string) => `${name.replaceAll("_", " ")} of ${kind} `));
 };
 
 /** The same beside the field that it is about. */
-export const tellBesideField = (sentence: string): string => capital(sentence.replace(SECTION, "").replace(NAMED, ""));
+export const tellBesideField = (sentence: string): string => beginUpper(sentence.replace(SECTION, "").replace(NAMED, ""));
