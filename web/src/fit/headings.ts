@@ -1,34 +1,14 @@
 // What the heading of a column probably means: martensite/scenario/heading_guess.py for the page.
 
-import { findUnit, listUnits, siOf } from "./units.ts";
+import { DRIVE, DRIVEN_BY, findUnit, listUnits, READABLE, siOf } from "./units.ts";
+import vocabulary from "./vocabulary.json" with { type: "json" };
 
-/** Known columns with their SI unit (empty for that of a drive), and what else they are called. */
-const QUANTITIES: Record<string, [si: string, words: string[]]> = {
-  time: ["s", ["t", "zeit", "elapsed", "timestamp", "clock", "x_value", "millis", "micros"]],
-  temperature: ["K", ["temp", "temp.", "thermocouple", "theta", "temperatur", "tc", "T"]],
-  strain: ["1", ["eps", "epsilon", "ε", "dehnung"]],
-  stress: ["Pa", ["sigma", "σ", "spannung_mech"]],
-  force: ["N", ["load", "kraft", "standardkraft", "loadcell", "weight", "tension", "F"]],
-  elongation: ["m", ["extension"]],
-  crosshead: ["m", []],
-  lift: ["m", []],
-  position: ["m", ["weg", "standardweg", "pos", "displacement", "disp", "stroke", "travel", "deflection", "contraction", "laser", "x"]],
-  resistance: ["ohm", ["res", "R"]],
-  duty: ["1", ["pwm", "duty_cycle"]],
-  voltage: ["V", ["volt", "volts", "voltage_drop", "U", "V", "u", "v"]],
-  current: ["A", ["strom", "amps", "I", "i"]],
-  power: ["W", ["leistung", "P"]],
-  drive: ["", []],
-  martensite_fraction: ["1", ["martensite", "xi", "ξ"]],
-  rotor_speed: ["rad/s", ["speed", "omega", "rpm"]],
-  angle: ["rad", ["winkel", "phi", "φ"]],
-  rotor_angle: ["rad", []],
-  motor_current: ["A", []],
-};
-const BY_UNIT: Record<string, string> = {
-  s: "time", K: "temperature", Pa: "stress", N: "force", ohm: "resistance", A: "current", V: "voltage", W: "power", m: "position", rad: "angle", "rad/s": "rotor_speed",
-};
-const USUAL: Record<string, string> = { time: "s", temperature: "degC", strain: "%", stress: "MPa", position: "mm", elongation: "mm", crosshead: "mm", lift: "mm", angle: "deg" };
+/** Known columns with their SI unit, and what else they are called. */
+const QUANTITIES = vocabulary.quantities as unknown as Record<string, [si: string, words: string[]]>;
+/** SI unit -> column that has it. */
+const BY_UNIT: Record<string, string> = vocabulary.by_unit;
+/** The unit in which a column is usually written. */
+const findUsual = (name: string, si: string): string => (name === "strain" ? "%" : (READABLE[si] ?? si));
 const IMPLIED: Record<string, string> = { millis: "ms", micros: "us", milliseconds: "ms", microseconds: "us", seconds: "s" };
 const NUMBERED = ["channel", "ch", "kanal", "sensor", "probe", "input", "trace", "analog", "digital"];
 const BRACKETS = /^(.*?)\s*[[(]\s*([^\])]*?)\s*[\])]\s*$/;
@@ -40,12 +20,12 @@ export const quantityOf = (name: string): string | undefined => QUANTITIES[cutPo
 
 /** Known names, each with the units it may be in. */
 export const listNames = (): Record<string, string[]> =>
-  Object.fromEntries(Object.entries(QUANTITIES).map(([name, [si]]) => [name, listUnits(si, USUAL[name] ?? (si || "V"))]));
+  Object.fromEntries(Object.entries(QUANTITIES).map(([name, [si]]) => [name, listUnits(si, si === DRIVE ? DRIVEN_BY[0] : findUsual(name, si))]));
 
 /** Whether a unit suits a known column. */
 function suitsUnit(name: string, unit: string): boolean {
   const si = quantityOf(name);
-  return si === "" ? ["V", "A", "W", "K"].includes(siOf(unit)) : siOf(unit) === si;
+  return si === DRIVE ? DRIVEN_BY.includes(siOf(unit)) : siOf(unit) === si;
 }
 
 export interface Guess {
@@ -97,5 +77,5 @@ export function guessUnit(name: string, values: Float64Array): string {
   if (own === "voltage") return size <= 60 ? "V" : "mV";
   if (own === "current") return size <= 15 ? "A" : "mA";
   if (own === "angle" || own === "rotor_angle") return size > 6.3 ? "deg" : "rad";
-  return own === "drive" || own === "rotor_speed" ? "" : (USUAL[own] ?? quantityOf(own) ?? "");
+  return own === "drive" || own === "rotor_speed" ? "" : findUsual(own, quantityOf(own) ?? "");
 }

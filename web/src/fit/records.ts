@@ -6,7 +6,7 @@ import { Refusal } from "../lib/refusal.ts";
 import { makeId } from "../lib/tab.ts";
 import { quantityOf } from "./headings.ts";
 import { decodeText, readTable, type TextTable } from "./text-table.ts";
-import { siOf, toSi } from "./units.ts";
+import { DRIVE, siOf, toSi } from "./units.ts";
 
 /** A table and what its columns mean, as identify/state.ts asks with it. */
 export interface LogRequest {
@@ -84,7 +84,7 @@ function siOfColumn({ name, unit }: { name: string; unit: string }): string {
   if (!unit) throw new Refusal(`Column \`${name}\` needs a unit: choose the one that it is written in.`, "input", 400);
   if (!si) throw new Refusal(`\`${unit}\` is no unit that this page knows for \`${name}\`.`, "input", 400);
   const wanted = quantityOf(name);
-  if (wanted && wanted !== si) throw new Refusal(`Column \`${name}\` cannot be in \`${unit}\`.`, "input", 400);
+  if (wanted && wanted !== DRIVE && wanted !== si) throw new Refusal(`Column \`${name}\` cannot be in \`${unit}\`.`, "input", 400);
   return si;
 }
 
