@@ -41,14 +41,9 @@ def _describe_unit(name: str) -> tuple[str, float, float]:
 
 
 def format_words() -> str:
-    """The same as JSON, a line for each unit, column or other entry."""
-    parts = list[str]()
-    for name, table in list_words().items():
-        lines = [json.dumps(one, ensure_ascii=False) for one in table] if isinstance(table, list) else []
-        lines = lines or [f"{json.dumps(key)}: {json.dumps(one, ensure_ascii=False)}" for key, one in table.items()]
-        ends = "[]" if isinstance(table, list) else "{}"
-        parts.append(f"{json.dumps(name)}: {ends[0]}\n  " + ",\n  ".join(lines) + f"\n{ends[1]}")
-    return "{\n" + ",\n".join(parts) + "\n}\n"
+    """The same as JSON, a line for each table."""
+    lines = [f"{json.dumps(name)}: {json.dumps(table, ensure_ascii=False)}" for name, table in list_words().items()]
+    return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
 if __name__ == "__main__":
