@@ -469,8 +469,8 @@ class Doubled(Largest):
     def unit(self, unit: str) -> str:
         return "furlongs of some kind"
 
-    def weights(self, times: np.ndarray, seen: np.ndarray) -> np.ndarray:
-        return 2.0 * super().weights(times, seen) / abs(seen).max()
+    def derivatives(self, table: Any) -> np.ndarray:
+        return 2.0 * super().derivatives(table) / abs(table.values).max()
 
     def columns(self, system: Any) -> tuple[str, ...]:
         return (self.of,)
@@ -479,8 +479,8 @@ class Doubled(Largest):
 class Neighbourly(Largest):
     """Mixes the runs."""
 
-    def value(self, times: np.ndarray, seen: np.ndarray) -> np.ndarray:
-        return super().value(times, seen) + seen.max()
+    def value(self, table: Any) -> np.ndarray:
+        return super().value(table) + table.values.max()
 
 
 def spoil_material(**values: float) -> Material:

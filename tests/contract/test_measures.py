@@ -11,7 +11,8 @@ from builders import problem_a
 
 from martensite.base.errors import InputError
 from martensite.base.parameters import text
-from martensite.simulate.measures.base import MEASURES, AbstractMeasure, judge_runs, list_needed, parse_measure
+from martensite.simulate.measures.base import MEASURES, AbstractMeasure, list_needed, measure_samples, parse_measure
+from martensite.simulate.measures.run_table import RunTable, tabulate_samples
 
 SYSTEM = problem_a()
 
@@ -45,31 +46,31 @@ WAY = np.concatenate([np.linspace(1.0, 5.0, 5), np.linspace(4.0, 1.0, 4)])
 )
 def test_known_curves(words: str, expected: float) -> None:
     one = parse_measure(words)
-    assert one.value(RAMP, WAY[None, :, None]) == pytest.approx([expected], rel=1e-12)
+    assert one.value(tabulate_samples(RAMP, WAY[None, :, None])) == pytest.approx([expected], rel=1e-12)
     if "time" in words and "at" not in words:
-        down = one.value(RAMP, 3.0 - WAY[None, :, None])
+        down = one.value(tabulate_samples(RAMP, 3.0 - WAY[None, :, None]))
         assert down == pytest.approx([expected], rel=1e-12)
 
 
 def test_a_change_has_its_sign_and_a_peak_lies_between_samples() -> None:
-    assert parse_measure("change").value(RAMP, 3.0 - WAY[None, :, None]) == [-4.0]
+    assert parse_measure("change").value(tabulate_samples(RAMP, 3.0 - WAY[None, :, None])) == [-4.0]
     times = np.array([0.0, 0.7, 1.2, 2.0, 2.5])
     curve = -((times - 1.36) ** 2)
-    assert parse_measure("peak-time").value(times, curve[None, :, None]) == pytest.approx([1.36])
+    assert parse_measure("peak-time").value(tabulate_samples(times, curve[None, :, None])) == pytest.approx([1.36])
 
 
 def test_what_never_happens_takes_forever() -> None:
     there = np.linspace(0.0, 1.0, 9)[None, :, None]
-    assert parse_measure("fall-time").value(RAMP, there) == np.inf
-    assert parse_measure("rise-time").value(RAMP, 0.0 * there) == np.inf
+    assert parse_measure("fall-time").value(tabulate_samples(RAMP, there)) == np.inf
+    assert parse_measure("rise-time").value(tabulate_samples(RAMP, 0.0 * there)) == np.inf
 
 
 def test_several_elements_are_looked_at_together() -> None:
     first, second = WAY, WAY[::-1] + 1.0
     both = np.stack([first, second])[:, :, None]
-    assert parse_measure("max").value(RAMP, both) == [6.0]
-    assert parse_measure("integral").value(RAMP, both) == pytest.approx([12.0 + 16.0])
-    assert parse_measure("final").value(RAMP, both) == [2.0]
+    assert parse_measure("max").value(tabulate_samples(RAMP, both)) == [6.0]
+    assert parse_measure("integral").value(tabulate_samples(RAMP, both)) == pytest.approx([12.0 + 16.0])
+    assert parse_measure("final").value(tabulate_samples(RAMP, both)) == [2.0]
 
 
 def test_columns_and_what_is_needed() -> None:
@@ -77,7 +78,7 @@ def test_columns_and_what_is_needed() -> None:
     assert measures[0].columns(SYSTEM) == (next(iter(SYSTEM.mechanism.outputs())),)
     assert list_needed(measures, SYSTEM) == (*measures[0].columns(SYSTEM), "temperature", "power")
     columns = {"temperature": np.array([[1.0, 3.0], [2.0, 0.0]])}
-    assert judge_runs(measures[1], SYSTEM, RAMP[:2], columns).tolist() == [3.0, 2.0]
+    assert measure_samples(measures[1], SYSTEM, RAMP[:2], columns).tolist() == [3.0, 2.0]
 
 
 @pytest.mark.parametrize(
@@ -99,7 +100,7 @@ def test_wrong_words_are_refused(words: str, sentence: str) -> None:
 
 def test_a_moment_after_the_end_is_refused() -> None:
     with pytest.raises(InputError, match=r"at 5 s, but the run ends at 4 s"):
-        parse_measure("at(position, time=5 s)").value(RAMP, WAY[None, :, None])
+        parse_measure("at(position, time=5 s)").value(tabulate_samples(RAMP, WAY[None, :, None]))
 
 
 def test_a_measure_of_ones_own_is_found_by_its_words() -> None:
@@ -112,11 +113,11 @@ def test_a_measure_of_ones_own_is_found_by_its_words() -> None:
         def unit(self, unit: str) -> str:
             return unit
 
-        def value(self, times: np.ndarray, seen: np.ndarray) -> np.ndarray:
-            return seen[0, 0]
+        def value(self, table: RunTable) -> np.ndarray:
+            return table.values[0, 0]
 
-        def weights(self, times: np.ndarray, seen: np.ndarray) -> np.ndarray:
-            found = np.zeros(seen.shape)
+        def derivatives(self, table: RunTable) -> np.ndarray:
+            found = np.zeros(table.values.shape)
             found[0, 0] = 1.0
             return found
 

@@ -23,6 +23,7 @@ from martensite.search.quantity_text import format_quantity, join_phrases
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms
 from martensite.simulate.grid import LaneGrid, TimeGrid, grid_at, lane_grid
 from martensite.simulate.measures.base import AbstractMeasure, list_needed, parse_measure
+from martensite.simulate.measures.run_table import tabulate_samples
 
 SAMPLES = 201
 """Samples of a run that measures look at, besides edges of its waveform."""
@@ -211,7 +212,7 @@ class ConditionRunner:
         """Measures (runs, measures) of runs (runs, samples, outputs) of a row."""
         times = np.asarray(self.grids[row].times)
         with np.errstate(invalid="ignore"):
-            found = [one.value(times, self._select(one, runs)) for one in self.measures]
+            found = [one.value(tabulate_samples(times, self._select(one, runs))) for one in self.measures]
         return np.where(np.isfinite(runs).all(axis=(1, 2))[:, None], np.stack(found, axis=1), np.nan)
 
     def _select(self, one: AbstractMeasure, runs: Any) -> Any:
@@ -222,5 +223,5 @@ class ConditionRunner:
     def _weigh(self, one: AbstractMeasure, times: Any, run: Any, slopes: Any) -> Any:
         """Derivatives (directions,) of a measure from those of the outputs."""
         places = [self.needed.index(name) for name in one.columns(self.experiment.system)]
-        weights = one.weights(times, self._select(one, run[None]))[:, :, 0]
+        weights = one.derivatives(tabulate_samples(times, self._select(one, run[None])))[:, :, 0]
         return np.einsum("cs,scd->d", weights, slopes[:, places])

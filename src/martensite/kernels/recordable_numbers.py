@@ -1,11 +1,14 @@
-"""Functions on floats, or on numbers that `record` what is done with them: by these the bench draws in the browser."""
+"""Functions on floats, on arrays, or on numbers that `record` the operations on them, from which the bench draws."""
 
 from __future__ import annotations
 
 import math
+from functools import cache
+from importlib import import_module
 from typing import Any
 
 from martensite.kernels import floats
+from martensite.kernels.arrays import ArrayNamespace
 
 
 class RecordableFunctions:
@@ -16,11 +19,20 @@ class RecordableFunctions:
 
         def apply(*numbers: Any) -> Any:
             recorder = next((one for one in numbers if hasattr(one, "record")), None)
-            return plain(*numbers) if recorder is None else recorder.record(name, plain, numbers)
+            if recorder is not None:
+                return recorder.record(name, plain, numbers)
+            if any(hasattr(one, "__array_interface__") for one in numbers):
+                return getattr(_get_arrays(), name)(*numbers)
+            return plain(*numbers)
 
         self.__dict__[name] = apply
         return apply
 
 
+@cache
+def _get_arrays() -> ArrayNamespace:
+    return ArrayNamespace(import_module("numpy"))
+
+
 xp: Any = RecordableFunctions()
-"""A namespace of kernels that does not mind which of both it gets."""
+"""A namespace of kernels for any of these numbers."""

@@ -49,11 +49,16 @@ static long segment_at(const drive *d, double time, long near) {
     return near;
 }
 
-static double value_at(const drive *d, double time, long near, int before) {
+/* a drive without its tones, at a time or just `before` it */
+static double level_at(const drive *d, double time, long near, int before) {
     long k = segment_at(d, time, near);
     if (before && k > 0 && !(d->start[k] < time)) k--;
     const double along = time - d->start[k];
-    double sum = d->level[k] + (d->slope[k] + d->bend[k] * along) * along;
+    return d->level[k] + (d->slope[k] + d->bend[k] * along) * along;
+}
+
+static double value_at(const drive *d, double time, long near, int before) {
+    double sum = level_at(d, time, near, before);
     for (long j = 0; j < d->tones; j++)
         sum += d->amplitude[j] * cos(d->rate[j] * time + d->phase[j]);
     return sum;

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from collections.abc import Iterator
 
@@ -41,12 +42,16 @@ class Reader:
         return SignalShape([self._known[self._place(time)]], self.tones).value(time)
 
     def before(self, time: float) -> float:
-        """Signal just before `time` [s]."""
+        """Return the signal just before `time` [s]."""
+        return self.level(time, before=True) + math.fsum(tone.value(time) for tone in self.tones)
+
+    def level(self, time: float, before: bool = False) -> float:
+        """Return the signal without its tones at `time` [s], or just before it."""
         self._need(time)
         place = self._place(time)
-        if place > 0 and not self._starts[place] < time:
+        if before and place > 0 and not self._starts[place] < time:
             place -= 1
-        return SignalShape([self._known[place]], self.tones).value(time)
+        return self._known[place].value(time)
 
     def edges(self, begin: float, end: float) -> list[float]:
         """Where it jumps or bends in (begin, end) [s]."""

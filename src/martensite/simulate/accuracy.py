@@ -17,12 +17,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from weakref import WeakKeyDictionary
 
+import numpy as np
+
 from martensite.base.errors import CompileError, SolveError
 from martensite.base.files import tell_once
 from martensite.simulate.adaptive import AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.march import FixedMarch
 from martensite.simulate.marching import Marched, MarchPlan, Row
+from martensite.simulate.track import Observe, observe_on_floats
 
 Tell = Callable[[str, float], None]
 """Told what is being done, and which share of it is."""
@@ -134,6 +137,16 @@ class RunEngine:
         runs = Runs(plan, self.values, 1, tuple(outputs), 1)
         return march_runs(runs, self._watch("simulating")).take_run(0, plan.times)
 
+    def observe(self, plan: MarchPlan, outputs: Sequence[int]) -> Observe:
+        """Return the function that computes outputs of recorded states, where the last run was made."""
+        if self.used == "C":
+            from martensite.simulate.marching_native import Runs, observe_in_c
+
+            every = tuple(range(len(self.compiled.outputs)))
+            observe = observe_in_c(Runs(plan, self.values, 1, every, 1))
+            return lambda states, signals, run: observe(states, signals, run)[:, list(outputs)]
+        return observe_on_floats(self.compiled.program.bind_floats(*self.values)["observe"], outputs)
+
     def _watch(self, doing: str) -> Callable[[float], None]:
         """What looks at a run from time to time: at the budget, and for who wants to be told."""
         last = 0.0
@@ -185,7 +198,9 @@ def choose_samples(count: int, skipped: int = 0) -> list[int]:
 def measure_gaps(compiled: CompiledMarch, before: Rows, after: Rows) -> list[Row]:
     """What is judged differs by between two runs, at every sample that both reached."""
     places = [compiled.outputs.index(name) for name, _ in compiled.convergence_scales]
-    return [tuple(abs(a[k] - b[k]) for k in places) for a, b in zip(before, after, strict=False)]
+    count = min(len(before), len(after))
+    pair = (np.asarray(rows[:count], float).reshape(count, -1)[:, places] for rows in (before, after))
+    return list(map(tuple, np.abs(np.subtract(*pair)).tolist()))
 
 
 def bound_error(compiled: CompiledMarch, found: Marched) -> float:

@@ -535,10 +535,8 @@ static void accept_step(march *m, block *b) {
     const double own = ORDER == 4 ? length : 0.5 * length;
     b->steps += ORDER == 4 ? 1 : 2;
     b->longest = own > b->longest ? own : b->longest;
-    if (m->recording && b->first_run == 0) {
-        m->record[m->recorded++] = b->time + 0.5 * length;
-        m->record[m->recorded++] = end;
-    }
+    record_piece(m, b, 1.0, b->time, b->time + 0.5 * length, b->one[0], b->half);
+    record_piece(m, b, 2.0, b->time + 0.5 * length, end, b->two[0], b->full);
     if (b->at_edge) b->after_edge = MOST_CHANGE * length;
     b->at_edge = 0;
     for (long set = 0; set < SETS; set++)
@@ -579,11 +577,12 @@ long march_on(march *m, block *b, long begin) {
         while (!any_live(b)) {
             const long next = b->begun ? b->first_run + LANES : 0;
             if (next >= m->runs) return DONE;
+            if (is_full(m)) return RECORD;
             begin_runs(m, b, next);
             begin_step(m, b);
         }
         if (!known_until(m, b, b->time + (1.0 + 2.0 * HAIR) * b->length)) return SIGNALS;
-        if (m->recording && m->recorded + 2 > m->capacity) return RECORD;
+        if (is_full(m)) return RECORD;
         try_step(m, b);
         if (!judge_step(m, b)) continue;
         accept_step(m, b);

@@ -36,7 +36,7 @@ from martensite.signals.moments import Moments
 from martensite.simulate.compiled import Functions, feed_step
 from martensite.simulate.ledger import SIMPSON, Ledger
 from martensite.simulate.march import SOLVED
-from martensite.simulate.marching import HAIR, SHORTEST, AbstractMarch, MarchPlan, Row
+from martensite.simulate.marching import FIRST, HAIR, SECOND, SHORTEST, AbstractMarch, MarchPlan, Row
 
 SAFETY = 0.9
 LEAST_CHANGE, MOST_CHANGE = 0.2, 3.0
@@ -408,8 +408,9 @@ class AdaptiveMarch(AbstractMarch):
         found.longest = max(found.longest, length / parts)
         found.ripple = max(found.ripple, trial.ripple)
         found.residual = max(found.residual, trial.residual)
-        if self.plan.recorded:
-            found.ends += [self.time + 0.5 * length, end]
+        middle = self.time + 0.5 * length
+        self.record_piece(FIRST, self.time, middle, trial.halves[0], trial.half)
+        self.record_piece(SECOND, middle, end, trial.halves[1], trial.full)
         if self.at_edge:
             self.after_edge = MOST_CHANGE * length
         if self.at_kink:

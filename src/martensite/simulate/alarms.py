@@ -1,7 +1,8 @@
-"""Alarms: what went beyond a limit, when first, for how long, and by how much.
+"""Alarms: exceeded limits, with the first time, the duration and the amount.
 
-Judged on sampled columns, linear in between. So a crossing on a straight line is found exactly,
-and a peak between two samples is not seen: choose more samples where pulses are short.
+Alarms come from the accepted steps of a run (`martensite.simulate.track`), which a column follows
+on straight lines between the points of its curve. A short pulse in a long run is judged as it was
+computed.
 
 | kind | beyond the limit when | limit |
 | --- | --- | --- |
@@ -18,8 +19,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from martensite.actuators.assembly import AbstractSystem, Actuator, Machine
 from martensite.actuators.assembly.base import AbstractSystemAround
@@ -31,10 +34,18 @@ from martensite.simulate.compiled_law import describe_compression, describe_forg
 if TYPE_CHECKING:
     from martensite.simulate.result import Result
 
-Columns = Mapping[str, Sequence[float]]
+Numbers: TypeAlias = NDArray[np.float64]
+Values: TypeAlias = Sequence[float] | Numbers
+Columns = Mapping[str, Any]
+"""Points of outputs by name, in SI."""
 FRACTIONS = ("martensite_fraction", "oriented_fraction")
-JUDGED = ("hottest", "stress", "strain", "force", "drive", "resistance", *FRACTIONS)
-"""Outputs of an actuator that alarms are about."""
+SUPPLY = ("supply_demand", "supply_voltage")
+JUDGED = ("hottest", "stress", "strain", "force", "drive", "resistance", *FRACTIONS, *SUPPLY)
+"""Outputs that alarms are about, of an actuator and of a supply that several share."""
+EXACT = ("drive", "resistance", *FRACTIONS)
+"""Outputs that go no farther between the rows of a track than at them."""
+WIDENED = 1.1
+"""Factor of changes above which a curve between rows is looked at."""
 ROUNDING = 1e-9
 """Share of a demand by which it may exceed what can be delivered."""
 DRIFT = 0.05
@@ -84,56 +95,51 @@ class Excursion:
     first: float
     duration: float
     worst: int
-    """Number of the sample with the largest margin."""
+    """Place of the largest margin."""
 
     def words(self) -> str:
         """First time and duration in words."""
         return f"first at t = {self.first:.4g} s, for {self.duration:.3g} s in all"
 
 
-def find_excursion(times: Sequence[float], margins: Sequence[float]) -> Excursion | None:
-    """When a margin, linear between samples, was above zero; None if never."""
-    worst = max(range(len(margins)), key=margins.__getitem__)
-    if not margins[worst] > 0.0:
+def find_excursion(times: Values, margins: Values) -> Excursion | None:
+    """Return when a margin was above zero, on straight lines between its points; None if never."""
+    time, margin = np.asarray(times, float), np.asarray(margins, float)
+    worst = int(margin.argmax())
+    if not margin[worst] > 0.0:
         return None
-    first, duration = (times[0] if margins[0] > 0.0 else None), 0.0
-    for (t0, m0), (t1, m1) in pairwise(zip(times, margins, strict=True)):
-        above = _share_above(m0, m1) * (t1 - t0)
-        if first is None and m1 > 0.0:
-            first = t1 - above
-        duration += above
-    return Excursion(times[0] if first is None else first, duration, worst)
+    begin, end, length = margin[:-1], margin[1:], np.diff(time)
+    high, low = np.maximum(begin, end), np.minimum(begin, end)
+    apart = np.where(high > low, high - low, 1.0)
+    share = np.where(high > 0.0, np.where(low > 0.0, 1.0, high / apart), 0.0)
+    above = np.where(low > 0.0, 1.0, share) * length
+    at = int(np.argmax(margin > 0.0))
+    first = float(time[at] - (above[at - 1] if at else 0.0))
+    return Excursion(first, float(above.sum()), worst)
 
 
-def _share_above(begin: float, end: float) -> float:
-    """Share of a straight line that is above zero."""
-    if begin > 0.0 and end > 0.0:
-        return 1.0
-    high, low = max(begin, end), min(begin, end)
-    return high / (high - low) if high > 0.0 else 0.0
-
-
-def alarms_of(system: AbstractSystem, times: Sequence[float], columns: Columns) -> list[Alarm]:
-    """All alarms of a run, from its sampled columns in SI."""
+def alarms_of(system: AbstractSystem, times: Values, columns: Columns) -> list[Alarm]:
+    """Return all alarms of a run, from points of its columns in SI."""
+    times, columns = np.asarray(times, float), {name: np.asarray(column, float) for name, column in columns.items()}
     found: list[Alarm] = []
     alone = len(system.actuators()) == 1 and not system.signals()
     for port, actuator in system.actuators().items():
-        own = {name: columns[system.label(port, name)] for name in JUDGED}
+        own = {name: columns[system.label(port, name)] for name in JUDGED if name not in SUPPLY}
         several = system.label(port, "stress") != "stress"
         found += [_at_port(alarm, port) if several else alarm for alarm in _of_actuator(actuator, times, own, alone)]
     return found + _watch_supply(system, times, columns)
 
 
-def _watch_supply(system: AbstractSystem, times: Sequence[float], columns: Columns) -> list[Alarm]:
-    """That of a supply which is shared, if there is one and it cannot give what all ask for together."""
+def _watch_supply(system: AbstractSystem, times: Numbers, columns: Columns) -> list[Alarm]:
+    """Return the alarm of a shared supply that cannot give what all sources ask for together."""
     plant = system.plant if isinstance(system, AbstractSystemAround) else system
     if not isinstance(plant, Machine) or plant.supply is None:
         return []
     limit, demand = plant.supply.current_limit, columns["supply_demand"]
-    when = find_excursion(times, [asked - limit * (1.0 + ROUNDING) for asked in demand])
+    when = find_excursion(times, demand - limit * (1.0 + ROUNDING))
     if when is None:
         return []
-    at, worst = when.worst, demand[when.worst]
+    at, worst = when.worst, float(demand[when.worst])
     sentence = (
         f"Warning: the sources ask the supply for {worst:.4g} A at t = {times[at]:.4g} s, more than its "
         f"`current_limit` of {limit:.4g} A; its voltage falls to {columns['supply_voltage'][at]:.4g} V, {when.words()}."
@@ -146,7 +152,7 @@ def _at_port(alarm: Alarm, port: str) -> Alarm:
     return replace(alarm, port=port, sentence=sentence)
 
 
-def _of_actuator(actuator: Actuator, times: Sequence[float], columns: Columns, alone: bool) -> list[Alarm]:
+def _of_actuator(actuator: Actuator, times: Numbers, columns: Columns, alone: bool) -> list[Alarm]:
     limits = actuator.element.limits
     hot = "temperature", "K", limits.temperature_limit, 273.15, "°C", 1.0
     high = "stress", "Pa", limits.stress_limit, 0.0, "MPa", 1e6
@@ -162,14 +168,15 @@ def _of_actuator(actuator: Actuator, times: Sequence[float], columns: Columns, a
 
 
 def _make_alarm(
-    times: Sequence[float], when: Excursion, what: tuple[str, str, str], worst: float, limit: float, sentence: str
+    times: Numbers, when: Excursion, what: tuple[str, str, str], worst: float, limit: float, sentence: str
 ) -> Alarm:
-    return Alarm(*what, worst, limit, abs(worst - limit), when.first, when.duration, times[when.worst], sentence)
+    at = float(times[when.worst])
+    return Alarm(*what, worst, limit, abs(worst - limit), when.first, when.duration, at, sentence)
 
 
 def _watch_above(
-    times: Sequence[float],
-    values: Sequence[float],
+    times: Numbers,
+    values: Numbers,
     quantity: str,
     kind: str,
     unit: str,
@@ -178,10 +185,10 @@ def _watch_above(
     shown: str,
     scale: float,
 ) -> Alarm | None:
-    when = find_excursion(times, [value - limit for value in values])
+    when = find_excursion(times, values - limit)
     if when is None:
         return None
-    worst = values[when.worst]
+    worst = float(values[when.worst])
     sentence = (
         f"Warning: {kind} reaches {(worst - zero) / scale:.4g} {shown}, above the "
         f"`{kind}_limit` of {(limit - zero) / scale:.4g} {shown}, {when.words()}."
@@ -189,12 +196,12 @@ def _watch_above(
     return _make_alarm(times, when, (kind, quantity, unit), worst, limit, sentence)
 
 
-def _watch_strain(times: Sequence[float], strain: Sequence[float], limit: float) -> Alarm | None:
+def _watch_strain(times: Numbers, strain: Numbers, limit: float) -> Alarm | None:
     changes = farthest_changes(strain)
-    when = find_excursion(times, [change - limit for change in changes])
+    when = find_excursion(times, changes - limit)
     if when is None:
         return None
-    worst = changes[when.worst]
+    worst = float(changes[when.worst])
     sentence = (
         f"Warning: strain varies by {100 * worst:.3g} %, more than the "
         f"`strain_limit` of {100 * limit:.3g} %, {when.words()}."
@@ -202,31 +209,27 @@ def _watch_strain(times: Sequence[float], strain: Sequence[float], limit: float)
     return _make_alarm(times, when, ("strain", "strain", "1"), worst, limit, sentence)
 
 
-def farthest_changes(strain: Sequence[float]) -> list[float]:
-    """Distance of every value of the strain from the farthest that it had before."""
-    changes: list[float] = []
-    low = high = strain[0]
-    for value in strain:
-        low, high = min(low, value), max(high, value)
-        changes.append(max(high - value, value - low))
-    return changes
+def farthest_changes(strain: Values) -> Numbers:
+    """Return the distance of every value of the strain from the farthest value before it."""
+    values = np.asarray(strain, float)
+    return np.maximum(np.maximum.accumulate(values) - values, values - np.minimum.accumulate(values))
 
 
-def _watch_slack(times: Sequence[float], force: Sequence[float]) -> Alarm | None:
-    """No force, after there was some; it has no size, since a slack wire has no stress."""
-    at = next((k for k, value in enumerate(force) if value <= 0.0), None)
-    if at is None or not force[0] > 0.0:
+def _watch_slack(times: Numbers, force: Numbers) -> Alarm | None:
+    """Return the alarm of an element without force that had some; it has no size, since a slack wire has no stress."""
+    slack = force <= 0.0
+    if not slack.any() or slack[0]:
         return None
-    whole = (f0 <= 0.0 and f1 <= 0.0 for f0, f1 in pairwise(force))
-    steps = ((t1 - t0) for t0, t1 in pairwise(times))
-    duration = sum(step for step, slack in zip(steps, whole, strict=True) if slack)
-    when = Excursion(times[at], duration, at)
+    at = int(slack.argmax())
+    duration = float(np.diff(times)[slack[:-1] & slack[1:]].sum())
+    first = float(times[at])
+    when = Excursion(first, duration, at)
     sentence = f"Warning: the element is slack (no force), {when.words()}."
-    return Alarm("slack", "force", "N", force[at], 0.0, 0.0, when.first, duration, times[at], sentence)
+    return Alarm("slack", "force", "N", float(force[at]), 0.0, 0.0, first, duration, first, sentence)
 
 
-def _watch_first_cycle(times: Sequence[float], columns: Columns, alone: bool) -> Alarm | None:
-    """Another orientation after the first cycle than at the start.
+def _watch_first_cycle(times: Numbers, columns: Columns, alone: bool) -> Alarm | None:
+    """Return the alarm of an orientation after the first cycle that differs from that at the start.
 
     Compared at much the same stress; for an element that is alone on what nothing else drives, at whatever stress that
     leaves, which differs because of the drift.
@@ -235,7 +238,7 @@ def _watch_first_cycle(times: Sequence[float], columns: Columns, alone: bool) ->
     at = _find_return(fraction, columns["stress"], alone)
     if at is None:
         return None
-    shares = oriented[0] / fraction[0], oriented[at] / fraction[at]
+    shares = float(oriented[0] / fraction[0]), float(oriented[at] / fraction[at])
     if abs(shares[1] - shares[0]) <= DRIFT:
         return None
     strains = columns["strain"][0], columns["strain"][at]
@@ -245,57 +248,75 @@ def _watch_first_cycle(times: Sequence[float], columns: Columns, alone: bool) ->
         f"the start (strain {long}), {100 * share:.3g} % at t = {times[at]:.4g} s (strain "
         f"{short}); judge by later cycles."
     )
-    when = Excursion(times[at], times[-1] - times[at], at)
+    when = Excursion(float(times[at]), float(times[-1] - times[at]), at)
     what = "drift", "oriented_fraction", "1"
     return _make_alarm(times, when, what, share, start, sentence)
 
 
-def _find_return(fraction: Sequence[float], stress: Sequence[float], alone: bool) -> int | None:
-    """Where after a first cycle the stress is most like that of the start; None if it is not."""
+def _find_return(fraction: Numbers, stress: Numbers, alone: bool) -> int | None:
+    """Return where after a first cycle the stress is most like the stress at the start; None if nowhere."""
     full, hot = fraction[0] - RETURNED, fraction[0] - CYCLE
-    below = next((k for k, value in enumerate(fraction) if value < hot), len(fraction))
-    back = next((k for k in range(below, len(fraction)) if fraction[k] >= full), None)
-    if back is None or hot < 0.0:
+    below = fraction < hot
+    if hot < 0.0 or not below.any():
         return None
-    end = next((k for k in range(back, len(fraction)) if fraction[k] < full), len(fraction))
-    at = min(range(back, end), key=lambda k: abs(stress[k] - stress[0]))
+    back = np.flatnonzero((fraction >= full) & (np.arange(len(fraction)) >= below.argmax()))
+    if not len(back):
+        return None
+    begin = int(back[0])
+    gone = fraction[begin:] < full
+    end = begin + int(gone.argmax()) if gone.any() else len(fraction)
+    at = begin + int(np.abs(stress[begin:end] - stress[0]).argmin())
     alike = abs(stress[at] - stress[0]) <= LOADED_ALIKE * max(abs(stress[at]), abs(stress[0]))
     return at if alone or alike else None
 
 
-def find_undelivered(
-    source: AbstractSource, times: Sequence[float], drive: Sequence[float], resistance: Sequence[float]
-) -> Alarm | None:
-    """The alarm of a source that is asked for what it cannot deliver; None if it never is."""
-    when = find_excursion(times, undelivered_margins(source, drive, resistance))
+def find_undelivered(source: AbstractSource, times: Values, drive: Values, resistance: Values) -> Alarm | None:
+    """Return the alarm of a source that is asked for more than it can deliver; None if it never is."""
+    time, demand = np.asarray(times, float), np.asarray(drive, float)
+    when = find_excursion(time, undelivered_margins(source, demand, resistance))
     if when is None:
         return None
-    worst = drive[when.worst]
-    reached = source.reach(resistance[when.worst])
+    worst = float(demand[when.worst])
+    reached = source.reach(float(resistance[when.worst]))
     limit = min(max(worst, reached.least), reached.most)
     unit = "" if source.unit == "1" else f" {source.unit}"
     sentence = (
         f"Warning: the drive `{source.registered_name}` cannot deliver what is demanded, at "
-        f"t = {times[when.worst]:.4g} s only {limit:.4g}{unit} of {worst:.4g}{unit}, "
+        f"t = {time[when.worst]:.4g} s only {limit:.4g}{unit} of {worst:.4g}{unit}, "
         f"{when.words()}."
     )
-    return _make_alarm(times, when, ("supply", "drive", source.unit), worst, limit, sentence)
+    return _make_alarm(time, when, ("supply", "drive", source.unit), worst, limit, sentence)
 
 
-def undelivered_margins(source: AbstractSource, drive: Sequence[float], resistance: Sequence[float]) -> list[float]:
-    """How far each demand is beyond what the source can deliver, in its unit."""
-    reached = (source.reach(ohms) for ohms in resistance)
-    return [max(u - reach.most, reach.least - u) - ROUNDING * abs(u) for u, reach in zip(drive, reached, strict=True)]
+def undelivered_margins(source: AbstractSource, drive: Values, resistance: Values) -> Numbers:
+    """Return how far each demand is beyond the reach of the source, in its unit."""
+    demand = np.asarray(drive, float)
+    reached = source.reach(np.asarray(resistance, float))  # type: ignore[arg-type] # the reach of every point at once
+    return np.maximum(demand - reached.most, reached.least - demand) - ROUNDING * np.abs(demand)
 
 
-def add_warnings(result: Result, columns: Columns | None = None) -> Result:
-    """Note alarms and warnings in a result; judged on other columns than its own if given."""
-    result.alarms.extend(alarms_of(result.system, result.times, columns or result.columns))
+def add_warnings(result: Result) -> Result:
+    """Add alarms and warnings to a result, from its track, or from its samples if it has none."""
+    system = result.system
+    if system.actuators():
+        judged = [name for name in system.outputs() if name.rpartition(".")[2] in JUDGED]
+        times, columns = result.list_rows(judged)
+        wide = {name: _widen(name, column) for name, column in columns.items()}
+        if result.track is None:
+            result.alarms.extend(alarms_of(system, times, columns))
+        elif near := alarms_of(system, times, wide):
+            followed = {one.quantity if one.kind == "rig" else system.label(one.port, one.quantity) for one in near}
+            result.alarms.extend(alarms_of(system, *result.draw_curves(judged, sorted(followed))))
     result.warnings.extend(alarm.sentence for alarm in result.alarms)
     if result.status is Status.LONG_STEP:
         result.warnings.append(f"Warning: {result.status.sentence}")
-    result.warnings.extend(_describe_doubts(result, columns or result.columns))
+    result.warnings.extend(_describe_doubts(result, result.columns))
     return result
+
+
+def _widen(name: str, column: Numbers) -> Numbers:
+    """Return a column with larger changes, so that a limit which is nearly reached between its rows counts."""
+    return column if name.rpartition(".")[2] in EXACT else column[0] + WIDENED * (column - column[0])
 
 
 def _describe_doubts(result: Result, columns: Columns) -> list[str]:
@@ -311,7 +332,7 @@ def _describe_doubts(result: Result, columns: Columns) -> list[str]:
         doubt = law.doubt()
         if doubt is None:
             continue
-        most = max(map(abs, columns[name]))
+        most = float(np.abs(columns[name]).max())
         if most > NEAR * doubt.stress:
             words = f"Caution: {doubt.sentence} The stress comes to {most / 1e6:.4g} MPa."
             found.append(words)

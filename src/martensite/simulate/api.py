@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
+
+import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, ParameterError, suggest_name
@@ -14,13 +17,14 @@ from martensite.simulate.accuracy import RunEngine, Tell, bound_error, choose_sa
 from martensite.simulate.alarms import add_warnings
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms, grid_of
-from martensite.simulate.envelope import describe_exit, envelope_of, rows_inside
+from martensite.simulate.envelope import cut_outside, describe_exit, envelope_of, rows_inside
 from martensite.simulate.grid import TimeGrid, cut_steps
 from martensite.simulate.ledger import balance_heat, balance_work
 from martensite.simulate.march import Border, march_floats
 from martensite.simulate.marching import Marched, MarchPlan, Row
 from martensite.simulate.restarts import HOME, Relay, Restart, list_samples, place_stops
 from martensite.simulate.result import Result, profiles_of
+from martensite.simulate.track import Track, build_track, tabulate_tones, track_rows
 
 RUNTIMES = ("auto", "floats", "c", "jax")
 
@@ -91,7 +95,6 @@ def simulate(
         first_step(system, duration, samples),
         envelope_of(system),
         step=step,
-        recorded=runtime == "jax" and step is None,
         halves=runtime == "jax",
         inertial=inertial_step(system),
         skipped=samples - len(times),
@@ -107,13 +110,24 @@ def simulate(
     kept = relay.list_restarts([times[k] for k in compared])
     if runtime == "jax" and not found.status.failed:
         found, accuracy = _on_jax(engine, plan, found, accuracy, start)
-    result = replace(_build_result(system, waveform, plan, found, accuracy, engine.used), restarts=kept)
+    track = partial(trace_run, system, engine, plan, found)
+    result = replace(_build_result(system, waveform, plan, found, accuracy, engine.used, track), restarts=kept)
     if accuracy is not None and accuracy > tolerance and not found.status.failed:
         result.warnings.append(
             f"Warning: the tolerance of {tolerance:.1e} was not reached in {found.steps:,} steps; "
             f"what is judged may be off by {accuracy:.1e} of its range."
         )
     return result
+
+
+def trace_run(system: AbstractSystem, engine: RunEngine, plan: MarchPlan, found: Marched) -> Track:
+    """Return the outputs of a run at its accepted steps, as far as they are inside the envelope."""
+    outputs = range(len(system.outputs()))
+    swinging = np.array(plan.compiled.swinging[: len(outputs)])
+    record = np.asarray(found.record, float)
+    tones = tabulate_tones([plan.waveforms])
+    track = build_track(record, plan.compiled.drives, tones, swinging, engine.observe(plan, outputs))
+    return cut_outside(system, track) if found.status is Status.OUT_OF_ENVELOPE else track
 
 
 def _on_jax(
@@ -124,7 +138,8 @@ def _on_jax(
 
     at_end = [width == 1 for width in plan.compiled.widths]
     edges = (e for w in plan.waveforms for e in w.edges(plan.times[-1]))
-    steps = cut_steps({*found.ends, *edges}, plan.times, plan.step or math.inf)
+    ends = found.ends if plan.step is None else ()
+    steps = cut_steps({*ends, *edges}, plan.times, plan.step or math.inf)
     grid = steps.grid(plan.waveforms, at_end)
     track = march_jax(plan.compiled, engine.values, grid, start=start.state).require()
     engine.used = "JAX"
@@ -149,7 +164,7 @@ def _in_discrete_time(
     if restart_at and runtime == "jax":
         raise InputError("A system in discrete time keeps no states on the runtime `jax`; take `c` or `floats`.")
     compiled, interval = compile_march(system), system.sample_time()
-    whole = grid_of(system, waveform, duration, samples, interval)
+    whole = grid_of(system, waveform, duration, samples, interval, every=runtime != "jax")
     grid = whole.cut(start.time, whole.times[-1])
 
     def march(plan: MarchPlan) -> Marched:
@@ -163,7 +178,13 @@ def _in_discrete_time(
     found = relay(plan)
     used = {"c": "C", "jax": "JAX"}.get(runtime, "floats")
     kept = relay.list_restarts(grid.times[-1:]) if found.state else []
-    return replace(_build_result(system, waveform, plan, found, None, used), restarts=kept)
+    rows = list(rows_inside(system, found.rows)) if found.status is Status.OUT_OF_ENVELOPE else found.rows
+    trace = partial(track_rows, grid.times[: len(rows)], rows, len(system.outputs()))
+    stored = {start.time, *np.asarray(whole.times)[whole.stored].tolist()}
+    places = [k for k, time in enumerate(grid.times) if time in stored]
+    plan = replace(plan, times=[grid.times[k] for k in places])
+    found = replace(found, rows=[found.rows[k] for k in places if k < len(found.rows)])
+    return replace(_build_result(system, waveform, plan, found, None, used, trace), restarts=kept)
 
 
 def _march_grid(
@@ -214,12 +235,18 @@ def longest_step(system: AbstractSystem) -> float:
 
 
 def _build_result(
-    system: AbstractSystem, waveform: Waveforms, plan: MarchPlan, found: Marched, accuracy: float | None, runtime: str
+    system: AbstractSystem,
+    waveform: Waveforms,
+    plan: MarchPlan,
+    found: Marched,
+    accuracy: float | None,
+    runtime: str,
+    trace: Callable[[], Track] | None = None,
 ) -> Result:
     leaves = found.status is Status.OUT_OF_ENVELOPE
     names = list(system.outputs())
     rows = list(rows_inside(system, found.require().rows)) if leaves else found.require().rows
-    columns = {name: [row[i] for row in rows] for i, name in enumerate(names)}
+    columns = dict(zip(names, np.asarray(rows, float).T.tolist(), strict=False))
     result = Result(
         system,
         waveform,
@@ -234,6 +261,7 @@ def _build_result(
         runtime=runtime,
         rejected=found.rejected,
         ripple=found.ripple,
+        trace=trace,
     )
     if plan.step is None and not system.sample_time():
         result = _add_balances(result, plan, found)

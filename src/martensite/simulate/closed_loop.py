@@ -18,6 +18,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from martensite.actuators.assembly import System
 from martensite.base.errors import InputError, ParameterError, SolveError
 from martensite.base.status import Status
@@ -27,11 +29,12 @@ from martensite.signals.held import Held
 from martensite.simulate.alarms import add_warnings
 from martensite.simulate.api import first_step
 from martensite.simulate.compiled import bind_system
-from martensite.simulate.envelope import Envelope, describe_exit
+from martensite.simulate.envelope import Envelope, describe_exit, rows_inside
 from martensite.simulate.grid import MOST_STEPS
 from martensite.simulate.march import FloatWalk
 from martensite.simulate.marching import Marched, Row
 from martensite.simulate.result import Result
+from martensite.simulate.track import Track, track_rows
 
 ELECTRICAL = ("drive", "resistance", "current", "voltage", "power")
 """Outputs that are measured while the source is on."""
@@ -172,6 +175,8 @@ class _Walk:
         self.ends: list[Row] = []
         self.sums: list[list[float]] = []
         self.signals: list[float] = []
+        self.passed: list[tuple[float, Row]] = []
+        """Time [s] and outputs at both ends of every step."""
         self.times: list[float] = []
         """Start of every step [s]."""
         self.longest = self.left = 0.0
@@ -224,6 +229,7 @@ class _Walk:
         self.longest = max(self.longest, dt)
         half, sums = 0.5 * dt / self.plan.period, self.sums[-1]
         before = self.observe(*self.walk.state, level)
+        self.passed.append((time, before))
         for k in range(steps):
             self.times.append(time + k * dt)
             self.left = time + (k + 1) * dt
@@ -231,6 +237,7 @@ class _Walk:
             row = self.observe(*self.walk.state, level)
             sums[:] = [s + half * (a + b) for s, a, b in zip(sums, before, row, strict=True)]
             before = row
+            self.passed.append((self.left, row))
             if self.walk.stops(self.envelope.find_exit(row, finite=True)):
                 break
         return before
@@ -248,18 +255,23 @@ class _Walk:
             found.status_time,
             count,
             self.longest,
+            trace=self._trace,
         )
         ends = self._columns(self.ends)
         if found.status is Status.OUT_OF_ENVELOPE:
             result.warnings.append(describe_exit(plan.system, found.time, found.place, found.value))
-        add_warnings(result, self._add_peaks(result.columns, ends))
-        return LoopResult(result, plan.period, self.signals, ends, self._columns(self.sums))
+        return LoopResult(add_warnings(result), plan.period, self.signals, ends, self._columns(self.sums))
 
-    def _add_peaks(self, starts: dict[str, list[float]], ends: dict[str, list[float]]) -> dict[str, list[float]]:
-        """Columns with the peaks at the ends of pulses, and with what the drive asked for."""
-        peaks = {name: [*map(max, starts[name], ends[name]), starts[name][-1]] for name in ("hottest", "stress")}
-        asked = [*self.signals, self.signals[-1]][: len(starts["drive"])]
-        return {**starts, **peaks, "drive": asked}
+    def _trace(self) -> Track:
+        """Return the outputs at both ends of all steps, with what the drive asked for."""
+        rows = [row for _, row in self.passed]
+        kept = rows if self.walk.gone is None else list(rows_inside(self.plan.system, rows))
+        times, place = [time for time, _ in self.passed[: len(kept)]], self.names.index("drive")
+        track = track_rows(times, kept, len(self.names))
+        if self.plan.pulses:
+            periods = np.searchsorted([self.plan.start(k) for k in range(len(self.signals))], times, side="right") - 1
+            track.values[:, place] = np.array(self.signals)[periods]
+        return track
 
     def _columns(self, rows: Sequence[Sequence[float]]) -> dict[str, list[float]]:
         return {name: [row[i] for row in rows] for i, name in enumerate(self.names)}

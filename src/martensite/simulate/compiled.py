@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 from martensite.actuators.assembly import PROFILES, AbstractSystem, Feed
@@ -111,6 +112,11 @@ class CompiledMarch(Compiled):
         places = range(len(function.outputs)) if outputs is None else outputs
         found = [function.outputs[i] for i in places]
         return self.program.needs(found, function.inputs[self.size :])
+
+    @cached_property
+    def swinging(self) -> tuple[bool, ...]:
+        """Whether each output depends on the signals."""
+        return tuple(self.asks_for_signals("observe", [place]) for place in range(len(self.outputs)))
 
     def states_observed(self, outputs: Sequence[int]) -> list[int]:
         """Of every number of the state, 1 if some of the outputs depend on it, else 0."""

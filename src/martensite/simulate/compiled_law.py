@@ -115,7 +115,7 @@ NOTICEABLE = 5e6
 
 def describe_compression(law: AbstractLaw, stress: Sequence[float]) -> list[str]:
     """A caution where compression meets a law that knows tension only."""
-    least = min(stress)
+    least = float(min(stress))
     if not law.tension_only or least > -NOTICEABLE:
         return []
     remedy = '; try `compression = "symmetric"` of the law' if "compression" in law.declarations else ""

@@ -24,11 +24,12 @@ from martensite.simulate.api import first_step
 from martensite.simulate.closed_loop import whole_periods
 from martensite.simulate.compiled import bind_march, compile_march, feed_step
 from martensite.simulate.drive_waveforms import arrange_waveforms
-from martensite.simulate.envelope import describe_exit, envelope_of
+from martensite.simulate.envelope import describe_exit, envelope_of, rows_inside
 from martensite.simulate.grid import MOST_STEPS, just_after
 from martensite.simulate.march import Border, FloatWalk
-from martensite.simulate.marching import Marched
+from martensite.simulate.marching import Marched, Row
 from martensite.simulate.result import Result
+from martensite.simulate.track import Track, track_rows
 
 Drives = Mapping[str, AbstractDrive]
 
@@ -108,6 +109,9 @@ class _ControlledWalk:
         self.signals: list[tuple[float, ...]] = []
         self.now = self._signals(0.0, {})
         self.walk = FloatWalk(functions, size, self.now)
+        self.seen = self.observe(*self.walk.state, *self.now)
+        self.passed: list[tuple[float, Row]] = []
+        """Time [s] and outputs at the ends of steps, on both sides of a change of signals."""
 
     def run(self, tell: Callable[[float], None] | None) -> Marched:
         """All periods; failures are a status."""
@@ -127,21 +131,25 @@ class _ControlledWalk:
 
     def _period(self, k: int) -> None:
         plan, walk, time = self.plan, self.walk, k * self.plan.period
-        seen = self.observe(*walk.state, *self.now)
-        self.now = self._signals(time, dict(zip(self.names, seen, strict=False)))
+        self.now = self._signals(time, dict(zip(self.names, self.seen, strict=False)))
         self.signals.append(self.now)
+        row = self.observe(*walk.state, *self.now)
+        self.passed.append((time, row))
         if k % plan.every == 0:
-            self.rows.append(self.observe(*walk.state, *self.now))
+            self.rows.append(row)
         dt = plan.period / plan.pieces
         for piece in range(plan.pieces):
             brought = self._collect_inputs(time + piece * dt, dt)
             walk.advance(brought, dt)
+            end = time + (piece + 1) * dt
+            self.now = tuple(
+                drive.value(end) if isinstance(drive, AbstractWaveform) else held
+                for drive, held in zip(plan.drives, self.now, strict=True)
+            )
+            self.seen = self.observe(*walk.state, *self.now)
+            self.passed.append((end, self.seen))
             if walk.stops(self.border.find_exit(walk.state, brought)):
                 return
-        self.now = tuple(
-            drive.value(time + plan.period) if isinstance(drive, AbstractWaveform) else held
-            for drive, held in zip(plan.drives, self.now, strict=True)
-        )
 
     def _signals(self, time: float, seen: Mapping[str, float]) -> tuple[float, ...]:
         """What every drive says at the start of a period; controllers rest before the first."""
@@ -181,8 +189,22 @@ class _ControlledWalk:
             held = Held(values=tuple(s[i] for s in self.signals), frequency=1.0 / plan.period)
             played[declared.name] = drive if isinstance(drive, AbstractWaveform) else held
         result = Result(
-            plan.system, played, times, columns, found.status, found.status_time, found.steps, plan.period / plan.pieces
+            plan.system,
+            played,
+            times,
+            columns,
+            found.status,
+            found.status_time,
+            found.steps,
+            plan.period / plan.pieces,
+            trace=self._trace,
         )
         if found.status is Status.OUT_OF_ENVELOPE:
             result.warnings.append(describe_exit(plan.system, found.time, found.place, found.value))
         return add_warnings(result)
+
+    def _trace(self) -> Track:
+        """Return the outputs at the ends of all steps."""
+        rows = [row for _, row in self.passed]
+        kept = rows if self.walk.gone is None else list(rows_inside(self.plan.system, rows))
+        return track_rows([time for time, _ in self.passed[: len(kept)]], kept, len(self.names))

@@ -9,7 +9,7 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, suggest_name
 from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.constant import Constant
-from martensite.simulate.grid import TimeGrid, build_grid, grid_of_samples, require_unit
+from martensite.simulate.grid import MOST_ROWS, TimeGrid, build_grid, grid_of_samples, require_unit
 
 Waveforms = AbstractWaveform | Mapping[str, AbstractWaveform]
 """A waveform, or waveforms by the name of what they drive; what is not named gets none (0)."""
@@ -55,11 +55,17 @@ def arrange_waveforms(system: AbstractSystem, given: Kind | Mapping[str, Kind]) 
     return found
 
 
-def grid_of(system: AbstractSystem, waveform: Waveforms, duration: float, samples: int, step: float) -> TimeGrid:
-    """The time grid of a run; a system in discrete time has its own steps, whatever `step`."""
-    interval = system.sample_time()
+def grid_of(
+    system: AbstractSystem, waveform: Waveforms, duration: float, samples: int, step: float, *, every: bool = False
+) -> TimeGrid:
+    """Return the time grid of a run; a system in discrete time has its own steps, whatever `step`.
+
+    With `every`, the outputs of a run that is not too long are kept at the end of each step, for measures.
+    """
+    waves, interval = arrange_waveforms(system, waveform), system.sample_time()
     if interval:
         ahead = [drive.ahead for drive in system.drives()]
-        return grid_of_samples(arrange_waveforms(system, waveform), duration, samples, interval, ahead)
+        return grid_of_samples(waves, duration, samples, interval, ahead, every)
     at_end = [drive.at_end for drive in system.drives()]
-    return build_grid(arrange_waveforms(system, waveform), duration, samples, step, at_end)
+    grid = build_grid(waves, duration, samples, step, at_end)
+    return grid.keep_every_step(waves) if every and len(grid.lengths) <= MOST_ROWS else grid

@@ -8,7 +8,7 @@ another.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -21,8 +21,11 @@ from martensite.simulate.adaptive import AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.envelope import envelope_of, rows_inside
 from martensite.simulate.march import COARSE, SOLVED
-from martensite.simulate.marching import HAIR, MarchPlan
-from martensite.simulate.marching_native import RANGES, MarchRows, Runs, march_runs
+from martensite.simulate.marching import HAIR, START, MarchPlan
+from martensite.simulate.marching_native import RANGES, MarchRows, Runs, march_runs, observe_in_c
+from martensite.simulate.measures.base import AbstractMeasure
+from martensite.simulate.measures.run_table import tabulate_samples, tabulate_track
+from martensite.simulate.track import Track, build_track, observe_on_floats, tabulate_tones
 
 Numbers: TypeAlias = NDArray[np.float64]
 Flags: TypeAlias = NDArray[np.bool_]
@@ -43,13 +46,16 @@ class Ensemble:
     accuracy: Numbers
     """How far what is judged may be off, as a share of its range, (runs,); NaN where nothing is
     estimated, or a run failed otherwise than by leaving the envelope."""
+    numbers: Numbers = field(default_factory=lambda: np.empty((0, 0)))
+    """Measures that were asked for, (measures, runs); NaN for runs that were not made."""
 
     @staticmethod
-    def empty(names: Iterable[str], runs: int, samples: int, status: Status) -> Ensemble:
-        """Runs of which nothing is known but a status."""
+    def empty(names: Iterable[str], runs: int, samples: int, status: Status, measures: int = 0) -> Ensemble:
+        """Return runs of which only a status is known."""
         columns = {name: np.full((runs, samples), np.nan) for name in names}
         nothing = np.full(runs, np.nan)
-        return Ensemble(columns, np.full(runs, status, np.int8), nothing, nothing.copy())
+        numbers = np.full((measures, runs), np.nan)
+        return Ensemble(columns, np.full(runs, status, np.int8), nothing, nothing.copy(), numbers)
 
     @staticmethod
     def on_steps(
@@ -71,20 +77,21 @@ class Ensemble:
         status[np.logical_or.reduce(broken)] = Status.NOT_FINITE
         ended = np.where(status < Status.UNSOLVED, times[-1], np.where(gone, left, np.nan))
         kept = {name: np.where(known, column, np.nan) for name, column in columns.items()}
-        return Ensemble(kept, status, ended, np.full(len(left), np.nan))
+        return Ensemble(kept, status, ended, np.full(len(left), np.nan), np.empty((0, len(left))))
 
     def struck_out(self, bad: Flags) -> Ensemble:
         """With nothing of some runs but that they were refused."""
         columns = {name: np.where(bad[:, None], np.nan, c) for name, c in self.columns.items()}
         status = np.where(bad, np.int8(Status.REFUSED), self.status)
-        return Ensemble(columns, status, np.where(bad, np.nan, self.ended), self.accuracy)
+        numbers = np.where(bad, np.nan, self.numbers)
+        return Ensemble(columns, status, np.where(bad, np.nan, self.ended), self.accuracy, numbers)
 
     def place_runs(self, places: Any, made: Ensemble) -> None:
         """Put other runs to their places."""
         for name, column in made.columns.items():
             self.columns[name][places] = column
         self.status[places], self.ended[places] = made.status, made.ended
-        self.accuracy[places] = made.accuracy
+        self.accuracy[places], self.numbers[:, places] = made.accuracy, made.numbers
 
     @staticmethod
     def concatenate(pieces: Sequence[Ensemble]) -> Ensemble:
@@ -94,13 +101,62 @@ class Ensemble:
         status, ended, accuracy = (
             np.concatenate([getattr(p, name) for p in pieces]) for name in ("status", "ended", "accuracy")
         )
-        return Ensemble(columns, status, ended, accuracy)
+        return Ensemble(columns, status, ended, accuracy, np.concatenate([p.numbers for p in pieces], axis=1))
+
+
+@dataclass(frozen=True, eq=False)
+class Measuring:
+    """Measures of runs, and where the outputs are that they read."""
+
+    measures: Sequence[AbstractMeasure] = ()
+    columns: Sequence[Sequence[int]] = ()
+    """Of every measure, places among the outputs of the runs."""
+
+    def measure_track(self, track: Track, runs: int) -> Numbers:
+        """Return all measures of all runs from their accepted steps, (measures, runs)."""
+        found = np.empty((len(self.measures), runs))
+        with np.errstate(all="ignore"):  # of failed runs
+            for row, one, columns in zip(found, self.measures, self.columns, strict=True):
+                row[:] = one.value(tabulate_track(track, columns, runs, one.follows_curve))
+        return found
+
+    def measure_samples(self, times: Sequence[float], table: Numbers) -> Numbers:
+        """Return all measures from stored samples, (outputs, samples, runs)."""
+        found = np.empty((len(self.measures), table.shape[2]))
+        with np.errstate(all="ignore"):
+            for row, one, columns in zip(found, self.measures, self.columns, strict=True):
+                row[:] = one.value(tabulate_samples(np.asarray(times), table[list(columns)]))
+        return found
+
+    def measure_record(self, runs: Runs, made: MarchRows) -> Numbers:
+        """Return all measures of runs in C, (measures, runs); those of runs on a GPU, which keep none, from samples."""
+        if not self.measures:
+            return np.empty((0, runs.count))
+        if not len(made.record):
+            return self.measure_samples(runs.plan.times, np.moveaxis(made.outputs, 0, 2).swapaxes(0, 1))
+        record = made.record[np.argsort(made.record[:, 0], kind="stable")]
+        gone = made.numbers[:, 0] == Status.OUT_OF_ENVELOPE
+        ends = np.append(record[1:, 0] != record[:-1, 0], True)
+        last = ends | np.append(ends[1:], False)
+        record = record[~(last & gone[record[:, 0].astype(np.intp)] & (record[:, 1] != START))]
+        compiled, observe = runs.plan.compiled, observe_in_c(runs)
+        tones = tabulate_tones(runs.own or [runs.plan.waveforms])
+        swinging = np.array(compiled.swinging)[list(runs.outputs)]
+        track = build_track(record, compiled.drives, tones, swinging, observe)
+        return self.measure_track(track, runs.count)
+
+
+NO_MEASURES = Measuring()
 
 
 def march_in_lanes(
-    runs: Runs, names: Sequence[str], tolerance: float, march: Callable[[Runs], MarchRows] = march_runs
+    runs: Runs,
+    names: Sequence[str],
+    tolerance: float,
+    march: Callable[[Runs], MarchRows] = march_runs,
+    measuring: Measuring = NO_MEASURES,
 ) -> Ensemble:
-    """Make runs in C, each to a tolerance, as a share of ranges; that of their plan does not count."""
+    """Make runs in C, each to a tolerance, as a share of ranges; the tolerance of their plan does not count."""
     plan, compiled = runs.plan, runs.plan.compiled
     judged = [compiled.outputs.index(name) for name, _ in compiled.convergence_scales]
     outputs = tuple(dict.fromkeys((*runs.outputs, *judged)))
@@ -108,18 +164,19 @@ def march_in_lanes(
     compared, local = choose_samples(len(plan.times)), LOCAL[plan.order] * tolerance
     some = replace(plan, times=[plan.times[k] for k in compared], tolerance=local)
     whole = replace(runs, outputs=outputs)
-    before = march(replace(whole, plan=some))
+    before = march(replace(whole, plan=replace(some, recorded=False)))
     rows, numbers = before.outputs, before.numbers
-    found = Ensemble.empty(names, runs.count, len(plan.times), Status.OK)
+    found = Ensemble.empty(names, runs.count, len(plan.times), Status.OK, len(measuring.measures))
     left = np.arange(runs.count)
     for _ in range(MOST):
         local /= FINER
-        finer = replace(whole, plan=replace(plan, tolerance=local, parted=True))
-        made = march(finer.choose(left, numbers[:, RANGES:]))
+        finer = replace(whole, plan=replace(plan, tolerance=local, parted=True)).choose(left, numbers[:, RANGES:])
+        made = march(finer)
         now = made.outputs[:, compared]
         apart = np.abs(rows[:, :, seen] - now[:, :, seen])
         accuracy = np.maximum(_bound_errors(compiled, apart, made), FLOOR * tolerance)
-        found.place_runs(left, _judge_runs(made, names, accuracy))
+        measured = measuring.measure_record(finer, made)
+        found.place_runs(left, _judge_runs(made, names, accuracy, measured))
         rest = accuracy > tolerance
         left, rows, numbers = left[rest], now[rest], made.numbers[rest]
         if not len(left):
@@ -139,15 +196,15 @@ def _bound_errors(compiled: CompiledMarch, apart: Numbers, made: MarchRows) -> N
     return np.where(sure, np.maximum(total, LEAST), np.inf)
 
 
-def _judge_runs(made: MarchRows, names: Sequence[str], accuracy: Numbers) -> Ensemble:
-    """What runs did, with a status that says whether their numbers are any."""
+def _judge_runs(made: MarchRows, names: Sequence[str], accuracy: Numbers, measured: Numbers) -> Ensemble:
+    """Return runs with a status that is right about their numbers."""
     outputs = made.outputs[:, :, : len(names)]
     status = made.numbers[:, 0].astype(np.int8)
     lost = (status < Status.UNSOLVED) & ~np.isfinite(outputs).all(axis=(1, 2))
     status[lost] = Status.NOT_FINITE
     failed = (status >= Status.UNSOLVED) & (status != Status.OUT_OF_ENVELOPE)
     columns = {name: outputs[:, :, k] for k, name in enumerate(names)}
-    return Ensemble(columns, status, made.numbers[:, 1], np.where(failed, np.nan, accuracy))
+    return Ensemble(columns, status, made.numbers[:, 1], np.where(failed, np.nan, accuracy), measured)
 
 
 def march_one_by_one(
@@ -156,9 +213,11 @@ def march_one_by_one(
     count: int,
     names: Sequence[str],
     tolerance: float,
+    measuring: Measuring,
 ) -> Ensemble:
     """Make runs on plain floats, each to a tolerance, as a share of ranges."""
-    found = Ensemble.empty(names, count, len(plan.times), Status.NOT_FINITE)
+    found = Ensemble.empty(names, count, len(plan.times), Status.NOT_FINITE, len(measuring.measures))
+    places = [plan.compiled.outputs.index(name) for name in names]
     found.ended[:] = 0.0
     for run, (system, waveforms) in enumerate(systems):
         own = replace(plan, waveforms=waveforms, limits=envelope_of(system))
@@ -170,6 +229,12 @@ def march_one_by_one(
         rows = np.asarray(list(rows_inside(system, one.rows)))
         for name, column in found.columns.items():
             column[run, : len(rows)] = rows[:, plan.compiled.outputs.index(name)]
+        if measuring.measures:
+            swinging = np.array(plan.compiled.swinging)[places]
+            observe = observe_on_floats(functions["observe"], places)
+            record = np.asarray(one.record, float)
+            track = build_track(record, plan.compiled.drives, tabulate_tones([waveforms]), swinging, observe)
+            found.numbers[:, run] = measuring.measure_track(track, 1)[:, 0]
         found.status[run], found.ended[run] = one.status, one.time
         inside = one.status is Status.OUT_OF_ENVELOPE or not one.status.failed
         found.accuracy[run] = accuracy if inside else np.nan

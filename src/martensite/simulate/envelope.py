@@ -10,10 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+import numpy as np
+
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base import units
 from martensite.simulate.compiled import ENVELOPE
 from martensite.simulate.marching import Exit, Row, RunLimits
+from martensite.simulate.track import Track
 
 STOPS = ("temperature_stop", "stress_stop", "strain_stop")
 """Numbers of an element that bound it more tightly."""
@@ -63,6 +66,16 @@ def rows_inside(system: AbstractSystem, rows: Iterable[Row]) -> Iterator[Row]:
         if k and envelope.find_exit(row) is not None:
             return
         yield row
+
+
+def cut_outside(system: AbstractSystem, track: Track) -> Track:
+    """Return the rows of a track of one run before the first one that is outside."""
+    envelope = Envelope(system)
+    low, high = (np.array(limits) for limits in envelope.limits)
+    seen = track.values[:, envelope.places]
+    outside = ~((low <= seen) & (seen <= high)).all(axis=1)
+    outside[0] = False
+    return track.cut(np.logical_or.accumulate(outside) == 0)
 
 
 def describe_exit(system: AbstractSystem, time: float, place: int, value: float) -> str:

@@ -37,6 +37,7 @@ static void take_step(march *m, block *b, double begin, double length, double en
     b->steps++;
     b->longest = length > b->longest ? length : b->longest;
     memcpy(b->state, b->whole, sizeof(column) * SIZE);
+    record_piece(m, b, 0.0, begin, end, b->one[0], b->state);
     b->time = begin;
     judge_at(m, b, b->state, end, 1, b->fine);
     see(m, b, b->fine);
@@ -54,16 +55,19 @@ static void plan_pieces(const march *m, block *b) {
     b->piece = 0.0;
 }
 
-/* Go on for some rounds. Returns DONE, PAUSED, or SIGNALS if drives must be known further. */
+/* Go on for some rounds. Returns DONE, PAUSED, SIGNALS if drives must be known further, or RECORD if the
+   record is full. */
 long march_on(march *m, block *b, long begin) {
     if (begin) b->begun = 0;
     for (long round = 0; round < m->rounds; round++) {
         while (!any_live(b)) {
             const long next = b->begun ? b->first_run + LANES : 0;
             if (next >= m->runs) return DONE;
+            if (is_full(m)) return RECORD;
             begin_block(m, b, next);
             b->length = 0.0; /* of steps that are not planned yet */
         }
+        if (is_full(m)) return RECORD;
         if (b->length == 0.0) {
             if (!known_until(m, b, b->time + 1e-12 * m->duration)) return SIGNALS;
             plan_pieces(m, b);

@@ -18,6 +18,10 @@ from martensite.signals.base import AbstractWaveform
 from martensite.signals.reader import Reader
 
 MOST_STEPS = 20_000_000
+JUMP = 1e-6
+"""Relative change of a signal below which it does not jump."""
+MOST_ROWS = 200_000
+"""Steps of a run up to which its outputs are kept at the end of each."""
 JUST_AFTER = 1e-9
 """Where in a sample of a system in discrete time signals are read, as a share of it: after a
 jump at its start, whatever rounding does to times."""
@@ -38,6 +42,29 @@ class TimeGrid:
     """Length of every step [s]."""
     drives: list[Signals]
     """What the drives bring in every step: the inputs of `CompiledMarch`."""
+    stored: Any = ...
+    """Which of the samples a user asked for; the others are ends of steps, for measures."""
+
+    def keep_every_step(self, waveforms: Sequence[AbstractWaveform]) -> TimeGrid:
+        """Return the grid with a sample at the end of every step, and one on each side of a jump there."""
+        readers = [Reader(waveform) for waveform in waveforms]
+        times, sampled, counts, stored = self.times[:1], self.sampled[:1], list[int](), [0]
+        lengths = iter(self.lengths)
+        for place, count in enumerate(self.counts, 1):
+            time = self.times[place - 1]
+            for left in range(count - 1, -1, -1):
+                length = next(lengths)
+                time, hair = (time + length if left else self.times[place]), JUST_AFTER * length
+                after = tuple(reader.value(time + hair) for reader in readers) if left else self.sampled[place]
+                before = tuple(reader.value(time - hair) for reader in readers)
+                rows = [(before, 1), (after, 0)] if is_jump(before, after) else [(after, 1)]
+                times += [time] * len(rows)
+                sampled += [signals for signals, _ in rows]
+                counts += [steps for _, steps in rows]
+                for reader in readers:
+                    reader.forget(time - length)
+            stored.append(len(times) - 1)
+        return TimeGrid(times, sampled, counts, self.lengths, self.drives, stored)
 
     @cached_property
     def arrays(self) -> tuple[Any, Any, Any, Any, Any]:
@@ -99,6 +126,8 @@ class LaneGrid:
     """What the drives bring in every step, (steps, inputs, lanes)."""
     lengths: Any
     """Length of every step [s], (steps, lanes); 0 where a lane has none."""
+    stored: Any = ...
+    """Which of the samples a user asked for."""
 
     @cached_property
     def arrays(self) -> tuple[Any, Any, Any, Any, Any]:
@@ -124,6 +153,11 @@ class LaneGrid:
         return TimeGrid(self.times, sampled, counts, lengths[taken].tolist(), drives)
 
 
+def is_jump(before: Signals, after: Signals) -> bool:
+    """Return whether a signal is another on both sides of a time."""
+    return any(abs(a - b) > JUMP * max(abs(a), abs(b)) for a, b in zip(before, after, strict=True))
+
+
 def lane_grid(grids: Sequence[TimeGrid]) -> LaneGrid:
     """One grid of all lanes from that of each; they must have the same samples."""
     import numpy as np
@@ -139,7 +173,7 @@ def lane_grid(grids: Sequence[TimeGrid]) -> LaneGrid:
         drives[places, :, lane] = np.asarray(grid.drives, float)
         lengths[places, lane] = grid.lengths
     sampled = np.stack([np.asarray(grid.sampled, float) for grid in grids], axis=-1)
-    return LaneGrid(grids[0].times, sampled, most, drives, lengths)
+    return LaneGrid(grids[0].times, sampled, most, drives, lengths, grids[0].stored)
 
 
 def require_unit(waveform: AbstractWaveform | type[AbstractWaveform], unit: str) -> None:
@@ -203,13 +237,18 @@ def build_grid(
 
 
 def grid_of_samples(
-    waveforms: Sequence[AbstractWaveform], duration: float, samples: int, interval: float, ahead: Sequence[bool]
+    waveforms: Sequence[AbstractWaveform],
+    duration: float,
+    samples: int,
+    interval: float,
+    ahead: Sequence[bool],
+    every: bool = False,
 ) -> TimeGrid:
     """The grid of a system in discrete time: every step is one of its samples, from 0 on.
 
     Signals are read at the start of a step, or at its end where they are wanted `ahead`. What is
     returned are as many of its samples as were asked for, or all if there are fewer, as evenly
-    spread as whole steps allow.
+    spread as whole steps allow. With `every`, all samples of a run that is not too long are in the grid.
 
     Raises:
         InputError: the run has too many steps, or is shorter than one.
@@ -228,12 +267,14 @@ def grid_of_samples(
         tuple(late if later else now for now, late, later in zip(*pair, ahead, strict=True))
         for pair in pairwise(signals)
     ]
+    kept = list(range(steps + 1)) if every and steps <= MOST_ROWS else ends
     return TimeGrid(
-        [k * interval for k in ends],
-        [signals[k] for k in ends],
-        [b - a for a, b in pairwise(ends)],
+        [k * interval for k in kept],
+        [signals[k] for k in kept],
+        [b - a for a, b in pairwise(kept)],
         [interval] * steps,
         played,
+        ... if kept is ends else ends,
     )
 
 

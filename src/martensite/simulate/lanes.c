@@ -24,7 +24,7 @@
 #define BLEND(to, mask, from) EACH(i_) (to)[i_] = (mask)[i_] ? (from)[i_] : (to)[i_]
 
 enum { OK = 0, LONG_STEP = 1, UNSOLVED = 2, NOT_FINITE = 4, OUT_OF_ENVELOPE = 7 };
-enum { DONE = 0, PAUSED = 1 };
+enum { DONE = 0, PAUSED = 1, RECORD = 3 };
 enum { MEAN, SQUARE, LOW, HIGH, LAPSE, SLOPE, SQUARE_SLOPE };
 
 static const long widths[DRIVES + 1] = WIDTHS;
@@ -94,7 +94,7 @@ typedef struct {
     const double *ranges; /* (runs, JUDGED), of judged outputs, 0 where not known */
     double *rows;         /* (runs, samples, OUTPUTS) */
     double *numbers;      /* (runs, SAID + JUDGED): what is said of a run */
-    double *record;
+    double *record;       /* pieces of accepted steps: see martensite/simulate/track.py */
 } march;
 
 INLINE double smaller(double a, double b) { return a < b ? a : b; }
@@ -1040,7 +1040,31 @@ static long is_edge(const march *m, const block *b, long i, double end) {
     return 0;
 }
 
-static void accept_steps(const march *m, block *b, flags_of_lanes taken) {
+/* a piece of an accepted step of a run, and the state at its end, in the layout of martensite/simulate/track.py */
+static void record_piece(march *m, const block *b, long i, double part, double begin, double end,
+                         const column (*brought)[MOMENTS], const column *states) {
+    if (!m->recording) return;
+    double *row = m->record + m->recorded++ * RECORDED;
+    *row++ = (double)b->run[i];
+    *row++ = part;
+    *row++ = begin;
+    *row++ = end - begin;
+    for (long k = 0; k < DRIVES; k++) {
+        const drive *d = drive_of(m, b->now + k, k, i);
+        const double after = level_at(d, begin, b->now[k].cursor[i], 0);
+        const int wide = widths[k] > 1 && part >= 0.0;
+        *row++ = after;
+        *row++ = part < 0.0 ? after : level_at(d, end, b->now[k].cursor[i], 1);
+        *row++ = wide ? brought[k][MEAN][i] : after;
+        *row++ = wide ? brought[k][SQUARE][i] : after * after;
+        *row++ = wide ? brought[k][LOW][i] : after;
+        *row++ = wide ? brought[k][HIGH][i] : after;
+        *row++ = wide ? brought[k][LAPSE][i] : 0.0;
+    }
+    for (long k = 0; k < SIZE; k++) *row++ = states[k][i];
+}
+
+static void accept_steps(march *m, block *b, flags_of_lanes taken) {
     column end;
     flags_of_lanes edge;
     EVERY(i) if (taken[i] && b->status[i] != OK) { /* it has no solution here, and ends where it began */
@@ -1061,6 +1085,11 @@ static void accept_steps(const march *m, block *b, flags_of_lanes taken) {
         break;
     }
     keep_samples(m, b, taken, end);
+    EVERY(i) if (taken[i] && b->live[i]) {
+        const double middle = b->time[i] + 0.5 * b->length[i];
+        record_piece(m, b, i, 1.0, b->time[i], middle, b->one, b->half);
+        record_piece(m, b, i, 2.0, middle, end[i], b->two, b->full);
+    }
     EACH(i) {
         const long t = taken[i], at = edge[i];
         const double length = b->length[i];
@@ -1145,7 +1174,7 @@ static void load_run(const march *m, block *b, long i, long run) {
 
 /* Begin runs in lanes that have none. A lane that has nothing to do makes one step of a run over and
    over, of which nobody hears. */
-static long begin_runs(const march *m, block *b) {
+static long begin_runs(march *m, block *b) {
     flags_of_lanes loads;
     column state[SIZE + 1], seen[SEEN + 1], points[NUMBERS + 1], start;
     long idle = 0, broken = 0;
@@ -1184,6 +1213,7 @@ static long begin_runs(const march *m, block *b) {
         for (long k = 0; k < NUMBERS; k++) b->points[k][i] = b->earlier_points[k][i] = points[k][i];
         double *row = m->rows + b->run[i] * m->samples * OUTPUTS;
         for (long k = 0; k < OUTPUTS && b->live[i]; k++) row[k] = b->row[k][i];
+        if (b->live[i]) record_piece(m, b, i, -1.0, 0.0, 0.0, b->one, b->state);
     }
     scale_ranges(b);
     end_runs(m, b);
@@ -1194,11 +1224,12 @@ long size_of_block(void) { return sizeof(block); }
 double time_of(const block *b) { return (void)b, 0.0; }
 long run_of(const block *b) { return b->done; }
 
-/* Go on for some rounds. Returns DONE or PAUSED. */
-long march_on(const march *m, block *b, long begin) {
+/* Go on for some rounds. Returns DONE, PAUSED, or RECORD if the record is full. */
+long march_on(march *m, block *b, long begin) {
     if (begin) memset(b, 0, sizeof *b);
     for (long round = 0; round < m->rounds; round++) {
         flags_of_lanes taken;
+        if (m->recording && m->recorded + 3 * LANES > m->capacity) return RECORD;
         if (!begin_runs(m, b)) return DONE;
         find_segments(m, b);
         plan_lengths(m, b);

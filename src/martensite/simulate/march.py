@@ -12,7 +12,7 @@ from martensite.base.status import Status
 from martensite.signals.moments import Moments
 from martensite.simulate.compiled import CompiledMarch, Functions, feed_step
 from martensite.simulate.grid import TimeGrid
-from martensite.simulate.marching import HAIR, AbstractMarch, Exit, Marched, Row, RunLimits
+from martensite.simulate.marching import HAIR, WHOLE, AbstractMarch, Exit, Marched, Row, RunLimits
 
 SOLVED = 1e-8
 COARSE = 0.2
@@ -140,6 +140,7 @@ class FixedMarch(AbstractMarch):
         after = self.functions["step"](*self.state, *inputs, length)
         residual, crossing, ripple = after[self.size :]
         found, self.state = self.found, after[: self.size]
+        self.record_piece(WHOLE, begin, end, inputs, self.state)
         found.steps += 1
         found.longest, found.ripple = max(found.longest, length), max(found.ripple, ripple)
         found.residual = max(found.residual, residual)

@@ -5,7 +5,7 @@
    k_judge over LANES lanes, and: SIZE states, DRIVES signals, INPUTS of a step, OUTPUTS wanted, JUDGED,
    ENVELOPE, HEATED, CONSTANTS, PARAMETERS; WIDTHS (inputs of each drive) and LEAST (range of each
    judged output that counts); OWN if every run has drives of its own; whether k_judge and k_observe
-   ask for signals; POINTS, all their NUMBERS, and RATES of adaptive.c; ENTRIES and ACCOUNTS of
+   ask for signals; how many numbers a piece of a step is RECORDED by; POINTS, all their NUMBERS, and RATES of adaptive.c; ENTRIES and ACCOUNTS of
    ledger.c. */
 
 #define SEEN (JUDGED + ENVELOPE + HEATED)
@@ -59,7 +59,7 @@ typedef struct {
     const double *ranges; /* (runs, JUDGED), of judged outputs, 0 where not known */
     double *rows;         /* (runs, samples, OUTPUTS) */
     double *numbers;      /* (runs, SAID + JUDGED): what is said of a run */
-    double *record;       /* ends of steps, of the first runs */
+    double *record;       /* pieces of accepted steps: see martensite/simulate/track.py */
     double *states;       /* (runs, SIZE): where runs end, and begin if they are `placed` */
     double *extremes;     /* (runs, 2, JUDGED): lowest and highest of what is judged, before and then after */
     long placed;
@@ -133,6 +133,35 @@ static void put_signals(const march *m, const block *b, double time, int before,
             else
                 EACH(k) x[i][k] = value;
         }
+}
+
+/* whether a step and the start of a run may not fit into the record */
+static int is_full(const march *m) {
+    return m->recording && m->recorded + 3 > m->capacity;
+}
+
+/* a piece of an accepted step, and the state at its end, in the layout of martensite/simulate/track.py */
+static void record_piece(march *m, const block *b, double part, double begin, double end, const moments *brought,
+                         const column *states) {
+    if (!m->recording) return;
+    double *row = m->record + m->recorded++ * RECORDED;
+    *row++ = (double)b->first_run;
+    *row++ = part;
+    *row++ = begin;
+    *row++ = end - begin;
+    for (long i = 0; i < DRIVES; i++) {
+        const drive *d = drives_of(m, b, 0) + i;
+        const double after = level_at(d, begin, b->cursor[0][i], 0);
+        *row++ = after;
+        *row++ = part < 0.0 ? after : level_at(d, end, b->cursor[0][i], 1);
+        const int wide = widths[i] > 1 && part >= 0.0;
+        *row++ = wide ? brought[i].mean : after;
+        *row++ = wide ? brought[i].square : after * after;
+        *row++ = wide ? brought[i].low : after;
+        *row++ = wide ? brought[i].high : after;
+        *row++ = wide ? brought[i].lapse : 0.0;
+    }
+    for (long k = 0; k < SIZE; k++) *row++ = states[k][0];
 }
 
 static void judge_at(const march *m, block *b, const column *states, double time, int before,
@@ -274,6 +303,7 @@ static void begin_block(march *m, block *b, long run) {
     k_observe(LANES, *b->c, *b->x2, *b->row);
     LIVE(i) for (long k = 0; k < OUTPUTS; k++)
         m->rows[(run + i) * m->samples * OUTPUTS + k] = b->row[k][i];
+    record_piece(m, b, -1.0, b->time, b->time, b->one[0], b->state);
     check_envelope(b);
     end_runs(m, b);
 }

@@ -6,7 +6,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from martensite.actuators.assembly.ledger import ACCOUNTS
 from martensite.base.errors import SolveError
@@ -22,6 +22,8 @@ FINEST, ROUGHNESS = 1e-2, 3e-11
 """Share of the first step of what moves with inertia that is the shortest: at most, and per tolerance."""
 HAIR = 1e-9
 """Share of a step that is none."""
+START, WHOLE, FIRST, SECOND = -1, 0, 1, 2
+"""Parts of a record: the start of a run, a whole step, and both halves of a step."""
 
 
 class RunLimits(NamedTuple):
@@ -63,8 +65,8 @@ class MarchPlan:
     limits: RunLimits
     ranges: tuple[float, ...] = ()
     """Ranges of the judged outputs, if they are known."""
-    recorded: bool = False
-    """Whether the steps taken are kept."""
+    recorded: bool = True
+    """Whether the accepted steps are recorded (`martensite.simulate.track`)."""
     step: float | None = None
     """Longest step [s] of a march on equal steps between samples and edges, without control."""
     parted: bool = False
@@ -99,8 +101,8 @@ class MarchPlan:
 class Marched:
     """What an adaptive run did."""
 
-    rows: list[Row]
-    """Outputs at the samples that were reached."""
+    rows: Any
+    """Outputs at the samples that were reached: a list of rows, or an array of a run in C."""
     ranges: tuple[float, ...] = ()
     """Of the judged outputs, over all steps."""
     status: Status = Status.OK
@@ -123,8 +125,8 @@ class Marched:
     """Heat [J] that they lost to the surroundings."""
     accounts: tuple[float, ...] = (0.0,) * len(ACCOUNTS)
     """Energies [J], see `assembly.ledger.ACCOUNTS`: more held than in the beginning, or work."""
-    ends: list[float] = field(default_factory=list[float])
-    """Ends of the steps [s], if they were to be kept."""
+    record: Any = field(default_factory=list[Row])
+    """Pieces of accepted steps, in the layout of `martensite.simulate.track`; an array of a run in C."""
     state: Row = ()
     """In the end."""
     extremes: tuple[Row, Row] = ((), ())
@@ -133,6 +135,11 @@ class Marched:
     """What is judged differs by at most, from the run before of the same, until this one began; empty for none."""
     gaps: list[Row] = field(default_factory=list[Row])
     """The same at every sample at which runs are compared."""
+
+    @property
+    def ends(self) -> list[float]:
+        """Ends of the recorded pieces of steps [s]."""
+        return [float(row[2] + row[3]) for row in self.record if row[1] != START]
 
     @property
     def status_time(self) -> float | None:
@@ -162,6 +169,7 @@ class AbstractMarch:
         self.low, self.high = list(map(min, judged, low or judged)), list(map(max, judged, high or judged))
         self.sample = 1
         self.found = Marched([functions["observe"](*self.state, *signals)])
+        self.record_piece(START, self.time, self.time, (), self.state)
         self.check_envelope()
 
     @abstractmethod
@@ -187,6 +195,19 @@ class AbstractMarch:
     def signals(self, time: float, before: bool = False) -> Row:
         """The drive signals at a time [s], or just before it."""
         return tuple(r.before(time) if before else r.value(time) for r in self.readers)
+
+    def record_piece(self, part: int, begin: float, end: float, brought: Sequence[float], state: Row) -> None:
+        """Record a piece of an accepted step, from what the drives brought in it, and the state at its end."""
+        if not self.plan.recorded:
+            return
+        row, at = [0.0, float(part), begin, end - begin], 0
+        for reader, width in zip(self.readers, self.plan.compiled.widths, strict=True):
+            after = reader.level(begin)
+            before = after if part == START else reader.level(end, before=True)
+            wide = width > 1 and part != START
+            row += [after, before, *(brought[at : at + 5] if wide else (after, after * after, after, after, 0.0))]
+            at += width
+        self.found.record.append((*row, *state))
 
     def see(self, seen: Row) -> None:
         """Note what is judged at the end of a step."""

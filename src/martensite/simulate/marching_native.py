@@ -30,6 +30,7 @@ from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.ledger import EMPTY, TURNED_OVER
 from martensite.simulate.marching import Marched, MarchPlan
 from martensite.simulate.native import spread_limits
+from martensite.simulate.track import Observe, record_width
 
 Numbers = NDArray[np.float64]
 DONE, PAUSED, SIGNALS, RECORD = range(4)
@@ -167,8 +168,8 @@ class MarchRows:
     numbers: Numbers
     """(runs, RANGES + judged): status, time, place, value, steps, rejected, longest step, ripple,
     residual, heat put in and lost, accounts, and the ranges of what is judged; see `Marched`."""
-    ends: list[float]
-    """Ends of the steps of the first run [s], if they were to be kept."""
+    record: Numbers
+    """Pieces of accepted steps, in the layout of `martensite.simulate.track`; none if they were not recorded."""
     states: Numbers | None = None
     """Where runs ended, (runs, states); None for runs in lanes."""
     extremes: Numbers | None = None
@@ -183,9 +184,8 @@ class MarchRows:
         reached = bisect_right(times, end) if found.failed else len(times)
         if not found.failed and not np.isfinite(rows[:reached]).all():
             found = Status.NOT_FINITE
-        kept = [tuple(row) for row in rows[:reached].tolist()]
-        made = Marched(kept, ranges, found, end, int(place), value, int(steps), int(rejected), *more[:5])
-        made.accounts, made.ends = accounts, self.ends
+        made = Marched(rows[:reached], ranges, found, end, int(place), value, int(steps), int(rejected), *more[:5])
+        made.accounts, made.record = accounts, self.record
         if self.states is not None and self.extremes is not None:
             low, high = self.extremes[run].tolist()
             made.state, made.extremes = tuple(self.states[run].tolist()), (tuple(low), tuple(high))
@@ -201,8 +201,12 @@ def march_runs(runs: Runs, watch: Callable[[float], None] | None = None) -> Marc
     alone = replace(runs, lanes=1)
     ranges = marching.ranges
     rows = [_Marching(alone.choose(places[k : k + 1], ranges[k : k + 1])).go() for k in places]
-    outputs, numbers = (np.concatenate([getattr(row, n) for row in rows]) for n in ("outputs", "numbers"))
-    return MarchRows(outputs, numbers, [])
+    for k, row in enumerate(rows):
+        row.record[:, 0] = k
+    outputs, numbers, record = (
+        np.concatenate([getattr(row, n) for row in rows]) for n in ("outputs", "numbers", "record")
+    )
+    return MarchRows(outputs, numbers, record)
 
 
 class MarchArrays:
@@ -224,7 +228,9 @@ class MarchArrays:
         self.limits = spread_limits(limits, runs.count)
         self.rows = np.full((runs.count, len(plan.times), len(runs.outputs)), np.nan)
         self.numbers = np.zeros((runs.count, RANGES + len(compiled.convergence_scales)))
-        self.record = np.empty(FIRST_RECORD if plan.recorded else 0)
+        width = record_width(compiled.drives, compiled.size)
+        known = int((plan.times[-1] - plan.times[0]) / plan.step) if plan.step else 0
+        self.record = np.empty((max(FIRST_RECORD, 2 * known) if plan.recorded else 0, width))
         self.states = np.array(np.broadcast_to(plan.start or 0.0, (runs.count, compiled.size)), float)
         self.extremes = np.empty((runs.count, 2, len(compiled.convergence_scales)))
         self.extremes[:, 0], self.extremes[:, 1] = plan.extremes[0] or np.inf, plan.extremes[1] or -np.inf
@@ -287,13 +293,13 @@ class _Marching(MarchArrays):
             answer = self.library.march_on(march, block, ctypes.c_long(begin))
             begin = 0
             if answer == DONE:
-                ends, alone = self.record[: self.march.recorded].tolist(), self.runs.lanes == 1
-                kept = (self.states, self.extremes) if alone else ()
-                return MarchRows(self.rows, self.numbers, ends, *kept)
+                record = self.record[: self.march.recorded]
+                kept = (self.states, self.extremes) if self.runs.lanes == 1 else ()
+                return MarchRows(self.rows, self.numbers, record, *kept)
             if answer == SIGNALS:
                 self._extend()
             if answer == RECORD:
-                self.record = np.concatenate([self.record, np.empty_like(self.record)])
+                self.record = np.concatenate([self.record, np.empty((3 * len(self.record), self.record.shape[1]))])
                 self.march.record, self.march.capacity = _get_address(self.record), len(self.record)
             if watch is not None:
                 watch(self._done())
@@ -318,6 +324,23 @@ class _Marching(MarchArrays):
         runs = min(self.runs.lanes, self.runs.count - first)
         begin, end = self.plan.times[0], self.plan.times[-1]
         return (first + runs * max(now - begin, 0.0) / (end - begin)) / self.runs.count
+
+
+def observe_in_c(runs: Runs) -> Observe:
+    """Return the function that computes the kept outputs of recorded states, with the parameters of their runs."""
+    library = _load_library(kernel_of(runs.plan, runs.outputs, runs.lanes, runs.own))
+    count, outputs = runs.count, runs.outputs
+    table = np.array([np.broadcast_to(value, count) for value in runs.values], float).reshape(len(runs.values), count)
+
+    def observe(states: Numbers, signals: Numbers, run: NDArray[np.intp]) -> Numbers:
+        rows = np.ascontiguousarray(np.concatenate([states, signals], axis=1))
+        found = np.empty((len(rows), len(outputs)))
+        counts = np.bincount(run, minlength=count).astype(np.int_)
+        arrays = (counts, np.ascontiguousarray(table), rows, found)
+        library.observe_rows(ctypes.c_long(count), *(ctypes.c_void_p(_get_address(one)) for one in arrays))
+        return found
+
+    return observe
 
 
 def _get_address(array: NDArray[Any]) -> int:
@@ -368,6 +391,7 @@ class MarchKernel:
             "DRIVES": compiled.drives,
             "INPUTS": compiled.inputs,
             "OUTPUTS": len(self.outputs),
+            "RECORDED": record_width(compiled.drives, compiled.size),
             "JUDGED": len(compiled.convergence_scales),
             "ENVELOPE": len(compiled.envelope),
             "HEATED": len(compiled.heated),
@@ -414,7 +438,7 @@ class MarchKernel:
             else lanes_source(compiled.program, functions)
         )
         names = ("marching.c", *(("fixed.c",) if self.fixed else ("ledger.c", "adaptive.c")))
-        names = ("lanes.c",) if self.lanes > 1 else names
+        names = (*(("lanes.c",) if self.lanes > 1 else names), "track.c")
         texts = [read_source("signals", "reader.c", constants), *(read_source("simulate", name, {}) for name in names)]
         return "\n".join([kernels, *texts])
 

@@ -11,7 +11,7 @@ from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise, zip_longest
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError
@@ -147,12 +147,12 @@ class Relay:
         """One more pass."""
         before = self._begin(len(self.made))
         at = before or PassState(())
-        legs, rows = list[Marched](), list[Row]()
+        legs, rows = list[Marched](), list[Any]()
         for times, sampled in cut_times(plan.times, self.stops):
             placed = {"start": at.state, "extremes": (at.low, at.high)}
             legs.append(self.march(replace(plan, times=times, **placed)))
             leg = legs[-1]
-            rows += leg.rows[len(legs) > 1 : None if sampled or len(leg.rows) < len(times) else -1]
+            rows.extend(leg.rows[int(len(legs) > 1) : None if sampled or len(leg.rows) < len(times) else -1])
             if len(leg.rows) < len(times) or leg.status.failed:
                 break
             at = at._replace(state=leg.state, low=leg.extremes[0], high=leg.extremes[1])
@@ -199,7 +199,7 @@ def cut_times(times: Sequence[float], stops: Sequence[float]) -> list[tuple[list
     return found
 
 
-def join_legs(legs: Sequence[Marched], rows: list[Row], before: PassState | None) -> Marched:
+def join_legs(legs: Sequence[Marched], rows: list[Any], before: PassState | None) -> Marched:
     """A pass from its legs, after what was before it; its energies are those of its legs."""
     last = legs[-1]
     if len(legs) == 1 and before is None:
@@ -222,6 +222,6 @@ def join_legs(legs: Sequence[Marched], rows: list[Row], before: PassState | None
         put_in=sum(one.put_in for one in legs),
         lost=sum(one.lost for one in legs),
         accounts=tuple(map(sum, zip(*(one.accounts for one in legs), strict=True))),
-        ends=[end for one in legs for end in one.ends],
+        record=[row for one in legs for row in one.record],
         gap=before.gap if before else (),
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from importlib import import_module
@@ -21,8 +21,11 @@ from martensite.base.status import Status
 from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.simulate.alarms import Alarm
 from martensite.simulate.ledger import HeatBalance, WorkBalance
+from martensite.simulate.measures.base import measure_samples, parse_measure
+from martensite.simulate.measures.run_table import find_extremes, tabulate_track
 from martensite.simulate.provenance import NOT_TRIED, tell_conformance
 from martensite.simulate.restarts import Restart, name_state
+from martensite.simulate.track import Track
 
 if TYPE_CHECKING:
     import numpy as np
@@ -108,6 +111,8 @@ class Result:
     """Temperature [K] that the mean of a drive over a step leaves out, at most."""
     variants: Variants | None = None
     """Of a batch; None for a single run."""
+    trace: Callable[[], Track] | None = None
+    """Computes `track`; None where only samples are known."""
     restarts: list[Restart] = field(default_factory=list["Restart"])
     """Where another run can go on: at the end, and at times that were asked for; none of a run that stopped early."""
 
@@ -235,12 +240,70 @@ class Result:
         return [write_quantity(end, self.unit(name)) for end in self._ends(name)]
 
     def _ends(self, name: str) -> tuple[float, float]:
-        """Lowest and highest value of a column, over all variants."""
+        """Return the lowest and the highest value of a column in the run, over all variants."""
         if self.variants is None:
             column = self.times if name == "time" else self.columns[name]
-            return min(column), max(column)
+            low, high = self.extremes.get(name, (math.inf, -math.inf))
+            return min(low, *column), max(high, *column)
         numpy: Any = import_module("numpy")
         return float(numpy.nanmin(self[name])), float(numpy.nanmax(self[name]))
+
+    @cached_property
+    def track(self) -> Track | None:
+        """Outputs at all accepted steps, from which measures and alarms come; None where only samples are known."""
+        return None if self.trace is None else self.trace()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what is pickled: the track, not the program that computes it."""
+        return self.__dict__ | {"track": self.track, "trace": None}
+
+    @cached_property
+    def extremes(self) -> Mapping[str, tuple[float, float]]:
+        """Lowest and highest value of every output of a single run in its accepted steps, in SI."""
+        if self.track is None:
+            return {}
+        highest, lowest = find_extremes(self.track, 1)
+        pairs = zip(lowest[:, 0].tolist(), highest[:, 0].tolist(), strict=True)
+        return dict(zip(self.system.outputs(), pairs, strict=True))
+
+    def list_rows(self, names: Sequence[str] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Return times [s] and outputs in SI, all or some, at the accepted steps of a single run, else its samples."""
+        if self.track is None:
+            return self["time"], {name: self[name] for name in names or self.columns}
+        wanted, places = self._place_outputs(names)
+        return self.track.times, dict(zip(wanted, self.track.values.T[places], strict=True))
+
+    def draw_curves(
+        self, names: Sequence[str] | None = None, followed: Sequence[str] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Return times [s] and outputs in SI at the accepted steps of a single run, at peaks and between them.
+
+        Between steps all outputs, or the `followed` ones, are on their polynomials, others on straight lines.
+        """
+        if self.track is None:
+            return self.list_rows(names)
+        wanted, places = self._place_outputs(names)
+        curve = self.track.choose(places).draw_curve([wanted.index(name) for name in followed or wanted])
+        return curve.times, dict(zip(wanted, curve.values.T, strict=True))
+
+    def _place_outputs(self, names: Sequence[str] | None) -> tuple[list[str], list[int]]:
+        """Return names of outputs of the system, all if None, and their places in the track."""
+        every = list(self.system.outputs())
+        wanted = every if names is None else list(names)
+        return wanted, [every.index(name) for name in wanted]
+
+    def measure(self, words: str) -> float:
+        """Return a measure of a single run in SI, such as `max(temperature)`, `energy` or `rise-time`.
+
+        Raises:
+            ParameterError: there is no such measure, or no such output.
+        """
+        one = parse_measure(words)
+        places = [list(self.outputs).index(name) for name in one.columns(self.system)]
+        if self.track is None:
+            columns = {name: self[name][None] for name in one.columns(self.system)}
+            return float(measure_samples(one, self.system, self["time"], columns)[0])
+        return float(one.value(tabulate_track(self.track, places, 1, one.follows_curve))[0])
 
     def require(self) -> Result:
         """Return this result, or raise `SolveError` if the run stopped before its end."""

@@ -15,7 +15,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any, TypeAlias
 
@@ -32,12 +32,13 @@ from martensite.simulate.api import first_step, inertial_step
 from martensite.simulate.arrays import count_block, march_on_jax
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.drive_waveforms import arrange_waveforms, grid_of
-from martensite.simulate.ensembles import Ensemble, Flags, Numbers, march_in_lanes, march_one_by_one
+from martensite.simulate.ensembles import Ensemble, Flags, Measuring, Numbers, march_in_lanes, march_one_by_one
 from martensite.simulate.envelope import envelope_of, varied_stops
 from martensite.simulate.grid import LaneGrid, Steps, TimeGrid, cut_steps, lane_grid
 from martensite.simulate.march import SOLVED, Border, march_floats
 from martensite.simulate.marching import MarchPlan
 from martensite.simulate.marching_native import Runs, march_runs
+from martensite.simulate.measures.base import AbstractMeasure
 from martensite.simulate.native import march_inside
 from martensite.simulate.refusals import find_refused
 
@@ -95,6 +96,8 @@ class VariantSetup:
     """Runs of those that a device of JAX marches at a time; by default an even share of them."""
     devices: int | None = 1
     """Devices of JAX, or threads of C, that share the runs; all if None."""
+    measures: tuple[AbstractMeasure, ...] = ()
+    """Measures of every run; their columns are among the outputs."""
 
     def __post_init__(self) -> None:
         """Raise `InputError` for a runtime or a precision that there is not."""
@@ -145,7 +148,7 @@ class VariantSetup:
         self, values: Values, signals: Mapping[str, Values], rows: Places, refusal: Flags, size: int
     ) -> Ensemble:
         """Runs with an error control; refused ones are not made."""
-        found = Ensemble.empty(self.outputs, len(rows), self.samples, Status.REFUSED)
+        found = Ensemble.empty(self.outputs, len(rows), self.samples, Status.REFUSED, len(self.measures))
         good = np.flatnonzero(~refusal[rows])
         if not len(good):
             return found
@@ -166,7 +169,7 @@ class VariantSetup:
             limits=self.find_limits(values, len(rows)),
         )
         march = march_runs if self.runtime == "c" else _load_cuda().march_to_ends
-        return march_in_lanes(runs, self.outputs, self.tolerance, march)
+        return march_in_lanes(runs, self.outputs, self.tolerance, march, self.measuring)
 
     def _ensemble_on_floats(self, values: Values, signals: Mapping[str, Values], rows: Places) -> Ensemble:
         systems = (
@@ -176,7 +179,13 @@ class VariantSetup:
             )
             for k, row in enumerate(rows)
         )
-        return march_one_by_one(self.plan, systems, len(rows), self.outputs, self.tolerance)
+        return march_one_by_one(self.plan, systems, len(rows), self.outputs, self.tolerance, self.measuring)
+
+    @cached_property
+    def measuring(self) -> Measuring:
+        """The measures, and where their columns are among the outputs."""
+        columns = [[self.outputs.index(name) for name in one.columns(self.system)] for one in self.measures]
+        return Measuring(self.measures, columns)
 
     @cached_property
     def plan(self) -> MarchPlan:
@@ -189,6 +198,7 @@ class VariantSetup:
             first_step(self.system, self.duration, self.samples),
             envelope_of(self.system),
             inertial=inertial_step(self.system),
+            recorded=bool(self.measures),
         )
 
     def _order_waveforms(self, signals: Mapping[str, Values], row: int) -> Sequence[AbstractWaveform]:
@@ -226,15 +236,17 @@ class VariantSetup:
         bad = refusal[rows]
         good: Places = rows[~bad]
         if not len(good):
-            return Ensemble.empty(self.outputs, len(rows), self.samples, Status.REFUSED)
+            return Ensemble.empty(self.outputs, len(rows), self.samples, Status.REFUSED, len(self.measures))
         marched: Places = np.pad(np.where(bad, good[0], rows), (0, size - len(rows)), mode="edge")
         table = {path: column[marched] for path, column in values.items()}
         grid = self._grid(signals, marched)
         columns, reports, left = self.engine(table, grid, size)
-        named = {n: c[: len(rows)] for n, c in zip(self.outputs, columns, strict=True)}
+        rowed = np.stack(columns)[:, : len(rows)]
+        numbers = self.measuring.measure_samples(grid.times, rowed.swapaxes(1, 2))
+        named = {n: c[:, grid.stored] for n, c in zip(self.outputs, rowed, strict=True)}
         solved = SOLVED_TO[self.precision]
         found = Ensemble.on_steps(named, reports[:, : len(rows)], left[: len(rows)], self.times, solved)
-        return found.struck_out(bad)
+        return replace(found, numbers=numbers).struck_out(bad)
 
     @property
     def controlled(self) -> bool:
@@ -251,7 +263,7 @@ class VariantSetup:
         """Sample times [s]."""
         if self.controlled:
             return [self.duration * k / (self.samples - 1) for k in range(self.samples)]
-        return self._common.times
+        return np.asarray(self._common.times)[self._common.stored].tolist()
 
     @cached_property
     def compiled(self) -> CompiledMarch:
@@ -285,7 +297,7 @@ class VariantSetup:
 
     def _march_floats(self, values: Values, grid: TimeGrid | LaneGrid, runs: int) -> OnSteps:
         """One after another, for machines without a compiler; a failed run has a report above the limit."""
-        columns = np.full((len(self.outputs), runs, self.samples), np.nan)
+        columns = np.full((len(self.outputs), runs, len(grid.times)), np.nan)
         reports, left = np.zeros((3, runs)), np.full(runs, np.inf)
         for run in range(runs):
             system = self.system.rebuilt({path: float(v[run]) for path, v in values.items()})
@@ -318,19 +330,25 @@ class VariantSetup:
 
     @cached_property
     def _common(self) -> TimeGrid:
-        return grid_of(self.system, self.waveforms, self.duration, self.samples, self.longest)
+        shape = self.duration, self.samples, self.longest
+        return grid_of(self.system, self.waveforms, *shape, every=self.keeps_steps)
+
+    @property
+    def keeps_steps(self) -> bool:
+        """Whether measures of runs on given steps are taken at the ends of all steps, not at samples."""
+        return bool(self.measures) and self.runtime not in ACCELERATED
 
     def _make_grid(self, waveforms: Mapping[str, AbstractWaveform]) -> TimeGrid:
         """The grid of some waveforms; waveforms with the same edges share its steps."""
         if self.system.sample_time():
             shape = self.duration, self.samples, self.longest
-            return grid_of(self.system, waveforms, *shape)
+            return grid_of(self.system, waveforms, *shape, every=self.keeps_steps)
         edges = tuple(sorted({e for one in waveforms.values() for e in one.edges(self.duration)}))
         steps = self._clocks.get(edges)
         if steps is None:
             if len(self._clocks) >= CLOCKS:
                 self._clocks.clear()
-            steps = cut_steps(edges, self._common.times, self.longest)
+            steps = cut_steps(edges, self.times, self.longest)
             self._clocks[edges] = steps
         at_end = [drive.at_end for drive in self.system.drives()]
         return steps.grid(arrange_waveforms(self.system, waveforms), at_end)

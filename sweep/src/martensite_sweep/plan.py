@@ -16,10 +16,10 @@ import numpy as np
 from martensite.base.errors import MartensiteError, ParameterError
 from martensite.base.parameters import Parametrised, describe_structure
 from martensite.base.status import Status
+from martensite.simulate.accuracy import FEW
 from martensite.simulate.ensembles import Ensemble, Numbers
-from martensite.simulate.measures.base import AbstractMeasure, judge_runs, list_needed
-from martensite.simulate.measures.means import Integral, RootMeanSquare
-from martensite.simulate.variants import VariantSetup
+from martensite.simulate.measures.base import AbstractMeasure, list_needed
+from martensite.simulate.variants import ACCELERATED, NAMES, VariantSetup
 from martensite_sweep.axes import SweepAxis
 from martensite_sweep.sampling.samples import AbstractDesign
 
@@ -123,17 +123,14 @@ class SweepPlan:
         return range(chunk * self.chunk, min((chunk + 1) * self.chunk, self.size))
 
     def cautions(self) -> list[str]:
-        """Sentences about what is allowed but probably not meant."""
-        sums = Integral, RootMeanSquare
-        integrals = [words for words, one in self.measures.items() if isinstance(one, sums)]
-        waves = self.course.waveforms.values()
-        edges = max((len(wave.edges(self.course.duration)) for wave in waves), default=0)
-        if not integrals or 4 * edges <= self.course.samples:
-            return []
-        return [
-            f"The signal has {edges:,} jumps or bends in {self.course.samples:,} samples, of which "
-            f"`{integrals[0]}` is made; it may be far off. Ask for more samples (run.samples)."
-        ]
+        """Return sentences about what is allowed but probably not meant."""
+        if self.measures and self.course.runtime in ACCELERATED:
+            name = NAMES[self.course.runtime]
+            return [
+                f"On {name}, measures are computed from {self.course.samples:,} stored samples: a pulse between two of "
+                "them is missed. The runtime `c` computes measures from all steps."
+            ]
+        return []
 
     @cached_property
     def outputs(self) -> tuple[str, ...]:
@@ -172,22 +169,22 @@ class SweepPlan:
 
     def lost(self, rows: range) -> SweepPiece:
         """What is kept of runs that cannot be made."""
-        lost = Ensemble.empty(self.outputs, len(rows), len(self.times), Status.LOST)
+        lost = Ensemble.empty(self.outputs, len(rows), len(self.times), Status.LOST, len(self.measures))
         return self._kept(self.values(rows), lost)
 
     @cached_property
     def _ready(self) -> VariantSetup:
-        return replace(self.course, outputs=self.outputs)
+        """The course with its outputs and measures; without traces it keeps as many samples as runs are compared at."""
+        samples = self.course.samples
+        if self.course.controlled and self.course.runtime not in ACCELERATED and not self.traces:
+            samples = min(samples, FEW)
+        measures = tuple(self.measures.values())
+        return replace(self.course, outputs=self.outputs, measures=measures, samples=samples)
 
     def _kept(self, values: Numbers, ran: Ensemble) -> SweepPiece:
         """Measures and traces; a run that failed has no measures."""
         bad = ran.status >= Status.UNSOLVED
-        with np.errstate(all="ignore"):  # of failed runs
-            found = {
-                words: judge_runs(one, self._ready.system, self.times, ran.columns)
-                for words, one in self.measures.items()
-            }
-        scalars = {words: np.where(bad, np.nan, column) for words, column in found.items()}
+        scalars = {words: np.where(bad, np.nan, row) for words, row in zip(self.measures, ran.numbers, strict=True)}
         scalars |= {ENDED: ran.ended, ACCURACY: ran.accuracy}
         traces = {t.output: ran.columns[t.output][:, self._places(t)] for t in self.traces}
         return SweepPiece(values, scalars, traces, ran.status)

@@ -9,6 +9,7 @@ from martensite.base import units
 from martensite.base.errors import MartensiteError, UnitError
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.measures.base import AbstractMeasure
+from martensite.simulate.measures.run_table import tabulate_samples
 from martensite_testing.conformance import require_condition
 from martensite_testing.examples import build_plant
 
@@ -88,13 +89,17 @@ def make_samples(columns: int = 2) -> Array:
     return out[None, :, None] * rng.uniform(0.5, 2.0, (columns, 1, RUNS)) + ripple
 
 
+def _value(measure: AbstractMeasure, samples: Array) -> Array:
+    return measure.value(tabulate_samples(TIMES, samples))
+
+
 def find_differences(measure: AbstractMeasure, samples: Array) -> Array:
     """Central differences by every sample."""
     found = np.zeros(samples.shape)
     for place in np.ndindex(samples.shape[:2]):
         step = np.zeros(samples.shape)
         step[place] = 1e-6
-        up, down = measure.value(TIMES, samples + step), measure.value(TIMES, samples - step)
+        up, down = _value(measure, samples + step), _value(measure, samples - step)
         found[place] = (up - down) / 2e-6
     return found
 
@@ -111,17 +116,17 @@ def check_unit(measure: AbstractMeasure) -> None:
 def check_runs(measure: AbstractMeasure) -> None:
     """It is one number per run, the same whatever runs are beside it, broken ones too."""
     samples = make_samples()
-    together = measure.value(TIMES, samples)
+    together = _value(measure, samples)
     require_condition(together.shape == (RUNS,), f"Of {RUNS} runs it gives numbers of shape {together.shape}.")
     order = np.array([3, 0, 6, 2, 5, 1, 4])
     broken = samples.copy()
     broken[:, :, 2] = np.nan
     with np.errstate(all="ignore"):
-        found, others = measure.value(TIMES, broken), np.arange(RUNS) != 2
-    alone = [measure.value(TIMES, samples[:, :, k : k + 1])[0] for k in range(RUNS)]
+        found, others = _value(measure, broken), np.arange(RUNS) != 2
+    alone = [_value(measure, samples[:, :, k : k + 1])[0] for k in range(RUNS)]
     same = (
         np.array_equal(alone, together)
-        and np.array_equal(measure.value(TIMES, samples[:, :, order]), together[order])
+        and np.array_equal(_value(measure, samples[:, :, order]), together[order])
         and np.array_equal(found[others], together[others])
     )
     require_condition(same, "The number of a run depends on the runs beside it.")
@@ -130,7 +135,7 @@ def check_runs(measure: AbstractMeasure) -> None:
 def check_weights(measure: AbstractMeasure) -> None:
     """Its weights are its derivatives by every sample."""
     samples = make_samples()
-    weights = measure.weights(TIMES, samples)
+    weights = measure.derivatives(tabulate_samples(TIMES, samples))
     require_condition(weights.shape == samples.shape, f"Its weights have the shape {weights.shape}.")
     require_condition(np.abs(weights).max() > 0.0, "It depends on no sample.")
     meant = find_differences(measure, samples)
@@ -141,7 +146,7 @@ def check_weights(measure: AbstractMeasure) -> None:
 
 def check_still_weights(measure: AbstractMeasure) -> None:
     """The weights of a run in which nothing happens are finite."""
-    still = measure.weights(TIMES, np.zeros((1, len(TIMES), 2)))
+    still = measure.derivatives(tabulate_samples(TIMES, np.zeros((1, len(TIMES), 2))))
     require_condition(np.isfinite(still).all(), "A weight of a run that stays at 0 is not finite.")
 
 

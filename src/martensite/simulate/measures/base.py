@@ -1,11 +1,10 @@
-"""Measures: one number per run, out of the samples of its columns, and how it depends on them.
+"""Measures: one number per run from the rows of a `RunTable`, and its derivatives by every row.
 
     max(stress)   stroke   rise-time   energy   at(position, time=2 s)
 
-A measure looks at one output, or at all outputs of that name of a system with several elements
-(`temperature` finds `first.temperature`, `second.temperature` …). It says its number for many runs
-at once, and its derivatives by every sample, so that a search may follow its slope through the
-march. What lies between samples is not seen.
+A measure reads one output, or all outputs of that name of a system with several elements
+(`temperature` finds `first.temperature`, `second.temperature` …). Rows are the accepted steps of a
+run (`martensite.simulate.track`), so a short pulse in a long run is measured as it was computed.
 """
 
 from __future__ import annotations
@@ -13,17 +12,16 @@ from __future__ import annotations
 import re
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping
-from typing import Any, TypeAlias
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import Parametrised, find_paths, text
 from martensite.base.registry import Registry
+from martensite.simulate.measures.run_table import Numbers, RunTable, tabulate_samples
 
-Numbers: TypeAlias = NDArray[np.float64]
 FIRST = ""
 """Stands for the first coordinate of the mechanism."""
 _CALL = re.compile(r"^\s*([A-Za-z][\w-]*)\s*(?:\(\s*([^()]*?)\s*\))?\s*$")
@@ -32,6 +30,9 @@ _CALL = re.compile(r"^\s*([A-Za-z][\w-]*)\s*(?:\(\s*([^()]*?)\s*\))?\s*$")
 class AbstractMeasure(Parametrised):
     """One number per run."""
 
+    follows_curve: ClassVar[bool] = False
+    """Whether it asks for the course between steps, not only for extremes and integrals."""
+
     of: str = text("output that is looked at; none for the first coordinate", default=FIRST)
 
     @abstractmethod
@@ -39,22 +40,14 @@ class AbstractMeasure(Parametrised):
         """SI unit of the number, from that of the output."""
 
     @abstractmethod
-    def value(self, times: Numbers, seen: Numbers) -> Numbers:
-        """The number of every run.
-
-        Args:
-            times: of the samples [s], (samples,).
-            seen: the columns that are looked at, (columns, samples, runs).
-
-        Returns:
-            One number per run, (runs,); infinite where something never happens.
-        """
+    def value(self, table: RunTable) -> Numbers:
+        """Return the number of every run, (runs,); infinite where something never happens."""
 
     @abstractmethod
-    def weights(self, times: Numbers, seen: Numbers) -> Numbers:
-        """Derivatives of the number by every sample, (columns, samples, runs).
+    def derivatives(self, table: RunTable) -> Numbers:
+        """Return the derivatives of the number by every value, (columns, rows, runs).
 
-        Where there is none, as between two samples that are both the largest, one of both sides.
+        Where the number has none, as between two rows that are both the largest, it is the derivative on one side.
         """
 
     def columns(self, system: AbstractSystem) -> tuple[str, ...]:
@@ -111,7 +104,8 @@ def list_needed(measures: Iterable[AbstractMeasure], system: AbstractSystem) -> 
     return tuple(dict.fromkeys(n for one in measures for n in one.columns(system)))
 
 
-def judge_runs(one: AbstractMeasure, system: AbstractSystem, times: Numbers, columns: Mapping[str, Numbers]) -> Numbers:
-    """The number of every run, from columns (runs, samples) by name."""
-    seen = np.stack([columns[name].T for name in one.columns(system)])
-    return one.value(times, seen)
+def measure_samples(
+    one: AbstractMeasure, system: AbstractSystem, times: Numbers, columns: Mapping[str, Numbers]
+) -> Numbers:
+    """Return the number of every run from stored samples, (runs, samples) by name."""
+    return one.value(tabulate_samples(times, np.stack([columns[name].T for name in one.columns(system)])))

@@ -1,8 +1,7 @@
-"""How long a way takes: from a tenth to nine tenths of it, there and back, to a share of it, to its end.
+"""Rise time, fall time, time to a fraction of the change, and time of the peak.
 
-The way is that from the first sample to the one furthest from it. Crossings lie between samples on
-a straight line; a crossing that does not happen is at an infinite time, and so is every one of a
-way that is nothing but rounding.
+The change is that from the first row to the row farthest from it. A crossing that does not happen
+is at an infinite time, and so is every crossing of a change that is rounding.
 """
 
 from __future__ import annotations
@@ -15,7 +14,8 @@ from numpy.typing import NDArray
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Scalar
-from martensite.simulate.measures.base import MEASURES, AbstractMeasure, Numbers
+from martensite.simulate.measures.base import MEASURES, AbstractMeasure
+from martensite.simulate.measures.run_table import Numbers, RunTable
 
 Places: TypeAlias = NDArray[np.intp]
 Flags: TypeAlias = NDArray[np.bool_]
@@ -25,7 +25,9 @@ LEAST = 1e-12, 1e-9
 
 @MEASURES.register("rise-time")
 class RiseTime(AbstractMeasure):
-    """Time from a tenth to nine tenths of the way out; of several outputs the longest."""
+    """Time from 10 % to 90 % of the change; of several outputs the longest."""
+
+    follows_curve = True
 
     low: Scalar = param("1", "share of the way at which it begins", low=0.0, high=1.0, default=0.1)
     high: Scalar = param("1", "share of the way at which it ends", low=0.0, high=1.0, default=0.9)
@@ -42,39 +44,41 @@ class RiseTime(AbstractMeasure):
         """Seconds."""
         return "s"
 
-    def value(self, times: Numbers, seen: Numbers) -> Numbers:
+    def value(self, table: RunTable) -> Numbers:
         """t(high) − t(low)."""
-        begin, end = (self._crossing(times, seen, share) for share in (self.low, self.high))
+        begin, end = (self._crossing(table, share) for share in (self.low, self.high))
         return _measure_lasting(begin, end).max(axis=0)
 
-    def weights(self, times: Numbers, seen: Numbers) -> Numbers:
+    def derivatives(self, table: RunTable) -> Numbers:
         """Derivatives of both crossings; 0 where one never happens."""
-        begin, end = (self._crossing(times, seen, share) for share in (self.low, self.high))
+        begin, end = (self._crossing(table, share) for share in (self.low, self.high))
         lasting = _measure_lasting(begin, end)
-        longest = np.arange(len(seen))[:, None] == lasting.argmax(axis=0)
+        longest = np.arange(len(table.values))[:, None] == lasting.argmax(axis=0)
         counted = longest & np.isfinite(lasting)
         later = np.where(begin.time <= end.time, 1.0, -1.0)
         return (end.slopes() - begin.slopes()) * np.where(counted, later, 0.0)[:, None, :]
 
-    def _crossing(self, times: Numbers, seen: Numbers, share: float) -> Crossing:
+    def _crossing(self, table: RunTable, share: float) -> Crossing:
         """The last crossing of a share of the way before the turn."""
-        return cross_outwards(times, seen, share)
+        return cross_outwards(table, share)
 
 
 @MEASURES.register("fall-time")
 class FallTime(RiseTime):
     """Time from nine tenths to a tenth of the way, back; infinite if it does not come back."""
 
-    def _crossing(self, times: Numbers, seen: Numbers, share: float) -> Crossing:
+    def _crossing(self, table: RunTable, share: float) -> Crossing:
         """The first crossing of a share of the way after the turn."""
-        way = ColumnCrossings(seen, share)
+        way = ColumnCrossings(table.values, share)
         found: Flags = (way.beyond[:, :-1] > 0.0) & (way.beyond[:, 1:] <= 0.0) & ~way.out
-        return Crossing(times, way, np.where(found.any(axis=1), found.argmax(axis=1), -1))
+        return Crossing(table.times, way, np.where(found.any(axis=1), found.argmax(axis=1), -1))
 
 
 @MEASURES.register("reach-time")
 class ReachTime(AbstractMeasure):
-    """Time from the start of the run to nine tenths of the way out; of several outputs the longest."""
+    """Time from the start of the run to 90 % of the change; of several outputs the longest."""
+
+    follows_curve = True
 
     share: Scalar = param("1", "share of the way that is reached", above=0.0, high=1.0, default=0.9)
 
@@ -82,59 +86,65 @@ class ReachTime(AbstractMeasure):
         """Seconds."""
         return "s"
 
-    def value(self, times: Numbers, seen: Numbers) -> Numbers:
+    def value(self, table: RunTable) -> Numbers:
         """t(share) − t(start)."""
-        return (cross_outwards(times, seen, self.share).time - times[0]).max(axis=0)
+        return (cross_outwards(table, self.share).time - table.times[0]).max(axis=0)
 
-    def weights(self, times: Numbers, seen: Numbers) -> Numbers:
+    def derivatives(self, table: RunTable) -> Numbers:
         """Derivatives of the crossing that is last; 0 where it never happens."""
-        found = cross_outwards(times, seen, self.share)
-        longest = np.arange(len(seen))[:, None] == found.time.argmax(axis=0)
+        found = cross_outwards(table, self.share)
+        longest = np.arange(len(table.values))[:, None] == found.time.argmax(axis=0)
         return found.slopes() * longest[:, None, :]
 
 
 @MEASURES.register("peak-time")
 class PeakTime(AbstractMeasure):
-    """Time from the start of the run to the sample furthest from the first, between samples on a parabola."""
+    """Time from the start of the run to the largest change, on the parabola through three rows."""
+
+    follows_curve = True
 
     def unit(self, unit: str) -> str:
         """Seconds."""
         return "s"
 
-    def value(self, times: Numbers, seen: Numbers) -> Numbers:
+    def value(self, table: RunTable) -> Numbers:
         """Where the slope is zero; of several outputs the longest time."""
-        return (self._find_peaks(times, seen)[0] - times[0]).max(axis=0)
+        return (self._find_peaks(table)[0] - table.times[0]).max(axis=0)
 
-    def weights(self, times: Numbers, seen: Numbers) -> Numbers:
-        """Derivatives by the furthest sample and its neighbours; 0 for a peak at an end of the run."""
-        when, place, slopes = self._find_peaks(times, seen)
-        longest = np.arange(len(seen))[:, None] == when.argmax(axis=0)
-        found = np.zeros(seen.shape)
+    def derivatives(self, table: RunTable) -> Numbers:
+        """Return the derivatives by the farthest row and its neighbours; 0 for a peak at an end of the run."""
+        when, place, slopes = self._find_peaks(table)
+        longest = np.arange(len(table.values))[:, None] == when.argmax(axis=0)
+        found = np.zeros(table.values.shape)
         for k, slope in enumerate(slopes):
             _add_sample(found, place + k - 1, slope * longest)
         return found
 
-    def _find_peaks(self, times: Numbers, seen: Numbers) -> tuple[Numbers, Places, list[Numbers]]:
-        """Time, inner sample next to it, and derivatives by three samples, of every column and run."""
+    def _find_peaks(self, table: RunTable) -> tuple[Numbers, Places, list[Numbers]]:
+        """Return time, inner row next to it, and derivatives by three rows, of every column and run."""
+        seen, times = table.values, np.broadcast_to(table.times, table.values.shape)
         turn: Places = np.abs(seen - seen[:, :1]).argmax(axis=1)
-        place = np.clip(turn, 1, len(times) - 2)
+        place = np.clip(turn, 1, seen.shape[1] - 2)
         before, here, after = (_take_sample(seen, place + k) for k in (-1, 0, 1))
-        first, second = times[place] - times[place - 1], times[place + 1] - times[place]
+        begin, middle, end = (_take_sample(times, place + k) for k in (-1, 0, 1))
+        first, second = middle - begin, end - middle
+        smooth = (first > 0.0) & (second > 0.0)
+        first, second = np.where(smooth, first, 1.0), np.where(smooth, second, 1.0)
         rise, fall = (here - before) / first, (after - here) / second
         bend = np.where(rise == fall, 1.0, rise - fall)
-        inner = (turn == place) & (rise != fall)
-        begin, length = times[place] - 0.5 * first, 0.5 * (first + second)
+        inner = (turn == place) & (rise != fall) & smooth
+        start, length = middle - 0.5 * first, 0.5 * (first + second)
         by_rise, by_fall = (np.where(inner, length * one / bend**2, 0.0) for one in (-fall, rise))
         slopes = [-by_rise / first, by_rise / first - by_fall / second, by_fall / second]
-        return np.where(inner, begin + length * rise / bend, times[turn]), place, slopes
+        return np.where(inner, start + length * rise / bend, _take_sample(times, turn)), place, slopes
 
 
-def cross_outwards(times: Numbers, seen: Numbers, share: float) -> Crossing:
+def cross_outwards(table: RunTable, share: float) -> Crossing:
     """The last crossing of a share of the way before the turn."""
-    way = ColumnCrossings(seen, share)
+    way = ColumnCrossings(table.values, share)
     found: Flags = (way.beyond[:, :-1] <= 0.0) & (way.beyond[:, 1:] > 0.0) & way.out
     last: Places = found.shape[1] - 1 - found[:, ::-1].argmax(axis=1)
-    return Crossing(times, way, np.where(found.any(axis=1), last, -1))
+    return Crossing(table.times, way, np.where(found.any(axis=1), last, -1))
 
 
 class Crossing:
@@ -144,8 +154,9 @@ class Crossing:
         self.way, self.place, self.missing = way, np.maximum(place, 0), (place < 0) | way.none
         begin, end = (_take_sample(way.beyond, self.place + k) for k in (0, 1))
         apart = np.where(self.missing, 1.0, begin - end)
-        length = np.diff(times)[self.place]
-        when = times[self.place] + begin / apart * length
+        runs = np.arange(times.shape[1], dtype=np.intp)
+        length = np.diff(times, axis=0)[self.place, runs]
+        when = times[self.place, runs] + begin / apart * length
         self.time = np.where(self.missing, np.inf, when)
         self.by_begin = -end / apart**2 * length
         self.by_end = begin / apart**2 * length

@@ -1,4 +1,4 @@
-"""Largest and smallest samples and what lies between them; what is seen at a time, or at the end."""
+"""Largest and smallest values, their difference, and values at a time or at the end."""
 
 from __future__ import annotations
 
@@ -12,53 +12,55 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
 from martensite.base.units import DEGREES
 from martensite.kernels.namespace import Scalar
-from martensite.simulate.measures.base import MEASURES, AbstractMeasure, Numbers
+from martensite.simulate.measures.base import MEASURES, AbstractMeasure
+from martensite.simulate.measures.run_table import Numbers, RunTable
 
 
 @MEASURES.register("max")
 class Largest(AbstractMeasure):
-    """Largest sample, of all elements."""
+    """Largest value, of all elements."""
 
     def unit(self, unit: str) -> str:
         """That of the output."""
         return unit
 
-    def value(self, times: Numbers, seen: Numbers) -> Numbers:
+    def value(self, table: RunTable) -> Numbers:
         """max y."""
-        return seen.max(axis=(0, 1))
+        return table.find_highest().max(axis=0)
 
-    def weights(self, times: Numbers, seen: Numbers) -> Numbers:
-        """1 at the largest sample."""
-        return _mark_sample(seen, np.argmax)
+    def derivatives(self, table: RunTable) -> Numbers:
+        """Return 1 at the largest row."""
+        return _mark_row(table.values, np.argmax)
 
 
 @MEASURES.register("min")
 class Smallest(Largest):
-    """Smallest sample, of all elements."""
+    """Smallest value, of all elements."""
 
-    def value(self, times: Numbers, seen: Numbers) -> Numbers:
+    def value(self, table: RunTable) -> Numbers:
         """min y."""
-        return seen.min(axis=(0, 1))
+        return table.find_lowest().min(axis=0)
 
-    def weights(self, times: Numbers, seen: Numbers) -> Numbers:
-        """1 at the smallest sample."""
-        return _mark_sample(seen, np.argmin)
+    def derivatives(self, table: RunTable) -> Numbers:
+        """Return 1 at the smallest row."""
+        return _mark_row(table.values, np.argmin)
 
 
 @MEASURES.register("stroke")
 class Stroke(Largest):
-    """Largest less smallest sample; without an output, of the first coordinate."""
+    """Largest minus smallest value; without an output, of the first coordinate."""
 
     def unit(self, unit: str) -> str:
         """That of a difference."""
         return DEGREES if unit == "K" else unit
 
-    def value(self, times: Numbers, seen: Numbers) -> Numbers:
+    def value(self, table: RunTable) -> Numbers:
         """max y − min y, the widest of several."""
-        return np.ptp(seen, axis=1).max(axis=0)
+        return (table.find_highest() - table.find_lowest()).max(axis=0)
 
-    def weights(self, times: Numbers, seen: Numbers) -> Numbers:
-        """1 at the largest and −1 at the smallest sample of the column that goes furthest."""
+    def derivatives(self, table: RunTable) -> Numbers:
+        """Return 1 at the largest and −1 at the smallest row of the column that varies most."""
+        seen = table.values
         found = np.zeros(seen.shape)
         runs = np.arange(seen.shape[2], dtype=np.intp)
         widest = np.ptp(seen, axis=1).argmax(axis=0)
@@ -70,15 +72,17 @@ class Stroke(Largest):
 
 @MEASURES.register("change")
 class Change(Stroke):
-    """Sample furthest from the first, less the first, with its sign; of several outputs the one that changes most."""
+    """Largest change from the first value, with its sign; of several outputs the one that changes most."""
 
-    def value(self, times: Numbers, seen: Numbers) -> Numbers:
+    def value(self, table: RunTable) -> Numbers:
         """y(t) − y(0) where it is largest in size."""
-        column = self._choose_column(seen)
-        return column[np.abs(column).argmax(axis=0), np.arange(column.shape[1], dtype=np.intp)]
+        first = table.values[:, 0]
+        both = np.stack([table.find_highest() - first, table.find_lowest() - first]).reshape(-1, first.shape[1])
+        return both[np.abs(both).argmax(axis=0), np.arange(first.shape[1], dtype=np.intp)]
 
-    def weights(self, times: Numbers, seen: Numbers) -> Numbers:
-        """1 at that sample and −1 at the first."""
+    def derivatives(self, table: RunTable) -> Numbers:
+        """Return 1 at that row and −1 at the first."""
+        seen = table.values
         found, runs = np.zeros(seen.shape), np.arange(seen.shape[2], dtype=np.intp)
         most = np.abs(seen - seen[:, :1]).max(axis=1).argmax(axis=0)
         found[most, np.abs(self._choose_column(seen)).argmax(axis=0), runs] += 1.0
@@ -86,13 +90,13 @@ class Change(Stroke):
         return found
 
     def _choose_column(self, seen: Numbers) -> Numbers:
-        """What the column that changes most has gone from its start, (samples, runs)."""
+        """Return the change of the column that changes most, (rows, runs)."""
         gone = seen - seen[:, :1]
         return gone[np.abs(gone).max(axis=1).argmax(axis=0), :, np.arange(seen.shape[2], dtype=np.intp)].T
 
 
-def _mark_sample(seen: Numbers, place: Callable[..., Any]) -> Numbers:
-    """1 at one sample of every run."""
+def _mark_row(seen: Numbers, place: Callable[..., Any]) -> Numbers:
+    """Return 1 at one value of every run, else 0."""
     found = np.zeros(seen.shape).reshape(-1, seen.shape[2])
     found[place(seen.reshape(found.shape), axis=0), np.arange(seen.shape[2])] = 1.0
     return found.reshape(seen.shape)
@@ -100,7 +104,9 @@ def _mark_sample(seen: Numbers, place: Callable[..., Any]) -> Numbers:
 
 @MEASURES.register("at")
 class At(AbstractMeasure):
-    """Value at a time, between samples on a straight line; of several elements the largest."""
+    """Value at a time; of several elements the largest."""
+
+    follows_curve = True
 
     time: Scalar = param("s", "when; the end if not given", low=0.0, default=math.inf)
 
@@ -108,33 +114,34 @@ class At(AbstractMeasure):
         """That of the output."""
         return unit
 
-    def value(self, times: Numbers, seen: Numbers) -> Numbers:
+    def value(self, table: RunTable) -> Numbers:
         """y(t)."""
-        return np.einsum("csr,csr->cr", self._shares(times, seen), seen).max(axis=0)
+        return np.einsum("sr,csr->cr", self._weigh_rows(table), table.values).max(axis=0)
 
-    def weights(self, times: Numbers, seen: Numbers) -> Numbers:
-        """The shares of both neighbours, in the column that is largest."""
-        shares = self._shares(times, seen)
-        largest = np.einsum("csr,csr->cr", shares, seen).argmax(axis=0)
-        return shares * (np.arange(len(seen))[:, None] == largest)[:, None, :]
+    def derivatives(self, table: RunTable) -> Numbers:
+        """Return the weights of both neighbours, in the column that is largest."""
+        shares = self._weigh_rows(table)
+        largest = np.einsum("sr,csr->cr", shares, table.values).argmax(axis=0)
+        return shares * (np.arange(len(table.values))[:, None] == largest)[:, None, :]
 
-    def _shares(self, times: Numbers, seen: Numbers) -> Numbers:
-        when = min(self.time, float(times[-1])) if math.isinf(self.time) else self.time
-        if when > times[-1] * (1.0 + 1e-12):
+    def _weigh_rows(self, table: RunTable) -> Numbers:
+        """Return the weights of the rows on both sides of the time, (rows, runs); behind a jump at that time."""
+        times = table.times
+        last = times[-1]
+        when = np.where(math.isinf(self.time), last, self.time)
+        if (when > last * (1.0 + 1e-12)).any() and not math.isinf(self.time):
             raise ParameterError(
-                f"`{self.registered_name}` looks at {when:.6g} s, but the run ends at {times[-1]:.6g} s."
+                f"`{self.registered_name}` looks at {self.time:.6g} s, but the run ends at {last.min():.6g} s."
             )
-        found = np.maximum(1.0 - np.abs(times - when) / _measure_gaps(times, when), 0.0)
-        return np.broadcast_to(found[None, :, None], seen.shape)
+        before = np.clip((times <= when).sum(axis=0) - 1, 0, len(times) - 2)
+        runs = np.arange(times.shape[1], dtype=np.intp)
+        begin, length = times[before, runs], np.diff(times, axis=0)[before, runs]
+        share = np.clip(np.where(length > 0.0, (when - begin) / np.where(length > 0.0, length, 1.0), 1.0), 0.0, 1.0)
+        found = np.zeros(times.shape)
+        found[before, runs], found[before + 1, runs] = 1.0 - share, share
+        return found
 
 
 @MEASURES.register("final")
 class Final(At):
     """Value at the end."""
-
-
-def _measure_gaps(times: Numbers, when: float) -> float:
-    """Length of the interval in which a time is [s]."""
-    last = len(times) - 1
-    place = min(max(int(np.searchsorted(times, when, side="right")), 1), last)
-    return float(times[place] - times[place - 1])

@@ -1,25 +1,20 @@
-"""Integrals over time, by trapezoids on the samples."""
+"""Integrals over time, with the weights of the rows of a run."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from martensite.base.parameters import text
-from martensite.simulate.measures.base import FIRST, MEASURES, AbstractMeasure, Numbers
+from martensite.simulate.measures.base import FIRST, MEASURES, AbstractMeasure
+from martensite.simulate.measures.run_table import Numbers, RunTable
 
 
-def weigh_trapezoids(times: Numbers) -> Numbers:
-    """What every sample counts in an integral [s], (samples,)."""
-    steps = np.diff(times)
-    return 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))
+def sum_weighted(counts: Numbers, values: Numbers) -> Numbers:
+    """Return the sum of all values of every run, each times its weight, (runs,).
 
-
-def sum_weighted(counts: Numbers, seen: Numbers) -> Numbers:
-    """Samples times what each counts, of all columns, (runs,).
-
-    Added one after another: other ways depend on how many runs are beside one.
+    Rows are added one after another, so that the sum of a run does not depend on the other runs.
     """
-    shares = (counts[None, :, None] * seen).reshape(-1, seen.shape[2])
+    shares = (counts[None] * values).reshape(-1, values.shape[2])
     return np.add.accumulate(shares, axis=0)[-1]
 
 
@@ -31,17 +26,17 @@ class Integral(AbstractMeasure):
         """That of the output, times s."""
         return "s" if unit == "1" else f"{unit}*s"
 
-    def counts(self, times: Numbers) -> Numbers:
-        """What every sample counts, (samples,)."""
-        return weigh_trapezoids(times)
+    def weigh(self, table: RunTable) -> Numbers:
+        """Return the weight of every row, (rows, runs)."""
+        return table.weights
 
-    def value(self, times: Numbers, seen: Numbers) -> Numbers:
-        """∫ y dt."""
-        return sum_weighted(self.counts(times), seen)
+    def value(self, table: RunTable) -> Numbers:
+        """Return ∫ y dt."""
+        return sum_weighted(self.weigh(table), table.values)
 
-    def weights(self, times: Numbers, seen: Numbers) -> Numbers:
-        """The trapezoids."""
-        return np.broadcast_to(self.counts(times)[None, :, None], seen.shape).copy()
+    def derivatives(self, table: RunTable) -> Numbers:
+        """Return the weights."""
+        return np.broadcast_to(self.weigh(table)[None], table.values.shape).copy()
 
 
 @MEASURES.register("energy")
@@ -63,9 +58,9 @@ class Mean(Integral):
         """That of the output."""
         return unit
 
-    def counts(self, times: Numbers) -> Numbers:
-        """Trapezoids as shares of the run."""
-        return weigh_trapezoids(times) / (times[-1] - times[0])
+    def weigh(self, table: RunTable) -> Numbers:
+        """Return the weights as fractions of the run."""
+        return table.weights / table.durations
 
 
 @MEASURES.register("rms")
@@ -78,14 +73,12 @@ class RootMeanSquare(AbstractMeasure):
         """That of the output."""
         return unit
 
-    def value(self, times: Numbers, seen: Numbers) -> Numbers:
-        """√(∫ y² dt / T)."""
-        counts = weigh_trapezoids(times) / (times[-1] - times[0])
-        return np.sqrt(sum_weighted(counts, seen**2))
+    def value(self, table: RunTable) -> Numbers:
+        """Return √(∫ y² dt / T)."""
+        return np.sqrt(sum_weighted(table.weights / table.durations, table.values**2))
 
-    def weights(self, times: Numbers, seen: Numbers) -> Numbers:
-        """y Δt / (T rms); 0 for a run that stays at 0."""
-        counts = weigh_trapezoids(times) / (times[-1] - times[0])
-        size = self.value(times, seen)
+    def derivatives(self, table: RunTable) -> Numbers:
+        """Return y Δt / (T rms); 0 for a run that stays at 0."""
+        size = self.value(table)
         safe = np.where(size > 0.0, size, 1.0)
-        return counts[None, :, None] * seen / safe
+        return (table.weights / table.durations)[None] * table.values / safe

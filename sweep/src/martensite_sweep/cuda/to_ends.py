@@ -40,6 +40,7 @@ def march_to_ends(runs: Runs) -> MarchRows:
         ParameterError: a drive has too many segments.
         InputError: there is no device.
     """
+    runs = replace(runs, plan=replace(runs.plan, recorded=False))
     arrays = MarchArrays(runs)
     if not arrays.knows_all():
         raise ParameterError("A drive has too many pieces for the runtime `cuda`; use the runtime `c`.")
@@ -56,7 +57,7 @@ def march_to_ends(runs: Runs) -> MarchRows:
         program.launch("march_to_ends", runs.count, [ctypes.c_longlong(place)])
         memory.fetch(march.rows, arrays.rows)
         memory.fetch(march.numbers, arrays.numbers)
-    return MarchRows(arrays.rows, arrays.numbers, [])
+    return MarchRows(arrays.rows, arrays.numbers, arrays.record)
 
 
 EMPTY_BYTE = 0xFF

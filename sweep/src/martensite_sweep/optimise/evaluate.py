@@ -6,8 +6,8 @@ chain rule
 
     dm/dz_k = Σ_s  (∂m/∂y_s) (∂y_s/∂p_k) (dp_k/dz_k)
 
-with the samples y_s that a measure m looks at. Without a compiler every run is made on plain
-floats, and derivatives are central differences.
+with the values y_s at the ends of steps, from which a measure m is computed. Without a compiler every
+run is made on plain floats, and derivatives are central differences.
 
 Measures are smooth piece by piece: where the hottest sample becomes another, or a coordinate
 meets a stop, derivatives are those of one side. A wire that does not transform at all has
@@ -32,6 +32,7 @@ from martensite.search.box_search import FAILED_GOAL, LARGEST_SLACK, JudgedPoint
 from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.drive_waveforms import grid_of
 from martensite.simulate.measures.base import list_needed
+from martensite.simulate.measures.run_table import tabulate_samples
 from martensite.simulate.waveform_levels import Level, WaveformLevels
 from martensite_sweep.optimise.question import DesignAim, DesignQuestion
 
@@ -88,13 +89,14 @@ class DesignEvaluator:
         levels = [c.level for one in question.free for c in one.targets if c.level is not None]
         self.steering = steering.with_levels(levels)
         self.question, self.step, self.counts = question, step, RunCounts()
+        self.samples = samples
         self.goal_size = 1.0
         """What goals are divided by [SI]."""
         self.widths = np.ones(len(question.free))
         self.scatter = CLOUD_SPREAD * self.widths
         self.system = self.steering.whole
         played = self.steering.system_waveforms()
-        self.grid = grid_of(self.system, played, steering.duration, samples, step)
+        self.grid = grid_of(self.system, played, steering.duration, samples, step, every=True)
         self.times = np.array(self.grid.times)
         self.also = tuple(also)
         every = [aim.measure for aim in (*question.aims, *also) if aim.measure is not None]
@@ -230,13 +232,13 @@ class DesignEvaluator:
     def _value(self, aim: DesignAim, seen: Numbers, numbers: Numbers) -> Numbers:
         if aim.measure is None:
             return numbers[:, aim.place or 0]
-        return aim.measure.value(self.times, np.nan_to_num(self._select_columns(aim, seen)))
+        return aim.measure.value(tabulate_samples(self.times, np.nan_to_num(self._select_columns(aim, seen))))
 
     def _slope(self, aim: DesignAim, seen: Numbers, moved: Numbers) -> Numbers:
         """d(measure)/d(number), (free,)."""
         if aim.measure is None:
             return np.zeros(moved.shape[2])
-        weights = aim.measure.weights(self.times, self._select_columns(aim, seen))[:, :, 0]
+        weights = aim.measure.derivatives(tabulate_samples(self.times, self._select_columns(aim, seen)))[:, :, 0]
         return np.einsum("cs,csf->f", weights, self._select_columns(aim, moved))
 
     def _own_slopes(self) -> Numbers:

@@ -165,12 +165,7 @@ def _refine_step(
 def _halve_step(old: DesignEvaluator) -> DesignEvaluator:
     """The same designs in steps half as long; it goes on counting."""
     designs = DesignEvaluator(
-        old.steering,
-        old.question,
-        samples=len(old.times),
-        step=0.5 * old.grid.longest,
-        also=old.also,
-        native=old.native,
+        old.steering, old.question, samples=old.samples, step=0.5 * old.grid.longest, also=old.also, native=old.native
     )
     designs.counts, designs.goal_size = old.counts, old.goal_size
     return designs

@@ -1,0 +1,88 @@
+"""What measures read: the rows of many runs side by side, from tracks or from stored samples."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.simulate.track import Track, weigh_trapezoids
+
+Numbers: TypeAlias = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class RunTable:
+    """Rows of runs in the order of time; shorter runs repeat their last row, with no weight."""
+
+    times: Numbers
+    """[s], (rows, runs); the same time on both sides of a jump."""
+    values: Numbers
+    """SI, (columns, rows, runs)"""
+    weights: Numbers
+    """Weight of every row in an integral over time [s], (rows, runs)."""
+    highest: Numbers | None = None
+    """Highest value of every column, peaks between rows included, (columns, runs); None where rows are all there is."""
+    lowest: Numbers | None = None
+
+    @property
+    def durations(self) -> Numbers:
+        """Length of every run [s], (runs,)."""
+        return self.times[-1] - self.times[0]
+
+    def find_highest(self) -> Numbers:
+        """Return the highest value of every column, (columns, runs)."""
+        return self.values.max(axis=1) if self.highest is None else self.highest
+
+    def find_lowest(self) -> Numbers:
+        """Return the lowest value of every column, (columns, runs)."""
+        return self.values.min(axis=1) if self.lowest is None else self.lowest
+
+
+def tabulate_samples(times: Numbers, values: Numbers) -> RunTable:
+    """Return the table of stored samples, from times (samples,) and values (columns, samples, runs)."""
+    wide = np.broadcast_to(np.asarray(times, float)[:, None], values.shape[1:])
+    weights = np.broadcast_to(weigh_trapezoids(np.asarray(times, float))[:, None], values.shape[1:])
+    return RunTable(wide, values, weights)
+
+
+def tabulate_track(track: Track, columns: Sequence[int], runs: int, curve: bool) -> RunTable:
+    """Return the table of a track.
+
+    Args:
+        track: of `runs` runs; a run without rows has no numbers.
+        columns: places of the outputs.
+        runs: number of runs.
+        curve: also give the course between steps.
+    """
+    some = track.choose(columns)
+    highest, lowest = find_extremes(some, runs)
+    some = some.draw_curve() if curve else some
+    counts = np.bincount(some.run, minlength=runs)
+    ends = np.cumsum(counts)
+    number = np.arange(max(int(counts.max(initial=0)), 1))[:, None]
+    place, inside = np.minimum(number, np.maximum(counts - 1, 0)) + (ends - counts), number < counts
+    if not len(some.times):
+        nothing = np.full((len(columns), 1, runs), np.nan)
+        return RunTable(np.zeros((1, runs)), nothing, np.zeros((1, runs)), nothing[:, 0], nothing[:, 0])
+    place = np.minimum(place, len(some.times) - 1)
+    values = np.where(counts > 0, np.moveaxis(some.values[place], 2, 0), np.nan)
+    return RunTable(some.times[place], values, np.where(inside, some.weights[place], 0.0), highest, lowest)
+
+
+def find_extremes(track: Track, runs: int) -> tuple[Numbers, Numbers]:
+    """Return the highest and the lowest value of every output in every run, (outputs, runs); NaN for no rows."""
+    found = list[Numbers]()
+    for sign in (1.0, -1.0):
+        most = np.full((runs, track.values.shape[1]), -np.inf)
+        if len(track.run):
+            starts = np.flatnonzero(np.append(True, track.run[1:] != track.run[:-1]))
+            most[track.run[starts]] = np.maximum.reduceat(sign * track.values, starts, axis=0)
+        for peak in track.find_peaks(sign):
+            run = track.run[track.steps.rows[peak.step, 0]]
+            most[run, peak.column] = max(most[run, peak.column], sign * peak.value)
+        found.append(np.where(np.isinf(most), np.nan, sign * most).T)
+    return found[0], found[1]

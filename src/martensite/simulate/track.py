@@ -1,0 +1,510 @@
+r"""Tracks: the outputs of runs at every accepted step, from which measures and alarms are computed.
+
+A march records each accepted step in pieces: two halves of a step with error control, or one whole
+step of a given length. A record row holds
+
+    run, part, begin, length,  (after, before, mean, square, low, high, lapse) of each drive,  state at the end
+
+`after` and `before` are the signals at both ends of the piece, without tones. Stored samples would
+miss a pulse between two of them. The rows of a track do not: they stand at both ends of every
+piece, on both sides of every jump of a drive, and at the levels of a drive that switches within a
+piece. Such a drive is replaced by four levels that have its mean, its mean square and its extremes;
+the duration of each level is right, their order is not. A tone is read at Gauss-Lobatto nodes and
+at its extremes.
+
+A column follows the polynomial through the five nearest nodes on one side of a jump where its term
+of the fourth order is small, else a straight line. Peaks between nodes come from that polynomial.
+Integrals use Simpson's rule over the halves of a step, and the trapezoidal rule over whole steps.
+
+Source: interpolation and quadrature, textbook (Stoer and Bulirsch, Introduction to Numerical Analysis).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.signals.base import AbstractWaveform
+from martensite.simulate.marching import FIRST, SECOND, START, WHOLE
+
+Numbers: TypeAlias = NDArray[np.float64]
+Places: TypeAlias = NDArray[np.intp]
+Flags: TypeAlias = NDArray[np.bool_]
+Observe: TypeAlias = Callable[[Numbers, Numbers, Places], Numbers]
+"""Outputs (rows, outputs) from states (rows, size), signals (rows, drives) and the run of every row."""
+HEAD = 4
+"""Numbers of a record row before the drives."""
+AFTER, BEFORE, MEAN, SQUARE, LOW, HIGH, LAPSE = range(7)
+PER_DRIVE = 7
+WEIGHTS = {WHOLE: (0.5, 0.5), FIRST: (1.0 / 3.0, 2.0 / 3.0), SECOND: (2.0 / 3.0, 1.0 / 3.0)}
+"""Weights of both ends of a piece in an integral, as fractions of its length."""
+JUMP = 1e-9
+"""Relative change of a signal below which it does not jump."""
+RESOLVED_ANGLE = 4.0
+"""Angle [rad] of a tone in a piece up to which its course is followed."""
+LOBATTO = (0.08488805186071652, 0.2655756032646429, 0.5, 0.7344243967353571, 0.9151119481392835)
+"""Inner nodes of the Gauss-Lobatto rule of seven points on [0, 1]."""
+LOBATTO_WEIGHTS = (0.1384130236807830, 0.2158726906049313, 0.2438095238095238, 0.2158726906049313, 0.1384130236807830)
+LOBATTO_END = 0.0238095238095238
+"""Weight of both end points of that rule."""
+LOOKED_AT = 17
+"""Points of a piece or a step among which extremes are looked for."""
+REFINED = 8
+"""Steps in which a peak is looked for: those that promise the highest."""
+LAST = 1e9
+"""Order of the row at the end of a piece."""
+SMOOTH = 0.02
+"""Largest term of the fourth order of a polynomial that is trusted, as a fraction of the change in its step."""
+NOWHERE = np.empty(0, np.intp), np.empty(0)
+BETWEEN = (0.125, 0.25, 0.375, 0.625, 0.75, 0.875)
+"""Places in a step at which a curve has points besides the nodes."""
+
+
+def record_width(drives: int, size: int) -> int:
+    """Return how many numbers a record row has."""
+    return HEAD + PER_DRIVE * drives + size
+
+
+def observe_on_floats(function: Callable[..., tuple[float, ...]], outputs: Sequence[int]) -> Observe:
+    """Return the function that computes some outputs of the states of one run on plain floats."""
+    places = list(outputs)
+
+    def observe(states: Numbers, signals: Numbers, run: Places) -> Numbers:
+        rows = np.concatenate([states, signals], axis=1).tolist()
+        return np.array([function(*row) for row in rows], float)[:, places]
+
+    return observe
+
+
+def tabulate_tones(rows: Sequence[Sequence[AbstractWaveform]]) -> Numbers:
+    """Return amplitude, angular frequency and phase of all tones, (runs or 1, drives, tones, 3); 0 where none is."""
+    most = max((len(wave.tones()) for row in rows for wave in row), default=0)
+    found = np.zeros((len(rows), max((len(row) for row in rows), default=0), most, 3))
+    for run, row in enumerate(rows):
+        for drive, wave in enumerate(row):
+            for place, tone in enumerate(wave.tones()):
+                found[run, drive, place] = tone
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """Rows of a track at the start, the middle and the end of every step that has halves."""
+
+    rows: Places
+    """(steps, 3)"""
+    joined: Flags
+    """Whether the step before it is joined without a jump, (steps,)."""
+    plain: Flags
+    """Whether no drive jumps or swings within it, (steps,)."""
+
+
+class Peak(NamedTuple):
+    """A peak of a column within a step."""
+
+    step: int
+    column: int
+    share: float
+    """Where in the step, from 0 to 1."""
+    value: float
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """Outputs at every accepted step of one run or several; rows of a run stand together, in the order of time."""
+
+    run: Places
+    """(rows,)"""
+    times: Numbers
+    """[s], (rows,); the same time on both sides of a jump."""
+    values: Numbers
+    """SI, (rows, outputs)"""
+    weights: Numbers
+    """Weight of every row in an integral over time [s], (rows,)."""
+    steps: Steps
+    swinging: Flags
+    """Whether an output depends on the signals, (outputs,)."""
+
+    def cut(self, end: Flags) -> Track:
+        """Return the track without some rows, and without the steps that they belong to."""
+        places = np.cumsum(end) - 1
+        kept = end[self.steps.rows].all(axis=1)
+        rows = places[self.steps.rows[kept]]
+        steps = Steps(rows, self.steps.joined[kept], self.steps.plain[kept])
+        return Track(self.run[end], self.times[end], self.values[end], self.weights[end], steps, self.swinging)
+
+    def choose(self, columns: Sequence[int]) -> Track:
+        """Return the track with some of its outputs."""
+        places = list(columns)
+        kept = self.values[:, places], self.weights, self.steps, self.swinging[places]
+        return Track(self.run, self.times, *kept)
+
+    def draw_curve(self, followed: Sequence[int] | None = None) -> Track:
+        """Return the track with more rows within its steps.
+
+        There, `followed` columns (all if None) are on the polynomials that they follow, others on straight lines. There
+        are rows at the highest and the lowest value of these columns, too, if the track is of a single run.
+        """
+        rows = self.steps.rows
+        columns = list(range(self.values.shape[1]) if followed is None else followed)
+        alone = len(self.run) > 0 and self.run[0] == self.run[-1]
+        peaks = self.choose(columns)._place_peaks() if alone else NOWHERE
+        inner = np.flatnonzero(self.steps.plain)
+        step = np.concatenate([peaks[0], np.repeat(inner, len(BETWEEN))])
+        share = np.concatenate([peaks[1], np.tile(BETWEEN, len(inner))])
+        if not len(step):
+            return self
+        late = share > 0.5
+        first, last = (self.values[np.where(late, rows[step, k + 1], rows[step, k])] for k in (0, 1))
+        values = first + (2.0 * share - late)[:, None] * (last - first)
+        values[:, columns] = self._interpolate(step, share[:, None], columns)[:, 0]
+        start, end = self.times[rows[step, 0]], self.times[rows[step, 2]]
+        times = start + share * (end - start)
+        before = rows[step, 0] + np.where(share < 0.5, 0.0, rows[step, 1] - rows[step, 0]) + share
+        for k in np.flatnonzero(~self.steps.plain[step]):  # where rows stand between the nodes already
+            first, last = rows[step[k], 0], rows[step[k], 2]
+            before[k] = first + int(np.searchsorted(self.times[first:last], times[k], side="right")) - 0.5
+        at = np.argsort(np.concatenate([np.arange(len(self.times)), before]), kind="stable")
+        nothing = Steps(np.empty((0, 3), np.intp), np.empty(0, np.bool_), np.empty(0, np.bool_))
+        return Track(
+            np.concatenate([self.run, self.run[rows[step, 0]]])[at],
+            np.concatenate([self.times, times])[at],
+            np.concatenate([self.values, values])[at],
+            np.concatenate([self.weights, np.zeros(len(step))])[at],
+            nothing,
+            self.swinging,
+        )
+
+    def _place_peaks(self) -> tuple[Places, Numbers]:
+        """Return step and place of the highest and the lowest value of every column, where they are within a step."""
+        found = [peak for sign in (1.0, -1.0) for peak in self.find_peaks(sign)]
+        steps, shares = [peak.step for peak in found], [peak.share for peak in found]
+        return np.array(steps, np.intp), np.array(shares, float)
+
+    def find_peaks(self, sign: float) -> list[Peak]:
+        """Return the peaks within steps that are beyond every row of their run; `sign` is -1 for lowest values."""
+        rows = self.steps.rows
+        if not len(rows):
+            return []
+        starts = np.flatnonzero(np.append(True, self.run[1:] != self.run[:-1]))
+        most = np.maximum.reduceat(sign * self.values, starts, axis=0)
+        own = np.searchsorted(self.run[starts], self.run[rows[:, 0]])
+        a, b, c = (sign * self.values[rows[:, k]] for k in range(3))
+        bend, rise = a - 2.0 * b + c, c - a
+        turns = (bend < 0.0) & (np.abs(rise) < 2.0 * np.abs(bend))
+        top = b - np.divide(rise * rise, 8.0 * bend, where=turns, out=np.zeros_like(b))
+        ends = np.maximum(np.maximum(a, b), c)
+        hope = np.where(turns, top + (top - ends), -np.inf)
+        hope[hope <= most[own]] = -np.inf
+        found = list[Peak]()
+        for column in np.flatnonzero(hope.max(axis=0) > -np.inf):
+            for run in np.unique(own[hope[:, column] > -np.inf]):
+                some = np.flatnonzero((own == run) & (hope[:, column] > -np.inf))
+                best = some[np.argsort(-hope[some, column])[:REFINED]]
+                found += self._refine_peaks(best, column, sign, most[run, column])
+        return found
+
+    def _refine_peaks(self, steps: Places, column: int, sign: float, least: float) -> list[Peak]:
+        """Return the highest of the peaks of a column in some steps of a run, if it is above `least`."""
+        points = np.linspace(0.0, 1.0, LOOKED_AT)
+        values = sign * self._interpolate(steps, np.broadcast_to(points, (len(steps), LOOKED_AT)), [column])[:, :, 0]
+        place = np.clip(values.argmax(axis=1), 1, LOOKED_AT - 2)
+        before, here, after = (values[np.arange(len(steps)), place + k] for k in (-1, 0, 1))
+        bend, rise = after - 2.0 * here + before, after - before
+        inner = (bend < 0.0) & (np.abs(rise) < 2.0 * np.abs(bend))
+        safe = np.where(inner, bend, -1.0)
+        tops = np.where(inner, here - rise * rise / (8.0 * safe), -np.inf)
+        best = int(tops.argmax())
+        if not tops[best] > least:
+            return []
+        share = points[place[best]] - 0.5 * rise[best] / safe[best] * points[1]
+        return [Peak(int(steps[best]), int(column), float(share), float(sign * tops[best]))]
+
+    def _interpolate(self, some: Places, shares: Numbers, columns: Sequence[int] | None = None) -> Numbers:
+        """Return columns, all if None, at places within some steps, (steps, places, columns)."""
+        table = self.values if columns is None else self.values[:, columns]
+        swinging = self.swinging if columns is None else self.swinging[columns]
+        rows, plain = self.steps.rows[some], self.steps.plain[some]
+        times, values = self.times[rows], table[rows]
+        at = times[:, :1] + shares * (times[:, 2:] - times[:, :1])
+        late = (shares > 0.5)[:, :, None]
+        share = (2.0 * shares - (shares > 0.5))[:, :, None]
+        ends, begins = (np.where(late, values[:, None, k + 1], values[:, None, k]) for k in (1, 0))
+        found = begins + share * (ends - begins)
+        change = np.ptp(values, axis=1)
+        for ahead in (False, True):
+            stencil, known = self._find_stencil(some, ahead)
+            if known.any():
+                curve, fourth = interpolate_nodes(self.times[stencil], table[stencil], at, times)
+                good = known[:, None] & (fourth <= SMOOTH * change) & (plain[:, None] | ~swinging)
+                found = np.where(good[:, None, :], curve, found)
+        return found
+
+    def _find_stencil(self, some: Places, ahead: bool) -> tuple[Places, Flags]:
+        """Return five nodes about some steps, with the step before or ahead, and which of the steps have them."""
+        last = len(self.steps.rows) - 1
+        other = np.clip(some + 1 if ahead else some - 1, 0, last)
+        known = self.steps.joined[other if ahead else some] & (other != some)
+        rows, more = self.steps.rows[some], self.steps.rows[other]
+        stencil = np.concatenate([rows, more[:, 1:]] if ahead else [more[:, :2], rows], axis=1)
+        return np.where(known[:, None], stencil, rows[:, [0, 0, 0, 1, 2]]), known
+
+
+def interpolate_nodes(nodes: Numbers, values: Numbers, at: Numbers, step: Numbers) -> tuple[Numbers, Numbers]:
+    """Interpolate columns by the polynomial through five nodes.
+
+    Args:
+        nodes: times [s], (steps, 5).
+        values: (steps, 5, columns).
+        at: times at which it is wanted [s], (steps, places).
+        step: start, middle and end of the step [s], (steps, 3).
+
+    Returns:
+        The columns, (steps, places, columns), and the largest term of the fourth order in the step, (steps, columns).
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        table = [values[:, k] for k in range(5)]
+        terms = [table[0]]
+        for order in range(1, 5):
+            spans = (nodes[:, order:] - nodes[:, : 5 - order])[:, :, None]
+            table = [(table[k + 1] - table[k]) / spans[:, k] for k in range(5 - order)]
+            terms.append(table[0])
+        found = terms[4][:, None, :]
+        for order in (3, 2, 1, 0):
+            found = terms[order][:, None, :] + (at - nodes[:, order : order + 1])[:, :, None] * found
+        quarter = step[:, 0] + 0.25 * (step[:, 2] - step[:, 0])
+        reached = np.abs(np.prod(quarter[:, None] - nodes[:, :4], axis=1))
+        fourth = np.abs(terms[4]) * reached[:, None]
+    return found, np.where(np.isfinite(fourth), fourth, np.inf)
+
+
+def track_rows(times: Sequence[float], rows: Sequence[Sequence[float]], outputs: int) -> Track:
+    """Return the track of one run from its outputs at the ends of given steps, on straight lines in between."""
+    time = np.asarray(times, float)
+    values = np.asarray(rows, float).reshape(len(time), -1)[:, :outputs]
+    steps = Steps(np.empty((0, 3), np.intp), np.empty(0, np.bool_), np.empty(0, np.bool_))
+    return Track(np.zeros(len(time), np.intp), time, values, weigh_trapezoids(time), steps, np.ones(outputs, np.bool_))
+
+
+def weigh_trapezoids(times: Numbers) -> Numbers:
+    """Return the weight of every row in an integral by trapezoids [s], of the same shape; rows are along axis 0."""
+    widths = np.diff(times, axis=0)
+    none = np.zeros_like(times[:1])
+    return 0.5 * (np.concatenate([widths, none]) + np.concatenate([none, widths]))
+
+
+# ---------------------------------------------------------------- rows from a record
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """Rows within pieces: which piece, in which order, where in it, with which weight, under which signals."""
+
+    piece: Places
+    order: Numbers
+    share: Numbers
+    weight: Numbers
+    signals: Numbers
+    """(rows, drives)"""
+
+
+class _Pieces:
+    """The pieces of a record."""
+
+    def __init__(self, record: Numbers, drives: int, tones: Numbers) -> None:
+        self.record, self.drives, self.tones = record, drives, tones
+        self.run = record[:, 0].astype(np.intp)
+        self.part, self.begin, self.length = record[:, 1].astype(np.intp), record[:, 2], record[:, 3]
+        self.of_drives = record[:, HEAD : HEAD + PER_DRIVE * drives].reshape(-1, drives, PER_DRIVE)
+        self.end_states = record[:, HEAD + PER_DRIVE * drives :]
+        self.begins = self.part == START
+        self.angle = self._measure_angles()
+
+    def _measure_angles(self) -> Numbers:
+        """Return the largest angle of a tone of every drive in every piece [rad], (pieces, drives)."""
+        if not self.tones.size:
+            return np.zeros((len(self.run), self.drives))
+        fastest = np.where(self.tones[..., 0] != 0.0, self.tones[..., 1], 0.0).max(axis=2)
+        return fastest[self.run if len(fastest) > 1 else 0] * self.length[:, None]
+
+    def sum_tones(self, pieces: Places, times: Numbers, drive: int) -> Numbers:
+        """Return what the tones of a drive add at times [s] in some pieces; both of the same shape."""
+        if not self.tones.size:
+            return np.zeros(times.shape)
+        own = self.tones[self.run[pieces] if len(self.tones) > 1 else np.zeros_like(pieces), drive]
+        angles = own[..., 1] * times[..., None] + own[..., 2]
+        return (own[..., 0] * np.cos(angles)).sum(axis=-1)
+
+    def read_signals(self, pieces: Places, share: Numbers) -> Numbers:
+        """Return the signals at places within pieces of drives that do not jump there, (rows, drives)."""
+        own = self.of_drives[pieces]
+        level = own[:, :, AFTER] + share[:, None] * (own[:, :, BEFORE] - own[:, :, AFTER])
+        times = self.begin[pieces] + share * self.length[pieces]
+        added = [self.sum_tones(pieces, times, drive) for drive in range(self.drives)]
+        return level + np.stack(added, axis=1) if added else level
+
+    def find_jumps(self) -> Flags:
+        """Return for every piece whether a drive jumps at its start."""
+        after, before = self.of_drives[:, :, AFTER], np.roll(self.of_drives[:, :, BEFORE], 1, axis=0)
+        size = np.maximum(np.abs(after), np.abs(before))
+        return (np.abs(after - before) > JUMP * size).any(axis=1) & ~self.begins
+
+    def list_ends(self, first: Flags, varied: Flags, toned: Flags) -> list[_Rows]:
+        """Return the rows at the ends of all pieces, and at the starts of the `first` ones.
+
+        The weights of `varied` pieces are elsewhere, and those of `toned` ones in part.
+        """
+        table = np.array([WEIGHTS[part] for part in (WHOLE, FIRST, SECOND, WHOLE)])  # the last is START
+        weights = table[self.part] * np.where(varied | self.begins, 0.0, self.length)[:, None]
+        weights[toned] = LOBATTO_END * self.length[toned, None]
+        carried = ~first & ~self.begins  # the row of the piece before is that of this start
+        at_end = weights[:, 1] + np.append(np.where(carried, weights[:, 0], 0.0)[1:], 0.0)
+        places, ends = np.flatnonzero(first), np.arange(len(self.part))
+        zeros, ones = np.zeros(len(places)), np.ones(len(ends))
+        shares = np.where(self.begins, 0.0, ones)
+        return [
+            _Rows(places, zeros - 1.0, zeros, weights[places, 0], self.read_signals(places, zeros)),
+            _Rows(ends, LAST * ones, ones, at_end, self.read_signals(ends, shares)),
+        ]
+
+    def place_states(self, pieces: Places, share: Numbers) -> Numbers:
+        """Return the states at places within pieces, on the parabola through the nodes of a step with halves."""
+        at_start = (share == 0.0) & ~self.begins[pieces]
+        found = self.end_states[pieces - at_start]
+        inner = np.flatnonzero((share > 0.0) & (share < 1.0))
+        if not len(inner):
+            return found
+        own, share, last = pieces[inner], share[inner], len(self.part) - 1
+        first, second = (self.part[own] == part for part in (FIRST, SECOND))
+        nodes = [self.end_states[k] for k in (own - 1 - second, own - second, np.minimum(own + first, last))]
+        x = (2.0 * np.where(second, 0.5 + 0.5 * share, 0.5 * share) - 1.0)[:, None]
+        curve = nodes[1] + 0.5 * x * (nodes[2] - nodes[0]) + 0.5 * x * x * (nodes[2] - 2.0 * nodes[1] + nodes[0])
+        curve = np.clip(curve, np.minimum.reduce(nodes), np.maximum.reduce(nodes))
+        line = nodes[0] + share[:, None] * (nodes[1] - nodes[0])
+        found[inner] = np.where((first | second)[:, None], curve, line)
+        return found
+
+    def list_levels(self, places: Places) -> _Rows:
+        """Return rows at the levels of drives that switch within pieces."""
+        own = self.of_drives[places]
+        count, drives = len(places), self.drives
+        levels, shares = spread_levels(own)
+        cuts = np.cumsum(shares, axis=2)[:, :, :-1].reshape(count, -1)
+        owner = np.repeat(np.arange(drives), 3)
+        order = np.argsort(cuts, axis=1, kind="stable")
+        passed = np.stack([np.cumsum(owner[order] == drive, axis=1) for drive in range(drives)], axis=1)
+        passed = np.concatenate([np.zeros((count, drives, 1), np.intp), passed], axis=2)
+        edges = np.concatenate([np.zeros((count, 1)), np.take_along_axis(cuts, order, 1), np.ones((count, 1))], axis=1)
+        signals = np.moveaxis(np.take_along_axis(levels, passed, axis=2), 1, 2)  # (count, intervals, drives)
+        intervals = signals.shape[1]
+        share = np.stack([edges[:, :-1], edges[:, 1:]], axis=2)
+        width = 0.5 * np.diff(edges, axis=1) * self.length[places, None]
+        both = np.repeat(signals[:, :, None, :], 2, axis=2)
+        plain = (own[:, :, LAPSE] <= 0.0)[:, None, None, :]
+        line = (
+            own[:, None, None, :, AFTER] + share[..., None] * (own[:, :, BEFORE] - own[:, :, AFTER])[:, None, None, :]
+        )
+        both = np.where(plain, line, both)
+        return _Rows(
+            np.repeat(places, 2 * intervals),
+            np.tile(np.arange(2.0 * intervals), count),
+            share.ravel(),
+            np.repeat(width.ravel(), 2),
+            both.reshape(-1, drives),
+        )
+
+    def list_tones(self, places: Places) -> list[_Rows]:
+        """Return rows in pieces whose tones are followed: at nodes of an integral, and at extremes."""
+        count, nodes = len(places), len(LOBATTO)
+        piece, share = np.repeat(places, nodes), np.tile(LOBATTO, count)
+        weight = np.tile(LOBATTO_WEIGHTS, count) * self.length[piece]
+        found = [_Rows(piece, share, share, weight, self.read_signals(piece, share))]
+        looked = np.linspace(0.0, 1.0, LOOKED_AT)
+        wide = np.repeat(places, LOOKED_AT)
+        signals = self.read_signals(wide, np.tile(looked, count)).reshape(count, LOOKED_AT, self.drives)
+        for drive in range(self.drives):
+            for sign in (1.0, -1.0):
+                column = sign * signals[:, :, drive]
+                top = column.argmax(axis=1)
+                inner = (top > 0) & (top < LOOKED_AT - 1)
+                a, b, c = (column[inner, top[inner] + k] for k in (-1, 0, 1))
+                bend = np.minimum((c - b) - (b - a), -1e-300)
+                at = looked[top[inner]] - 0.5 * (c - a) / bend * looked[1]
+                own = places[inner]
+                found.append(_Rows(own, at, at, np.zeros(len(own)), self.read_signals(own, at)))
+        return found
+
+    def list_steps(self, ends: Places, starts: Places, jumps: Flags, varied: Flags) -> Steps:
+        """Return the steps with halves, from the rows at the ends of all pieces."""
+        second = np.flatnonzero((self.part == SECOND) & (np.roll(self.part, 1) == FIRST))
+        first = second - 1
+        rows = np.stack([starts[first], ends[first], ends[second]], axis=1)
+        joined = ~jumps[first] & (self.part[first - 1] == SECOND) & ~varied[first - 1]
+        return Steps(rows, joined, ~(varied[first] | varied[second] | jumps[second]))
+
+
+def spread_levels(moments: Numbers) -> tuple[Numbers, Numbers]:
+    """Return four levels of drives, and how long each lasts, with their mean, mean square and extremes.
+
+    Args:
+        moments: of pieces and drives, (pieces, drives, PER_DRIVE).
+
+    Returns:
+        Levels from the lowest to the highest, and durations as fractions of the piece, both (pieces, drives, 4).
+    """
+    mean, square, low, high = (moments[:, :, k] for k in (MEAN, SQUARE, LOW, HIGH))
+    centre, reach = 0.5 * (low + high), 0.5 * (high - low)
+    safe = np.where(reach > 0.0, reach, 1.0)
+    first = np.clip((mean - centre) / safe, -1.0, 1.0)
+    second = np.clip((square - 2.0 * centre * mean + centre * centre) / (safe * safe), first * first, 1.0)
+    outer = second >= np.abs(first)
+    spread = np.sqrt(np.maximum(square - mean * mean, 0.0))
+    inner = [np.where(outer, centre, np.clip(mean + k * spread, low, high)) for k in (-1.0, 1.0)]
+    ends = [np.where(outer, 0.5 * (second + k * first), 0.0) for k in (-1.0, 1.0)]
+    rest = 0.5 * (1.0 - ends[0] - ends[1])
+    return np.stack([low, *inner, high], axis=2), np.stack([ends[0], rest, rest, ends[1]], axis=2)
+
+
+def build_track(record: Numbers, drives: int, tones: Numbers, swinging: Flags, observe: Observe) -> Track:
+    """Compute the outputs of runs at their accepted steps.
+
+    Args:
+        record: rows of all runs, those of a run together and in the order of time.
+        drives: number of drives.
+        tones: of `tabulate_tones`.
+        swinging: for every output whether it depends on signals, (outputs,).
+        observe: the outputs of states under signals.
+
+    Returns:
+        The track, with all outputs in SI.
+    """
+    pieces = _Pieces(record, drives, tones)
+    asks, jumps = bool(swinging.any()), pieces.find_jumps()
+    lapsed = (pieces.of_drives[:, :, LAPSE] > 0.0).any(axis=1) & ~pieces.begins
+    turning = (pieces.angle > 0.0).any(axis=1) & ~pieces.begins
+    followed = turning & (pieces.angle <= RESOLVED_ANGLE).all(axis=1)
+    toned = followed & asks
+    varied = lapsed & ~followed & asks
+    rows = pieces.list_ends(jumps & asks, varied, toned)
+    if varied.any():
+        rows.append(pieces.list_levels(np.flatnonzero(varied)))
+    if toned.any():
+        rows += pieces.list_tones(np.flatnonzero(toned))
+    piece, order, share, weight = (
+        np.concatenate([getattr(one, name) for one in rows]) for name in ("piece", "order", "share", "weight")
+    )
+    signals = np.concatenate([one.signals for one in rows])
+    at = np.lexsort((order, piece))
+    piece, order, share, weight, signals = piece[at], order[at], share[at], weight[at], signals[at]
+    run, states = pieces.run[piece], pieces.place_states(piece, share)
+    times = pieces.begin[piece] + share * pieces.length[piece]
+    ends = np.flatnonzero(order == LAST)
+    starts = np.roll(ends, 1)
+    firsts = np.flatnonzero(order == -1.0)
+    starts[piece[firsts]] = firsts
+    steps = pieces.list_steps(ends, starts, jumps, varied | toned)
+    return Track(run, times, observe(states, signals, run), weight, steps, swinging)
