@@ -69,6 +69,13 @@ class RunOptions:
         ),
     ] = None
     at: Annotated[Text, Option(metavar="TIME", help='When, e.g. "12.3 s" [default: at its end].')] = None
+    measure: Annotated[
+        list[str] | None,
+        Option(
+            metavar="MEASURE",
+            help='Measure to print with a bound on its error, e.g. "max(temperature)" or energy; repeatable.',
+        ),
+    ] = None
     budget: Annotated[Text, Option(metavar="TIME", help='Give up after so much CPU time, e.g. "30 s".')] = None
     carrier: Annotated[
         Text,
@@ -173,6 +180,10 @@ def run_scenario(
     scenario: Scenario, options: RunOptions, outputs: Outputs, log: Record | None = None, *, quiet: bool = False
 ) -> tuple[Result, Summary]:
     """Run a scenario and write what is wanted; nothing is written if anything fails."""
+    from martensite.simulate.measures.base import parse_measure
+
+    for words in options.measure or ():
+        parse_measure(words).columns(scenario.whole)
     record = options.read_record(scenario, log)
     pulses = read_quantity("carrier", options.carrier, "Hz")
     result = options.run(scenario, quiet=quiet)
@@ -182,7 +193,7 @@ def run_scenario(
         _write_files(outputs, scenario, result, record)
     from martensite.show.summaries.run import summarise_run
 
-    return result, summarise_run(scenario, result, agreements, averaging)
+    return result, summarise_run(scenario, result, agreements, averaging, options.measure or ())
 
 
 def _make_pulses(scenario: Scenario, carrier: float) -> Averaging:

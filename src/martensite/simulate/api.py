@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -17,14 +16,14 @@ from martensite.simulate.accuracy import RunEngine, Tell, bound_error, choose_sa
 from martensite.simulate.alarms import add_warnings
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms, grid_of
-from martensite.simulate.envelope import cut_outside, describe_exit, envelope_of, rows_inside
+from martensite.simulate.envelope import describe_exit, envelope_of, rows_inside
 from martensite.simulate.grid import TimeGrid, cut_steps
 from martensite.simulate.ledger import balance_heat, balance_work
 from martensite.simulate.march import Border, march_floats
 from martensite.simulate.marching import Marched, MarchPlan, Row
 from martensite.simulate.restarts import HOME, Relay, Restart, list_samples, place_stops
 from martensite.simulate.result import Result, profiles_of
-from martensite.simulate.track import Track, build_track, tabulate_tones, track_rows
+from martensite.simulate.tracing import AbstractTrace, RowsTrace, RunTrace
 
 RUNTIMES = ("auto", "floats", "c", "jax")
 
@@ -110,24 +109,14 @@ def simulate(
     kept = relay.list_restarts([times[k] for k in compared])
     if runtime == "jax" and not found.status.failed:
         found, accuracy = _on_jax(engine, plan, found, accuracy, start)
-    track = partial(trace_run, system, engine, plan, found)
-    result = replace(_build_result(system, waveform, plan, found, accuracy, engine.used, track), restarts=kept)
+    trace = RunTrace(system, engine, plan, found, relay)
+    result = replace(_build_result(system, waveform, plan, found, accuracy, engine.used, trace), restarts=kept)
     if accuracy is not None and accuracy > tolerance and not found.status.failed:
         result.warnings.append(
             f"Warning: the tolerance of {tolerance:.1e} was not reached in {found.steps:,} steps; "
             f"what is judged may be off by {accuracy:.1e} of its range."
         )
     return result
-
-
-def trace_run(system: AbstractSystem, engine: RunEngine, plan: MarchPlan, found: Marched) -> Track:
-    """Return the outputs of a run at its accepted steps, as far as they are inside the envelope."""
-    outputs = range(len(system.outputs()))
-    swinging = np.array(plan.compiled.swinging[: len(outputs)])
-    record = np.asarray(found.record, float)
-    tones = tabulate_tones([plan.waveforms])
-    track = build_track(record, plan.compiled.drives, tones, swinging, engine.observe(plan, outputs))
-    return cut_outside(system, track) if found.status is Status.OUT_OF_ENVELOPE else track
 
 
 def _on_jax(
@@ -179,12 +168,19 @@ def _in_discrete_time(
     used = {"c": "C", "jax": "JAX"}.get(runtime, "floats")
     kept = relay.list_restarts(grid.times[-1:]) if found.state else []
     rows = list(rows_inside(system, found.rows)) if found.status is Status.OUT_OF_ENVELOPE else found.rows
-    trace = partial(track_rows, grid.times[: len(rows)], rows, len(system.outputs()))
+    kept_all = whole.stored is not ...
+    trace = RowsTrace(grid.times[: len(rows)], rows, len(system.outputs())) if kept_all else None
     stored = {start.time, *np.asarray(whole.times)[whole.stored].tolist()}
     places = [k for k, time in enumerate(grid.times) if time in stored]
     plan = replace(plan, times=[grid.times[k] for k in places])
     found = replace(found, rows=[found.rows[k] for k in places if k < len(found.rows)])
-    return replace(_build_result(system, waveform, plan, found, None, used, trace), restarts=kept)
+    result = replace(_build_result(system, waveform, plan, found, None, used, trace), restarts=kept)
+    if not kept_all and len(whole.lengths) > len(whole.times):
+        result.warnings.append(
+            f"Caution: the run has {len(whole.lengths):,} steps; its measures and alarms come from "
+            f"{len(whole.times):,} stored samples."
+        )
+    return result
 
 
 def _march_grid(
@@ -241,7 +237,7 @@ def _build_result(
     found: Marched,
     accuracy: float | None,
     runtime: str,
-    trace: Callable[[], Track] | None = None,
+    trace: AbstractTrace | None = None,
 ) -> Result:
     leaves = found.status is Status.OUT_OF_ENVELOPE
     names = list(system.outputs())

@@ -34,7 +34,7 @@ from martensite.simulate.grid import MOST_STEPS
 from martensite.simulate.march import FloatWalk
 from martensite.simulate.marching import Marched, Row
 from martensite.simulate.result import Result
-from martensite.simulate.track import Track, track_rows
+from martensite.simulate.tracing import AbstractTrace, RowsTrace
 
 ELECTRICAL = ("drive", "resistance", "current", "voltage", "power")
 """Outputs that are measured while the source is on."""
@@ -255,23 +255,23 @@ class _Walk:
             found.status_time,
             count,
             self.longest,
-            trace=self._trace,
+            trace=self._trace(),
         )
         ends = self._columns(self.ends)
         if found.status is Status.OUT_OF_ENVELOPE:
             result.warnings.append(describe_exit(plan.system, found.time, found.place, found.value))
         return LoopResult(add_warnings(result), plan.period, self.signals, ends, self._columns(self.sums))
 
-    def _trace(self) -> Track:
+    def _trace(self) -> AbstractTrace:
         """Return the outputs at both ends of all steps, with what the drive asked for."""
         rows = [row for _, row in self.passed]
         kept = rows if self.walk.gone is None else list(rows_inside(self.plan.system, rows))
         times, place = [time for time, _ in self.passed[: len(kept)]], self.names.index("drive")
-        track = track_rows(times, kept, len(self.names))
+        table = np.array(kept)
         if self.plan.pulses:
             periods = np.searchsorted([self.plan.start(k) for k in range(len(self.signals))], times, side="right") - 1
-            track.values[:, place] = np.array(self.signals)[periods]
-        return track
+            table[:, place] = np.array(self.signals)[periods]
+        return RowsTrace(times, table, len(self.names))
 
     def _columns(self, rows: Sequence[Sequence[float]]) -> dict[str, list[float]]:
         return {name: [row[i] for row in rows] for i, name in enumerate(self.names)}

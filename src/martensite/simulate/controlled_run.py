@@ -29,7 +29,7 @@ from martensite.simulate.grid import MOST_STEPS, just_after
 from martensite.simulate.march import Border, FloatWalk
 from martensite.simulate.marching import Marched, Row
 from martensite.simulate.result import Result
-from martensite.simulate.track import Track, track_rows
+from martensite.simulate.tracing import AbstractTrace, RowsTrace
 
 Drives = Mapping[str, AbstractDrive]
 
@@ -197,14 +197,14 @@ class _ControlledWalk:
             found.status_time,
             found.steps,
             plan.period / plan.pieces,
-            trace=self._trace,
+            trace=self._trace(),
         )
         if found.status is Status.OUT_OF_ENVELOPE:
             result.warnings.append(describe_exit(plan.system, found.time, found.place, found.value))
         return add_warnings(result)
 
-    def _trace(self) -> Track:
+    def _trace(self) -> AbstractTrace:
         """Return the outputs at the ends of all steps."""
         rows = [row for _, row in self.passed]
         kept = rows if self.walk.gone is None else list(rows_inside(self.plan.system, rows))
-        return track_rows([time for time, _ in self.passed[: len(kept)]], kept, len(self.names))
+        return RowsTrace([time for time, _ in self.passed[: len(kept)]], kept, len(self.names))

@@ -9,7 +9,7 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, suggest_name
 from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.constant import Constant
-from martensite.simulate.grid import MOST_ROWS, TimeGrid, build_grid, grid_of_samples, require_unit
+from martensite.simulate.grid import TimeGrid, build_grid, grid_of_samples, require_unit
 
 Waveforms = AbstractWaveform | Mapping[str, AbstractWaveform]
 """A waveform, or waveforms by the name of what they drive; what is not named gets none (0)."""
@@ -60,7 +60,7 @@ def grid_of(
 ) -> TimeGrid:
     """Return the time grid of a run; a system in discrete time has its own steps, whatever `step`.
 
-    With `every`, the outputs of a run that is not too long are kept at the end of each step, for measures.
+    With `every`, outputs are kept at the ends of steps, for measures.
     """
     waves, interval = arrange_waveforms(system, waveform), system.sample_time()
     if interval:
@@ -68,4 +68,4 @@ def grid_of(
         return grid_of_samples(waves, duration, samples, interval, ahead, every)
     at_end = [drive.at_end for drive in system.drives()]
     grid = build_grid(waves, duration, samples, step, at_end)
-    return grid.keep_every_step(waves) if every and len(grid.lengths) <= MOST_ROWS else grid
+    return grid.keep_steps(waves) if every else grid

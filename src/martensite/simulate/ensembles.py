@@ -142,7 +142,7 @@ class Measuring:
         compiled, observe = runs.plan.compiled, observe_in_c(runs)
         tones = tabulate_tones(runs.own or [runs.plan.waveforms])
         swinging = np.array(compiled.swinging)[list(runs.outputs)]
-        track = build_track(record, compiled.drives, tones, swinging, observe)
+        track = build_track(record, compiled.drives, tones, swinging, observe, runs.plan.tolerance)
         return self.measure_track(track, runs.count)
 
 
@@ -233,7 +233,8 @@ def march_one_by_one(
             swinging = np.array(plan.compiled.swinging)[places]
             observe = observe_on_floats(functions["observe"], places)
             record = np.asarray(one.record, float)
-            track = build_track(record, plan.compiled.drives, tabulate_tones([waveforms]), swinging, observe)
+            tones = tabulate_tones([waveforms])
+            track = build_track(record, plan.compiled.drives, tones, swinging, observe, tolerance)
             found.numbers[:, run] = measuring.measure_track(track, 1)[:, 0]
         found.status[run], found.ended[run] = one.status, one.time
         inside = one.status is Status.OUT_OF_ENVELOPE or not one.status.failed

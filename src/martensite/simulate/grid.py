@@ -20,8 +20,12 @@ from martensite.signals.reader import Reader
 MOST_STEPS = 20_000_000
 JUMP = 1e-6
 """Relative change of a signal below which it does not jump."""
-MOST_ROWS = 200_000
+MOST_ROWS = 20_000
 """Steps of a run up to which its outputs are kept at the end of each."""
+MOST_PERIODS = 400_000
+"""The same of a run in discrete time."""
+THINNED = 0.02
+"""Time between samples of a longer run, as a fraction of the time since the last jump."""
 JUST_AFTER = 1e-9
 """Where in a sample of a system in discrete time signals are read, as a share of it: after a
 jump at its start, whatever rounding does to times."""
@@ -45,22 +49,34 @@ class TimeGrid:
     stored: Any = ...
     """Which of the samples a user asked for; the others are ends of steps, for measures."""
 
-    def keep_every_step(self, waveforms: Sequence[AbstractWaveform]) -> TimeGrid:
-        """Return the grid with a sample at the end of every step, and one on each side of a jump there."""
-        readers = [Reader(waveform) for waveform in waveforms]
+    def keep_steps(self, waveforms: Sequence[AbstractWaveform]) -> TimeGrid:
+        """Return the grid with a sample at the end of every step, and one on each side of a jump there.
+
+        In a run of more than `MOST_ROWS` steps, the time between samples grows with the time since the last jump or
+        stored sample, to `THINNED` of it.
+        """
+        readers, thin = [Reader(waveform) for waveform in waveforms], len(self.lengths) > MOST_ROWS
+        edges = [] if not thin else sorted({edge for wave in waveforms for edge in wave.edges(self.times[-1])})
         times, sampled, counts, stored = self.times[:1], self.sampled[:1], list[int](), [0]
-        lengths = iter(self.lengths)
-        for place, count in enumerate(self.counts, 1):
-            time = self.times[place - 1]
+        lengths, skipped, event, place = iter(self.lengths), 0, self.times[0], 0
+        for interval, count in enumerate(self.counts, 1):
+            time = self.times[interval - 1]
             for left in range(count - 1, -1, -1):
                 length = next(lengths)
-                time, hair = (time + length if left else self.times[place]), JUST_AFTER * length
-                after = tuple(reader.value(time + hair) for reader in readers) if left else self.sampled[place]
+                time, hair = (time + length if left else self.times[interval]), JUST_AFTER * length
+                at_edge = place < len(edges) and edges[place] < time + hair
+                if left and thin and not at_edge and time - times[-1] + 0.5 * length < THINNED * (time - event):
+                    skipped += 1
+                    continue
+                after = tuple(reader.value(time + hair) for reader in readers) if left else self.sampled[interval]
                 before = tuple(reader.value(time - hair) for reader in readers)
-                rows = [(before, 1), (after, 0)] if is_jump(before, after) else [(after, 1)]
-                times += [time] * len(rows)
-                sampled += [signals for signals, _ in rows]
-                counts += [steps for _, steps in rows]
+                jumps = is_jump(before, after)
+                place += at_edge
+                event = time if at_edge else event
+                times += [time] * (1 + jumps)
+                sampled += [before, after] if jumps else [after]
+                counts += [1 + skipped, 0] if jumps else [1 + skipped]
+                skipped = 0
                 for reader in readers:
                     reader.forget(time - length)
             stored.append(len(times) - 1)
@@ -267,7 +283,7 @@ def grid_of_samples(
         tuple(late if later else now for now, late, later in zip(*pair, ahead, strict=True))
         for pair in pairwise(signals)
     ]
-    kept = list(range(steps + 1)) if every and steps <= MOST_ROWS else ends
+    kept = list(range(steps + 1)) if every and steps <= MOST_PERIODS else ends
     return TimeGrid(
         [k * interval for k in kept],
         [signals[k] for k in kept],

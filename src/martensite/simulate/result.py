@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from importlib import import_module
@@ -25,6 +25,7 @@ from martensite.simulate.measures.base import measure_samples, parse_measure
 from martensite.simulate.measures.run_table import find_extremes, tabulate_track
 from martensite.simulate.provenance import NOT_TRIED, tell_conformance
 from martensite.simulate.restarts import Restart, name_state
+from martensite.simulate.tracing import AbstractTrace
 from martensite.simulate.track import Track
 
 if TYPE_CHECKING:
@@ -111,7 +112,7 @@ class Result:
     """Temperature [K] that the mean of a drive over a step leaves out, at most."""
     variants: Variants | None = None
     """Of a batch; None for a single run."""
-    trace: Callable[[], Track] | None = None
+    trace: AbstractTrace | None = None
     """Computes `track`; None where only samples are known."""
     restarts: list[Restart] = field(default_factory=list["Restart"])
     """Where another run can go on: at the end, and at times that were asked for; none of a run that stopped early."""
@@ -197,7 +198,7 @@ class Result:
 
     def _collect_numbers(self) -> dict[str, Any]:
         """Everything but the columns, by name in SI."""
-        ends = {name: self._ends(name) for name in self.outputs}
+        ends = {name: self.find_range(name) for name in self.outputs}
         return {
             "duration": self.times[-1],
             "steps": self.steps,
@@ -237,21 +238,23 @@ class Result:
         return import_module("martensite.show.html").render_fragment(self.summary())
 
     def _write_ends(self, name: str) -> list[str]:
-        return [write_quantity(end, self.unit(name)) for end in self._ends(name)]
+        return [write_quantity(end, self.unit(name)) for end in self.find_range(name)]
 
-    def _ends(self, name: str) -> tuple[float, float]:
+    def find_range(self, name: str) -> tuple[float, float]:
         """Return the lowest and the highest value of a column in the run, over all variants."""
         if self.variants is None:
             column = self.times if name == "time" else self.columns[name]
             low, high = self.extremes.get(name, (math.inf, -math.inf))
-            return min(low, *column), max(high, *column)
+            low, high = min(low, *column), max(high, *column)
+            nothing = ROUNDING * max(abs(low), abs(high))
+            return low if abs(low) > nothing else 0.0, high if abs(high) > nothing else 0.0
         numpy: Any = import_module("numpy")
         return float(numpy.nanmin(self[name])), float(numpy.nanmax(self[name]))
 
     @cached_property
     def track(self) -> Track | None:
         """Outputs at all accepted steps, from which measures and alarms come; None where only samples are known."""
-        return None if self.trace is None else self.trace()
+        return None if self.trace is None else self.trace.compute_track()
 
     def __getstate__(self) -> dict[str, Any]:
         """Return what is pickled: the track, not the program that computes it."""
@@ -295,15 +298,31 @@ class Result:
     def measure(self, words: str) -> float:
         """Return a measure of a single run in SI, such as `max(temperature)`, `energy` or `rise-time`.
 
+        It comes from the accepted steps; of a result that was read from a file, from its samples.
+
         Raises:
             ParameterError: there is no such measure, or no such output.
         """
         one = parse_measure(words)
-        places = [list(self.outputs).index(name) for name in one.columns(self.system)]
+        names = one.columns(self.system)
         if self.track is None:
-            columns = {name: self[name][None] for name in one.columns(self.system)}
+            columns = {name: self[name][None] for name in names}
             return float(measure_samples(one, self.system, self["time"], columns)[0])
+        places = self._place_outputs(names)[1]
         return float(one.value(tabulate_track(self.track, places, 1, one.follows_curve))[0])
+
+    def bound(self, words: str) -> float | None:
+        """Return a bound on the error of a measure, in its SI unit; None where it is not estimated.
+
+        It is not estimated on given steps, of controllers, and of a result that was read from a file. It costs another
+        run, to a larger tolerance.
+
+        Raises:
+            ParameterError: there is no such measure, or no such output.
+        """
+        one = parse_measure(words)
+        one.columns(self.system)
+        return None if self.trace is None or self.track is None else self.trace.bound_measure(one, self.track)
 
     def require(self) -> Result:
         """Return this result, or raise `SolveError` if the run stopped before its end."""
@@ -334,7 +353,7 @@ class Result:
 
     def range(self, name: str) -> float:
         """Largest minus smallest value of a column, in SI, over all variants."""
-        low, high = self._ends(name)
+        low, high = self.find_range(name)
         return high - low
 
     @property
@@ -395,7 +414,7 @@ class Result:
 
     def _line(self, name: str) -> str:
         """From where to where a column goes, in a readable unit."""
-        low, high = (write_quantity(end, self.unit(name), 4) for end in self._ends(name))
+        low, high = (write_quantity(end, self.unit(name), 4) for end in self.find_range(name))
         number, _, unit = low.partition(" ")
         same = unit and high.endswith(f" {unit}")
         return f"{self.outputs[name].long_name} {number if same else low} to {high}"
@@ -403,6 +422,8 @@ class Result:
 
 LINES = 6
 """Of the summary in `repr`."""
+ROUNDING = 1e-9
+"""Fraction of the largest value of a column that is 0."""
 
 
 def profiles_of(first: int, rows: Sequence[Sequence[float]]) -> dict[str, list[list[float]]]:

@@ -57,8 +57,12 @@ REFINED = 8
 """Steps in which a peak is looked for: those that promise the highest."""
 LAST = 1e9
 """Order of the row at the end of a piece."""
-SMOOTH = 0.02
-"""Largest term of the fourth order of a polynomial that is trusted, as a fraction of the change in its step."""
+SMOOTH = 2.0
+"""Largest term of the fourth order of a polynomial that is trusted, in tolerances."""
+TOLERANCE = 1e-4
+"""Accepted error as a fraction of the range of a column, of runs to no tolerance."""
+NOTICED = 0.1
+"""Height of a peak above all nodes from which on it counts, in tolerances."""
 NOWHERE = np.empty(0, np.intp), np.empty(0)
 BETWEEN = (0.125, 0.25, 0.375, 0.625, 0.75, 0.875)
 """Places in a step at which a curve has points besides the nodes."""
@@ -128,6 +132,8 @@ class Track:
     steps: Steps
     swinging: Flags
     """Whether an output depends on the signals, (outputs,)."""
+    tolerance: float = TOLERANCE
+    """Accepted error of the run, as a fraction of the range of a column."""
 
     def cut(self, end: Flags) -> Track:
         """Return the track without some rows, and without the steps that they belong to."""
@@ -135,13 +141,14 @@ class Track:
         kept = end[self.steps.rows].all(axis=1)
         rows = places[self.steps.rows[kept]]
         steps = Steps(rows, self.steps.joined[kept], self.steps.plain[kept])
-        return Track(self.run[end], self.times[end], self.values[end], self.weights[end], steps, self.swinging)
+        kept = self.run[end], self.times[end], self.values[end], self.weights[end]
+        return Track(*kept, steps, self.swinging, self.tolerance)
 
     def choose(self, columns: Sequence[int]) -> Track:
         """Return the track with some of its outputs."""
         places = list(columns)
         kept = self.values[:, places], self.weights, self.steps, self.swinging[places]
-        return Track(self.run, self.times, *kept)
+        return Track(self.run, self.times, *kept, self.tolerance)
 
     def draw_curve(self, followed: Sequence[int] | None = None) -> Track:
         """Return the track with more rows within its steps.
@@ -177,6 +184,7 @@ class Track:
             np.concatenate([self.weights, np.zeros(len(step))])[at],
             nothing,
             self.swinging,
+            self.tolerance,
         )
 
     def _place_peaks(self) -> tuple[Places, Numbers]:
@@ -199,7 +207,8 @@ class Track:
         top = b - np.divide(rise * rise, 8.0 * bend, where=turns, out=np.zeros_like(b))
         ends = np.maximum(np.maximum(a, b), c)
         hope = np.where(turns, top + (top - ends), -np.inf)
-        hope[hope <= most[own]] = -np.inf
+        noticed = most[own] + NOTICED * self.tolerance * np.ptp(self.values, axis=0)
+        hope[hope <= noticed] = -np.inf
         found = list[Peak]()
         for column in np.flatnonzero(hope.max(axis=0) > -np.inf):
             for run in np.unique(own[hope[:, column] > -np.inf]):
@@ -219,7 +228,7 @@ class Track:
         safe = np.where(inner, bend, -1.0)
         tops = np.where(inner, here - rise * rise / (8.0 * safe), -np.inf)
         best = int(tops.argmax())
-        if not tops[best] > least:
+        if not tops[best] > least + NOTICED * self.tolerance * np.ptp(self.values[:, column]):
             return []
         share = points[place[best]] - 0.5 * rise[best] / safe[best] * points[1]
         return [Peak(int(steps[best]), int(column), float(share), float(sign * tops[best]))]
@@ -235,12 +244,12 @@ class Track:
         share = (2.0 * shares - (shares > 0.5))[:, :, None]
         ends, begins = (np.where(late, values[:, None, k + 1], values[:, None, k]) for k in (1, 0))
         found = begins + share * (ends - begins)
-        change = np.ptp(values, axis=1)
+        extent = SMOOTH * self.tolerance * np.ptp(table, axis=0)
         for ahead in (False, True):
             stencil, known = self._find_stencil(some, ahead)
             if known.any():
                 curve, fourth = interpolate_nodes(self.times[stencil], table[stencil], at, times)
-                good = known[:, None] & (fourth <= SMOOTH * change) & (plain[:, None] | ~swinging)
+                good = known[:, None] & (fourth <= extent) & (plain[:, None] | ~swinging)
                 found = np.where(good[:, None, :], curve, found)
         return found
 
@@ -469,7 +478,9 @@ def spread_levels(moments: Numbers) -> tuple[Numbers, Numbers]:
     return np.stack([low, *inner, high], axis=2), np.stack([ends[0], rest, rest, ends[1]], axis=2)
 
 
-def build_track(record: Numbers, drives: int, tones: Numbers, swinging: Flags, observe: Observe) -> Track:
+def build_track(
+    record: Numbers, drives: int, tones: Numbers, swinging: Flags, observe: Observe, tolerance: float = TOLERANCE
+) -> Track:
     """Compute the outputs of runs at their accepted steps.
 
     Args:
@@ -478,6 +489,7 @@ def build_track(record: Numbers, drives: int, tones: Numbers, swinging: Flags, o
         tones: of `tabulate_tones`.
         swinging: for every output whether it depends on signals, (outputs,).
         observe: the outputs of states under signals.
+        tolerance: accepted error of the runs, as a fraction of the range of a column.
 
     Returns:
         The track, with all outputs in SI.
@@ -507,4 +519,4 @@ def build_track(record: Numbers, drives: int, tones: Numbers, swinging: Flags, o
     firsts = np.flatnonzero(order == -1.0)
     starts[piece[firsts]] = firsts
     steps = pieces.list_steps(ends, starts, jumps, varied | toned)
-    return Track(run, times, observe(states, signals, run), weight, steps, swinging)
+    return Track(run, times, observe(states, signals, run), weight, steps, swinging, tolerance)

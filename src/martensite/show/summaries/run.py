@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from martensite.base.formats import typeset_unit, write_difference, write_quantity
 from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
 from martensite.control.loop.names import describe_controllers
+from martensite.simulate.measures.base import parse_measure
 from martensite.simulate.path_stages import PathStage, list_stages, residual_strain
 
 if TYPE_CHECKING:
@@ -35,16 +36,22 @@ COLUMNS = ("path", "leg", "ξ", "transforms", "starts", "half", "ends", "strain"
 
 
 def summarise_run(
-    scenario: Scenario, result: Result, agreements: Sequence[Agreement] = (), averaging: Averaging | None = None
+    scenario: Scenario,
+    result: Result,
+    agreements: Sequence[Agreement] = (),
+    averaging: Averaging | None = None,
+    measures: Sequence[str] = (),
 ) -> Summary:
-    """Everything about a run."""
+    """Return everything about a run, with some measures and bounds on their errors."""
     own = result.summary()
+    measured = [measure_run(result, words) for words in measures]
     controllers = {} if scenario.bench is None else describe_controllers(scenario.bench)
     warned = len(result.warnings)
     told, warnings = own.blocks[: len(own.blocks) - warned], own.blocks[len(own.blocks) - warned :]
     guard = _collect_guard(scenario)
     blocks = [
         *told,
+        *([tabulate_measures(measured)] if measured else []),
         *_describe_agreements(result, agreements),
         *_describe_averaging(averaging),
         *(Sentence(f"controller of {drive}, {words}") for drive, words in controllers.items()),
@@ -55,6 +62,7 @@ def summarise_run(
         tabulate_key_results(result),
     ]
     data = {"title": scenario.title, **own.data} | {
+        "measures": {one.words: one.to_dict() for one in measured},
         "cautions": scenario.cautions,
         "controllers": controllers,
         "comparison": [asdict(agreement) for agreement in agreements],
@@ -63,6 +71,37 @@ def summarise_run(
     }
     stroke = write_difference(result.stroke, result.unit(result.coordinate))
     return Summary(scenario.title, blocks, data, f"{own.lead}; stroke {stroke}")
+
+
+class MeasuredNumber(NamedTuple):
+    """A measure of a run in SI, with a bound on its error; None where that is not estimated."""
+
+    words: str
+    value: float
+    unit: str
+    bound: float | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return value, unit and bound for JSON."""
+        return {"value": self.value, "unit": self.unit, "bound": self.bound}
+
+    def write_bound(self) -> str:
+        """Return the bound in the unit of the value."""
+        if self.bound is None:
+            return "not estimated"
+        return f"± {write_difference(self.bound, self.unit, 2)}"
+
+
+def measure_run(result: Result, words: str) -> MeasuredNumber:
+    """Return a measure of a single run, such as `max(temperature)`, with a bound on its error."""
+    unit = parse_measure(words).unit_in(result.system)
+    return MeasuredNumber(words, result.measure(words), unit, result.bound(words))
+
+
+def tabulate_measures(measured: Sequence[MeasuredNumber]) -> DataTable:
+    """Return a table of measures with bounds on their errors."""
+    rows = [(one.words, write_quantity(one.value, one.unit), one.write_bound()) for one in measured]
+    return DataTable(("measure", "value", "error"), rows, right=(1, 2))
 
 
 def _collect_guard(scenario: Scenario) -> Summary:
@@ -96,7 +135,7 @@ def _list_peaks(result: Result) -> Iterator[tuple[str, str]]:
     ports = list(result.system.actuators())
     for name, words, choose in PEAKS if ports else ():
         columns = [result.system.label(port, name) for port in ports]
-        value = choose(choose(result.columns[column]) for column in columns)
+        value = choose(choose(result.find_range(column)) for column in columns)
         value = value if abs(value) > NOTHING else 0.0
         number, _, unit = write_quantity(value, result.unit(columns[0]), 4).partition(" ")
         yield words, f"{number} {typeset_unit(unit)}".strip()

@@ -30,6 +30,8 @@ _CALL = re.compile(r"^\s*([A-Za-z][\w-]*)\s*(?:\(\s*([^()]*?)\s*\))?\s*$")
 class AbstractMeasure(Parametrised):
     """One number per run."""
 
+    averages: ClassVar[bool] = False
+    """Whether it is an integral over time."""
     follows_curve: ClassVar[bool] = False
     """Whether it asks for the course between steps, not only for extremes and integrals."""
 

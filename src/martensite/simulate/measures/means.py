@@ -22,6 +22,8 @@ def sum_weighted(counts: Numbers, values: Numbers) -> Numbers:
 class Integral(AbstractMeasure):
     """Integral over the run, of all elements together."""
 
+    averages = True
+
     def unit(self, unit: str) -> str:
         """That of the output, times s."""
         return "s" if unit == "1" else f"{unit}*s"
@@ -66,6 +68,8 @@ class Mean(Integral):
 @MEASURES.register("rms")
 class RootMeanSquare(AbstractMeasure):
     """Root of the mean square over the run; of several elements that of all squares."""
+
+    averages = True
 
     of: str = text("output that is looked at; none for the first coordinate", default=FIRST)
 

@@ -1,0 +1,99 @@
+"""How a result computes its track when it is asked for a measure, and bounds the error of the measure.
+
+A run to a tolerance is made at least twice. The bound of a measure is twice the difference of the
+measure between the last run and the run before, which is made again for this. It is not less than the
+change of the measure if every value it reads were off by half of the tolerance: of the range of its
+column, or, for integrals, of the value itself if this is less.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.status import Status
+from martensite.simulate.accuracy import FINER, FLOOR, LOCAL, SURE, RunEngine
+from martensite.simulate.envelope import cut_outside
+from martensite.simulate.marching import Marched, MarchPlan
+from martensite.simulate.measures.base import AbstractMeasure
+from martensite.simulate.measures.run_table import tabulate_track
+from martensite.simulate.restarts import Relay
+from martensite.simulate.track import Track, build_track, tabulate_tones, track_rows
+
+
+class AbstractTrace(ABC):
+    """Computes the track of a single run."""
+
+    @abstractmethod
+    def compute_track(self) -> Track:
+        """Return the outputs of the run at its accepted steps."""
+
+    def bound_measure(self, one: AbstractMeasure, track: Track) -> float | None:
+        """Return a bound on the error of a measure of the track, in its unit; None where none is known."""
+        return None
+
+
+@dataclass(frozen=True, eq=False)
+class RowsTrace(AbstractTrace):
+    """The track of a run on given steps, of which every step or both sides of it were kept."""
+
+    times: Sequence[float]
+    """[s]"""
+    rows: Sequence[Sequence[float]]
+    """Outputs in SI, as the system lists them."""
+    outputs: int
+
+    def compute_track(self) -> Track:
+        """Return the rows as a track."""
+        return track_rows(self.times, self.rows, self.outputs)
+
+
+@dataclass(frozen=True, eq=False)
+class RunTrace(AbstractTrace):
+    """The track of a run that an error control or a longest step laid out."""
+
+    system: AbstractSystem
+    engine: RunEngine
+    plan: MarchPlan
+    found: Marched
+    relay: Relay
+    """It made the passes of the run."""
+
+    def compute_track(self) -> Track:
+        """Return the outputs of the last pass."""
+        return self._observe(self.found)
+
+    def _observe(self, found: Marched) -> Track:
+        plan, outputs = self.plan, range(len(self.system.outputs()))
+        compiled = plan.compiled
+        swinging = np.array(compiled.swinging[: len(outputs)], np.bool_)
+        tones, observe = tabulate_tones([plan.waveforms]), self.engine.observe(plan, outputs)
+        track = build_track(np.asarray(found.record, float), compiled.drives, tones, swinging, observe, plan.tolerance)
+        return cut_outside(self.system, track) if found.status is Status.OUT_OF_ENVELOPE else track
+
+    def bound_measure(self, one: AbstractMeasure, track: Track) -> float | None:
+        """Return the bound from the pass before the last one; None for given steps and for runs that stopped early."""
+        plan, outputs = self.plan, list(self.system.outputs())
+        if plan.step is not None or self.found.status.failed:
+            return None
+        names = one.columns(self.system)
+        places = [outputs.index(name) for name in names]
+        own = tabulate_track(track, places, 1, one.follows_curve)
+        local = LOCAL[plan.order] * plan.tolerance / FINER ** (len(self.relay.made) - 2)
+        again = replace(self.relay, made=[])
+        before = again(replace(plan, tolerance=local, times=[plan.times[0], plan.times[-1]]))
+        other = tabulate_track(self._observe(before), places, 1, one.follows_curve)
+        apart = abs(float(one.value(own)[0]) - float(one.value(other)[0]))
+        least = dict(plan.compiled.convergence_scales)
+        scales = np.array([max(np.ptp(own.values[k]), least.get(name, 0.0)) for k, name in enumerate(names)])
+        slopes, values = np.abs(one.derivatives(own)[:, :, 0]), np.abs(own.values[:, :, 0])
+        read = slopes.sum(axis=1)
+        off = float((slopes * np.minimum(values, scales[:, None])).sum() if one.averages else read @ scales)
+        kelvin = [self.system.outputs()[name].unit == "K" for name in names]
+        missed = self.found.ripple * float(read @ np.array(kelvin, float))
+        total = max(SURE * apart, FLOOR * plan.tolerance * off) + missed
+        return total if np.isfinite(total) else None
