@@ -42,13 +42,16 @@ def test_a_bench_runs_and_has_no_batches() -> None:
 def test_a_batch_is_a_result_with_one_more_dimension(tmp_path: Path) -> None:
     batch = ms.run(problem_a(), PULSE, 12.0, over={"h0": ["60 W/m^2/K", 100.0]}, samples=51)
     assert batch["position"].shape == (2, 51)
-    assert batch.variants is not None
+    assert batch.variants is not None and batch.variants.accuracy is not None
     assert {name: list(values) for name, values in batch.variants.over.items()} == {
         "environment.cooling.h0": [60.0, 100.0]
     }
     for row, h0 in zip(batch["temperature"], (60.0, 100.0), strict=True):
         single = ms.run(problem_a().with_values({"h0": h0}), PULSE, 12.0, samples=51)
         assert np.abs(row - single["temperature"]).max() <= 2e-4 * single.range("temperature")
+    assert batch.stroke.tolist() == [np.ptp(row) for row in batch["position"]]
+    numbers = batch.summary().data
+    assert numbers["stroke"] == batch.stroke.tolist() and numbers["accuracy"] == batch.variants.accuracy.tolist()
     assert str(batch).startswith("2 variants of 12 s, which differ in environment.cooling.h0: 2 ok")
     assert len(batch._repr_html_()) > 100 and len(repr(batch).splitlines()) <= 9
     assert batch.to_pandas().shape == (102, len(batch.columns))
@@ -59,6 +62,19 @@ def test_a_batch_is_a_result_with_one_more_dimension(tmp_path: Path) -> None:
     assert found["status"].values.tolist() == ["OK", "OK"]
     figure = batch.plot(tmp_path / "batch.svg")
     assert len(figure.axes) == len(batch.columns) and (tmp_path / "batch.svg").stat().st_size > 1000
+
+
+def test_measures_of_a_batch_have_a_value_for_each_variant() -> None:
+    """The source of truth is the same variant, run alone; a variant that is refused has no numbers."""
+    batch = ms.run(problem_a(), PULSE, 12.0, over={"h0": [60.0, 100.0], "A_s": [330.0, 500.0]}, samples=51)
+    alone = ms.run(problem_a().with_values({"h0": 60.0, "A_s": 330.0}), PULSE, 12.0, samples=51)
+    for name in batch.columns:
+        spans = batch.range(name)
+        assert spans.shape == (2,) and np.isnan(spans[1])
+        assert spans[0] == pytest.approx(alone.range(name), rel=1e-3, abs=1e-9)
+    assert batch.stroke[0] == batch.range("position")[0] and batch.range("time").tolist() == [12.0, 12.0]
+    part = ms.run(problem_a(), PULSE, 12.0, over={"h0": [60.0]}, outputs=["temperature"], samples=51)
+    assert part.summary().data["stroke"] is None
 
 
 def test_wrong_arguments_are_a_sentence() -> None:

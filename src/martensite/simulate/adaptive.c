@@ -537,6 +537,12 @@ static void accept_step(march *m, block *b) {
     b->longest = own > b->longest ? own : b->longest;
     record_piece(m, b, 1.0, b->time, b->time + 0.5 * length, b->one[0], b->half);
     record_piece(m, b, 2.0, b->time + 0.5 * length, end, b->two[0], b->full);
+    long long taken[LANES];
+    EACH(i) {
+        taken[i] = b->live[i];
+        for (long k = 0; k < ENVELOPE; k++) taken[i] &= is_inside(b, b->fine, k, i);
+    }
+    add_totals(m, b, taken);
     if (b->at_edge) b->after_edge = MOST_CHANGE * length;
     b->at_edge = 0;
     for (long set = 0; set < SETS; set++)

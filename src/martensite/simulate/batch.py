@@ -23,6 +23,7 @@ from martensite.simulate.drive_waveforms import Waveforms, by_name, grid_of
 from martensite.simulate.ensembles import Ensemble
 from martensite.simulate.grid import TimeGrid
 from martensite.simulate.march import classify_step
+from martensite.simulate.measures.extremes import Largest, Smallest
 from martensite.simulate.native_slopes import march_slopes
 from martensite.simulate.refusals import find_refused
 from martensite.simulate.result import Result, Variants
@@ -96,6 +97,7 @@ def simulate_batch(
     varied = _convert_varied(system, over)
     chosen = _choose_runtime(runtime, step)
     _find_indices(compile_march(system), outputs)
+    known = [name for name in outputs if name in system.outputs()]
     course = VariantSetup(
         system,
         by_name(system, waveform),
@@ -107,6 +109,7 @@ def simulate_batch(
         precision,
         tolerance=tolerance,
         devices=devices,
+        measures=tuple(one(of=name) for name in known for one in (Smallest, Largest)),
     )
     if chosen == "jax":
         count = len(next(iter(varied.values())))
@@ -135,7 +138,9 @@ def _build_result(
 ) -> Result:
     """What is returned of a batch, with a warning where runs did not reach their end."""
     status = [Status(one) for one in ran.status.tolist()]
-    variants = Variants(varied, status, ran.ended, ran.accuracy if controlled else None)
+    measured = (name for name in ran.columns if name in system.outputs())
+    ends = {name: (ran.numbers[2 * k], ran.numbers[2 * k + 1]) for k, name in enumerate(measured)}
+    variants = Variants(varied, status, ran.ended, ran.accuracy if controlled else None, ends)
     lost = sum(one.failed or one is Status.OUT_OF_ENVELOPE for one in status)
     warnings = [f"Warning: {lost} of {len(status)} variants ended early."] if lost else []
     return Result(

@@ -24,12 +24,16 @@ from martensite.simulate.march import COARSE, SOLVED
 from martensite.simulate.marching import HAIR, START, MarchPlan
 from martensite.simulate.marching_native import RANGES, MarchRows, Runs, march_runs, observe_in_c
 from martensite.simulate.measures.base import AbstractMeasure
-from martensite.simulate.measures.run_table import tabulate_samples, tabulate_track
+from martensite.simulate.measures.extremes import Change, Largest, Smallest, Stroke
+from martensite.simulate.measures.means import ElectricalEnergy, Integral, Mean
+from martensite.simulate.measures.run_table import RunTable, tabulate_samples, tabulate_track
 from martensite.simulate.track import Track, build_track, observe_on_floats, tabulate_tones
 
 Numbers: TypeAlias = NDArray[np.float64]
 Flags: TypeAlias = NDArray[np.bool_]
 RIPPLE, RESIDUAL = 7, 8
+TOTALLED = (Largest, Smallest, Stroke, Change, Integral, ElectricalEnergy, Mean)
+"""Measures for which lowest and highest values and integrals are enough."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,17 +132,42 @@ class Measuring:
                 row[:] = one.value(tabulate_samples(np.asarray(times), table[list(columns)]))
         return found
 
-    def measure_record(self, runs: Runs, made: MarchRows) -> Numbers:
-        """Return all measures of runs in C, (measures, runs); those of runs on a GPU, which keep none, from samples."""
-        if not self.measures:
-            return np.empty((0, runs.count))
-        if not len(made.record):
+    @property
+    def totalled(self) -> bool:
+        """Whether the extremes and integrals that a march in C keeps are enough."""
+        return all(type(one) in TOTALLED for one in self.measures)
+
+    def measure_march(self, runs: Runs, made: MarchRows) -> Numbers:
+        """Return all measures of runs in C, (measures, runs); from samples if a GPU kept nothing else."""
+        with np.errstate(all="ignore"):  # of failed runs
+            if not self.measures:
+                return np.empty((0, runs.count))
+            if runs.plan.totalled:
+                return self.measure_totals(made, runs.plan.times[-1])
+            if len(made.record):
+                return self.measure_record(runs, made)
             return self.measure_samples(runs.plan.times, np.moveaxis(made.outputs, 0, 2).swapaxes(0, 1))
-        record = made.record[np.argsort(made.record[:, 0], kind="stable")]
+
+    def measure_totals(self, made: MarchRows, duration: float) -> Numbers:
+        """Return all measures of runs in C from their totals, (measures, runs)."""
+        runs = len(made.totals)
+        found, ones = np.empty((len(self.measures), runs)), np.ones((1, runs))
+        for row, one, columns in zip(found, self.measures, self.columns, strict=True):
+            low, high, integral = np.moveaxis(made.totals[:, :, list(columns)], 0, 2)
+            first = made.outputs[:, 0, list(columns)].T
+            times, weights = (np.concatenate([0.0 * ones, last * ones]) for last in (duration, 1.0))
+            row[:] = one.value(RunTable(times, np.stack([first, integral], axis=1), weights, high, low))
+        return found
+
+    def measure_record(self, runs: Runs, made: MarchRows) -> Numbers:
+        """Return all measures of runs in C, (measures, runs)."""
+        order = np.argsort(made.record[:, 0].astype(np.int32), kind="stable")
         gone = made.numbers[:, 0] == Status.OUT_OF_ENVELOPE
-        ends = np.append(record[1:, 0] != record[:-1, 0], True)
-        last = ends | np.append(ends[1:], False)
-        record = record[~(last & gone[record[:, 0].astype(np.intp)] & (record[:, 1] != START))]
+        if gone.any():
+            run, part = made.record[order, 0].astype(np.intp), made.record[order, 1]
+            ends = np.append(run[1:] != run[:-1], True)
+            order = order[~((ends | np.append(ends[1:], False)) & gone[run] & (part != START))]
+        record = made.record[order]
         compiled, observe = runs.plan.compiled, observe_in_c(runs)
         tones = tabulate_tones(runs.own or [runs.plan.waveforms])
         swinging = np.array(compiled.swinging)[list(runs.outputs)]
@@ -164,7 +193,7 @@ def march_in_lanes(
     compared, local = choose_samples(len(plan.times)), LOCAL[plan.order] * tolerance
     some = replace(plan, times=[plan.times[k] for k in compared], tolerance=local)
     whole = replace(runs, outputs=outputs)
-    before = march(replace(whole, plan=replace(some, recorded=False)))
+    before = march(replace(whole, plan=replace(some, recorded=False, totalled=False)))
     rows, numbers = before.outputs, before.numbers
     found = Ensemble.empty(names, runs.count, len(plan.times), Status.OK, len(measuring.measures))
     left = np.arange(runs.count)
@@ -175,7 +204,7 @@ def march_in_lanes(
         now = made.outputs[:, compared]
         apart = np.abs(rows[:, :, seen] - now[:, :, seen])
         accuracy = np.maximum(_bound_errors(compiled, apart, made), FLOOR * tolerance)
-        measured = measuring.measure_record(finer, made)
+        measured = measuring.measure_march(finer, made)
         found.place_runs(left, _judge_runs(made, names, accuracy, measured))
         rest = accuracy > tolerance
         left, rows, numbers = left[rest], now[rest], made.numbers[rest]

@@ -73,9 +73,9 @@ def cut_outside(system: AbstractSystem, track: Track) -> Track:
     envelope = Envelope(system)
     low, high = (np.array(limits) for limits in envelope.limits)
     seen = track.values[:, envelope.places]
-    outside = ~((low <= seen) & (seen <= high)).all(axis=1)
-    outside[0] = False
-    return track.cut(np.logical_or.accumulate(outside) == 0)
+    inside = ((low <= seen) & (seen <= high)).all(axis=1)
+    count = int(np.argmin(np.append(inside[1:], False))) + 1
+    return track.cut(np.arange(len(seen)) < count)
 
 
 def describe_exit(system: AbstractSystem, time: float, place: int, value: float) -> str:

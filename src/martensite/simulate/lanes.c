@@ -80,6 +80,7 @@ typedef struct {
     column coarse[SEEN + 1], middle[SEEN + 1], fine[SEEN + 1];
     column points_half[NUMBERS + 1], points_full[NUMBERS + 1];
     column ripple_half[1], ripple_full[1], row[OUTPUTS + 1];
+    column lowest[OUTPUTS + 1], highest[OUTPUTS + 1], sum[OUTPUTS + 1], last_row[OUTPUTS + 1]; /* of totals.c */
     steps_aside aside;
 } block;
 
@@ -95,7 +96,18 @@ typedef struct {
     double *rows;         /* (runs, samples, OUTPUTS) */
     double *numbers;      /* (runs, SAID + JUDGED): what is said of a run */
     double *record;       /* pieces of accepted steps: see martensite/simulate/track.py */
+    double *states, *extremes; /* of one run at a time, in marching.c */
+    long placed;
+    double *totals;       /* (runs, 3, OUTPUTS): lowest, highest and integral of outputs; none if nobody asks */
 } march;
+
+#define BROUGHT(part, k, which, i) ((part) ? b->two[k][which][i] : b->one[k][which][i])
+#define LEVEL(k, i, time, before) value_at(drive_of(m, b->now + (k), k, i), time, b->now[k].cursor[i], before)
+#define OF_LANE(column, i) (column)[i]
+
+static void begin_totals(block *b, const column *row, const long long *begins);
+static void add_totals(march *m, block *b, const long long *taken);
+static void tell_totals(const march *m, const block *b, long run, long i);
 
 INLINE double smaller(double a, double b) { return a < b ? a : b; }
 INLINE double larger(double a, double b) { return a > b ? a : b; }
@@ -1002,6 +1014,7 @@ static void tell(const march *m, block *b, long i) {
     n[7] = b->ripple[i];
     n[8] = b->residual[i];
     for (long k = 0; k < JUDGED; k++) n[SAID + k] = b->high[k][i] - b->low[k][i];
+    tell_totals(m, b, b->run[i], i);
     b->live[i] = 0;
     b->loaded[i] = b->status[i] < UNSOLVED; /* what has failed may take long to solve, again and again */
     b->done++;
@@ -1061,7 +1074,8 @@ static void record_piece(march *m, const block *b, long i, double part, double b
         *row++ = wide ? brought[k][HIGH][i] : after;
         *row++ = wide ? brought[k][LAPSE][i] : 0.0;
     }
-    for (long k = 0; k < SIZE; k++) *row++ = states[k][i];
+    for (long k = 0; k < SIZE; k++)
+        if (observed[k]) *row++ = states[k][i];
 }
 
 static void accept_steps(march *m, block *b, flags_of_lanes taken) {
@@ -1090,6 +1104,12 @@ static void accept_steps(march *m, block *b, flags_of_lanes taken) {
         record_piece(m, b, i, 1.0, b->time[i], middle, b->one, b->half);
         record_piece(m, b, i, 2.0, middle, end[i], b->two, b->full);
     }
+    long long counted[LANES];
+    EVERY(i) {
+        counted[i] = taken[i] && b->live[i];
+        for (long k = 0; k < ENVELOPE; k++) counted[i] &= is_inside(b, b->fine, k, i);
+    }
+    add_totals(m, b, counted);
     EACH(i) {
         const long t = taken[i], at = edge[i];
         const double length = b->length[i];
@@ -1215,6 +1235,7 @@ static long begin_runs(march *m, block *b) {
         for (long k = 0; k < OUTPUTS && b->live[i]; k++) row[k] = b->row[k][i];
         if (b->live[i]) record_piece(m, b, i, -1.0, 0.0, 0.0, b->one, b->state);
     }
+    begin_totals(b, b->row, loads);
     scale_ranges(b);
     end_runs(m, b);
     return 1;

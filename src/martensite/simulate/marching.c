@@ -20,6 +20,12 @@ enum { DONE = 0, PAUSED = 1, SIGNALS = 2, RECORD = 3 };
 
 static const long widths[DRIVES + 1] = WIDTHS;
 static const double floors[JUDGED + 1] = LEAST;
+static const long observed[SIZE + 1] = OBSERVED; /* whether outputs depend on a state */
+
+enum { MEAN, SQUARE, LOW, HIGH, LAPSE }; /* numbers of moments, in their order */
+#define BROUGHT(part, k, which, i) (((const double *)((part) ? b->two[0] + (k) : b->one[0] + (k)))[which])
+#define LEVEL(k, i, time, before) value_at(drives_of(m, b, 0) + (k), time, b->cursor[0][k], before)
+#define OF_LANE(number, i) (number)
 
 typedef double column[LANES];
 
@@ -46,6 +52,7 @@ typedef struct {
     column entries[ENTRIES + 1], middle_entries[ENTRIES + 1], last_entries[ENTRIES + 1];
     column points_half[NUMBERS + 1], points_full[NUMBERS + 1];
     column ripple_half[1], ripple_full[1], error, row[OUTPUTS + 1];
+    column lowest[OUTPUTS + 1], highest[OUTPUTS + 1], sum[OUTPUTS + 1], last_row[OUTPUTS + 1]; /* of totals.c */
 } block;
 
 typedef struct {
@@ -63,7 +70,11 @@ typedef struct {
     double *states;       /* (runs, SIZE): where runs end, and begin if they are `placed` */
     double *extremes;     /* (runs, 2, JUDGED): lowest and highest of what is judged, before and then after */
     long placed;
+    double *totals;       /* (runs, 3, OUTPUTS): lowest, highest and integral of outputs; none if nobody asks */
 } march;
+
+static void begin_totals(block *b, const column *row, const long long *begins);
+static void tell_totals(const march *m, const block *b, long run, long i);
 
 /* the drives of the runs in a block: one set, or one for every run */
 static const drive *drives_of(const march *m, const block *b, long set) {
@@ -161,7 +172,8 @@ static void record_piece(march *m, const block *b, double part, double begin, do
         *row++ = wide ? brought[i].high : after;
         *row++ = wide ? brought[i].lapse : 0.0;
     }
-    for (long k = 0; k < SIZE; k++) *row++ = states[k][0];
+    for (long k = 0; k < SIZE; k++)
+        if (observed[k]) *row++ = states[k][0];
 }
 
 static void judge_at(const march *m, block *b, const column *states, double time, int before,
@@ -202,6 +214,7 @@ static void tell(const march *m, const block *b, long i) {
         ends[JUDGED + k] = b->high[k][i];
     }
     for (long k = 0; k < SIZE; k++) m->states[(b->first_run + i) * SIZE + k] = b->state[k][i];
+    tell_totals(m, b, b->first_run + i, i);
 }
 
 static int is_inside(const block *b, const column *seen, long k, long i) {
@@ -304,6 +317,9 @@ static void begin_block(march *m, block *b, long run) {
     LIVE(i) for (long k = 0; k < OUTPUTS; k++)
         m->rows[(run + i) * m->samples * OUTPUTS + k] = b->row[k][i];
     record_piece(m, b, -1.0, b->time, b->time, b->one[0], b->state);
+    long long begins[LANES];
+    EACH(i) begins[i] = 1;
+    begin_totals(b, b->row, begins);
     check_envelope(b);
     end_runs(m, b);
 }

@@ -41,6 +41,8 @@ FIRST_WINDOW, WINDOW = 256, 65_536
 MOST_SEGMENTS = 1 << 21
 """Segments of drives that runs in lanes know, at most."""
 FIRST_RECORD = 4096
+EXPECTED = 512
+"""Steps of a run in lanes for which there is room in the record at first."""
 RANGES = 11 + len(ACCOUNTS)
 """Numbers of a run before the ranges of what is judged."""
 SHARED = (
@@ -77,6 +79,7 @@ class _March(ctypes.Structure):
         ("states", ctypes.c_void_p),  # what follows is for one run at a time: lanes do not know it
         ("extremes", ctypes.c_void_p),
         ("placed", ctypes.c_long),
+        ("totals", ctypes.c_void_p),
     ]
 
 
@@ -170,6 +173,8 @@ class MarchRows:
     residual, heat put in and lost, accounts, and the ranges of what is judged; see `Marched`."""
     record: Numbers
     """Pieces of accepted steps, in the layout of `martensite.simulate.track`; none if they were not recorded."""
+    totals: Numbers
+    """Lowest, highest and integral of every output over all steps, (runs, 3, outputs), if they were asked for."""
     states: Numbers | None = None
     """Where runs ended, (runs, states); None for runs in lanes."""
     extremes: Numbers | None = None
@@ -203,10 +208,8 @@ def march_runs(runs: Runs, watch: Callable[[float], None] | None = None) -> Marc
     rows = [_Marching(alone.choose(places[k : k + 1], ranges[k : k + 1])).go() for k in places]
     for k, row in enumerate(rows):
         row.record[:, 0] = k
-    outputs, numbers, record = (
-        np.concatenate([getattr(row, n) for row in rows]) for n in ("outputs", "numbers", "record")
-    )
-    return MarchRows(outputs, numbers, record)
+    kept = (np.concatenate([getattr(row, n) for row in rows]) for n in ("outputs", "numbers", "record", "totals"))
+    return MarchRows(*kept)
 
 
 class MarchArrays:
@@ -228,9 +231,10 @@ class MarchArrays:
         self.limits = spread_limits(limits, runs.count)
         self.rows = np.full((runs.count, len(plan.times), len(runs.outputs)), np.nan)
         self.numbers = np.zeros((runs.count, RANGES + len(compiled.convergence_scales)))
-        width = record_width(compiled.drives, compiled.size)
-        known = int((plan.times[-1] - plan.times[0]) / plan.step) if plan.step else 0
+        width = record_width(compiled.drives, sum(compiled.states_observed(runs.outputs)))
+        known = int((plan.times[-1] - plan.times[0]) / plan.step) if plan.step else EXPECTED * (runs.count - 1)
         self.record = np.empty((max(FIRST_RECORD, 2 * known) if plan.recorded else 0, width))
+        self.totals = np.full((runs.count, 3, len(runs.outputs)), np.nan) if plan.totalled else np.empty(0)
         self.states = np.array(np.broadcast_to(plan.start or 0.0, (runs.count, compiled.size)), float)
         self.extremes = np.empty((runs.count, 2, len(compiled.convergence_scales)))
         self.extremes[:, 0], self.extremes[:, 1] = plan.extremes[0] or np.inf, plan.extremes[1] or -np.inf
@@ -264,6 +268,7 @@ class MarchArrays:
             shortest=plan.shortest,
             placed=bool(plan.start),
             drives=locate(np.frombuffer(memoryview(self.drives), np.uint8)),
+            totals=locate(self.totals) if plan.totalled else None,
             **{name: locate(getattr(self, name)) for name in places},
         )
 
@@ -295,7 +300,7 @@ class _Marching(MarchArrays):
             if answer == DONE:
                 record = self.record[: self.march.recorded]
                 kept = (self.states, self.extremes) if self.runs.lanes == 1 else ()
-                return MarchRows(self.rows, self.numbers, record, *kept)
+                return MarchRows(self.rows, self.numbers, record, self.totals, *kept)
             if answer == SIGNALS:
                 self._extend()
             if answer == RECORD:
@@ -391,7 +396,7 @@ class MarchKernel:
             "DRIVES": compiled.drives,
             "INPUTS": compiled.inputs,
             "OUTPUTS": len(self.outputs),
-            "RECORDED": record_width(compiled.drives, compiled.size),
+            "RECORDED": record_width(compiled.drives, sum(compiled.states_observed(self.outputs))),
             "JUDGED": len(compiled.convergence_scales),
             "ENVELOPE": len(compiled.envelope),
             "HEATED": len(compiled.heated),
@@ -437,8 +442,8 @@ class MarchKernel:
             if self.lanes == 1
             else lanes_source(compiled.program, functions)
         )
-        names = ("marching.c", *(("fixed.c",) if self.fixed else ("ledger.c", "adaptive.c")))
-        names = (*(("lanes.c",) if self.lanes > 1 else names), "track.c")
+        names = ("marching.c", "totals.c", *(("fixed.c",) if self.fixed else ("ledger.c", "adaptive.c")))
+        names = (*(("lanes.c", "totals.c") if self.lanes > 1 else names), "track.c")
         texts = [read_source("signals", "reader.c", constants), *(read_source("simulate", name, {}) for name in names)]
         return "\n".join([kernels, *texts])
 

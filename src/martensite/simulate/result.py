@@ -12,6 +12,8 @@ from importlib import import_module
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from martensite.actuators.assembly import PROFILES
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import SolveError, UnknownNameError
@@ -29,7 +31,6 @@ from martensite.simulate.tracing import AbstractTrace
 from martensite.simulate.track import Track
 
 if TYPE_CHECKING:
-    import numpy as np
     import pandas  # type: ignore[import-untyped]
     import xarray
     from matplotlib.figure import Figure
@@ -49,6 +50,10 @@ class Variants:
     """How far temperatures, martensite fractions, stresses and coordinates of each may be off, as a
     share of their ranges, (variants,); NaN for runs that failed otherwise than by leaving the
     envelope. None for runs on given steps. One above the tolerance was not reached."""
+    extremes: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]] = field(
+        default_factory=dict[str, "tuple[NDArray[np.float64], NDArray[np.float64]]"]
+    )
+    """By column the lowest and the highest value of every variant in its steps, (variants,) each, in SI."""
 
     def __len__(self) -> int:
         return len(self.status)
@@ -85,7 +90,7 @@ class Result:
     """Longest step taken [s]."""
     accuracy: float | None = None
     """How far temperatures, martensite fractions, stresses and coordinates may be off, as a share
-    of the range of each; None if only one run was made."""
+    of the range of each; None if only one run was made, and for a batch (see `variants.accuracy`)."""
     warnings: list[str] = field(default_factory=list[str])
     """Sentences on exceeded limits, slack, a saturated supply, coarse steps."""
     alarms: list[Alarm] = field(default_factory=list[Alarm])
@@ -126,9 +131,7 @@ class Result:
         if name not in self._arrays:
             if name != "time" and name not in self.columns:
                 raise UnknownNameError("column", name, self.columns)
-            import numpy
-
-            self._arrays[name] = numpy.array(self.times if name == "time" else self.columns[name])
+            self._arrays[name] = np.array(self.times if name == "time" else self.columns[name])
         return self._arrays[name]
 
     @cached_property
@@ -203,7 +206,7 @@ class Result:
             "duration": self.times[-1],
             "steps": self.steps,
             "step": self.step,
-            "accuracy": self.accuracy,
+            "accuracy": self._list_accuracy(),
             "runtime": self.runtime or None,
             "rejected_steps": self.rejected,
             "ripple": self.ripple,
@@ -213,13 +216,24 @@ class Result:
             "conformance": self.conformance,
             "status": self.status.name,
             "status_time": self.status_time,
-            "stroke": self.stroke,
+            "stroke": self._list_stroke(),
             "columns": {
                 name: {"lowest": low, "highest": high, "unit": self.unit(name)} for name, (low, high) in ends.items()
             },
             "warnings": list(self.warnings),
             "alarms": [asdict(alarm) for alarm in self.alarms],
         }
+
+    def _list_accuracy(self) -> Any:
+        """The bound, or one for each variant."""
+        known = None if self.variants is None else self.variants.accuracy
+        return self.accuracy if known is None else known.tolist()
+
+    def _list_stroke(self) -> Any:
+        """The stroke, or one for each variant; None if a batch left out the first coordinate."""
+        if self.variants is None:
+            return self.stroke
+        return self.stroke.tolist() if self.coordinate in self.columns else None
 
     @property
     def energy(self) -> dict[str, HeatBalance | WorkBalance]:
@@ -248,8 +262,8 @@ class Result:
             low, high = min(low, *column), max(high, *column)
             nothing = ROUNDING * max(abs(low), abs(high))
             return low if abs(low) > nothing else 0.0, high if abs(high) > nothing else 0.0
-        numpy: Any = import_module("numpy")
-        return float(numpy.nanmin(self[name])), float(numpy.nanmax(self[name]))
+        ends = self.variants.extremes.get(name, (self[name], self[name]))
+        return float(np.nanmin(ends[0])), float(np.nanmax(ends[1]))
 
     @cached_property
     def track(self) -> Track | None:
@@ -351,14 +365,27 @@ class Result:
         """Name of the first coordinate of the mechanism: its stroke is that of the system."""
         return next(iter(self.system.mechanism.outputs()))
 
-    def range(self, name: str) -> float:
-        """Largest minus smallest value of a column, in SI, over all variants."""
-        low, high = self.find_range(name)
-        return high - low
+    def range(self, name: str) -> Any:
+        """Return the largest minus the smallest value of a column, in SI.
+
+        Args:
+            name: a column, or `time`.
+
+        Returns:
+            A float; for a batch an array (variants,), NaN for a variant without samples.
+        """
+        if self.variants is None:
+            low, high = self.find_range(name)
+            return high - low
+        low, high = self.variants.extremes.get(name, (None, None))
+        if low is not None and high is not None:
+            return high - low
+        rows = np.broadcast_to(self[name], (len(self.variants), len(self.times)))
+        return np.fmax.reduce(rows, axis=1) - np.fmin.reduce(rows, axis=1)  # which skip NaN
 
     @property
-    def stroke(self) -> float:
-        """Largest less smallest value of the first coordinate [m] or [rad]."""
+    def stroke(self) -> Any:
+        """Largest minus smallest value of the first coordinate [m] or [rad]; for a batch an array (variants,)."""
         return self.range(self.coordinate)
 
     def __str__(self) -> str:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -43,7 +44,7 @@ class RowsTrace(AbstractTrace):
 
     times: Sequence[float]
     """[s]"""
-    rows: Sequence[Sequence[float]]
+    rows: Any
     """Outputs in SI, as the system lists them."""
     outputs: int
 

@@ -54,7 +54,7 @@ LOBATTO_END = 0.0238095238095238
 LOOKED_AT = 17
 """Points of a piece or a step among which extremes are looked for."""
 REFINED = 8
-"""Steps in which a peak is looked for: those that promise the highest."""
+"""StepRows in which a peak is looked for: those that promise the highest."""
 LAST = 1e9
 """Order of the row at the end of a piece."""
 SMOOTH = 2.0
@@ -96,7 +96,7 @@ def tabulate_tones(rows: Sequence[Sequence[AbstractWaveform]]) -> Numbers:
 
 
 @dataclass(frozen=True, eq=False)
-class Steps:
+class StepRows:
     """Rows of a track at the start, the middle and the end of every step that has halves."""
 
     rows: Places
@@ -107,14 +107,15 @@ class Steps:
     """Whether no drive jumps or swings within it, (steps,)."""
 
 
-class Peak(NamedTuple):
-    """A peak of a column within a step."""
+class Peaks(NamedTuple):
+    """Peaks of columns within steps, (peaks,) each."""
 
-    step: int
-    column: int
-    share: float
+    run: Places
+    column: Places
+    step: Places
+    share: Numbers
     """Where in the step, from 0 to 1."""
-    value: float
+    value: Numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +130,7 @@ class Track:
     """SI, (rows, outputs)"""
     weights: Numbers
     """Weight of every row in an integral over time [s], (rows,)."""
-    steps: Steps
+    steps: StepRows
     swinging: Flags
     """Whether an output depends on the signals, (outputs,)."""
     tolerance: float = TOLERANCE
@@ -140,7 +141,7 @@ class Track:
         places = np.cumsum(end) - 1
         kept = end[self.steps.rows].all(axis=1)
         rows = places[self.steps.rows[kept]]
-        steps = Steps(rows, self.steps.joined[kept], self.steps.plain[kept])
+        steps = StepRows(rows, self.steps.joined[kept], self.steps.plain[kept])
         kept = self.run[end], self.times[end], self.values[end], self.weights[end]
         return Track(*kept, steps, self.swinging, self.tolerance)
 
@@ -173,10 +174,10 @@ class Track:
         times = start + share * (end - start)
         before = rows[step, 0] + np.where(share < 0.5, 0.0, rows[step, 1] - rows[step, 0]) + share
         for k in np.flatnonzero(~self.steps.plain[step]):  # where rows stand between the nodes already
-            first, last = rows[step[k], 0], rows[step[k], 2]
+            first, last = (int(rows[step[k], node]) for node in (0, 2))
             before[k] = first + int(np.searchsorted(self.times[first:last], times[k], side="right")) - 0.5
         at = np.argsort(np.concatenate([np.arange(len(self.times)), before]), kind="stable")
-        nothing = Steps(np.empty((0, 3), np.intp), np.empty(0, np.bool_), np.empty(0, np.bool_))
+        nothing = StepRows(np.empty((0, 3), np.intp), np.empty(0, np.bool_), np.empty(0, np.bool_))
         return Track(
             np.concatenate([self.run, self.run[rows[step, 0]]])[at],
             np.concatenate([self.times, times])[at],
@@ -189,49 +190,46 @@ class Track:
 
     def _place_peaks(self) -> tuple[Places, Numbers]:
         """Return step and place of the highest and the lowest value of every column, where they are within a step."""
-        found = [peak for sign in (1.0, -1.0) for peak in self.find_peaks(sign)]
-        steps, shares = [peak.step for peak in found], [peak.share for peak in found]
-        return np.array(steps, np.intp), np.array(shares, float)
+        both = [self.find_peaks(sign) for sign in (1.0, -1.0)]
+        return np.concatenate([one.step for one in both]), np.concatenate([one.share for one in both])
 
-    def find_peaks(self, sign: float) -> list[Peak]:
-        """Return the peaks within steps that are beyond every row of their run; `sign` is -1 for lowest values."""
+    def find_peaks(self, sign: float) -> Peaks:
+        """Return the peaks within steps that are above all rows of their run; below them if `sign` is -1."""
         rows = self.steps.rows
         if not len(rows):
-            return []
+            return Peaks(*NOWHERE[:1] * 3, *NOWHERE[1:] * 2)
         starts = np.flatnonzero(np.append(True, self.run[1:] != self.run[:-1]))
-        most = np.maximum.reduceat(sign * self.values, starts, axis=0)
         own = np.searchsorted(self.run[starts], self.run[rows[:, 0]])
+        least = np.maximum.reduceat(sign * self.values, starts, axis=0)
+        least = least + NOTICED * self.tolerance * np.ptp(self.values, axis=0)
         a, b, c = (sign * self.values[rows[:, k]] for k in range(3))
         bend, rise = a - 2.0 * b + c, c - a
         turns = (bend < 0.0) & (np.abs(rise) < 2.0 * np.abs(bend))
         top = b - np.divide(rise * rise, 8.0 * bend, where=turns, out=np.zeros_like(b))
-        ends = np.maximum(np.maximum(a, b), c)
-        hope = np.where(turns, top + (top - ends), -np.inf)
-        noticed = most[own] + NOTICED * self.tolerance * np.ptp(self.values, axis=0)
-        hope[hope <= noticed] = -np.inf
-        found = list[Peak]()
-        for column in np.flatnonzero(hope.max(axis=0) > -np.inf):
-            for run in np.unique(own[hope[:, column] > -np.inf]):
-                some = np.flatnonzero((own == run) & (hope[:, column] > -np.inf))
-                best = some[np.argsort(-hope[some, column])[:REFINED]]
-                found += self._refine_peaks(best, column, sign, most[run, column])
-        return found
+        hope = np.where(turns, 2.0 * top - np.maximum(np.maximum(a, b), c), -np.inf)
+        found = [self._refine_peaks(k, sign, hope[:, k], own, least[:, k]) for k in range(hope.shape[1])]
+        return Peaks(*(np.concatenate(column) for column in zip(*found, strict=True)))
 
-    def _refine_peaks(self, steps: Places, column: int, sign: float, least: float) -> list[Peak]:
-        """Return the highest of the peaks of a column in some steps of a run, if it is above `least`."""
+    def _refine_peaks(self, column: int, sign: float, hope: Numbers, own: Places, least: Numbers) -> Peaks:
+        """Return the highest peak of a column in every run, if it is above `least`, from what the steps may reach."""
+        steps = np.flatnonzero(hope > least[own])
+        steps = steps[np.lexsort((-hope[steps], own[steps]))]
+        first = np.searchsorted(own[steps], own[steps])
+        steps = steps[np.arange(len(steps)) - first < REFINED]
         points = np.linspace(0.0, 1.0, LOOKED_AT)
         values = sign * self._interpolate(steps, np.broadcast_to(points, (len(steps), LOOKED_AT)), [column])[:, :, 0]
-        place = np.clip(values.argmax(axis=1), 1, LOOKED_AT - 2)
+        place = np.clip(values.argmax(axis=1), 1, LOOKED_AT - 2) if len(steps) else np.empty(0, np.intp)
         before, here, after = (values[np.arange(len(steps)), place + k] for k in (-1, 0, 1))
         bend, rise = after - 2.0 * here + before, after - before
         inner = (bend < 0.0) & (np.abs(rise) < 2.0 * np.abs(bend))
         safe = np.where(inner, bend, -1.0)
         tops = np.where(inner, here - rise * rise / (8.0 * safe), -np.inf)
-        best = int(tops.argmax())
-        if not tops[best] > least + NOTICED * self.tolerance * np.ptp(self.values[:, column]):
-            return []
+        order = np.lexsort((-tops, own[steps]))
+        best = order[np.append(True, np.diff(own[steps[order]]) > 0)[: len(order)]]
+        best = best[tops[best] > least[own[steps[best]]]]
         share = points[place[best]] - 0.5 * rise[best] / safe[best] * points[1]
-        return [Peak(int(steps[best]), int(column), float(share), float(sign * tops[best]))]
+        runs, columns = self.run[self.steps.rows[steps[best], 0]], np.full(len(best), column, np.intp)
+        return Peaks(runs, columns, steps[best], share, sign * tops[best])
 
     def _interpolate(self, some: Places, shares: Numbers, columns: Sequence[int] | None = None) -> Numbers:
         """Return columns, all if None, at places within some steps, (steps, places, columns)."""
@@ -295,7 +293,7 @@ def track_rows(times: Sequence[float], rows: Sequence[Sequence[float]], outputs:
     """Return the track of one run from its outputs at the ends of given steps, on straight lines in between."""
     time = np.asarray(times, float)
     values = np.asarray(rows, float).reshape(len(time), -1)[:, :outputs]
-    steps = Steps(np.empty((0, 3), np.intp), np.empty(0, np.bool_), np.empty(0, np.bool_))
+    steps = StepRows(np.empty((0, 3), np.intp), np.empty(0, np.bool_), np.empty(0, np.bool_))
     return Track(np.zeros(len(time), np.intp), time, values, weigh_trapezoids(time), steps, np.ones(outputs, np.bool_))
 
 
@@ -420,7 +418,7 @@ class _Pieces:
         both = np.where(plain, line, both)
         return _Rows(
             np.repeat(places, 2 * intervals),
-            np.tile(np.arange(2.0 * intervals), count),
+            np.tile(np.arange(2 * intervals, dtype=float), count),
             share.ravel(),
             np.repeat(width.ravel(), 2),
             both.reshape(-1, drives),
@@ -447,13 +445,13 @@ class _Pieces:
                 found.append(_Rows(own, at, at, np.zeros(len(own)), self.read_signals(own, at)))
         return found
 
-    def list_steps(self, ends: Places, starts: Places, jumps: Flags, varied: Flags) -> Steps:
+    def list_steps(self, ends: Places, starts: Places, jumps: Flags, varied: Flags) -> StepRows:
         """Return the steps with halves, from the rows at the ends of all pieces."""
         second = np.flatnonzero((self.part == SECOND) & (np.roll(self.part, 1) == FIRST))
         first = second - 1
         rows = np.stack([starts[first], ends[first], ends[second]], axis=1)
         joined = ~jumps[first] & (self.part[first - 1] == SECOND) & ~varied[first - 1]
-        return Steps(rows, joined, ~(varied[first] | varied[second] | jumps[second]))
+        return StepRows(rows, joined, ~(varied[first] | varied[second] | jumps[second]))
 
 
 def spread_levels(moments: Numbers) -> tuple[Numbers, Numbers]:

@@ -198,7 +198,8 @@ class VariantSetup:
             first_step(self.system, self.duration, self.samples),
             envelope_of(self.system),
             inertial=inertial_step(self.system),
-            recorded=bool(self.measures),
+            recorded=not self.measuring.totalled or self.runtime == "floats",
+            totalled=bool(self.measures) and self.measuring.totalled,
         )
 
     def _order_waveforms(self, signals: Mapping[str, Values], row: int) -> Sequence[AbstractWaveform]:

@@ -81,8 +81,7 @@ def find_extremes(track: Track, runs: int) -> tuple[Numbers, Numbers]:
         if len(track.run):
             starts = np.flatnonzero(np.append(True, track.run[1:] != track.run[:-1]))
             most[track.run[starts]] = np.maximum.reduceat(sign * track.values, starts, axis=0)
-        for peak in track.find_peaks(sign):
-            run = track.run[track.steps.rows[peak.step, 0]]
-            most[run, peak.column] = max(most[run, peak.column], sign * peak.value)
+        peaks = track.find_peaks(sign)
+        np.maximum.at(most, (peaks.run, peaks.column), sign * peaks.value)
         found.append(np.where(np.isinf(most), np.nan, sign * most).T)
     return found[0], found[1]

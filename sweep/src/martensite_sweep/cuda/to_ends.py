@@ -57,7 +57,9 @@ def march_to_ends(runs: Runs) -> MarchRows:
         program.launch("march_to_ends", runs.count, [ctypes.c_longlong(place)])
         memory.fetch(march.rows, arrays.rows)
         memory.fetch(march.numbers, arrays.numbers)
-    return MarchRows(arrays.rows, arrays.numbers, arrays.record)
+        if runs.plan.totalled:
+            memory.fetch(march.totals, arrays.totals)
+    return MarchRows(arrays.rows, arrays.numbers, arrays.record, arrays.totals)
 
 
 EMPTY_BYTE = 0xFF
