@@ -73,6 +73,10 @@ class SolveError(MartensiteError):
     """A simulation could not be completed; the sentence says where and what to try."""
 
 
+class BudgetError(SolveError):
+    """The CPU time that a run may take is spent."""
+
+
 class StoppedError(MartensiteError):
     """Something stopped on the way; what was made is kept, and the sentence says how to go on."""
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from martensite.base.errors import InputError
+from martensite.base.errors import BudgetError, InputError
 from martensite.base.formats import write_quantity
 from martensite.base.lazy import import_extra
 from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
@@ -29,13 +29,12 @@ if TYPE_CHECKING:
 
     from martensite.base.parameters import Leaf
     from martensite.scenario.scenario import Scenario
+    from martensite.simulate.judgement import Judgement
     from martensite.simulate.result import Result
-    from martensite.simulate.trial_runs import EndState
     from martensite_testing.conformance import Conformance
 
-LEVELS = ("lowest", "highest")
-FEW = 2
-"""Drives that are named one by one."""
+TRIED = 5.0
+"""CPU time [s] for which the run of a scenario is tried."""
 ROUNDING = 1e-9
 """Part of a step."""
 
@@ -43,33 +42,65 @@ ROUNDING = 1e-9
 @app.command()
 @spread_options
 def check(source: ScenarioSource, answer: AnswerOptions) -> None:
-    """Say where drives of a scenario lead, and if its loop is sound.
+    """Judge a scenario: its limits, its drives and its loop.
 
-    One that follows a log needs none for it.
-
-    One that leaves the envelope (melting, 3 GPa, a strain of 20 %, or a bound of your own) is
-    refused. A loop of the wrong sign, or with a reference or a signal that cannot be reached, is not sound, and ends
-    with 1. Of a loop the figure shows Bode and Nyquist plots with margins.
+    A scenario without a loop is run as it is, for at most 5 s of CPU time, and judged by the limits that `run` uses.
+    A loop is tested without a run; the figure shows Bode and Nyquist plots with margins. Exits with 1 if a limit is
+    exceeded or a loop is not sound.
     """
     from martensite.show.summaries.loop import check_scenario_loop, describe_loops
+    from martensite.simulate.judgement import judge_run
 
     outputs = answer.check_files()
     loaded = load_without_log(source.file, source.settings, source.modules)
     if "at" not in loaded.initial:  # to find what is to be found takes a run
         loaded.find_start(loaded.tolerance)
-    report = _collect_report(loaded) | _find_ends(loaded)
+    report, tried = _collect_report(loaded), _try_run(loaded)
+    judged = None if tried is None else judge_run(tried)
+    report["limits"] = judged and judged.to_dict()
     if loaded.bench is not None:
         from martensite.scenario.guard_report import collect_guard
 
         report["guard"] = collect_guard(loaded)
-    if report["leaves"]:
-        raise InputError(report["leaves"])
     loops = None if loaded.bench is None or report["follows"] else check_scenario_loop(loaded, loaded.bench)
-    blocks = [*_describe_report(report), *(() if loops is None else describe_loops(loops, _tell_steps(report)))]
+    blocks = [
+        *(_describe_verdict(report, tried, judged) if loops is None else ()),
+        *_describe_report(report),
+        *(() if loops is None else describe_loops(loops, _tell_steps(report))),
+    ]
     data = report if loops is None else report | {"loops": loops.to_dict()}
     outputs.answer(Summary(loaded.title, blocks, data), answer.json, draw=_find_figure(loaded, outputs))
-    if loops is not None and loops.verdict == "not sound":
+    if (loops is not None and loops.verdict == "not sound") or (judged is not None and not judged.kept):
         raise typer.Exit(1)
+
+
+def _try_run(scenario: Scenario) -> Result | None:
+    """The run of a scenario; None with a loop or without its log, or if the run takes too long."""
+    if scenario.bench is not None or scenario.follows:
+        return None
+    try:
+        return scenario.run(budget=TRIED)
+    except BudgetError:
+        return None
+
+
+def _describe_verdict(report: dict[str, Any], tried: Result | None, judged: Judgement | None) -> Iterator[Block]:
+    """The verdict on a scenario without a loop, other warnings of its run, and its extremes."""
+    if tried is None or judged is None:
+        reason = "the scenario follows a log. Use `run --log`, or `fit`"
+        if not report["follows"]:
+            reason = f"the run takes more than {TRIED:.3g} s of CPU time. Use `run`"
+        yield Sentence(f"Not judged: {reason}.", "caution")
+        return
+    from martensite.show.summaries.run import list_peaks
+
+    sound = "The scenario is sound: its run keeps all limits."
+    yield Sentence(sound if judged.kept else judged.verdict, "" if judged.kept else "bad")
+    told = {judged.outside, *(alarm.sentence for alarm in judged.alarms)}
+    yield from (Sentence(words, "caution") for words in tried.warnings if words not in told)
+    peaks = [f"{name} {value}" for name, value in list_peaks(tried)]
+    if peaks:
+        yield Sentence(f"Its run of {tried.times[-1]:.6g} s: {', '.join(peaks)}.")
 
 
 def _find_figure(scenario: Scenario, outputs: Outputs) -> Callable[[], Figure] | None:
@@ -88,65 +119,17 @@ def _describe_report(report: dict[str, Any]) -> Iterator[Block]:
         names = ", ".join(report["doubtful"])
         told = f"Assumed or recalled numbers of {report['material']}: {names}"
         yield Sentence(told, "caution")
-    for end in report["end_states"]:
-        yield Sentence(f"Held at {end['words']}")
-        yield from (Sentence(f"  {warning}", "caution") for warning in end["warnings"])
     yield from (Sentence(f"Controller of {name}, {words}") for name, words in report["controllers"].items())
     if report["follows"]:
         followed = ", ".join(f"`{drive}` column `{column}`" for drive, column in report["follows"].items())
-        yield Sentence(f"Follows a log: {followed}. Where its drives lead is seen with it: `run --log`, or `fit`.")
-        yield Sentence("The scenario is sound; it lasts as long as its log.")
+        yield Sentence(f"Follows a log: {followed}.")
         return
     if report.get("guard") is not None:
         from martensite.scenario.guard_report import describe_guard
 
         yield from describe_guard(report["guard"])
     if report["period"] is None:
-        yield Sentence(f"The scenario is sound: {_tell_steps(report)}")
-
-
-def _find_ends(scenario: Scenario) -> dict[str, Any]:
-    """Where drives that are held lead, and the sentence of a run that leaves the envelope."""
-    from martensite.simulate.trial_runs import find_end_states, leaves_envelope
-
-    if scenario.bench is not None or scenario.follows:
-        return {"end_states": [], "leaves": ""}
-    case = scenario.system, scenario.waveform, scenario.duration
-    found = find_end_states(*case)
-    leaves = leaves_envelope(*case) if any(end.leaves for end in found) else ""
-    rows = [_collect_end(end, f"all drives at their {which}") for end, which in zip(found, LEVELS, strict=False)]
-    return {"end_states": rows, "leaves": leaves}
-
-
-def _collect_end(end: EndState, all_drives: str) -> dict[str, Any]:
-    result = end.result
-    system = result.system
-    units = {drive.name: drive.unit for drive in system.drives()}
-    levels = [f"{name} {write_quantity(v, units[name])}" for name, v in end.levels.items()]
-    held = levels[0].split(" ", 1)[1] if len(levels) == 1 else ", ".join(levels)
-    words = [
-        f"{result.outputs[name].long_name} {write_quantity(result.columns[name][-1], result.unit(name))}"
-        for name in system.convergence_scales()
-    ]
-    if len(levels) > FEW:
-        held, words = all_drives, list(_find_highest(result))
-    return {
-        "levels": end.levels,
-        "leaves": end.leaves,
-        "values": {name: result.columns[name][-1] for name in system.convergence_scales()},
-        "warnings": result.warnings,
-        "words": f"{held}: leaves the envelope; the run does not stay there so long"
-        if end.leaves
-        else f"{held}: {', '.join(words)}",
-    }
-
-
-def _find_highest(result: Result) -> Iterator[str]:
-    for name in ("hottest", "stress"):
-        columns = [result.system.label(port, name) for port in result.system.actuators()]
-        most = max(result.columns[column][-1] for column in columns)
-        words = {"hottest": "highest temperature", "stress": "highest stress"}[name]
-        yield f"{words} {write_quantity(most, result.unit(columns[0]))}"
+        yield Sentence(f"Run: {_tell_steps(report)}")
 
 
 def _tell_steps(report: dict[str, Any]) -> str:

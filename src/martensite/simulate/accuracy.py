@@ -19,7 +19,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from martensite.base.errors import CompileError, SolveError
+from martensite.base.errors import BudgetError, CompileError
 from martensite.base.files import tell_once
 from martensite.simulate.adaptive import AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
@@ -75,7 +75,7 @@ class RunEngine:
     begin: float = field(default_factory=time.process_time)
 
     def __call__(self, plan: MarchPlan) -> Marched:
-        """Make a run; `SolveError` if the budget is spent."""
+        """Make a run; `BudgetError` if the budget is spent."""
         if self.runtime == "auto":
             return self._quickest(plan)
         return self._on_c(plan) if self.runtime == "c" else self._on_floats(plan, hasty=False)
@@ -155,7 +155,7 @@ class RunEngine:
             nonlocal last
             spent = time.process_time() - self.begin
             if self.budget is not None and spent > self.budget:
-                raise SolveError(
+                raise BudgetError(
                     f"The run was stopped, for its budget of {self.budget:.4g} s of CPU time was "
                     f"spent at {100.0 * share:.2g} % of it. Allow more, a larger tolerance, or a "
                     "shorter run."

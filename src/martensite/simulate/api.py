@@ -23,6 +23,7 @@ from martensite.simulate.march import Border, march_floats
 from martensite.simulate.marching import Marched, MarchPlan, Row
 from martensite.simulate.restarts import HOME, Relay, Restart, list_samples, place_stops
 from martensite.simulate.result import Result, profiles_of
+from martensite.simulate.stops import end_at_envelope
 from martensite.simulate.tracing import AbstractTrace, RowsTrace, RunTrace
 
 RUNTIMES = ("auto", "floats", "c", "jax")
@@ -49,8 +50,8 @@ def simulate(
     tolerances; `Result.accuracy` bounds what is left. A system in discrete time has steps of its
     own: waveforms are read at their starts.
 
-    A run that comes to where no wire can be stops there, with the status OUT_OF_ENVELOPE; the
-    result ends with the last sample before.
+    A run that comes to where no wire can be stops there, with the status OUT_OF_ENVELOPE. Its columns, its
+    balances and its sentence end at the same time.
 
     Args:
         system: a `System` of one element, or a `Machine` of several.
@@ -101,10 +102,14 @@ def simulate(
     chosen = "auto" if runtime == "jax" else runtime
     engine = RunEngine(compiled, compiled.values(system), chosen, tell, budget)
     relay = Relay(engine, start, place_stops(restart_at, times))
-    if step is None:
-        found, accuracy = march_to(relay, plan, tolerance)
-    else:
-        found, accuracy = relay(plan), None
+
+    def march(relay: Relay, plan: MarchPlan) -> tuple[Marched, float | None]:
+        return march_to(relay, plan, tolerance) if step is None else (relay(plan), None)
+
+    def march_again(plan: MarchPlan) -> tuple[Marched, float | None]:
+        return march(Relay(engine, start, [stop for stop in relay.stops if stop < plan.times[-1]]), plan)
+
+    plan, found, accuracy = end_at_envelope(system, plan, *march(relay, plan), march_again)
     compared = choose_samples(len(times), plan.skipped) if step is None else [-1]
     kept = relay.list_restarts([times[k] for k in compared])
     if runtime == "jax" and not found.status.failed:
@@ -165,11 +170,12 @@ def _in_discrete_time(
     plan = MarchPlan(compiled, (), grid.times, 0.0, interval, envelope_of(system))
     relay = Relay(march, start, place_stops(restart_at, grid.times))
     found = relay(plan)
+    if found.status is Status.OUT_OF_ENVELOPE:
+        found.rows = list(rows_inside(system, found.rows))
     used = {"c": "C", "jax": "JAX"}.get(runtime, "floats")
     kept = relay.list_restarts(grid.times[-1:]) if found.state else []
-    rows = list(rows_inside(system, found.rows)) if found.status is Status.OUT_OF_ENVELOPE else found.rows
     kept_all = whole.stored is not ...
-    trace = RowsTrace(grid.times[: len(rows)], rows, len(system.outputs())) if kept_all else None
+    trace = RowsTrace(grid.times[: len(found.rows)], found.rows, len(system.outputs())) if kept_all else None
     stored = {start.time, *np.asarray(whole.times)[whole.stored].tolist()}
     places = [k for k, time in enumerate(grid.times) if time in stored]
     plan = replace(plan, times=[grid.times[k] for k in places])
@@ -241,7 +247,7 @@ def _build_result(
 ) -> Result:
     leaves = found.status is Status.OUT_OF_ENVELOPE
     names = list(system.outputs())
-    rows = list(rows_inside(system, found.require().rows)) if leaves else found.require().rows
+    rows = found.require().rows
     columns = dict(zip(names, np.asarray(rows, float).T.tolist(), strict=False))
     result = Result(
         system,

@@ -205,7 +205,7 @@ def march_in_lanes(
         apart = np.abs(rows[:, :, seen] - now[:, :, seen])
         accuracy = np.maximum(_bound_errors(compiled, apart, made), FLOOR * tolerance)
         measured = measuring.measure_march(finer, made)
-        found.place_runs(left, _judge_runs(made, names, accuracy, measured))
+        found.place_runs(left, _judge_runs(made, names, accuracy, measured, plan.times))
         rest = accuracy > tolerance
         left, rows, numbers = left[rest], now[rest], made.numbers[rest]
         if not len(left):
@@ -225,7 +225,9 @@ def _bound_errors(compiled: CompiledMarch, apart: Numbers, made: MarchRows) -> N
     return np.where(sure, np.maximum(total, LEAST), np.inf)
 
 
-def _judge_runs(made: MarchRows, names: Sequence[str], accuracy: Numbers, measured: Numbers) -> Ensemble:
+def _judge_runs(
+    made: MarchRows, names: Sequence[str], accuracy: Numbers, measured: Numbers, times: Sequence[float]
+) -> Ensemble:
     """Return runs with a status that is right about their numbers."""
     outputs = made.outputs[:, :, : len(names)]
     status = made.numbers[:, 0].astype(np.int8)
@@ -233,7 +235,15 @@ def _judge_runs(made: MarchRows, names: Sequence[str], accuracy: Numbers, measur
     status[lost] = Status.NOT_FINITE
     failed = (status >= Status.UNSOLVED) & (status != Status.OUT_OF_ENVELOPE)
     columns = {name: outputs[:, :, k] for k, name in enumerate(names)}
-    return Ensemble(columns, status, made.numbers[:, 1], np.where(failed, np.nan, accuracy), measured)
+    ended = made.numbers[:, 1].copy()
+    for run in np.flatnonzero(status == Status.OUT_OF_ENVELOPE):
+        ended[run] = _bound_end(ended[run], int(np.isfinite(outputs[run]).all(axis=1).sum()), times)
+    return Ensemble(columns, status, ended, np.where(failed, np.nan, accuracy), measured)
+
+
+def _bound_end(ended: float, kept: int, times: Sequence[float]) -> float:
+    """The end [s] of a run that left the envelope: not later than the first sample that it does not have."""
+    return min(ended, times[min(kept, len(times) - 1)])
 
 
 def march_one_by_one(
@@ -266,6 +276,8 @@ def march_one_by_one(
             track = build_track(record, plan.compiled.drives, tones, swinging, observe, tolerance)
             found.numbers[:, run] = measuring.measure_track(track, 1)[:, 0]
         found.status[run], found.ended[run] = one.status, one.time
+        if one.status is Status.OUT_OF_ENVELOPE:
+            found.ended[run] = _bound_end(one.time, len(rows), plan.times)
         inside = one.status is Status.OUT_OF_ENVELOPE or not one.status.failed
         found.accuracy[run] = accuracy if inside else np.nan
     return found

@@ -80,6 +80,11 @@ def cut_outside(system: AbstractSystem, track: Track) -> Track:
 
 def describe_exit(system: AbstractSystem, time: float, place: int, value: float) -> str:
     """When [s], where and how far a run left the envelope."""
+    return f"The run stopped at t = {time:.6g} s: {describe_bound(system, place, value)}"
+
+
+def describe_bound(system: AbstractSystem, place: int, value: float) -> str:
+    """Where and how far the envelope was left."""
     ports = list(system.actuators())
     port, name = ports[place // len(ENVELOPE)], ENVELOPE[place % len(ENVELOPE)]
     limits = envelope_of(system)
@@ -88,8 +93,6 @@ def describe_exit(system: AbstractSystem, time: float, place: int, value: float)
     shown = units.of_column(name, unit)
     where = f" of `{port}`" if len(ports) > 1 else ""
     reason = "absolute zero" if name == "hottest" and value <= 0.0 else BEYOND[name]
-    return (
-        f"The run stopped at t = {time:.6g} s: the {WORDS[name]}{where} came to "
-        f"{units.from_si(value, shown, unit):.5g} {shown}, beyond "
-        f"{units.from_si(bound, shown, unit):.5g} {shown}, {reason}."
-    )
+    limit = f"the limit of {units.from_si(bound, shown, unit):.5g} {shown}"
+    came = limit if value == bound else f"{units.from_si(value, shown, unit):.5g} {shown}, beyond {limit}"
+    return f"the {WORDS[name]}{where} came to {came}, {reason}."

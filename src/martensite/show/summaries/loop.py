@@ -49,7 +49,7 @@ def describe_loops(report: LoopReport, words: str) -> Iterator[Block]:
     verdicts = {
         "not sound": f"The loop is not sound: {count} {'fault' if count == 1 else 'faults'}.",
         "not all tested": f"Nothing was found that keeps the loop from working, but not all was tested: {words}",
-        "sound": f"The scenario is sound: {words}",
+        "sound": f"The loop is sound: {words} Limits are judged by `run`.",
     }
     yield Sentence(verdicts[report.verdict], "bad" if count else "")
 

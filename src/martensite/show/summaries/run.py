@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from martensite.scenario.law_logs import LawComparison
     from martensite.scenario.laws import ConfiguredLaw
     from martensite.scenario.scenario import Scenario
+    from martensite.simulate.judgement import Judgement
     from martensite.simulate.point import PointResult
     from martensite.simulate.result import Result
 
@@ -104,6 +105,11 @@ def tabulate_measures(measured: Sequence[MeasuredNumber]) -> DataTable:
     return DataTable(("measure", "value", "error"), rows, right=(1, 2))
 
 
+def tell_limits(found: Judgement) -> Sentence:
+    """Which limits are exceeded, in one line."""
+    return Sentence(found.verdict, "" if found.kept else "bad")
+
+
 def _collect_guard(scenario: Scenario) -> Summary:
     """What guards a loop, and how hot it lets an element get; nothing without a loop."""
     if scenario.bench is None:
@@ -117,7 +123,7 @@ def _collect_guard(scenario: Scenario) -> Summary:
 def tabulate_key_results(result: Result) -> DataTable:
     """The few numbers by which runs are compared: strokes, peaks, energies, time beyond limits."""
     beyond = sum(alarm.duration for alarm in result.alarms)
-    rows = [*_list_strokes(result), *_list_peaks(result), *_list_energies(result)]
+    rows = [*_list_strokes(result), *list_peaks(result), *_list_energies(result)]
     return DataTable(("result", "value"), [*rows, ("time beyond limits", f"{beyond:.4g} s")], right=(1,))
 
 
@@ -130,7 +136,7 @@ def _list_strokes(result: Result) -> Iterator[tuple[str, str]]:
             yield words.format(output.long_name), size
 
 
-def _list_peaks(result: Result) -> Iterator[tuple[str, str]]:
+def list_peaks(result: Result) -> Iterator[tuple[str, str]]:
     """Highest temperature, stress and force of all elements, and the lowest martensite fraction."""
     ports = list(result.system.actuators())
     for name, words, choose in PEAKS if ports else ():

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
-from typer import Option
+from typer import Exit, Option
 
 from martensite.base import units
 from martensite.base.errors import InputError, ParameterError, require_known
@@ -16,6 +16,7 @@ from martensite.cli.progress import show_share, show_spinner
 if TYPE_CHECKING:
     from martensite.cli.outputs import Outputs
     from martensite.scenario.scenario import Scenario
+    from martensite.simulate.judgement import Judgement
     from martensite_sweep.steady.rotations import ResponseSweep
     from martensite_sweep.steady.subjects import Subject
 
@@ -66,7 +67,8 @@ def steady(
 ) -> None:
     """Find the rest, the limit cycle or the folds of a scenario.
 
-    Without more it says where the scenario rests under drives that are held, and whether a small change dies out.
+    Without options it gives the rest under held drives, the limits that it exceeds, and whether a small change dies
+    out. Exits with 1 if a limit is exceeded.
     """
     over = curve.check().over
     refuse_idle("--cycle", cycle and over is not None, "--over follows a rotation")
@@ -93,6 +95,7 @@ def _answer_rest(
     with show_spinner(f"bringing {scenario.title} to rest"):
         found = find_steady_state(scenario, _read_drives(scenario, drive), start=start, high=before)
     outputs.answer(summarise_rest(found, scenario.title), answer.json)
+    _end_with(found.judgement)
 
 
 def _answer_cycle(scenario: Scenario, outputs: Outputs, json: bool) -> None:
@@ -104,6 +107,13 @@ def _answer_cycle(scenario: Scenario, outputs: Outputs, json: bool) -> None:
     with show_spinner(f"shooting for the cycle of {scenario.title}"):
         found = find_cycle(scenario) if scenario.bench is None else find_switched_cycle(scenario)
     outputs.answer(summarise_cycle(found, scenario.title), json, draw=lambda: plot_cycle(found, scenario.title))
+    _end_with(found.judgement)
+
+
+def _end_with(found: Judgement) -> None:
+    """End with 1 if a limit is exceeded."""
+    if not found.kept:
+        raise Exit(1)
 
 
 def _answer_response(

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ from martensite.signals.constant import Constant
 from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.api import longest_step
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms, grid_of
+from martensite.simulate.judgement import Judgement, judge_columns
 from martensite_sweep.steady.equilibria import rest_signals
 from martensite_sweep.steady.periodic_motion import PeriodGrid, PeriodicMotion, Stability
 from martensite_sweep.steady.subjects import Subject
@@ -59,6 +61,12 @@ class PeriodicOrbit:
     """What still changes over a period, as a share of what counts."""
     periods: int
     """How many were marched to find it."""
+
+    @cached_property
+    def judgement(self) -> Judgement:
+        """Limits that the motion exceeds."""
+        columns = {name: column.tolist() for name, column in self.outputs.items()}
+        return judge_columns(self.system, self.times.tolist(), columns)
 
     @property
     def stable(self) -> bool:

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from martensite.design.synthesis.operating_point import settle_lanes
 from martensite.scenario.scenario import Scenario
 from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.api import longest_step
+from martensite.simulate.judgement import Judgement, judge_state
 from martensite.simulate.lanes import Lanes
 from martensite_sweep.steady.periodic_motion import Stability, index_drives, judge_stability
 from martensite_sweep.steady.stretch import Stretch
@@ -51,6 +53,13 @@ class SteadyState:
     """Of one step."""
     step: float
     """Its length [s]."""
+    before: dict[str, float]
+    """Outputs of the state that it came from, in SI."""
+
+    @cached_property
+    def judgement(self) -> Judgement:
+        """Limits that the state exceeds."""
+        return judge_state(self.system, self.outputs, self.before)
 
     @property
     def stable(self) -> bool:
@@ -89,7 +98,7 @@ def find_steady_state(
     one = Subject.read(subject)
     signals = one.hold(drive)
     if isinstance(start, SteadyState):
-        return _judge_rest(one.system, settle_system(one.system, [signals], start.state), signals, "state")
+        return _judge_rest(one.system, settle_system(one.system, [signals], start.state), signals, "state", start.outputs)
     require_known("start", start, STARTS)
     before = [one.hold(_choose_high(one, high))] if start == "hot" else []
     return _judge_rest(one.system, settle_system(one.system, [*before, signals]), signals, start)
@@ -128,20 +137,30 @@ def rest_signals(system: AbstractSystem) -> Numbers:
     return index_drives(system, {one.name: ambient[one.name] for one in system.drives() if one.unit == "K"})
 
 
-def _judge_rest(system: AbstractSystem, state: Numbers, signals: Numbers, start: str) -> SteadyState:
-    """An equilibrium with its outputs and its stability."""
+def _judge_rest(
+    system: AbstractSystem, state: Numbers, signals: Numbers, start: str, before: dict[str, float] | None = None
+) -> SteadyState:
+    """An equilibrium with its outputs, its stability and the outputs of the state before, by default without drives."""
     stretch, dt = Stretch(system), longest_step(system)
     row, _ = stretch.hold(signals)
     given, n = np.append(row, dt)[None], stretch.size
     end = stretch.march(state, given, np.eye(n), np.zeros((*given.shape, n)), np.zeros((0, n)))
-    seen = stretch.observe(state[None], signals[None])
+    home = rest_signals(system)
+    if before is None:
+        before = _first_row(stretch.observe(stretch.rest(list(home))[None], home[None]))
     names = [one.name for one in system.drives()]
     return SteadyState(
         system,
         dict(zip(names, map(float, signals), strict=True)),
         start,
-        {name: float(column[0]) for name, column in seen.items()},
+        _first_row(stretch.observe(state[None], signals[None])),
         state,
         judge_stability(end.slopes),
         dt,
+        before,
     )
+
+
+def _first_row(columns: dict[str, Numbers]) -> dict[str, float]:
+    """The first value of every column."""
+    return {name: float(column[0]) for name, column in columns.items()}

@@ -10,6 +10,7 @@ import numpy as np
 from martensite.base import units
 from martensite.base.formats import write_quantity
 from martensite.base.summary import Block, DataTable, Sentence, Summary
+from martensite.show.summaries.run import tell_limits
 from martensite.signals.sampling.sampled import Numbers
 from martensite_sweep.steady.curves import FoldCurve
 from martensite_sweep.steady.cycles import PeriodicOrbit
@@ -45,9 +46,10 @@ def summarise_rest(found: SteadyState, title: str) -> Summary:
     )
     slowest = f", the slowest within {found.time_constant:.3g} s" if 0.0 < found.time_constant < np.inf else ""
     blocks = [
-        DataTable(("output", "at rest"), rows, right=(1,)),
+        tell_limits(found.judgement),
         Sentence(f"{title}: at rest under {held}, {_NAMES[found.start]}."),
         Sentence(f"Stable: small changes die out{slowest}." if found.stable else "Unstable: a small change grows."),
+        DataTable(("output", "at rest"), rows, right=(1,)),
         *_tell_neutral(found.stability),
     ]
     numbers = {
@@ -58,6 +60,7 @@ def summarise_rest(found: SteadyState, title: str) -> Summary:
         "stable": found.stable,
         "time_constant": found.time_constant,
         "neutral": found.stability.neutral,
+        "limits": found.judgement.to_dict(),
     }
     return Summary("", blocks, numbers)
 
@@ -87,12 +90,13 @@ def summarise_cycle(found: PeriodicOrbit, title: str) -> Summary:
     switched = isinstance(found, SwitchedCycle)
     on = f", of which it is on for {found.on_time:.6g} s" if isinstance(found, SwitchedCycle) else ""
     blocks = [
-        DataTable(("output", "lowest", "highest"), rows, right=(1, 2)),
+        tell_limits(found.judgement),
         Sentence(f"{title}: repeats itself after {found.period:.6g} s{on}."),
         Sentence(
             f"{'Stable' if found.stable else 'Unstable'}: of a small change at most "
             f"{100.0 * found.stability.largest:.3g} % are left after a period."
         ),
+        DataTable(("output", "lowest", "highest"), rows, right=(1, 2)),
         *_tell_neutral(found.stability),
     ]
     numbers: dict[str, Any] = {
@@ -103,6 +107,7 @@ def summarise_cycle(found: PeriodicOrbit, title: str) -> Summary:
         "multipliers": [[float(m.real), float(m.imag)] for m in found.stability.multipliers],
         "neutral": found.stability.neutral,
         "periods": found.periods,
+        "limits": found.judgement.to_dict(),
     }
     if isinstance(found, SwitchedCycle):
         numbers["on_time"] = found.on_time

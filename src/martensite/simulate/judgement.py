@@ -1,0 +1,103 @@
+"""One judgement of a run or a steady state: which limits are exceeded.
+
+`run`, `check`, `steady`, `wire`, `size` and `design` apply the same limits (`martensite.simulate.alarms`) and the same
+envelope (`martensite.simulate.envelope`), so no two of them contradict each other about the same scenario.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base import units
+from martensite.base.formats import typeset_unit
+from martensite.base.status import Status
+from martensite.simulate.alarms import Alarm, alarms_of
+from martensite.simulate.envelope import Envelope, describe_bound
+
+if TYPE_CHECKING:
+    from martensite.simulate.result import Result
+
+LIMITS = ("temperature", "stress", "strain", "supply", "rig")
+"""Kinds of alarms that exceed a limit; others, such as slack, are cautions."""
+SHOWN = {"K": "degC", "Pa": "MPa", "1": "%"}
+"""Units in which limits are read, by SI unit."""
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Limits that a run or a state exceeds."""
+
+    alarms: tuple[Alarm, ...]
+    """Exceeded limits only."""
+    outside: str
+    """Sentence on the bound of the envelope that is passed; empty inside the envelope."""
+
+    @property
+    def kept(self) -> bool:
+        """True if all limits are kept."""
+        return not (self.alarms or self.outside)
+
+    @property
+    def kinds(self) -> set[str]:
+        """Kinds of the exceeded limits, with `envelope` outside the envelope."""
+        return {alarm.kind for alarm in self.alarms} | ({"envelope"} if self.outside else set())
+
+    @property
+    def verdict(self) -> str:
+        """One sentence: all limits are kept, or each exceeded limit with the value and the limit."""
+        if self.kept:
+            return "All limits are kept."
+        words = [self.outside] if self.outside else []
+        if self.alarms:
+            words.append(f"Warning: {'; '.join(dict.fromkeys(map(describe_excess, self.alarms)))}.")
+        return " ".join(words)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The judgement, ready for JSON."""
+        return {"kept": self.kept, "outside": self.outside, "exceeded": [asdict(alarm) for alarm in self.alarms]}
+
+
+def describe_excess(alarm: Alarm) -> str:
+    """Value and limit of an exceeded limit, without a time."""
+    where = f"`{alarm.port}`: " if alarm.port else ""
+    shown = SHOWN.get(alarm.unit, alarm.unit)
+    worst, limit = (f"{units.from_si(v, shown, alarm.unit):.4g} {typeset_unit(shown)}".strip() for v in (alarm.worst, alarm.limit))
+    if alarm.kind == "supply":
+        return f"{where}the drive asks for {worst}, but the source delivers {limit}"
+    if alarm.kind == "rig":
+        return f"the sources ask the supply for {worst}, but its `current_limit` is {limit}"
+    name = "the change of strain" if alarm.kind == "strain" else alarm.kind
+    return f"{where}{name} reaches {worst}, above the `{alarm.kind}_limit` of {limit}"
+
+
+def judge_run(result: Result) -> Judgement:
+    """Return the limits that a run exceeded."""
+    left = result.status is Status.OUT_OF_ENVELOPE
+    outside = next((words for words in result.warnings if words.startswith("The run stopped")), "") if left else ""
+    return Judgement(tuple(alarm for alarm in result.alarms if alarm.kind in LIMITS), outside)
+
+
+def judge_columns(system: AbstractSystem, times: Sequence[float], columns: Mapping[str, Sequence[float]]) -> Judgement:
+    """Return the limits that sampled outputs, in SI, exceed."""
+    envelope = Envelope(system)
+    rows = zip(*(columns[name] for name in system.outputs()), strict=True)
+    gone = next(filter(None, map(envelope.find_exit, rows)), None)
+    outside = "" if gone is None else f"The envelope is left: {describe_bound(system, *gone)}"
+    alarms = alarms_of(system, times, columns)
+    return Judgement(tuple(alarm for alarm in alarms if alarm.kind in LIMITS), outside)
+
+
+def judge_state(system: AbstractSystem, outputs: Mapping[str, float], before: Mapping[str, float]) -> Judgement:
+    """Return the limits that a steady state exceeds.
+
+    Args:
+        system: what is at rest.
+        outputs: outputs of the state, in SI.
+        before: outputs of the state that it came from, in SI; the change of strain counts from there.
+    """
+    times = (0.0, 1.0, 2.0)
+    found = judge_columns(system, times, {name: (before[name], value, value) for name, value in outputs.items()})
+    return replace(found, alarms=tuple(alarm for alarm in found.alarms if alarm.duration >= times[1]))

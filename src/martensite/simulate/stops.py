@@ -1,0 +1,95 @@
+"""End a run at the envelope: one time for its rows, its balances and its sentence.
+
+A step may end far beyond the envelope. The crossing is found between the last sample inside and the end of that
+step, and the run is made again up to there, so everything that it reports ends at the same time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import BudgetError, SolveError
+from martensite.base.status import Status
+from martensite.simulate.envelope import Envelope, rows_inside
+from martensite.simulate.marching import Marched, MarchPlan, Row, RunLimits
+
+Remarch = Callable[[MarchPlan], tuple[Marched, float | None]]
+"""Makes a run again from its start, with its accuracy."""
+PARTS = 64
+"""Parts of a sample between which the crossing is searched."""
+SHARES = (0.999, 0.99, 0.9)
+"""Shares of the way from the last sample inside to the crossing that are tried, until the end is inside."""
+
+
+def end_at_envelope(
+    system: AbstractSystem, plan: MarchPlan, found: Marched, accuracy: float | None, remarch: Remarch
+) -> tuple[MarchPlan, Marched, float | None]:
+    """Return the plan, the run and its accuracy up to the time at which the run leaves the envelope.
+
+    Args:
+        system: what was run.
+        plan: of the run.
+        found: the run; a run that stays inside is returned as it is.
+        accuracy: of the run, None if nothing was estimated.
+        remarch: makes a run of another plan of the same system.
+    """
+    if found.status is not Status.OUT_OF_ENVELOPE:
+        return plan, found, accuracy
+    inside = list(rows_inside(system, found.rows))
+    kept = list(plan.times[: len(inside)])
+    far = min([found.time, *plan.times[len(inside) : len(inside) + 1]])
+    crossing = _find_crossing(system, plan, kept, far, remarch) if far > kept[-1] else kept[-1]
+    ends = [[*kept, kept[-1] + share * (crossing - kept[-1])] for share in SHARES if crossing > kept[-1]]
+    for times in [*ends, kept]:
+        again = _try_run(remarch, plan, times)
+        if again is None or len(list(rows_inside(system, again[0].rows))) < len(times):
+            continue
+        stopped = replace(
+            again[0], status=Status.OUT_OF_ENVELOPE, time=times[-1], place=found.place, value=_bound(plan, found)
+        )
+        return replace(plan, times=times), stopped, again[1]
+    return replace(plan, times=kept), replace(found, rows=inside, time=kept[-1]), accuracy
+
+
+def _try_run(remarch: Remarch, plan: MarchPlan, times: list[float]) -> tuple[Marched, float | None] | None:
+    """A run without an envelope to the last of some times [s]; None if there is none, or it fails."""
+    free = RunLimits(*((end * float("inf"),) * len(plan.limits.low) for end in (-1.0, 1.0)))
+    if len(times) < 2:
+        return None
+    try:
+        return remarch(replace(plan, times=times, limits=free, extremes=((), ())))
+    except BudgetError:
+        raise
+    except SolveError:
+        return None
+
+
+def _find_crossing(
+    system: AbstractSystem, plan: MarchPlan, kept: list[float], far: float, remarch: Remarch
+) -> float:
+    """Time [s] at which the envelope is left, between the last sample inside and a time outside."""
+    between = [kept[-1] + (far - kept[-1]) * k / PARTS for k in range(1, PARTS + 1)]
+    again = _try_run(remarch, plan, [*kept, *between])
+    rows = [] if again is None else again[0].rows[len(kept) - 1 :]
+    envelope, begin = Envelope(system), kept[-1]
+    for before, after, end in zip(rows, rows[1:], between, strict=False):
+        gone = envelope.find_exit(after)
+        if gone is not None:
+            return begin + _share_inside(envelope, before, after, gone.place) * (end - begin)
+        begin = end
+    return begin
+
+
+def _share_inside(envelope: Envelope, before: Row, after: Row, place: int) -> float:
+    """Share of a straight line between two rows that is inside a bound."""
+    first, last = before[envelope.places[place]], after[envelope.places[place]]
+    bound = envelope.limits.high[place] if last > first else envelope.limits.low[place]
+    return min(max((bound - first) / (last - first), 0.0), 1.0) if last != first else 0.0
+
+
+def _bound(plan: MarchPlan, found: Marched) -> float:
+    """The bound of the envelope that a run passed."""
+    high = found.value > plan.limits.low[found.place]
+    return (plan.limits.high if high else plan.limits.low)[found.place]
