@@ -162,7 +162,7 @@ COMMANDS = (
     "sweep wire.toml --over diameter=0.1..0.2mm:2 --out out.zarr --runtime floats --step 0.1s --backend serial",
     "identify log.csv --input duty --output position --stage oe(1,1,1) --starts 1 --save out.json",
     "fit log.csv --scenario wire.toml --free cooling.h --starts 1",
-    "size --force 8N --stroke 5mm --rate 0.1Hz --supply 12V",
+    "size --pull 8N --stroke 5mm --rate 0.1Hz --supply 12V",
     "design wire.toml --free element.diameter=0.1..0.2mm --sample 2 --descents 1 --minimise energy",
     "tune wire.toml --method rules --rule simc --form pi",
     "pareto out.zarr --minimise energy --maximise stroke",
@@ -628,7 +628,7 @@ WRITTEN = {
     "law liang-rogers --out disk/out.csv": "out.csv",
     "export c wire.toml --out disk --name core": "core.c",
     "export fmu wire.toml --out disk/out.fmu --sources-only": "out.fmu",
-    "size --force 8N --stroke 5mm --rate 0.1Hz --supply 12V --out disk/out.toml": "out.toml",
+    "size --pull 8N --stroke 5mm --rate 0.1Hz --supply 12V --out disk/out.toml": "out.toml",
     "sweep wire.toml --over diameter=0.1..0.2mm:4 --chunk-size 1 --runtime floats --step 0.1s --backend serial "
     "--out disk/out.zarr": "out.zarr",
 }

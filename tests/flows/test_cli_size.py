@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from command import Command
 
-SMALL = ("--force", "0.5 N", "--stroke", "3 mm", "--rate", "0.2 Hz", "--supply", "5 V")
+SMALL = ("--pull", "0.5 N", "--stroke", "3 mm", "--rate", "0.2 Hz", "--supply", "5 V")
 SIZE, RUN = Command("size"), Command("run")
 fine, refused = SIZE.fine, SIZE.refused
 
@@ -52,7 +52,7 @@ def test_table_words_and_a_scenario_that_runs(folder: Path) -> None:
 
 def test_coils_stand_in_a_table_of_a_terminal_and_run(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "80")
-    asked = ("--element", "coil", "--force", "1 N", "--stroke", "30 mm", "--rate", "0.05 Hz", "--supply", "5 V")
+    asked = ("--element", "coil", "--pull", "1 N", "--stroke", "30 mm", "--rate", "0.05 Hz", "--supply", "5 V")
     text = fine(*asked, "--alloy", "90", "--out", "coil.toml")
     shown = rows(text)
     assert shown and all(line.endswith("does") and len(line) <= 80 for line in shown)
@@ -114,13 +114,13 @@ def test_limits_of_the_material_are_kept_unless_told_otherwise() -> None:
 def test_another_wire_takes_the_place_of_the_first(folder: Path) -> None:
     assert "too slow" in fine(*SMALL, "--alloy", "90", "--all", "--out", "wire.toml")
     before = (folder / "wire.toml").read_text(encoding="utf-8")
-    fine(*SMALL, "--alloy", "90", "--out", "wire.toml", "--overwrite", "--pick", "2")
+    fine(*SMALL, "--alloy", "90", "--out", "wire.toml", "--force", "--pick", "2")
     assert (folder / "wire.toml").read_text(encoding="utf-8") != before
 
 
 @pytest.mark.slow
 def test_written_bundle_runs(folder: Path) -> None:
-    arguments = ("--force", "2 N", "--stroke", "3 mm", "--rate", "0.2 Hz", "--supply", "12 V")
+    arguments = ("--pull", "2 N", "--stroke", "3 mm", "--rate", "0.2 Hz", "--supply", "12 V")
     report = json.loads(fine(*arguments, "--alloy", "90", "--json", "--out", "b.toml"))
     assert report["candidates"][0]["count"] > 1
     assert 'kind = "bundle"' in (folder / "b.toml").read_text(encoding="utf-8")
@@ -131,11 +131,11 @@ def test_written_bundle_runs(folder: Path) -> None:
 
 
 REFUSED = [
-    (("--force", "8 N"), "Option `--stroke`, `--rate`, `--supply` is needed"),
+    (("--pull", "8 N"), "Option `--stroke`, `--rate`, `--supply` is needed"),
     ((*SMALL, "--ambient", "22"), "Option `--ambient`: `22` has no unit"),
     ((*SMALL, "--current-limit", "5 mm"), "Option `--current-limit`: The unit `mm`"),
-    (("--force", "8 kg", *SMALL[2:]), "Option `--force`: The unit `kg` cannot be converted to `N`"),
-    (("--force", "-8 N", *SMALL[2:]), "Parameter `force`"),
+    (("--pull", "8 kg", *SMALL[2:]), "Option `--pull`: The unit `kg` cannot be converted to `N`"),
+    (("--pull", "-8 N", *SMALL[2:]), "Parameter `force`"),
     ((*SMALL, "--strain", "40 %"), "Parameter `strain`"),
     ((*SMALL, "--stress", "60 MPa"), "the return of the wire takes"),
     ((*SMALL, "--bias", "magnet"), "Option `bias`"),
@@ -143,7 +143,7 @@ REFUSED = [
     ((*SMALL, "--out", "wire.txt"), "must end in .toml"),
     ((*SMALL, "--out", "nowhere/wire.toml"), "no folder"),
     pytest.param((*SMALL, "--alloy", "90", "--pick", "13"), "between 1 and 12", marks=pytest.mark.slow),
-    (("--catalogue", "--force", "8 N"), "Option `--force` has no effect with --catalogue"),
+    (("--catalogue", "--pull", "8 N"), "Option `--pull` has no effect with --catalogue"),
     (("--catalogue", "--bias", "weight"), "Option `--bias` has no effect with --catalogue"),
     (("--catalogue", "--all"), "Option `--all` has no effect with --catalogue"),
     (("--catalogue", "--alloy", "80"), "Option `alloy`"),

@@ -105,10 +105,10 @@ class Episodes:
         )
         limits = [one.element.limits for one in plant.actuators().values()]
         hot, high = task.temperature_limit, task.stress_limit
-        self.temperature_limits = [hot or one.temperature_limit for one in limits]
+        self.temperature_limits = [one.temperature_limit if hot is None else hot for one in limits]
         """Of the element at each port [K]."""
         self._most_heat = np.array(self.temperature_limits)[:, None]
-        self._most_stress = np.array([high or one.stress_limit for one in limits])[:, None]
+        self._most_stress = np.array([one.stress_limit if high is None else high for one in limits])[:, None]
 
     def _set_tables(self) -> None:
         """Room for what is drawn, and what is played to the controllers of the bench."""

@@ -88,7 +88,8 @@ def run_hil(
     bench = scenario.bench
     if bench is None:
         raise InputError("There is no loop in this scenario.")
-    plant = HilPlant.begin(scenario, bench, duration or scenario.duration)  # compiled before the board waits for it
+    seconds = scenario.duration if duration is None else duration
+    plant = HilPlant.begin(scenario, bench, seconds)  # compiled before the board waits for it
     link.greet(firmware["digest"])
     link.command("rate", every=0)
     link.choose_mode("emulated")

@@ -197,11 +197,11 @@ def _run_watched(asked: LiveRun, session: Session, watch: LiveWatch) -> str:
     """Why it ended, in a sentence; empty if it is whole."""
     try:
         if not asked.word:
-            session.listen(asked.duration or LISTENED, watch)
+            session.listen(LISTENED if asked.duration is None else asked.duration, watch)
         elif asked.levels.strip():
             session.play(asked.list_levels(), word=asked.word, watch=watch)
         else:
-            seconds = asked.duration or session.scenario.duration
+            seconds = session.scenario.duration if asked.duration is None else asked.duration
             session.follow(session.list_references(), seconds, word=asked.word, watch=watch)
     except RunStopped:
         return "Stopped."

@@ -69,7 +69,9 @@ class Declared:
             raise UnitError(f"Parameter `{name}` of `{owner}`: {error}") from None
         except (TypeError, ValueError):
             raise ParameterError(f"Parameter `{name}` of `{owner}` must be {self._sort()}, but is {value!r}.") from None
-        if math.isinf(number) and number != self.default:
+        if math.isinf(number) and number == self.default:
+            return number  # not given
+        if math.isinf(number):
             raise ParameterError(f"Parameter `{name}` of `{owner}` must be finite, but is {value}.")
         too_low = number <= self.low if self.open_low else number < self.low
         if too_low or number > self.high or math.isnan(number):

@@ -35,20 +35,19 @@ class Outputs:
         """The files that will be written."""
         return [path for path in (self.data, self.figure, self.profile) if path is not None]
 
-    def check(self, force: bool, data: tuple[str, ...] = DATA, option: str = "--force") -> Outputs:
+    def check(self, force: bool, data: tuple[str, ...] = DATA) -> Outputs:
         """Raise `DataError` if a file has a wrong ending, no folder, or is there already.
 
         Args:
             force: files that are there may be replaced.
             data: endings allowed for the data file.
-            option: the one that allows it.
         """
         check_ending(self.data, data)
         check_ending(self.figure, FIGURE)
         check_ending(self.profile, FIGURE)
         for path in self.paths():
             check_folder(path)
-            check_absent(path, force, option)
+            check_absent(path, force)
         return self
 
     def answer(
@@ -109,10 +108,10 @@ def check_folder(path: Path) -> None:
         raise DataError(f"The folder `{path.parent}` cannot be written to.")
 
 
-def check_absent(path: Path, force: bool, option: str = "--force") -> None:
+def check_absent(path: Path, force: bool) -> None:
     """Raise `DataError` if a file is there and must not be replaced."""
     if path.exists() and not force:
-        raise DataError(f"`{path}` is there already; use {option} to replace it, or write to another file.")
+        raise DataError(f"`{path}` is there already; use --force to replace it, or write to another file.")
 
 
 @dataclass

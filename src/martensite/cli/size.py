@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from typer import Option
+from typer import Exit, Option
 
 from martensite.base.errors import InputError, ParameterError, SolveError
 from martensite.cli.app import app
-from martensite.cli.options import Json, Text, read_quantity
+from martensite.cli.options import Force, Json, Text, read_quantity
 from martensite.cli.outputs import Outputs
 from martensite.cli.progress import show_progress
 
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 @app.command()
 def size(
-    force: Annotated[Text, Option(help='Pull at the end of the stroke, e.g. "8 N".')] = None,
-    stroke: Annotated[Text, Option(help='Way of the load, e.g. "5 mm".')] = None,
+    pull: Annotated[Text, Option(help='Force on the load at the end of the stroke, e.g. "8 N".')] = None,
+    stroke: Annotated[Text, Option(help='Stroke, e.g. "5 mm".')] = None,
     rate: Annotated[Text, Option(help='Cycles, e.g. "0.5 Hz".')] = None,
     supply: Annotated[Text, Option(help='Voltage of the supply, e.g. "12 V".')] = None,
     ambient: Annotated[Text, Option(help="Temperature of the still air [default: 22 degC].")] = None,
@@ -38,15 +38,15 @@ def size(
     catalogue: Annotated[bool, Option("--catalogue", help="Only compare the model with the maker's table.")] = False,
     pick: Annotated[int | None, Option(help="Number of the wire to describe and write [default: best].")] = None,
     out: Annotated[Path | None, Option(help="Scenario file to write: .toml.")] = None,
-    overwrite: Annotated[bool, Option("--overwrite", help="Replace an existing file.")] = False,
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """Find the wire or coil and its current for a force and stroke.
 
-    Exits with 1 where none does.
+    Exits with 1 if no wire meets the request, or the picked wire does not.
     """
     given = {
-        "force": force,
+        "pull": pull,
         "stroke": stroke,
         "rate": rate,
         "supply": supply,
@@ -63,7 +63,7 @@ def size(
         _refuse_idle({n: v for n, v in unused.items() if n not in ("stress", "ambient")})
         _check_catalogue(stress, ambient, alloy, json)
         return
-    outputs = Outputs(out, None).check(overwrite, data=(".toml",), option="--overwrite")
+    outputs = Outputs(out, None).check(force, data=(".toml",))
     request = _read_request(given, {"alloy": alloy, **chosen})
     with show_progress("simulating wires") as progress:
         from martensite.design.sizing.candidates import size_wire
@@ -82,20 +82,23 @@ def size(
         json,
         lambda: format_scenario(sizing.request, sizing.candidates[best], load_wires()),
     )
+    if not sizing.candidates[best].feasible:
+        raise Exit(1)
 
 
 def _read_request(given: dict[str, Text], chosen: dict[str, Any]) -> WireRequest:
     from martensite.design.sizing.request import WireRequest
 
-    missing = [n for n in ("force", "stroke", "rate", "supply") if given[n] is None]
+    missing = [n for n in ("pull", "stroke", "rate", "supply") if given[n] is None]
     if missing:
         named = ", ".join(f"`--{name}`" for name in missing)
         raise ParameterError(
             f"Option {named} is needed; write for example "
-            '`martensite size --force "8 N" --stroke "5 mm" --rate "0.5 Hz" --supply "12 V"`.'
+            '`martensite size --pull "8 N" --stroke "5 mm" --rate "0.5 Hz" --supply "12 V"`.'
         )
-    units = {name: declared.unit for name, declared in WireRequest.declarations.items()}
+    units = {name: declared.unit for name, declared in WireRequest.declarations.items()} | {"pull": "N"}
     numbers = {n: read_quantity(n, t, units[n]) for n, t in given.items() if t is not None}
+    numbers["force"] = numbers.pop("pull")
     return WireRequest(**numbers, **{n: v for n, v in chosen.items() if v is not None})
 
 

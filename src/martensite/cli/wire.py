@@ -83,7 +83,7 @@ def wire(
 
         found = rate_wire(asked)
     from martensite.show.figures.circuit import plot_circuit
-    from martensite.show.summaries.sizing import summarise_ratings
+    from martensite.show.summaries.wire_ratings import summarise_ratings
 
     outputs.answer(
         summarise_ratings(found), answer.json, lambda: format_ratings(found, load_wires()), lambda: plot_circuit(found)

@@ -216,7 +216,8 @@ def _build_experiment(
     columns |= {one.heading: [row.values[one.words] for row in rows] for one in measures}
     units = {"time": "s"} | {one.heading: one.unit for one in measures}
     factors = {one.words: tuple(math.sqrt(row.counts[one.words]) for row in rows) for one in measures}
-    longest = step or scenario.step or _choose_step(scenarios)
+    longest = scenario.step if step is None else step
+    longest = _choose_step(scenarios) if longest is None else longest
     return ConditionExperiment(
         name,
         system,

@@ -167,7 +167,8 @@ def _build_record(path: Path, found: Columns, interval: float | None, gaps: bool
         columns[name] = (np.asarray(values, dtype=float) * factor + offset).tolist()
         units[name] = column.unit
     if "time" not in columns:
-        times = [k * (interval or ASSUMED_INTERVAL) for k in range(len(next(iter(columns.values()))))]
+        apart = ASSUMED_INTERVAL if interval is None else interval
+        times = [k * apart for k in range(len(next(iter(columns.values()))))]
         return Record(path.stem, columns | {"time": times}, units | {"time": "s"}, path, interval=interval)
     row = out_of_order(columns["time"])
     if row is not None:

@@ -183,13 +183,13 @@ class Scenario:
             return self._run_bench(self.bench, runtime)
         from martensite.simulate.api import simulate
 
-        chosen, accepted = runtime or "auto", tolerance or self.tolerance
+        chosen, accepted = runtime or "auto", self.tolerance if tolerance is None else tolerance
         result = simulate(
             self.system,
             self.waveform,
             self.duration,
             tolerance=accepted,
-            step=None if tolerance else self.step,
+            step=self.step if tolerance is None else None,
             samples=self.samples,
             runtime=chosen,
             budget=budget,

@@ -64,7 +64,9 @@ def describe_excess(alarm: Alarm) -> str:
     """Value and limit of an exceeded limit, without a time."""
     where = f"`{alarm.port}`: " if alarm.port else ""
     shown = SHOWN.get(alarm.unit, alarm.unit)
-    worst, limit = (f"{units.from_si(v, shown, alarm.unit):.4g} {typeset_unit(shown)}".strip() for v in (alarm.worst, alarm.limit))
+    worst, limit = (
+        f"{units.from_si(v, shown, alarm.unit):.4g} {typeset_unit(shown)}".strip() for v in (alarm.worst, alarm.limit)
+    )
     if alarm.kind == "supply":
         return f"{where}the drive asks for {worst}, but the source delivers {limit}"
     if alarm.kind == "rig":

@@ -66,9 +66,7 @@ def _try_run(remarch: Remarch, plan: MarchPlan, times: list[float]) -> tuple[Mar
         return None
 
 
-def _find_crossing(
-    system: AbstractSystem, plan: MarchPlan, kept: list[float], far: float, remarch: Remarch
-) -> float:
+def _find_crossing(system: AbstractSystem, plan: MarchPlan, kept: list[float], far: float, remarch: Remarch) -> float:
     """Time [s] at which the envelope is left, between the last sample inside and a time outside."""
     between = [kept[-1] + (far - kept[-1]) * k / PARTS for k in range(1, PARTS + 1)]
     again = _try_run(remarch, plan, [*kept, *between])

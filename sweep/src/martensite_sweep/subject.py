@@ -44,7 +44,7 @@ def build_course(
     if interval:
         samples = min(samples, max(int(scenario.duration / interval + 1e-6) + 1, 2))
     chosen = runtime or ("c" if find_compiler() is not None else "floats")
-    found = interval or step or scenario.step
+    found = interval or (scenario.step if step is None else step)
     if found is None and (chosen == "jax" or (chosen == "cuda" and precision != "float64")):
         raise InputError(
             "A sweep on JAX or in float32 runs on equal steps; say how long they are at most by `--step`, or take the "

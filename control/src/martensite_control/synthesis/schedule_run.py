@@ -43,9 +43,10 @@ def run_schedule(scenario: Scenario, options: TuneOptions) -> tuple[Summary, Cal
     if scenario.bench is None:
         raise InputError("The scenario has no [controller] that could be tuned.")
     bench, waves = scenario.bench, by_name(scenario.system, scenario.waveform)
-    duration = read_positive("duration", options.duration, "s") if options.duration else scenario.duration
+    duration = read_positive("duration", options.duration, "s")
+    duration = scenario.duration if duration is None else duration
     with show_spinner("linear systems on both branches"):
-        wanted = options.sensitivity or SENSITIVITY
+        wanted = SENSITIVITY if options.sensitivity is None else options.sensitivity
         found = design_gain_schedule(
             bench, duration, drive=options.loop, sensitivity=wanted, count=POINTS, waveforms=waves
         )

@@ -14,6 +14,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param, part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import RESISTANCES, AbstractResistance, Conductor
+from martensite.physics.electrical.resistances import RESISTIVITY, PerLengthResistance, describe_contradiction
 from martensite.physics.laws.base import LAWS, AbstractLaw, Fractions
 from martensite.physics.laws.wear import Wear
 from martensite.physics.thermal.base import Cylinder, Environment
@@ -118,6 +119,15 @@ class AbstractRoundWire(AbstractElement, init=False):
         if self.law.rphase:
             return self.resistance.mix_phases(xp, fraction, rphase, strain, temperature, shape)
         return self.resistance.resistance(xp, fraction, strain, temperature, shape)
+
+    def cautions(self) -> list[str]:
+        """A resistance per length that contradicts length and section."""
+        found, given = super().cautions(), self.resistance
+        if isinstance(given, PerLengthResistance):
+            expected, source = RESISTIVITY / self.section(), "its diameter and NiTi's 0.84 µΩ m give"
+            said = (describe_contradiction(one, expected, self.wire_length(), source) for one in (given.r_M, given.r_A))
+            found += [f"{words}." for words in list(filter(None, said))[:1]]
+        return found
 
 
 @ELEMENTS.register("wire")

@@ -52,7 +52,7 @@ def find_default_bounds(
     """Bounds by the name of the check, and sentences on elements that have none; numbers as for `guard_for`."""
     found, said, heated = dict[str, ThermalBound](), list[str](), list_heated(plant, controllers)
     for drive, one in heated.items():
-        limit = temperature_limit or one.element.limits.temperature_limit
+        limit = one.element.limits.temperature_limit if temperature_limit is None else temperature_limit
         if not math.isfinite(limit):
             said.append(
                 f"No guard: the element at `{drive}` has no `temperature_limit`; give one in its `limits`, or write "

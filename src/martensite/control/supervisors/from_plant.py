@@ -58,7 +58,7 @@ def guard_for(
     found: dict[str, AbstractCheck] = dict(checks or {})
     for port, one in system.actuators().items():
         drive = system.drive_at(port)
-        limit = temperature_limit or one.element.limits.temperature_limit
+        limit = one.element.limits.temperature_limit if temperature_limit is None else temperature_limit
         if not math.isfinite(limit):
             raise InputError(f"The element at `{drive}` has no `temperature_limit`; give one to the guard.")
         cut = () if len(system.actuators()) == 1 else (drive,)
@@ -71,7 +71,7 @@ def find_bound(
     one: Actuator, drive: str, limit: float, full: float, hottest: float | None = None, least_cooling: float = 1.0
 ) -> ThermalBound:
     """The bound on the temperature of one actuator, whose drive is called so, at a limit [K]; see `guard_for`."""
-    ambient = hottest or one.environment.temperature
+    ambient = one.environment.temperature if hottest is None else hottest
     return ThermalBound(
         drive=drive,
         limit=limit,

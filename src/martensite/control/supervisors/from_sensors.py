@@ -120,7 +120,8 @@ def _build_limit_checks(
     several = len(plant.actuators()) > 1
     for port, one in plant.actuators().items():
         drives = (plant.drive_at(port),) if several else ()
-        hottest, stress = limit or one.element.limits.temperature_limit, one.element.limits
+        stress = one.element.limits
+        hottest = stress.temperature_limit if limit is None else limit
         hot = mounted.sensor.unit in (None, "K") and math.isfinite(hottest)
         if hot and seen in {plant.label(port, output) for output in TEMPERATURES}:
             yield "hot", Overheat(reading=name, limit=hottest, band=band, drives=drives)

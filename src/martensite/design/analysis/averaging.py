@@ -85,7 +85,7 @@ def compare_averaging(
             f"The carrier must make at least one period in {duration:.6g} s, but its frequency is {frequency:.6g} Hz."
         )
     periods, period = int(duration * frequency + 1e-9), 1.0 / frequency
-    step = step or min(first_step(system, duration, 2), 0.5 * period)
+    step = min(first_step(system, duration, 2), 0.5 * period) if step is None else step
     average = simulate(system, waveform, periods * period, step=step, samples=2 * periods + 1)
     pulsed = simulate_loop(switched, drive, periods * period, period, pulses=True, shortest=shortest, step=step)
     for run in (average, pulsed.result):

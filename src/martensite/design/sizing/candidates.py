@@ -17,7 +17,7 @@ from typing import Any
 from martensite.actuators.assembly import System
 from martensite.control.faults.plant import Multiplied
 from martensite.design.sizing import remarks
-from martensite.design.sizing.cycle import PulseCycle, find_current, find_hottest, find_reach_time, simulate_cycle
+from martensite.design.sizing.cycle import PulseCycle, find_current, find_reach_time, repeat_pulse, simulate_cycle
 from martensite.design.sizing.request import ALLOYS, LIFE_STRESS, WireRequest, Wiring, choose_wiring
 from martensite.design.sizing.statics import HEAVIER, CoilStrand, Statics, compute_statics, list_alloy_numbers
 from martensite.physics.materials.base import DOUBTFUL
@@ -157,7 +157,7 @@ def size_wire(
         InputError: the request contradicts itself.
         SolveError: a simulation failed.
     """
-    if request.life:
+    if math.isfinite(request.life):
         request = request.with_values({"stress": min(request.stress, LIFE_STRESS)})
     sizes = list_sizes(request, catalogue or load_wires())
     pairs = [(size, alloy) for alloy in request.alloys() for size in sizes]
@@ -229,7 +229,7 @@ def _find_drive(request: WireRequest, static: Statics) -> tuple[Wiring, PulseCyc
             wiring, found = again if again[1] is not None else (wiring, found)
     if found is None or not found.keeps(request.period):
         return wiring, found
-    return wiring, replace(found, running=find_hottest(system, found, request.rate))
+    return wiring, repeat_pulse(system, found, request.rate)
 
 
 def _find_pulse(

@@ -20,7 +20,7 @@ from martensite.actuators.elements.limits import STRONGEST
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
 from martensite.design.sizing.statics import CoilStrand, Strand, list_alloy_numbers
-from martensite.design.sizing.wire_in_hand import COOLINGS, WireInHand, take_resistance
+from martensite.design.sizing.wire_in_hand import COOLINGS, NOT_GIVEN, SPARE, WireInHand, take_resistance
 from martensite.kernels import floats
 from martensite.kernels.namespace import Scalar
 from martensite.physics.materials.wires import WireCatalogue, WireSize
@@ -51,42 +51,48 @@ class Drawn:
 
 
 class CoilInHand(WireInHand):
-    """A close-wound coil, what drives it and what it pulls; 0 stands for what is not known."""
+    """A close-wound coil, what drives it and what it pulls."""
 
     diameter: Scalar = param("m", "diameter of the wire", low=2e-5, high=2e-3)
-    length: Scalar = param("m", "length of the wire, if it is known", low=0.0, high=100.0, default=0.0)
-    turns: Scalar = param("1", "number of turns", low=0.0, high=1e5, default=0.0)
-    solid: Scalar = param("m", "length of the closed coil", low=0.0, high=100.0, default=0.0)
-    outer: Scalar = param("m", "coil diameter over all", low=0.0, high=1.0, default=0.0)
-    stretched: Scalar = param("m", "length to which it is drawn out when cold", low=0.0, high=100.0, default=0.0)
+    length: Scalar = param("m", "length of the wire, if it is known", above=0.0, high=100.0, default=NOT_GIVEN)
+    turns: Scalar = param("1", "number of turns", above=0.0, high=1e5, default=NOT_GIVEN)
+    solid: Scalar = param("m", "length of the closed coil", above=0.0, high=100.0, default=NOT_GIVEN)
+    outer: Scalar = param("m", "coil diameter over all", above=0.0, high=1.0, default=NOT_GIVEN)
+    stretched: Scalar = param(
+        "m", "length to which it is drawn out when cold", above=0.0, high=100.0, default=NOT_GIVEN
+    )
 
     def check(self) -> None:
         """Raise `ParameterError` if too little is known of it, or what is known contradicts itself."""
         super().check()
-        if self.turns == 0.0 and self.solid == 0.0:
+        if not (self.gives("turns") or self.gives("solid")):
             raise ParameterError("Say how many turns the coil has: by `solid`, its closed length, or by `turns`.")
         counted, measured = self.turns, self.solid / self.diameter
-        if counted and measured and abs(counted - measured) > max(SLACK_TURNS, SLACK_SHARE * counted):
+        if (
+            self.gives("turns")
+            and self.gives("solid")
+            and abs(counted - measured) > max(SLACK_TURNS, SLACK_SHARE * counted)
+        ):
             raise ParameterError(
                 f"{1e3 * self.solid:.4g} mm of closed {1e3 * self.diameter:.4g} mm wire are {measured:.1f} turns, but "
                 f"`turns` is {counted:.4g}: one of the three is wrong, or the coil is not wound closed."
             )
-        if self.outer == self.length == self.resistance == 0.0:
+        if not (self.gives("outer") or self.gives("length") or self.gives("resistance")):
             raise ParameterError(
                 "Say how wide the coil is: by `outer`, its diameter over all, or by its `resistance`, which has the "
                 "length of its wire in it."
             )
-        if self.stretched and self.stretched <= self.count_turns() * self.diameter:
+        if self.gives("stretched") and self.stretched <= self.count_turns() * self.diameter:
             raise ParameterError(
                 f"`stretched` is {1e3 * self.stretched:.4g} mm, which is not longer than the closed coil, "
                 f"{1e3 * self.count_turns() * self.diameter:.4g} mm."
             )
-        if self.stretched and (self.spring or self.preload):
+        if self.gives("stretched") and (self.gives("spring") or self.gives("preload")):
             raise ParameterError("A coil is drawn out to a stop (`stretched`) or by a spring (`spring`, `preload`).")
 
     def count_turns(self) -> float:
         """N [-]: as counted, else from the closed length."""
-        return self.turns or self.solid / self.diameter
+        return self.turns if self.gives("turns") else self.solid / self.diameter
 
     def find_size(self, catalogue: WireCatalogue) -> WireSize:
         """The wire of the catalogue, or on the continuation of its table."""
@@ -98,7 +104,7 @@ class CoilInHand(WireInHand):
 
     def choose_load(self, strand: Strand) -> float:
         """Weight [N] where none is given: that of the maker's stress in straight wire."""
-        return list_alloy_numbers(self.alloy)["stress_limit"] * strand.bearing
+        return (1.0 - SPARE) * list_alloy_numbers(self.alloy)["stress_limit"] * strand.bearing
 
     def make_strand(self, catalogue: WireCatalogue) -> CoilStrand:
         """The coil.
@@ -108,9 +114,10 @@ class CoilInHand(WireInHand):
         """
         size, turns = self.find_size(catalogue), self.count_turns()
         per_metre = size.resistance.value
-        wound = turns * math.hypot(math.pi * (self.outer - self.diameter), self.diameter) if self.outer else 0.0
-        length = self.length or wound or self.resistance / per_metre
-        if wound and abs(wound / length - 1.0) > SLACK_SHARE:
+        wound = turns * math.hypot(math.pi * (self.outer - self.diameter), self.diameter)
+        wide, long = self.gives("outer"), self.gives("length")
+        length = self.length if long else wound if wide else self.resistance / per_metre
+        if wide and abs(wound / length - 1.0) > SLACK_SHARE:
             raise ParameterError(
                 f"Turns this wide are {1e3 * wound:.4g} mm of wire, but `length` is {1e3 * length:.4g} mm."
             )
@@ -122,14 +129,14 @@ class CoilInHand(WireInHand):
                 f"{turns:.4g} turns from {1e3 * length:.4g} mm of wire would have a mean diameter of {index:.3g} wire "
                 f"diameters, which no coil has: `diameter`, `solid`, `outer` or `resistance` is wrong."
             )
-        if self.resistance:
+        if self.gives("resistance"):
             size = take_resistance(size, self.resistance, length)
         cooling = COOLINGS["horizontal" if self.cooling == "air" else self.cooling]
         return CoilStrand(size, self.alloy, length, self.ambient, cooling, index=index)
 
     def _check_ohms(self, length: float, per_metre: float) -> None:
         expected = length * per_metre
-        if self.resistance and abs(math.log(self.resistance / expected)) > math.log1p(SLACK_OHMS):
+        if self.gives("resistance") and abs(math.log(self.resistance / expected)) > math.log1p(SLACK_OHMS):
             raise ParameterError(
                 f"{self.count_turns():.4g} turns this wide are {1e3 * length:.4g} mm of wire, which have "
                 f"{expected:.3g} ohm by the maker's table, but `resistance` is {self.resistance:.3g} ohm: `diameter`, "

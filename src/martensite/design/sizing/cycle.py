@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from scipy.optimize import root_scalar
 
@@ -16,8 +16,9 @@ from martensite.actuators.assembly import System
 from martensite.base.status import Status
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.signals.step import Step
-from martensite.simulate.alarms import find_excursion
+from martensite.simulate.alarms import Alarm, find_excursion
 from martensite.simulate.api import simulate
+from martensite.simulate.judgement import judge_run
 from martensite.simulate.result import Result
 
 RETURNED = 0.02
@@ -49,6 +50,8 @@ class PulseCycle:
     """In the first cycle, from the cold state [K]."""
     running: float | None = None
     """Hottest in `RUNNING` cycles at the rate asked for [K]; None if the rate is not reached."""
+    exceeded: tuple[Alarm, ...] = ()
+    """Limits that the element exceeds, in the first cycle or when it is repeated."""
 
     @property
     def fastest(self) -> float | None:
@@ -102,18 +105,19 @@ def simulate_cycle(system: System, position: float, current: float, heating: flo
     """The cooling after a pulse of `current` [A] that lasts `heating` [s]."""
     left = RETURNED * position
     run, cooling = simulate_cooling(system, left, current, heating, time_constant)
-    return PulseCycle(current, heating, cooling, max(run.columns["temperature"]))
+    return PulseCycle(current, heating, cooling, max(run.columns["temperature"]), exceeded=judge_run(run).alarms)
 
 
-def find_hottest(system: System, found: PulseCycle, rate: float) -> float:
-    """Highest temperature [K] when the same pulse is repeated at a rate [Hz].
+def repeat_pulse(system: System, found: PulseCycle, rate: float) -> PulseCycle:
+    """The cycle with what becomes of it when the same pulse is repeated at a rate [Hz].
 
     The later pulses meet a wire that is not quite cold, and heat it beyond the stroke.
     """
     pulses = PulseWidthModulation(high=found.current, frequency=rate, duty=found.heating * rate)
     step = max(found.heating / STEPS, 1.0 / rate / MOST_STEPS * RUNNING)
     run = simulate(system, pulses, RUNNING / rate, step=step, samples=401)
-    return max(run.columns["temperature"])
+    exceeded = judge_run(run).alarms or found.exceeded
+    return replace(found, running=max(run.columns["temperature"]), exceeded=exceeded)
 
 
 def simulate_cooling(

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 from martensite.design.sizing.cycle import RETURNED, PulseCycle
 from martensite.design.sizing.request import LIFE_STRESS, WireRequest, Wiring
 from martensite.design.sizing.statics import Statics, list_alloy_numbers
+from martensite.simulate.judgement import describe_excess
 
 if TYPE_CHECKING:
     from martensite.design.sizing.candidates import Candidate
@@ -40,9 +41,9 @@ COIL_DOUBT = (
 )
 
 
-def describe_life(stress: float, element: str = "wire", asked: float = 0.0) -> str:
+def describe_life(stress: float, element: str = "wire", asked: float = math.inf) -> str:
     """What a source says about the life at a stress [Pa], and about the cycles that are asked for."""
-    if asked:
+    if math.isfinite(asked):
         return f"{asked:,.0f} cycles are asked for; the stress is {KNOWN_LIFE}. {UNTOLD_LIFE}"
     if element == "coil":
         return f"{UNKNOWN_LIFE} for coils"
@@ -83,11 +84,8 @@ def list_reasons(
             f"too slow: {cycle.heating:.2g} s of heating and {cycle.cooling:.3g} s of cooling in a "
             f"period of {request.period:.3g} s{excuse}"
         )
-    if request.limits == "keep" and cycle.hottest > limits["temperature_limit"]:
-        yield (
-            f"too hot: {_format_celsius(cycle.hottest)}, the limit of the material is "
-            f"{_format_celsius(limits['temperature_limit'])}"
-        )
+    if request.limits == "keep":
+        yield from map(describe_excess, cycle.exceeded)
 
 
 def _list_exceeded(static: Statics) -> Iterator[str]:
@@ -126,14 +124,8 @@ def list_warnings(
             "the wire gives no more under this load"
         )
     limit = limits["temperature_limit"]
-    if request.limits == "ignore" and cycle is not None and cycle.hottest > limit:
-        yield f"{_format_celsius(cycle.hottest)} is above the limit of the material, {_format_celsius(limit)}"
-    if cycle is not None and cycle.running is not None and cycle.running > limit:
-        yield (
-            f"repeated at {request.rate:.4g} Hz this pulse heats the wire to "
-            f"{_format_celsius(cycle.running)}, above its limit of {_format_celsius(limit)}: end "
-            "each pulse when the stroke is reached"
-        )
+    if request.limits == "ignore" and cycle is not None:
+        yield from (describe_excess(alarm) for alarm in cycle.exceeded if alarm.kind == "temperature")
     if cycle is not None and cycle.current > overheating:
         yield (
             f"the pulse current is above the {overheating:.3g} A per strand that in the long run "

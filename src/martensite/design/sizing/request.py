@@ -43,7 +43,7 @@ class WireRequest(Parametrised):
     )
     current_limit: Scalar = param("A", "largest current of the supply", above=0.0, default=math.inf)
     strands: Scalar = param("1", "most wires side by side", low=1.0, high=1000.0, default=12.0)
-    life: Scalar = param("1", "cycles that it shall last; 0 for no matter", low=0.0, high=1e12, default=0.0)
+    life: Scalar = param("1", "cycles that it must last; by default any number", above=0.0, default=math.inf)
     element: str = option("what pulls: straight wire, or a coil spring of it", "wire", "coil", default="wire")
     bias: str = option("what stretches the cold wire", "spring", "weight", default="spring")
     limits: str = option("limits of the material: stress, strain, temperature", "keep", "ignore", default="keep")
@@ -51,7 +51,8 @@ class WireRequest(Parametrised):
 
     def check(self) -> None:
         """Raise `ParameterError` if the return takes all the stress that is allowed, or a life has no source."""
-        if self.life > LIFE_CYCLES or (self.life and (self.element == "coil" or self.limits == "ignore")):
+        asked = math.isfinite(self.life)
+        if asked and (self.life > LIFE_CYCLES or self.element == "coil" or self.limits == "ignore"):
             raise ParameterError(
                 f"Parameter `life` of `WireRequest` can be told of straight wires within their limits, up to "
                 f"{LIFE_CYCLES:,.0f} cycles: beyond that no source is at hand. It is {self.life:,.0f}."

@@ -10,8 +10,9 @@ from martensite.actuators.mechanisms.load_line import BiasSpring, DeadWeight
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Parametrised, option, param
 from martensite.design.sizing.request import ALLOYS
-from martensite.design.sizing.statics import Strand
+from martensite.design.sizing.statics import Strand, list_alloy_numbers
 from martensite.kernels.namespace import Scalar
+from martensite.physics.electrical.resistances import describe_contradiction
 from martensite.physics.fluids.oil import Oil
 from martensite.physics.fluids.water import Water
 from martensite.physics.materials.wires import GRAVITY, WireCatalogue, WireSize
@@ -26,6 +27,10 @@ COOLINGS: dict[str, AbstractCooling] = {
     "oil": ChurchillChu(fluid=Oil()),
 }
 """What is around the wire: still air (vertical or horizontal), a stream of air of 2 m/s, still water or oil."""
+NOT_GIVEN = math.inf
+"""A number that is not given; 0 is a value."""
+SPARE = 1e-6
+"""Share of the stress limit that is left, so that no rounding exceeds it."""
 NEAR = 0.04
 """Relative difference of a diameter from one of the catalogue that is the same size."""
 
@@ -37,19 +42,25 @@ class WireInHand(Parametrised):
     length: Scalar = param("m", "length of the wire", above=0.0, high=100.0)
     supply: Scalar = param("V", "voltage of the supply", above=0.0, high=1e4)
     current_limit: Scalar = param("A", "largest current of the supply", above=0.0, default=math.inf)
-    load: Scalar = param("N", "weight that hangs on it; 0 for the maker's pull", low=0.0, high=1e5, default=0.0)
-    spring: Scalar = param("N/m", "rate of a spring that it pulls; 0 for a weight", low=0.0, high=1e7, default=0.0)
-    preload: Scalar = param("N", "force of the spring when cold; 0 for the maker's", low=0.0, high=1e5, default=0.0)
+    load: Scalar = param("N", "weight; by default the maker's pull", above=0.0, high=1e5, default=NOT_GIVEN)
+    spring: Scalar = param("N/m", "spring rate; by default a weight", low=0.0, high=1e7, default=NOT_GIVEN)
+    preload: Scalar = param(
+        "N", "spring force when cold; by default the maker's", above=0.0, high=1e5, default=NOT_GIVEN
+    )
     pulse: Scalar = param("s", "time in which it is to contract", low=0.01, high=60.0, default=1.0)
     ambient: Scalar = param("K", "ambient temperature", low=250.0, high=400.0, default=295.15)
-    resistance: Scalar = param("ohm", "as measured; 0 for the maker's", low=0.0, high=1e6, default=0.0)
+    resistance: Scalar = param("ohm", "as measured; by default the maker's", above=0.0, high=1e6, default=NOT_GIVEN)
     alloy: str = option("which of the maker's alloys", *ALLOYS, default="90")
     cooling: str = option("what is around the wire", *COOLINGS, default="air")
 
     def check(self) -> None:
         """Raise `ParameterError` if a weight and a spring are given."""
-        if self.load > 0.0 and (self.spring > 0.0 or self.preload > 0.0):
+        if self.gives("load") and (self.gives("spring") or self.gives("preload")):
             raise ParameterError("A wire lifts a weight or pulls a spring; give `load`, or `spring` and `preload`.")
+
+    def gives(self, name: str) -> bool:
+        """True if a number is given."""
+        return getattr(self, name) != NOT_GIVEN
 
     def find_size(self, catalogue: WireCatalogue) -> WireSize:
         """The size of the catalogue, with the resistance that was measured.
@@ -57,14 +68,26 @@ class WireInHand(Parametrised):
         Raises:
             ParameterError: the catalogue has no such wire.
         """
+        best = self._find_listed(catalogue)
+        if not self.gives("resistance"):
+            return best
+        return take_resistance(best, self.resistance, self.length)
+
+    def find_contradiction(self, catalogue: WireCatalogue) -> str:
+        """Return how the measured resistance contradicts the maker's table, as a clause; empty if it does not."""
+        if not self.gives("resistance"):
+            return ""
+        listed = self._find_listed(catalogue).resistance.value
+        return describe_contradiction(self.resistance / self.length, listed, self.length, "the maker's table gives")
+
+    def _find_listed(self, catalogue: WireCatalogue) -> WireSize:
+        """The nearest size of the catalogue; `ParameterError` if none is near."""
         sizes = sorted(catalogue.sizes.values(), key=lambda one: abs(math.log(one.diameter.value / self.diameter)))
         best = sizes[0]
         if abs(best.diameter.value / self.diameter - 1.0) > NEAR:
             near = " and ".join(sorted(one.name for one in sizes[:2]))
             raise ParameterError(f"The catalogue has no wire of {1e3 * self.diameter:.4g} mm; the nearest are {near}.")
-        if self.resistance == 0.0:
-            return best
-        return take_resistance(best, self.resistance, self.length)
+        return best
 
     def make_strand(self, catalogue: WireCatalogue) -> Strand:
         """The wire.
@@ -75,15 +98,17 @@ class WireInHand(Parametrised):
         return Strand(self.find_size(catalogue), self.alloy, self.length, self.ambient, COOLINGS[self.cooling])
 
     def choose_load(self, strand: Strand) -> float:
-        """Weight [N] where none is given: the maker's pull."""
-        return strand.size.pull_force
+        """Weight [N] where none is given: the maker's pull, which he rounds, within the stress limit."""
+        limit = list_alloy_numbers(self.alloy)["stress_limit"] * strand.bearing
+        return min(strand.size.pull_force, (1.0 - SPARE) * limit)
 
     def mechanism(self, strand: Strand) -> AbstractMechanism:
         """What it pulls."""
-        if self.spring == 0.0 and self.preload == 0.0:
-            return DeadWeight(mass=(self.load or self.choose_load(strand)) / GRAVITY)
+        if not (self.gives("spring") or self.gives("preload")):
+            return DeadWeight(mass=(self.load if self.gives("load") else self.choose_load(strand)) / GRAVITY)
         usual = strand.size.deformation_force * strand.bearing / strand.size.section
-        return BiasSpring(stiffness=self.spring, preload=self.preload or usual)
+        rate, preload = (getattr(self, n) if self.gives(n) else v for n, v in (("spring", 0.0), ("preload", usual)))
+        return BiasSpring(stiffness=rate, preload=preload)
 
 
 def take_resistance(size: WireSize, ohms: float, length: float) -> WireSize:

@@ -2,7 +2,7 @@
 
     i_full = U/R                    without anything in series
     i_1    contracts in the pulse asked for (simulated)
-    i_hold = sqrt(h π d (T_h - T_a)/r)      r per metre; T_h = A_f(σ) + 10 K under the load when hot
+    i_hold = sqrt(h π d (T_h - T_a)/r)      r per metre; T_h = A_f(σ) + 10 K under the load when hot; at most i_1
     i_max  the same at the temperature limit of the material: more must not stay on
     R_s = U/i - R,  P_s = i² R_s        or a duty D = (i/i_full)² of a switch: heat goes with i² D
     L = μ₀ l/(2π) (ln(4 l/d) - 1)       of a straight wire, which a flyback diode would be for
@@ -30,13 +30,16 @@ from martensite.design.sizing.cycle import RETURNED, PulseCycle, find_current, f
 from martensite.design.sizing.statics import USABLE, CoilStrand, Strand, list_alloy_numbers
 from martensite.design.sizing.wire_in_hand import WireInHand
 from martensite.physics.materials.wires import GRAVITY, WireCatalogue, WireSize, load_wires
+from martensite.simulate.judgement import describe_excess, judge_run
 
 ABOVE = 10.0
 """How far above A_f a wire is held [K]."""
-ROUNDED = 1.01
-"""What rounding makes of the maker's pull, over his working stress."""
 HALVINGS = 60
 """Of the stroke, in the search for that against a spring."""
+TOUCHABLE = 60.0
+"""Highest voltage [V] of direct current that bare parts may have: the limit ES1 of IEC 62368-1."""
+LONGEST = 60.0
+"""Longest pulse [s]."""
 VACUUM = 4e-7 * math.pi
 """Permeability of the vacuum [H/m]."""
 
@@ -71,30 +74,55 @@ class WireRatings:
     """Whether the ambient is below M_f under the cold load."""
     drawn: Drawn | None = None
     """A coil at the length to which it is drawn out."""
+    contradiction: str = ""
+    """How the measured resistance contradicts the maker's table; empty if it does not."""
 
     @property
     def faults(self) -> tuple[str, ...]:
         """Why it does not work so; empty if it does."""
-        found: list[str] = []
+        found = [self.contradiction] if self.contradiction else []
         if self.cycle is None:
             found.append(f"no current contracts it in {self.wire.pulse:.3g} s")
         elif not self.drivable:
-            slower = "more volts or a shorter wire would do"
-            if self.supply_time is not None:
-                slower = f'more volts would do, or --pulse "{math.ceil(10.2 * self.supply_time) / 10.0:.4g} s"'
-            found.append(
-                f"the supply drives {self.supply_current:.3g} A, but {self.cycle.current:.3g} A contract it in "
-                f"{self.wire.pulse:.3g} s; {slower}"
-            )
+            found.append(self._describe_supply(self.cycle.current))
         if not self.returns or (self.cycle is not None and self.cycle.cooling is None):
             found.append("it does not come back at this ambient under this load when cold")
         stress, limit = self.hot_stress / 1e6, self.stress_limit / 1e6
-        if stress > limit * ROUNDED:
+        if stress > limit:
             found.append(f"{stress:.4g} MPa is above the maker's {limit:.4g} MPa for repeated use")
+        alarms = () if self.cycle is None else self.cycle.exceeded
+        found += [describe_excess(alarm) for alarm in alarms if alarm.kind != "stress"]
         if self.drawn is not None and self.drawn.strain > self.strain_limit:
             strains = f"{100.0 * self.drawn.strain:.3g} % strain, above the maker's {100.0 * self.strain_limit:.3g} %"
             found.append(f"drawn out to {1e3 * self.drawn.length:.4g} mm it has {strains}")
         return tuple(found)
+
+    def _describe_supply(self, needed: float) -> str:
+        """What the supply lacks for a current [A], and what would do."""
+        most, options = self.supply_current, list[str]()
+        if self.supply_time is not None and (pulse := math.ceil(10.2 * self.supply_time) / 10.0) <= LONGEST:
+            options.append(f'--pulse "{pulse:.4g} s"')
+        if self.full_current < needed:
+            options.append(f'--supply "{_round_up(needed * self.strand.resistance):.4g} V"')
+        if self.wire.current_limit < needed:
+            options.append(f'--current-limit "{_round_up(needed):.4g} A"')
+        together = " with " if self.full_current < needed and self.wire.current_limit < needed else " or "
+        remedy = together.join(options[-2:]) if together == " with " else " or ".join(options)
+        return (
+            f"the supply drives {most:.3g} A, {100.0 * (1.0 - most / needed):.2g} % less than the {needed:.3g} A that "
+            f"contract it in {self.wire.pulse:.3g} s; use {remedy}"
+        )
+
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        """What is dangerous about it; empty if nothing is known."""
+        if self.wire.supply <= TOUCHABLE:
+            return ()
+        needed = "" if self.cycle is None else f", here of at least {self.cycle.current * self.strand.resistance:.3g} V"
+        return (
+            f"{self.wire.supply:.4g} V can kill: bare wire above {TOUCHABLE:.0f} V (DC) must not be touched, and no wire "
+            f"belongs on the mains; use an isolated low-voltage supply{needed}",
+        )
 
     @property
     def supply_current(self) -> float:
@@ -161,6 +189,7 @@ class WireRatings:
             "table_current": self.size.current.value,
             "count": self.count,
             "faults": list(self.faults),
+            "cautions": list(self.cautions),
         }
 
 
@@ -174,11 +203,12 @@ def rate_wire(wire: WireInHand, catalogue: WireCatalogue | None = None) -> WireR
     Raises:
         ParameterError: the catalogue has no such wire, a coil contradicts itself, or the load leaves no stroke.
     """
-    strand = wire.make_strand(catalogue or load_wires())
+    catalogue = catalogue or load_wires()
+    strand = wire.make_strand(catalogue)
     mechanism, limits = wire.mechanism(strand), list_alloy_numbers(wire.alloy)
     free, cold, hot = _find_stroke(strand, mechanism)
-    stop = wire.stretched if isinstance(wire, CoilInHand) else 0.0
-    drawn = draw_out(strand, stop) if stop and isinstance(strand, CoilStrand) else None
+    held_at = wire.stretched if isinstance(wire, CoilInHand) and wire.gives("stretched") else None
+    drawn = draw_out(strand, held_at) if held_at is not None and isinstance(strand, CoilStrand) else None
     held = _find_held(strand, drawn, cold)
     stroke = free - USABLE * held
     if free <= 0.0 or stroke <= 0.0:
@@ -190,6 +220,9 @@ def rate_wire(wire: WireInHand, catalogue: WireCatalogue | None = None) -> WireR
     full = wire.supply / strand.resistance
     places, most = (held + stroke, held + RETURNED * stroke), min(full, wire.current_limit)
     cycle, slower = _find_cycle(wire, strand, mechanism, places, most)
+    hold = strand.steady_current(holding)
+    if cycle is not None and cycle.current < hold:  # a constant current that contracts it keeps it so
+        hold, holding = cycle.current, min(holding, cycle.hottest)
     return WireRatings(
         wire,
         strand.size,
@@ -202,14 +235,21 @@ def rate_wire(wire: WireInHand, catalogue: WireCatalogue | None = None) -> WireR
         cycle,
         slower,
         holding,
-        strand.steady_current(holding),
+        hold,
         strand.steady_current(limits["temperature_limit"]),
         limits["temperature_limit"],
         limits["stress_limit"],
         limits["strain_limit"],
         wire.ambient < strand.shifted("M_f", cold / strand.bearing),
         drawn,
+        "" if isinstance(wire, CoilInHand) else wire.find_contradiction(catalogue),
     )
+
+
+def _round_up(value: float) -> float:
+    """A number that is not below a value, of three digits."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return math.ceil(value / unit * (1.0 - 1e-12)) * unit
 
 
 def _find_held(strand: Strand, drawn: Drawn | None, cold: float) -> float:
@@ -228,7 +268,7 @@ def _find_cycle(
     if current is None:
         return None, None
     run, cooling = simulate_cooling(system, back, current, wire.pulse, slowness)
-    cycle = PulseCycle(current, wire.pulse, cooling, max(run.columns["temperature"]))
+    cycle = PulseCycle(current, wire.pulse, cooling, max(run.columns["temperature"]), exceeded=judge_run(run).alarms)
     return cycle, None if current <= most else find_reach_time(system, contracted, most, 16.0 * slowness + wire.pulse)
 
 

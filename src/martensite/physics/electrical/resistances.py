@@ -8,6 +8,31 @@ from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import RESISTANCES, AbstractResistance, Conductor
 
+RESISTIVITY = 8.4e-7
+"""Of NiTi [ohm m], measured on Flexinol; wires of this package's sources have 0.8 to 2 times that."""
+CONTRADICTION = 2.0
+"""Factor beyond which a resistance contradicts length and section."""
+
+
+def describe_contradiction(given: float, expected: float, length: float, source: str) -> str:
+    """Return a sentence, without a full stop, if a resistance contradicts the wire; else an empty text.
+
+    Args:
+        given: resistance per length [ohm/m].
+        expected: resistance per length [ohm/m] from a source.
+        length: length of the wire [m].
+        source: where the expected resistance comes from, as a clause.
+    """
+    factor = max(given / expected, expected / given)
+    if not factor > CONTRADICTION * (1.0 + 1e-9):
+        return ""
+    side = f"{factor:.3g} times" if given > expected else f"1/{factor:.3g} of"
+    return (
+        f"{given * length:.3g} ohm contradict {1e3 * length:.4g} mm of this wire: they are {side} the "
+        f"{expected * length:.3g} ohm that {source} (limit: a factor of {CONTRADICTION:g}); check diameter, length and "
+        "resistance, which excludes leads and contacts"
+    )
+
 
 @RESISTANCES.register("per-length")
 class PerLengthResistance(AbstractResistance):

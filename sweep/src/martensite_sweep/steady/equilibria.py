@@ -98,7 +98,9 @@ def find_steady_state(
     one = Subject.read(subject)
     signals = one.hold(drive)
     if isinstance(start, SteadyState):
-        return _judge_rest(one.system, settle_system(one.system, [signals], start.state), signals, "state", start.outputs)
+        return _judge_rest(
+            one.system, settle_system(one.system, [signals], start.state), signals, "state", start.outputs
+        )
     require_known("start", start, STARTS)
     before = [one.hold(_choose_high(one, high))] if start == "hot" else []
     return _judge_rest(one.system, settle_system(one.system, [*before, signals]), signals, start)
