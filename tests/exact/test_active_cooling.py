@@ -17,7 +17,6 @@ from martensite.physics.thermal.active_cooling import Fan, Peltier
 from martensite.scenario.scenario import read_scenario
 from martensite.signals.moments import Moments
 from martensite.simulate.ledger import HeatBalance
-from martensite.simulate.trial_runs import find_end_states
 from martensite_export.strand import TracedStrand
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "fan_cooled.toml"
@@ -164,13 +163,6 @@ def test_a_controller_holds_the_temperature_by_the_fan() -> None:
     assert kelvin == pytest.approx(373.15, abs=0.01)
     film = Fan().film_at(floats, speed, kelvin, 298.15, WIRE)
     assert film * math.pi * WIRE.diameter * WIRE.length * (kelvin - 298.15) == pytest.approx(3.0, rel=1e-3)
-
-
-def test_what_drives_lead_to_is_asked_without_the_fan() -> None:
-    one = ms.load(EXAMPLE)
-    cold, hot = find_end_states(one.system, one.waveform, one.duration)
-    assert cold.levels == {"drive": 0.0, "fan": 5.0}
-    assert hot.levels == {"drive": 0.9, "fan": 0.0}
 
 
 def test_another_simulator_is_refused_what_it_cannot_drive() -> None:

@@ -118,7 +118,7 @@ def test_a_bag_says_turns_and_width() -> None:
     ohms_per_metre = load_wires().interpolate(5e-4).resistance.value
     wire = 50.0 * math.hypot(math.pi * by_ohms.coil_diameter, 5e-4)
     assert wire * ohms_per_metre == pytest.approx(3.0) and by_ohms.resistance == pytest.approx(3.0)
-    by_width = make_coil(resistance=0.0, outer=by_ohms.coil_diameter + 5e-4)
+    by_width = make_coil(resistance=math.inf, outer=by_ohms.coil_diameter + 5e-4)
     assert by_width.length == pytest.approx(by_ohms.length) and by_width.index == pytest.approx(by_ohms.index)
     both = make_coil(outer=5e-3, turns=49.0)
     assert both.coil_diameter == pytest.approx(4.5e-3) and both.turns == pytest.approx(49.0)
@@ -175,8 +175,8 @@ def test_the_time_of_a_weak_supply_is_one_that_does() -> None:
         ({"turns": 30.0}, "are 50.0 turns, but `turns` is 30"),
         ({"outer": 9e-3}, "have 5.95 ohm by the maker's table, but `resistance` is 3 ohm"),
         ({"resistance": 0.05}, "which no coil has"),
-        ({"resistance": 0.0}, "Say how wide"),
-        ({"solid": 0.0}, "Say how many turns"),
+        ({"resistance": math.inf}, "Say how wide"),
+        ({"solid": math.inf}, "Say how many turns"),
         ({"stretched": 0.024}, "not longer than the closed coil"),
         ({"stretched": 0.1, "spring": 100.0}, "a stop"),
         ({"stretched": 0.03}, "hot, it is longer under it"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -23,7 +24,9 @@ def test_a_rest_says_where_it_is_and_what_is_neutral() -> None:
 
 def test_a_cycle_is_shot_for_and_drawn(tmp_path: Path) -> None:
     figure = tmp_path / "cycle.svg"
-    found = STEADY.report(WIRE, "--cycle", "--json", "--figure", str(figure))
+    done = STEADY(WIRE, "--cycle", "--json", "--figure", str(figure))
+    found = json.loads(done.stdout)
+    assert done.exit_code == 1 and [one["limit"] for one in found["limits"]["exceeded"]] == [413.15]
     assert found["period"] == pytest.approx(0.1) and found["stable"] is True
     assert found["outputs"]["temperature"] == pytest.approx([412.771, 413.736], abs=2e-3)
     assert figure.stat().st_size > 1000

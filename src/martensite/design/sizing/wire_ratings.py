@@ -120,7 +120,7 @@ class WireRatings:
             return ()
         needed = "" if self.cycle is None else f", here of at least {self.cycle.current * self.strand.resistance:.3g} V"
         return (
-            f"{self.wire.supply:.4g} V can kill: bare wire above {TOUCHABLE:.0f} V (DC) must not be touched, and no wire "
+            f"{self.wire.supply:.4g} V can kill: bare wire above {TOUCHABLE:.0f} V must not be touched, and no wire "
             f"belongs on the mains; use an isolated low-voltage supply{needed}",
         )
 
