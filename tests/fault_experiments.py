@@ -130,8 +130,8 @@ def load_check_run(text: str, runtime: str = "auto") -> Verdict:
             shutil.copy(EXAMPLES / name, name)
     scenario = load("wire.toml")
     checked = call_command(["check", "wire.toml", "--json"])
-    if checked[0] is not Outcome.ANSWERED:
-        return checked
+    if checked[0] is not Outcome.ANSWERED and checked[1]:
+        return checked  # a negative verdict is printed, with nothing on standard error
     steps = count_steps(scenario) if scenario.bench is None else scenario.duration / scenario.bench.period
     if max(steps, scenario.samples) > MOST_STEPS:
         return Outcome.LEFT_OUT, f"{steps:.3g} steps, {scenario.samples} samples"
