@@ -70,7 +70,7 @@ def _find_crossing(system: AbstractSystem, plan: MarchPlan, kept: list[float], f
     """Time [s] at which the envelope is left, between the last sample inside and a time outside."""
     between = [kept[-1] + (far - kept[-1]) * k / PARTS for k in range(1, PARTS + 1)]
     again = _try_run(remarch, plan, [*kept, *between])
-    rows = [] if again is None else again[0].rows[len(kept) - 1 :]
+    rows: list[Row] = [] if again is None else [tuple(row) for row in again[0].rows[len(kept) - 1 :]]
     envelope, begin = Envelope(system), kept[-1]
     for before, after, end in zip(rows, rows[1:], between, strict=False):
         gone = envelope.find_exit(after)
