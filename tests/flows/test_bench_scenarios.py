@@ -24,6 +24,7 @@ from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.usual_models import AS_MODELLED, USUAL
 from martensite.control.sensors.position import PositionSensor
+from martensite.scenario.netcdf import open_result, save_result
 from martensite.scenario.overrides import as_toml, change_document
 from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.signals.sine import Sine
@@ -102,8 +103,21 @@ def test_run_of_a_scenario_is_that_of_its_bench() -> None:
     assert result.columns == same.columns
     assert len(result.times) == 21
     assert {"position", "measured.position", "reference", "wanted"} <= set(result.columns)
-    other = read_scenario(LOOP + "[bench]\nseed = 1\n").run(runtime="floats")
-    assert other.columns["measured.position"] != result.columns["measured.position"]
+
+
+def test_another_seed_draws_another_noise_the_same_in_floats_and_c(tmp_path: Path, c_compiler: str) -> None:
+    """The noise is what the sensor adds to the position of the same sample; the default seed is 0."""
+
+    def draw(seed: int | None, runtime: str) -> list[float]:
+        result = read_scenario(LOOP, overrides={} if seed is None else {"run.seed": seed}).run(runtime=runtime)
+        save_result(result, tmp_path / "run.nc")
+        assert open_result(tmp_path / "run.nc").attrs["noise_seed"] == (seed or 0)
+        return result.columns["measured.position"]
+
+    assert draw(None, "floats") == draw(0, "floats")
+    assert draw(7, "floats") == pytest.approx(draw(7, "c"), rel=1e-12)
+    drawn = {tuple(draw(seed, "c")) for seed in range(4)}
+    assert len(drawn) == 4
 
 
 @pytest.mark.parametrize(("duration", "end"), [("0.4 s", 0.4), ("0.41 s", 0.4), ("0.399 s", 0.38)])
@@ -400,7 +414,8 @@ REFUSED = [
     ),
     ({"reference.level": "1 mm"}, "[reference] `sine` has no `level`"),
     ({"bench.period": "10 ms"}, "`period` stands in [controller] and [bench]; leave one"),
-    ({"bench.seed": 1.5}, "[bench] `seed` must be a whole number"),
+    ({"bench.seed": 1}, "write it in [run], such as `seed = 1`"),
+    ({"run.seed": 1.5}, "[run] Parameter `seed` of `Run` must be a whole number"),
     ({"bench.switching": "pulse"}, "Did you mean `pulses`?"),
     ({"references": {"drive": "constant"}}, "[reference] or [references.NAME], not both"),
     ({"controller.reference": "constant"}, "[reference] or [controller.reference], not both"),

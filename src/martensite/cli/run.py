@@ -54,6 +54,10 @@ class RunOptions:
     named: NamedColumns = None
     no_compare: Annotated[bool, Option("--no-compare", help="Compare with nothing.")] = False
     tolerance: Annotated[float | None, Option(help="Replaces the tolerance of the scenario.")] = None
+    seed: Annotated[
+        int | None,
+        Option(min=0, help="Seed of the sensor noise [default: `run.seed` of the scenario, 0 if not given]."),
+    ] = None
     runtime: Annotated[
         Text,
         Option(
@@ -98,7 +102,9 @@ class RunOptions:
 
         named = {} if self.compare else parse_named(self.named or ())
         log = None if self.log is None else read_log_table(self.log, named=named)
-        loaded = load(path, read_settings(settings or []), log=log)
+        seeds = {} if self.seed is None else {"run.seed": self.seed}
+        loaded = load(path, read_settings(settings or []) | seeds, log=log)
+        refuse_idle("--seed", self.seed is not None and not _has_noise(loaded), "the scenario has no noise")
         idle = log is not None and not loaded.follows
         refuse_idle("--log", idle, "no waveform of the scenario is of kind `log`; use --compare")
         closed, periods = loaded.bench is not None, "a bench runs in its periods"
@@ -194,6 +200,12 @@ def run_scenario(
     from martensite.show.summaries.run import summarise_run
 
     return result, summarise_run(scenario, result, agreements, averaging, options.measure or ())
+
+
+def _has_noise(scenario: Scenario) -> bool:
+    from martensite.control.loop.run import list_noises
+
+    return scenario.bench is not None and scenario.seed is not None and bool(list_noises(scenario.bench))
 
 
 def _make_pulses(scenario: Scenario, carrier: float) -> Averaging:

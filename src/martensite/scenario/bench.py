@@ -5,7 +5,7 @@
     [controller]  or [controllers.DRIVE]  kind and parameters; period, limits
     [reference]   or [references.DRIVE]   a waveform in any unit of what is measured
     [supervisor], [faults.NAME]           kind and parameters
-    [bench]                               period, steps, switching, seed
+    [bench]                               period, steps, switching, noise
 
 A `follower` whose leader follows no reading of it needs no reference.
 
@@ -91,14 +91,11 @@ class BenchSettings(Parametrised):
         default="averaged",
     )
     noise: str = option("random numbers of the sensors", "drawn", "none", default="drawn")
-    seed: Scalar = param("1", "where they begin, a whole number", low=0.0, high=2**53, default=0)
 
     def check(self) -> None:
-        """Raise `ParameterError` where a count is no whole number."""
-        for name in ("substeps", "seed"):
-            value = getattr(self, name)
-            if value != int(value):
-                raise ParameterError(f"`{name}` must be a whole number, but is {value}.")
+        """Raise `ParameterError` if the number of substeps is not a whole number."""
+        if self.substeps != int(self.substeps):
+            raise ParameterError(f"`substeps` must be a whole number, but is {self.substeps}.")
 
 
 @dataclass(frozen=True)
@@ -110,8 +107,8 @@ class BenchBuilder:
     """What everything is around."""
     places: Places
 
-    def build(self) -> tuple[Bench, int | None]:
-        """The bench, and the seed of its noise, if any.
+    def build(self) -> tuple[Bench, bool]:
+        """Return the bench, and whether its sensors have noise.
 
         Raises:
             InputError: a section, a name or a value does not fit.
@@ -133,7 +130,7 @@ class BenchBuilder:
         bench = bench.with_parts(
             controllers=Controllers(**found), supervisor=self._supervisor(bench, found), faults=FaultTable(**faults)
         )
-        return bench, int(settings.seed) if settings.noise == "drawn" else None
+        return bench, settings.noise == "drawn"
 
     def _settings(self) -> BenchSettings:
         """[bench], with the period from where it stands."""
@@ -148,6 +145,8 @@ class BenchBuilder:
                 f'{fault}: write `period = "20 ms"`, the time from one sample to the next, in '
                 f"[{CONTROLLER if CONTROLLER in document else BENCH}]."
             )
+        if "seed" in section_of(document, BENCH, {}):
+            raise ParameterError(f"`seed` does not stand in [{BENCH}]; write it in [{RUN}], such as `seed = 1`.")
         ((path, given),) = stands.items()
         table = {**section_of(document, BENCH, {}), PERIOD: given}
         made: BenchSettings = Builder(origins=origins).build(BenchSettings, table, BENCH)

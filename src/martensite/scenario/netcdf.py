@@ -306,6 +306,7 @@ def _list_attributes(result: Result) -> dict[str, Any]:
         "status_time": result.status_time,
         "accuracy": result.accuracy,
         "runtime": result.runtime,
+        "noise_seed": result.seed,
         "steps": int(result.steps),
         "rejected_steps": int(result.rejected),
         "step": float(result.step),

@@ -73,11 +73,14 @@ class Run(Parametrised):
     )
 
     restart: str | tuple[str, ...] = text("times at which a state is kept, to go on from with --from", default=())
+    seed: Scalar = param("1", "seed of the noise of the sensors, a whole number", low=0.0, high=2**53, default=0)
 
     def check(self) -> None:
-        """Raise `ParameterError` if the number of samples is no whole number."""
-        if self.samples != int(self.samples):
-            raise ParameterError(f"Parameter `samples` of `Run` must be a whole number, but is {self.samples}.")
+        """Raise `ParameterError` if a number that counts is not a whole number."""
+        for name in ("samples", "seed"):
+            value = getattr(self, name)
+            if value != int(value):
+                raise ParameterError(f"Parameter `{name}` of `Run` must be a whole number, but is {value}.")
 
 
 @dataclass(frozen=True)
@@ -283,7 +286,7 @@ def _build_scenario(document: dict[str, Any], text: str, path: Path | None, log:
     controlled = has_controllers(document)
     assembly = Assembly(document, folder, log, run.lead, origins, controlled=controlled)
     system, places = assembly.system(), Places(assembly.drive)
-    bench, seed = _build_bench(assembly, system, places)
+    bench, noisy = _build_bench(assembly, system, places)
     waveform, duration = assembly.list_waveforms(system), _find_duration(run, assembly.end)
     _require_countable_edges(waveform, duration)
     return Scenario(
@@ -303,7 +306,7 @@ def _build_scenario(document: dict[str, Any], text: str, path: Path | None, log:
         lead=run.lead,
         remarks=assembly.cautions,
         bench=bench,
-        seed=seed,
+        seed=int(run.seed) if noisy else None,
         places=places,
         initial=_read_initial(document, system if bench is None else bench),
         restart_at=_read_restarts(run.restart),
@@ -333,10 +336,12 @@ def _require_countable_edges(waveform: Waveforms, duration: float) -> None:
                 require_countable(part.registered_name, part.count_edges(duration), duration)
 
 
-def _build_bench(assembly: Assembly, plant: AbstractSystem, places: Places) -> tuple[Bench | None, int | None]:
-    """What is around a system: bench and seed; loaded only if needed."""
+def _build_bench(assembly: Assembly, plant: AbstractSystem, places: Places) -> tuple[Bench | None, bool]:
+    """Return the bench around a system, if there is one, and whether its sensors have noise."""
     if not is_bench(assembly.document):
-        return None, None
+        if "seed" in section_of(assembly.document, "run", {}):
+            raise ParameterError("[run] `seed` has no effect, since there is no [sensor] that has noise; remove it.")
+        return None, False
     from martensite.scenario.bench import BenchBuilder
 
     return BenchBuilder(assembly, plant, places).build()

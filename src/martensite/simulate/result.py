@@ -119,6 +119,8 @@ class Result:
     """Of a batch; None for a single run."""
     trace: AbstractTrace | None = None
     """Computes `track`; None where only samples are known."""
+    seed: int | None = None
+    """Seed of the sensor noise; None for a run without noise."""
     restarts: list[Restart] = field(default_factory=list["Restart"])
     """Where another run can go on: at the end, and at times that were asked for; none of a run that stopped early."""
 

@@ -74,7 +74,7 @@ def simulate_bench(
             time, for it is no whole number of periods.
         outside: drives by name of what they drive that run outside of the kernel, called once per period.
         waveforms: those of drives of the plant that nobody has; what is not named gets 0.
-        seed: of noise and jitter; None for a run without.
+        seed: seed of noise and jitter; None for a run without them. The result keeps it as `seed`.
         runtime: floats, c or jax; by default c if there is a compiler.
         watch: called after every period with the share of the run that is done, if something runs outside.
         start: where a run goes on from that a result kept.
@@ -85,7 +85,8 @@ def simulate_bench(
         SolveError: the run failed; the sentence says when and what to try.
     """
     played: dict[str, Any] = {**(waveforms or {}), **reference_waveforms(bench)}
-    played |= noise_waveforms(bench, duration, seed)
+    played |= (noise := noise_waveforms(bench, duration, seed))
+    drawn = seed if noise else None
     if outside:
         if start is not HOME or restart_at:
             raise InputError("A run whose controllers run outside keeps no states: there is nothing to go on from.")
@@ -93,13 +94,13 @@ def simulate_bench(
         periods = round(duration / bench.period)
         length = periods * bench.period
         found = simulate_controlled(bench, played | seeing, length, bench.period, watch=watch)
-        return warn_of_loops(_with_loops(found, bench, outside), bench, duration)
+        return warn_of_loops(replace(_with_loops(found, bench, outside), seed=drawn), bench, duration)
     chosen = runtime or ("c" if find_compiler() is not None else "floats")
     samples = int(duration / bench.period + 1e-6) + 1
     found = simulate(
         bench, played, duration, samples=max(samples, 2), runtime=chosen, start=start, restart_at=restart_at
     )
-    return warn_of_loops(found, bench, duration)
+    return warn_of_loops(replace(found, seed=drawn), bench, duration)
 
 
 def warn_of_loops(result: Result, bench: Bench, duration: float) -> Result:
@@ -203,12 +204,15 @@ def noise_waveforms(bench: Bench, duration: float, seed: int | None) -> dict[str
         return {}
     rng = np.random.default_rng(seed)
     count = int(duration / bench.period + 1e-6) + 2
-    names = [drive.name for drive in list_drives(bench)]
     return {
         name: Held(values=tuple(rng.standard_normal(count).tolist()), frequency=1.0 / bench.period)
-        for name in names
-        if name.startswith((NOISE, JITTER))
+        for name in list_noises(bench)
     }
+
+
+def list_noises(bench: Bench) -> list[str]:
+    """Return the names of the drives of a bench that play noise or jitter."""
+    return [drive.name for drive in list_drives(bench) if drive.name.startswith((NOISE, JITTER))]
 
 
 def open_loop(bench: Bench, drive: str) -> tuple[Bench, AbstractController]:

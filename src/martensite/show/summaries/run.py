@@ -68,6 +68,7 @@ def summarise_run(
         "controllers": controllers,
         "comparison": [asdict(agreement) for agreement in agreements],
         "averaging": _collect_averaging(averaging),
+        "noise_seed": result.seed,
         **guard.data,
     }
     stroke = write_difference(result.stroke, result.unit(result.coordinate))
