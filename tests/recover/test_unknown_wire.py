@@ -7,16 +7,22 @@ wires, is `martensite_control.unknown_wires`; here a few of its wires run side b
 from __future__ import annotations
 
 from functools import cache
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from martensite.base.errors import ParameterError
-from martensite.control.loop.parts import Observers
+from martensite.control.loop.miss_rule import describe_expected_miss, expect_error
+from martensite.control.loop.parts import Controllers, Observers
 from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.calibration import Calibration
 from martensite.control.observers.self_sensing import SelfSensing
+from martensite.scenario.examples import EXAMPLES
+from martensite.scenario.scenario import load
+from martensite.signals.sine import Sine
 from martensite.simulate.lanes import Lanes
 from martensite_control.unknown_wires import CONFIDENCE, TUNED_ON, build_bench, draw_wires
 
@@ -115,7 +121,13 @@ def test_the_same_loop_runs_sample_by_sample_in_real_time() -> None:
 def test_a_run_warns_where_it_expects_to_miss_its_reference() -> None:
     """On floats, and without a calibration: after 0.2 s nothing can be known well for so small a span."""
     (observer,) = BENCH.observers.members().values()
-    own = BENCH.with_parts(observers=Observers(wire=observer.with_parts(start="sheet")), supervisor=None)
+    (controller,) = BENCH.controllers.members().values()
+    sine = controller.with_parts(reference=Sine(low=1e-3, high=6e-3, frequency=0.05))
+    own = BENCH.with_parts(
+        observers=Observers(wire=observer.with_parts(start="sheet")),
+        controllers=Controllers(drive=sine),
+        supervisor=None,
+    )
     run = simulate_bench(own, 0.2, runtime="floats")
     columns = {name: np.array(column) for name, column in run.columns.items()}
     off = columns["estimated.position"] - columns["reference"]
@@ -124,6 +136,52 @@ def test_a_run_warns_where_it_expects_to_miss_its_reference() -> None:
     assert f"expects {100 * expected:.1f} % rms, with a confidence down to {columns[CONFIDENCE].min():.2f}" in said
     known = build_bench("none")
     assert not [one for one in simulate_bench(known, 0.2, runtime="floats").warnings if "miss its reference" in one]
+
+
+def loop_after_calibration(late: float, confidence: float, end: float = 170.0) -> Any:
+    """A run made by hand: calibrated until 80 s, off by a tenth of the span until 110 s, then by the share `late`."""
+    times = np.arange(0.0, end + 0.5)
+    reference = 3.5e-3 - 2.5e-3 * np.cos(0.1 * np.pi * times)
+    settled = times > 110.0
+    columns = {
+        "reference": reference,
+        "estimated.position": reference + 5e-3 * np.where(settled, late, 0.1),
+        "estimated.position_std": np.zeros_like(times),
+        CONFIDENCE: np.where(settled, confidence, 0.6),
+        "estimated.calibrating": (times <= 80.0).astype(float),
+    }
+    return SimpleNamespace(times=times.tolist(), columns=columns)
+
+
+def test_the_rule_of_a_run_counts_from_the_end_of_settling() -> None:
+    """The truth is the rule of the page: more than 4 % of the span, or a confidence below 0.8, after 80 s and 30 s."""
+
+    def said(*numbers: float) -> str:
+        found = describe_expected_miss(loop_after_calibration(*numbers), "drive", "estimated.position", "reference")
+        return "".join(found)
+
+    assert said(0.03, 0.9) == ""
+    assert "expects 5.0 % rms, with a confidence down to 0.90" in said(0.05, 0.9)
+    assert "expects 3.0 % rms, with a confidence down to 0.70" in said(0.03, 0.7)
+    assert "ends before the estimates have settled, 30 s after the calibration" in said(0.03, 0.9, 105.0)
+
+
+def test_the_rule_is_the_same_for_one_run_and_for_many_wires() -> None:
+    cases = [loop_after_calibration(*one).columns for one in ((0.03, 0.9), (0.05, 0.9), (0.03, 0.7))]
+    names = "estimated.position", "estimated.position_std", "reference", CONFIDENCE
+    many = expect_error(*(np.stack([case[name][111:] for case in cases], axis=1) for name in names))
+    alone = [expect_error(*(case[name][111:] for name in names)) for case in cases]
+    assert many.error.tolist() == pytest.approx([one.error for one in alone])
+    assert many.misses.tolist() == [bool(one.misses) for one in alone] == [False, True, True]
+
+
+@pytest.mark.slow
+def test_the_example_follows_its_reference_and_does_not_warn_of_itself(c_compiler: str) -> None:
+    run = load(EXAMPLES / "self_sensing.toml").run()
+    settled = np.array(run.times) > 110.0
+    off, span = (run["position"] - run["reference"])[settled], np.ptp(run["reference"])
+    assert np.sqrt(np.mean(off**2)) < 0.05 * span
+    assert not [one for one in run.warnings if "miss its reference" in one]
 
 
 def test_what_it_cannot_do_is_refused() -> None:

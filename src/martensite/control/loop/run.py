@@ -18,6 +18,7 @@ from martensite.control.checks.base import LIMITED
 from martensite.control.controllers.base import AbstractController
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.findings import check_signals
+from martensite.control.loop.miss_rule import describe_expected_miss
 from martensite.control.loop.names import (
     AGE,
     ALARM,
@@ -50,8 +51,6 @@ if TYPE_CHECKING:
 
 ROUNDING = 1e-6
 """Share of a duration by which a run may end at another time."""
-EXPECTED, TRUSTED = 0.04, 0.8
-"""Rms error over a span, and confidence, beyond which 5 % may be missed: by `martensite_control.unknown_wires`."""
 
 
 def simulate_bench(
@@ -133,27 +132,8 @@ def _with_doubts(result: Result, bench: Bench) -> Result:
     for (drive, one), reference in zip(bench.controllers.members().items(), list_references(bench), strict=True):
         names = name_controller_outputs(bench, drive)
         said += one.describe_doubts({own: result[name][-1] for own, name in names.items()})
-        said += _doubt_estimate(result, drive, one.measured, reference)
+        said += describe_expected_miss(result, drive, one.measured, reference)
     return replace(result, warnings=[*result.warnings, *said]) if said else result
-
-
-def _doubt_estimate(result: Result, drive: str, name: str, reference: str) -> list[str]:
-    """A warning where an estimate that is followed is too unsure, if its observer has a confidence."""
-    owner, columns = name.rpartition(".")[0], result.columns
-    names = name, f"{name}_std", reference, f"{owner}.confidence"
-    if not set(names) <= set(columns):
-        return []
-    given = np.array(columns.get(f"{owner}.calibrating", np.zeros(len(result.times)))) > 0.5
-    guess, spread, asked, confidence = (np.array(columns[one])[~given] for one in names)
-    if given.all() or not np.ptp(asked):
-        return []
-    expected = float(np.sqrt(np.mean((guess - asked) ** 2 + spread**2)) / np.ptp(asked))
-    if expected <= EXPECTED and confidence.min() >= TRUSTED:
-        return []
-    return [
-        f"Warning: `{drive}` may miss its reference by more than 5 % of its span: by `{name}` it expects "
-        f"{100.0 * expected:.1f} % rms, with a confidence down to {confidence.min():.2f}."
-    ]
 
 
 def warn_of_end(result: Result, duration: float, period: float) -> Result:
