@@ -46,11 +46,19 @@ class BeamMotors(BeamMotor):
     cites = ("kossoski2018", "blekhman1988")
 
     unbalance_2: Scalar = param("kg", "mass of the second unbalance", low=0.0, high=1e3, typical="20 g")
-    eccentricity_2: Scalar = param("m", "its distance from the axis", low=0.0, high=1.0, typical="20 mm")
+    eccentricity_2: Scalar = param(
+        "m", "distance of the second unbalance from the axis", low=0.0, high=1.0, typical="20 mm"
+    )
     rotor_inertia_2: Scalar = param("kg*m^2", "inertia of the second rotor", above=0.0, typical="8e-5 kg*m^2")
-    rotor_friction_2: Scalar = param("N*m*s/rad", "its viscous friction", low=0.0, high=1e3, default=0.0)
-    torque_constant_2: Scalar = param("N*m/A", "its torque per current", low=0.0, high=1e3, typical="0.02 N*m/A")
-    back_emf_2: Scalar = param("V*s/rad", "its voltage per speed", low=0.0, high=1e3, typical="0.02 V*s/rad")
+    rotor_friction_2: Scalar = param(
+        "N*m*s/rad", "viscous friction of the second rotor", low=0.0, high=1e3, default=0.0
+    )
+    torque_constant_2: Scalar = param(
+        "N*m/A", "torque per current of the second motor", low=0.0, high=1e3, typical="0.02 N*m/A"
+    )
+    back_emf_2: Scalar = param(
+        "V*s/rad", "voltage per speed of the second motor", low=0.0, high=1e3, typical="0.02 V*s/rad"
+    )
     resistance_2: Scalar = param("ohm", "resistance of the second winding", above=0.0, high=1e6, typical="4 ohm")
     inductance_2: Scalar = param("H", "inductance of the second winding", above=0.0, high=1e3, typical="20 mH")
 

@@ -102,8 +102,10 @@ class Finger(grasp.AbstractGrasp):
     contact: str = grasp.CONTACT
     thickness: Scalar = grasp.THICKNESS
     cylinder_radius: Scalar = grasp.RADIUS
-    cylinder_along: Scalar = param("m", "its axis, along the phalanx at θ = 0", low=-10.0, high=10.0, default=0.02)
-    cylinder_inwards: Scalar = param("m", "its axis, to the inside", low=-10.0, high=10.0, default=0.03)
+    cylinder_along: Scalar = param(
+        "m", "axis of the cylinder, along the phalanx at θ = 0", low=-10.0, high=10.0, default=0.02
+    )
+    cylinder_inwards: Scalar = param("m", "axis of the cylinder, to the inside", low=-10.0, high=10.0, default=0.03)
 
     def check(self) -> None:
         """Raise `ParameterError` if the wire would push, the inertia is too small, or the cylinder is in the way."""

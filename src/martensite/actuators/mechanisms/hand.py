@@ -106,8 +106,10 @@ class Hand(grasp.AbstractGrasp):
     thickness: Scalar = grasp.THICKNESS
     span: Scalar = param("m", "distance of the thumb's hinge from the others", low=0.0, high=10.0, default=0.08)
     cylinder_radius: Scalar = grasp.RADIUS
-    cylinder_depth: Scalar = param("m", "its axis, below the palm", low=-10.0, high=10.0, default=0.04)
-    cylinder_aside: Scalar = param("m", "its axis, from the middle to the thumb", low=-10.0, high=10.0, default=0.0)
+    cylinder_depth: Scalar = param("m", "axis of the cylinder, below the palm", low=-10.0, high=10.0, default=0.04)
+    cylinder_aside: Scalar = param(
+        "m", "axis of the cylinder, from the middle to the thumb", low=-10.0, high=10.0, default=0.0
+    )
 
     def check(self) -> None:
         """Raise `ParameterError` if extensors would push at assembly, or the cylinder is in the way."""

@@ -118,8 +118,8 @@ class ProcessNoisePlant(AbstractSystemAround):
     so that beside the transformation the noise is less than what a filter assumes.
     """
 
-    temperature_noise: Scalar = param("K/s^0.5", "of the temperature", low=0.0, default=0.5)
-    fraction_noise: Scalar = param("1/s^0.5", "of the martensite fraction", low=0.0, default=0.02)
+    temperature_noise: Scalar = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.5)
+    fraction_noise: Scalar = param("1/s^0.5", "random walk of the martensite fraction", low=0.0, default=0.02)
     held: Scalar = param("s", "how long a number holds", above=0.0)
 
     def check(self) -> None:

@@ -33,12 +33,13 @@ else is a choice of this project, judged on random wires (`martensite_control.un
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Parametrised, option, param, part
-from martensite.base.units import DEGREES, DIFFERENCE
+from martensite.base.units import DEGREES
 from martensite.control.observers import covariance, hidden_states
 from martensite.control.observers.base import OBSERVERS, Column, Named, ObserverPeriod, list_required
 from martensite.control.observers.calibration import COLD, HEAT, READY, SETTLE, SOAK, Calibration, CalibrationState
@@ -57,6 +58,8 @@ HALF = 0.5**0.5
 """Share of the tolerance of two independent temperatures that their mean, and half of their difference, have."""
 ABOVE = 28.0
 """How far the soak is above the end of the transformation without stress: 17 K for the stress [K]."""
+GIVEN = 1e9
+"""Temperature above which no soak temperature is given [K]."""
 TINY = 1e-12
 """Power below which nothing is heated [W], and least resistance [ohm]."""
 VOUCHED = 2.0
@@ -67,11 +70,16 @@ class SheetTolerances(Parametrised):
     """How far a wire may be from its data sheet, either way."""
 
     resistivity: Scalar = param(
-        "1", "of both resistivities over the section of the model, as a share; assumed", above=0.0, default=0.12
+        "1",
+        "tolerance of both resistivities over the section of the model, as a share; assumed",
+        above=0.0,
+        default=0.12,
     )
     film: Scalar = param("1", "largest factor of the film coefficient, or its inverse; assumed", above=1.0, default=2.0)
-    ambient: Scalar = param(DEGREES, "of the temperature of the surroundings; assumed", above=0.0, default=10.0)
-    transformation: Scalar = param(DEGREES, "of the transformation temperatures; assumed", above=0.0, default=5.0)
+    ambient: Scalar = param(DEGREES, "tolerance of the ambient temperature; assumed", above=0.0, default=10.0)
+    transformation: Scalar = param(
+        DEGREES, "tolerance of the transformation temperatures; assumed", above=0.0, default=5.0
+    )
 
 
 @OBSERVERS.register("self-sensing")
@@ -86,8 +94,8 @@ class SelfSensing(UnscentedKalman):
     sheet: SheetTolerances = part("what is known of the wire", default=SheetTolerances())
     start: str = option("whether it calibrates the wire at first", "calibration", "sheet", default="calibration")
     calibration: Calibration = part("how", default=Calibration())
-    hot: Scalar = param("K", "T_h, the temperature of the soak; 0: 28 K above A_f", low=0.0, default=0.0)
-    hot_deviation: Scalar = param(DIFFERENCE, "its standard deviation", above=0.0, default=7.0)
+    hot: Scalar = param("K", "soak temperature T_h; 28 K above A_f if left out", above=0.0, default=math.inf)
+    hot_deviation: Scalar = param(DEGREES, "standard deviation of the soak temperature", above=0.0, default=7.0)
     loss_deviation: Scalar = param("1", "standard deviation of P - Q as a share of it", low=0.0, default=0.1)
     learning: Scalar = param("1", "by how much parameters walk faster while it calibrates", low=1.0, default=8.0)
     resistivity_walk: Scalar = param(
@@ -111,7 +119,7 @@ class SelfSensing(UnscentedKalman):
         for wanted, what in (*((n, "a resistivity") for n in RESISTIVITIES), (FILMS, "a film coefficient")):
             if not set(wanted) & set(names):
                 raise ParameterError(f"Observer `self-sensing` estimates {what}, which its model does not have.")
-        if self.hot == 0.0 and "A_f" not in names:
+        if math.isinf(self.hot) and "A_f" not in names:
             raise ParameterError("Observer `self-sensing`: its law has no `A_f`; say how `hot` it soaks.")
 
     def free_parameters(self) -> list[FreeParameter]:
@@ -229,7 +237,7 @@ class SelfSensing(UnscentedKalman):
     def _soaked(self, xp: Namespace) -> Scalar:
         """Temperature of the soak [K]."""
         above = self.model.value_of("A_f") + ABOVE if self._paths(("law.A_f",)) else self.hot
-        return xp.where(self.hot > 0.0, self.hot, above)
+        return xp.where(self.hot < GIVEN, self.hot, above)
 
     def _count_common_shift(self, xp: Namespace, estimates: Column) -> list[Scalar]:
         """Estimates, with what all temperatures may be off by together in the spreads of every one."""

@@ -96,11 +96,11 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
     reach: float = param("1", "range of the states over that of the input", above=0.0, default=1.0)
 
     fence1: float = param("1", "limit of the first state in monomials, over its reach", above=0.0, default=FARTHEST)
-    fence2: float = param("1", "the same of the second state", above=0.0, default=FARTHEST)
-    fence3: float = param("1", "the same of the third state", above=0.0, default=FARTHEST)
-    fence4: float = param("1", "the same of the fourth state", above=0.0, default=FARTHEST)
-    fence5: float = param("1", "the same of the fifth state", above=0.0, default=FARTHEST)
-    fence6: float = param("1", "the same of the sixth state", above=0.0, default=FARTHEST)
+    fence2: float = param("1", "limit of the second state in monomials, over its reach", above=0.0, default=FARTHEST)
+    fence3: float = param("1", "limit of the third state in monomials, over its reach", above=0.0, default=FARTHEST)
+    fence4: float = param("1", "limit of the fourth state in monomials, over its reach", above=0.0, default=FARTHEST)
+    fence5: float = param("1", "limit of the fifth state in monomials, over its reach", above=0.0, default=FARTHEST)
+    fence6: float = param("1", "limit of the sixth state in monomials, over its reach", above=0.0, default=FARTHEST)
 
     def monomials(self) -> list[tuple[int, ...]]:
         """The variables that each is a product of: states from 0 on, then the input."""
