@@ -14,7 +14,7 @@ import pytest
 from command import Command
 
 from martensite.base.errors import InputError
-from martensite.control.loop.findings import LoopFinding, check_signals
+from martensite.control.loop.findings import LoopFinding, check_guard, check_signals
 from martensite.design.analysis.loop_check import LoopCase, LoopReport, check_loop, check_reach, check_sign
 from martensite.scenario.scenario import load
 from martensite.simulate.drive_waveforms import by_name
@@ -90,6 +90,51 @@ def test_the_sign_is_that_of_the_first_and_of_the_last_answer(gains: tuple[float
 def test_a_controller_that_answers_the_right_way_has_no_finding() -> None:
     assert list(check_sign(build_example("closed_loop"))) == []
     assert list(check_reach(build_example("closed_loop"))) == []
+
+
+WITHOUT_GAINS: dict[str, dict[str, Any]] = {
+    "pid": {"Kp": 0.0, "Ki": 0.0},
+    "derivative alone": {"kind": "pid", "Kp": 0.0, "Kd": 20.0},
+    "scheduled-pid": {"kind": "scheduled-pid", "rising": {"p1": {"at": "1 mm", "Kp": 0.0, "Ki": 0.0}}},
+    "sliding-mode": {"kind": "sliding-mode", "gain": 0.0, "slope": "2 1/s", "layer": "10 mm/s", "offset": 0.4},
+}
+"""Controllers whose signal is constant, wherever their gains stand."""
+
+
+@pytest.mark.parametrize("name", list(WITHOUT_GAINS))
+def test_a_controller_without_gains_is_not_sound(name: str) -> None:
+    table = {"kind": "pid", "measured": "position", "period": "20 ms"} | WITHOUT_GAINS[name]
+    found = find_only(check_sign(build_case(controller=table)))
+    assert found.fault
+    assert "it has no gain, so nothing is controlled" in found.sentence
+
+
+def test_two_levels_that_are_the_same_are_a_fault() -> None:
+    table = {"kind": "on-off", "measured": "position", "period": "20 ms", "low": 0.3, "high": 0.3}
+    scenario = load(EXAMPLES / "closed_loop.toml", {"controller": table})
+    assert scenario.bench is not None
+    assert find_only(check_signals(scenario.bench)).sentence.endswith("are both 0.3: nothing is controlled.")
+
+
+def test_a_controller_that_answers_its_reference_alone_is_not_tested() -> None:
+    table = WITHOUT_GAINS["sliding-mode"] | {"measured": "position", "period": "20 ms", "per_reference": 40.0}
+    with pytest.raises(InputError, match="does not answer what it reads"):
+        list(check_sign(build_case(controller=table)))
+
+
+def test_a_limit_of_the_guard_above_that_of_the_element_is_not_sound_and_warned_of() -> None:
+    """The element of the example bears 140 degC, by its material."""
+    path = "supervisor.checks.bound_drive.limit"
+    for limit, fault in (("1e6 K", True), ("141 degC", True), ("140 degC", False), ("110 degC", False)):
+        scenario = load(EXAMPLES / "closed_loop.toml", {path: limit, "run.duration": "0.1 s"})
+        assert scenario.bench is not None
+        found = check_guard(scenario.bench)
+        assert [one.fault for one in found] == [True] * fault
+        assert [one.where for one in found] == [path] * fault
+        assert any("above the limit of the element, 140 degC" in one for one in scenario.run().warnings) == fault
+    done = check(str(EXAMPLES / "closed_loop.toml"), "--set", f"{path}=1e6 K")
+    assert done.exit_code == 1
+    assert "The loop is not sound: 1 fault." in " ".join(done.stdout.split())
 
 
 def test_one_that_looks_ahead_is_tested_as_well_and_reaches_what_it_leads_to() -> None:

@@ -1,18 +1,21 @@
-"""What a check finds wrong in a loop; signals that a source cannot give, which needs no run to be found."""
+"""Findings of a check of loops; those without a run: impossible signals, guard limits above those of the element."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from martensite.base.formats import write_quantity
+from martensite.control.supervisors.from_sensors import find_known_limit
+from martensite.control.supervisors.guard import Guard
 from martensite.kernels import floats
 from martensite.signals.base import DRIVE
 
 if TYPE_CHECKING:
     from martensite.actuators.assembly import AbstractSystem
+    from martensite.control.checks.base import AbstractCheck
     from martensite.control.controllers.base import AbstractController
     from martensite.control.loop.bench import Bench
     from martensite.physics.electrical.base import AbstractSource
@@ -50,11 +53,38 @@ def check_signals(bench: Bench) -> list[LoopFinding]:
     """Limits of the signals of a bench's controllers that the sources cannot give."""
     found = list[LoopFinding]()
     for drive, controller in bench.controllers.members().items():
+        found.extend(_judge_span(f"controllers.{drive}", list_limits(controller)))
         source, ohms = find_source(bench.plant, drive)
         if source is not None:
             for path, value in list_limits(controller).items():
                 found.extend(_judge_limit(f"controllers.{drive}.{path}", value, source, ohms))
     return found
+
+
+def _judge_span(where: str, limits: Mapping[str, float]) -> Iterator[LoopFinding]:
+    level = max(limits.values(), default=0.0)
+    if len(limits) > 1 and min(limits.values()) == level:
+        said = f"The least and the largest signal of `{where}` are both {level:.3g}: nothing is controlled."
+        yield LoopFinding("signal", where, said, 0.0, 0.0, "1", "Try a larger `high`.", fault=True)
+
+
+def check_guard(bench: Bench) -> list[LoopFinding]:
+    """Return a fault for every limit of the guard of a bench that is above the limit of its element."""
+    checks = bench.supervisor.checks.members() if isinstance(bench.supervisor, Guard) else {}
+    return [
+        found for name, one in checks.items() for found in _judge_guard(bench, f"supervisor.checks.{name}.limit", one)
+    ]
+
+
+def _judge_guard(bench: Bench, where: str, check: AbstractCheck) -> Iterator[LoopFinding]:
+    known = find_known_limit(bench, check.registered_name, vars(check))
+    if known is None or check.value_of("limit") <= known * (1.0 + ROUNDING):
+        return
+    limit, unit = check.value_of("limit"), check.declarations["limit"].unit
+    own = write_quantity(known, unit, 4)
+    said = f"`{where}` is {write_quantity(limit, unit, 4)}, above the limit of the element, {own}: it is not protected."
+    remedy = f'Try `limit = "{own}"`, or change the `limits` of the element.'
+    yield LoopFinding("guard", where, said, limit, known, unit, remedy, fault=True)
 
 
 def list_limits(controller: AbstractController) -> dict[str, float]:

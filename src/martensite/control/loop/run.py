@@ -17,7 +17,7 @@ from martensite.base.parameters import part
 from martensite.control.checks.base import LIMITED
 from martensite.control.controllers.base import AbstractController
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.findings import check_signals
+from martensite.control.loop.findings import check_guard, check_signals
 from martensite.control.loop.miss_rule import describe_expected_miss
 from martensite.control.loop.names import (
     AGE,
@@ -104,7 +104,9 @@ def simulate_bench(
 
 def warn_of_loops(result: Result, bench: Bench, duration: float) -> Result:
     """A result with what its guard did, what its controllers failed to do, signals that cannot be, and its end [s]."""
-    faults = [f"Warning: {one.sentence} {one.remedy}" for one in check_signals(bench) if one.fault]
+    faults = [
+        f"Warning: {one.sentence} {one.remedy}" for one in (*check_signals(bench), *check_guard(bench)) if one.fault
+    ]
     known = _with_doubts(warn_of_guard(result, bench), bench)
     return warn_of_end(replace(known, warnings=[*known.warnings, *faults]), duration, bench.period)
 

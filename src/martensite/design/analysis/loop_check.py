@@ -19,7 +19,7 @@ from martensite.base.lazy import import_extra
 from martensite.control.controllers.base import AHEAD, AbstractController
 from martensite.control.controllers.mpc import Mpc
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.findings import LoopFinding, check_signals, find_source, list_limits
+from martensite.control.loop.findings import LoopFinding, check_guard, check_signals, find_source, list_limits
 from martensite.control.loop.names import list_readings
 from martensite.design.synthesis.rest_curves import RestCurve, compute_rest_curve, read_at_rest, read_curve
 from martensite.kernels import floats
@@ -33,6 +33,8 @@ EVEN = 0.2
 """Share of the signals that is spread evenly."""
 LONGER = 1000
 """Samples after which a controller has answered an error, its integral included."""
+SHORT = 10
+"""Samples after which it has answered a reference."""
 BEYOND = 0.02
 """Share of what can be reached by which a reference may be beyond it."""
 SAMPLES = 4000
@@ -151,7 +153,8 @@ def check_loop(bench: Bench, duration: float, *, waveforms: Mapping[str, Abstrac
     """
     others = {name: float(one.value(0.0)) for name, one in (waveforms or {}).items()}
     members = bench.controllers.members()
-    findings, tested, untested = check_signals(bench), ["signal"] * bool(members), dict[str, str]()
+    findings, untested = [*check_signals(bench), *check_guard(bench)], dict[str, str]()
+    tested = [*["signal"] * bool(members), *["guard"] * (bench.supervisor is not None)]
     margins = list[Mapping[str, Any]]()
     tests = _collect_tests(margins, untested)
     for drive, controller in members.items():
@@ -210,7 +213,8 @@ def check_sign(case: LoopCase) -> Iterator[LoopFinding]:
     answers = np.array([_list_answers(case, one, middle) for one in ends])
     pushes = answers[0] - answers[1]
     if not pushes.any():
-        raise InputError(f"`{case.controller.registered_name}` does not answer what it reads")
+        yield _judge_idle(case, ends)
+        return
     wrong = [k for k in range(2) if pushes[k] < 0.0]
     if wrong:
         at, (low, high) = [write_quantity(one[name], case.unit, 3) for one in ends], answers[:, wrong[0]]
@@ -224,12 +228,32 @@ def check_sign(case: LoopCase) -> Iterator[LoopFinding]:
         yield case.find("sign", "controllers", (said, "Turn the sign of its gains."), numbers, fault=True)
 
 
-def _list_answers(case: LoopCase, readings: Mapping[str, float], reference: float) -> tuple[float, float]:
+def _judge_idle(case: LoopCase, ends: list[Mapping[str, float]]) -> LoopFinding:
+    """Return the fault of a controller that responds to neither reading nor reference.
+
+    Raises:
+        InputError: it responds to the reference, as a feed-forward does.
+    """
+    name = case.controller.measured
+    low, high = (_list_answers(case, ends[0], one[name], SHORT)[-1] for one in ends)
+    if low != high:
+        raise InputError(f"`{case.controller.registered_name}` does not answer what it reads")
+    said = (
+        f"The controller gives {low:.3g} at every `{name}` and every reference: it has no gain, so nothing is "
+        "controlled."
+    )
+    remedy = "Give it gains, such as those of `martensite tune`."
+    return case.find("sign", "controllers", (said, remedy), (0.0, 0.0, "1"), fault=True)
+
+
+def _list_answers(
+    case: LoopCase, readings: Mapping[str, float], reference: float, count: int = LONGER
+) -> tuple[float, float]:
     """Signals of the controller while it reads the same: the first one, and that after a while."""
     previews = case.controller.list_previews().items()  # of its own reference, for it leads nobody
     ahead = {f"{AHEAD}{name}.{k}": reference for name, times in previews for k in range(len(times) + 1)}
     memory, readings, signals = case.controller.rest(floats, reference, readings), {**readings, **ahead}, list[float]()
-    for _ in range(1 if isinstance(case.controller, Mpc) else LONGER):  # a plan is made anew in every sample
+    for _ in range(1 if isinstance(case.controller, Mpc) else count):  # a plan is made anew in every sample
         signal, memory = case.controller.answer(floats, memory, reference, readings, case.bench.period)
         signals.append(float(signal))
     return signals[0], signals[-1]
