@@ -124,7 +124,7 @@ def test_a_schedule_has_the_same_sensitivity_at_all_points_and_follows_better(tm
     found = Command("tune").report(str(EXAMPLE), *words)
     assert [one["branch"] for one in found["points"]] == ["heating"] * 4 + ["cooling"] * 4
     np.testing.assert_allclose([one["sensitivity"] for one in found["points"]], 1.3, rtol=2e-3)
-    assert found["rms_error"]["after"] < 0.6 * found["rms_error"]["before"]
+    assert found["verdict"]["after"] < 0.6 * found["verdict"]["before"]
     written = load(saved).bench
     assert written is not None
     values = {leaf.path: leaf.value for leaf in written.controllers.members()["drive"].leaves()}

@@ -9,12 +9,18 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from thin_wire import THIN_WIRE
 from typer.testing import CliRunner
 
+from martensite.base.errors import InputError
 from martensite.cli import app
 from martensite.scenario.scenario import load
+from martensite_control.tuning.bench_tuning import compare_gains
+from martensite_control.tuning.loop_runs import LoopRuns
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
 SCENARIO = f"""
 title = "thin wire"{THIN_WIRE}[drive]
@@ -52,7 +58,7 @@ def tuned(*words: object) -> Any:
 def test_rules_are_saved_as_they_are_shown(scenario: Path, c_compiler: str) -> None:
     saved, figure = scenario.with_name("tuned.toml"), scenario.with_name("tuned.svg")
     how = "--method", "rules", "--rule", "cohen-coon", "--form", "pi", "--level", "4 mm"
-    found = tuned(scenario, *how, "--save", saved, "--figure", figure, "--json")
+    found = tuned(scenario, *how, "--save", saved, "--figure", figure, "--json", "--force")
     assert found.exit_code == 0, found.output
     shown = json.loads(found.stdout)
     again = load(saved).bench
@@ -75,15 +81,81 @@ def test_gradient_lowers_the_cost_on_other_plants(scenario: Path, c_compiler: st
     shown = json.loads(found.stdout)
     assert shown["after"]["cost"] < shown["before"]["cost"]
     assert shown["gradients"] > 0
-    assert shown["other_plants"]["count"] == 4
-    assert shown["other_plants"]["itae_ratio_median"] < 1.0
+    assert (shown["verdict"]["plants"], shown["verdict"]["measure"]) == (4, "itae")
+    assert shown["verdict"]["ratio_median"] < 1.0
+    assert not shown["verdict"]["worse"]
 
 
 def test_what_people_read(scenario: Path, c_compiler: str) -> None:
-    found = tuned(scenario, "--method", "relay", "--rule", "ziegler-nichols")
+    found = tuned(scenario, "--method", "relay", "--rule", "ziegler-nichols", "--force")
     assert found.exit_code == 0, found.output
     for words in ("pid by rule ziegler-nichols", "K_u", "controller.Kp [1/m]", "mm s^2", "degC"):
         assert words in found.stdout
+    assert "`check` of the tuned loop: " in found.stdout
+
+
+WEAK = "--set", "controller.Kp=400", "--set", "controller.Ki=200"
+"""Gains with which the loop is faster than by SIMC."""
+
+
+def run_errors(path: Path, overrides: dict[str, Any]) -> float:
+    """Rms error of a run of a scenario [mm]."""
+    run = load(path, overrides).run()
+    return 1e3 * float(np.sqrt(np.mean((run["reference"] - run["position"]) ** 2)))
+
+
+@pytest.mark.parametrize("method", ["rules", "schedule"])
+def test_a_worse_result_is_not_saved_unless_forced(scenario: Path, method: str, c_compiler: str) -> None:
+    """The truth: runs of the scenario before, and of the one that is saved by force."""
+    saved = scenario.with_name("tuned.toml")
+    how = "--method", method, *(("--sensitivity", "1.01") if method == "schedule" else ()), *WEAK, "--save", saved
+    found = tuned(scenario, *how)
+    assert found.exit_code == 1, found.output
+    assert not saved.exists()
+    first = found.stdout.splitlines()[0]
+    assert first.startswith("Worse than before: rms ")
+    assert first.endswith(" on the plant of the scenario; not saved. --force saves it.")
+    forced = tuned(scenario, *how, "--force", "--json")
+    assert forced.exit_code == 0, forced.output
+    verdict = json.loads(forced.stdout)["verdict"]
+    before = run_errors(scenario, {"controller.Kp": 400, "controller.Ki": 200})
+    after = run_errors(saved, {})
+    assert (1e3 * verdict["before"], 1e3 * verdict["after"]) == pytest.approx((before, after), rel=1e-6)
+    assert after > before
+    assert f"rms {after:.3g} mm instead of {before:.3g} mm" in first
+
+
+def test_what_check_finds_in_the_tuned_loop_decides_as_well(tmp_path: Path, c_compiler: str) -> None:
+    """Relay gains on the example are quicker, but `check` finds that the loop swings: both commands say so."""
+    saved = tmp_path / "tuned.toml"
+    found = tuned(EXAMPLES / "closed_loop.toml", "--method", "relay", "--save", saved)
+    assert found.exit_code == 1
+    assert "Worse than before: the loop is no longer sound (rms 0.43" in found.stdout.splitlines()[0]
+    assert not saved.exists()
+    assert tuned(EXAMPLES / "closed_loop.toml", "--method", "relay", "--save", saved, "--force").exit_code == 0
+    checked = CliRunner().invoke(app, ["check", str(saved)])
+    assert checked.exit_code == 1
+    for one in ("heating: it is unstable at 3 of 3 points", "cooling: it is unstable at 3 of 3 points"):
+        assert one in " ".join(checked.stdout.split())
+        assert one in " ".join(found.stdout.split())
+
+
+def test_in_python_a_worse_result_says_so_and_is_not_saved(scenario: Path, tmp_path: Path, c_compiler: str) -> None:
+    loaded, saved = load(scenario), tmp_path / "tuned.toml"
+    assert loaded.bench is not None
+    runs = LoopRuns(loaded.bench, loaded.duration, seed=loaded.seed)
+    worse = compare_gains(runs, {"controllers.drive.Kp": 1.0})
+    assert worse.worse
+    with pytest.raises(InputError, match=r"Worse than before: rms .* Pass `force=True` to save it"):
+        worse.save(loaded, saved)
+    assert not saved.exists()
+    worse.save(loaded, saved, force=True)
+    better = compare_gains(runs, {"controllers.drive.Kp": 200.0})
+    assert not better.worse
+    better.save(loaded, saved)
+    again = load(saved).bench
+    assert again is not None
+    assert again.value_of("controllers.drive.Kp") == 200.0
 
 
 @pytest.mark.parametrize(

@@ -1,32 +1,31 @@
-"""`tune --method schedule`: a schedule of gains for a scenario, what it says, and what it is compared with."""
+"""`tune --method schedule`: a schedule of gains for a scenario, compared with the present loop."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from martensite.base.errors import InputError
-from martensite.base.formats import write_difference, write_quantity
-from martensite.base.summary import DataTable, Sentence, Summary
+from martensite.base.formats import write_quantity
+from martensite.base.summary import DataTable, Summary
 from martensite.cli.options import read_positive
 from martensite.cli.progress import show_spinner
-from martensite.control.loop.names import name_loop_columns
 from martensite.control.loop.parts import Controllers
-from martensite.control.loop.run import simulate_bench
 from martensite.design.analysis.loop_check import LoopCase
 from martensite.simulate.drive_waveforms import by_name
 from martensite_control.loops.linear_loop import LinearLoop
 from martensite_control.loops.loop_points import linearise_case
 from martensite_control.loops.margins import compute_margins
 from martensite_control.synthesis.gain_schedule import DesignedSchedule, design_gain_schedule
-from martensite_control.tuning.loop_runs import find_judged_output
+from martensite_control.tuning.judgement import JudgedLoop, judge_loops
+from martensite_control.tuning.loop_runs import LoopRuns
+from martensite_control.tuning.tune_run import draw_both_plants
+from martensite_control.tuning.tuning_answer import TuningAnswer, judge_scenario
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from martensite.control.loop.bench import Bench
     from martensite.scenario.scenario import Scenario
     from martensite_control.cli import TuneOptions
 
@@ -34,8 +33,8 @@ HEAD = ("branch", "at", "Kp", "Ki [1/s]", "M_s", "gain margin", "phase margin")
 SENSITIVITY, POINTS = 1.4, 4
 
 
-def run_schedule(scenario: Scenario, options: TuneOptions) -> tuple[Summary, Callable[[], str], Callable[[], Figure]]:
-    """The summary of a schedule, what writes the scenario with it, and what draws its margins.
+def run_schedule(scenario: Scenario, options: TuneOptions) -> TuningAnswer:
+    """Design a schedule of gains, and compare its loop with the present one.
 
     Raises:
         InputError: the scenario has no loop that has a linear system.
@@ -45,6 +44,7 @@ def run_schedule(scenario: Scenario, options: TuneOptions) -> tuple[Summary, Cal
     bench, waves = scenario.bench, by_name(scenario.system, scenario.waveform)
     duration = read_positive("duration", options.duration, "s")
     duration = scenario.duration if duration is None else duration
+    _, judged = draw_both_plants(options.spread or [], options.plants, options.seed, scenario, bench)
     with show_spinner("linear systems on both branches"):
         wanted = SENSITIVITY if options.sensitivity is None else options.sensitivity
         found = design_gain_schedule(
@@ -54,7 +54,11 @@ def run_schedule(scenario: Scenario, options: TuneOptions) -> tuple[Summary, Cal
         after = bench.with_parts(controllers=Controllers(**members))
         others = {name: float(one.value(0.0)) for name, one in waves.items()}
         loops = linearise_case(LoopCase(after, found.drive, found.controller, duration, others), POINTS)
-        errors = [_measure_error(scenario, one, duration, found.drive) for one in (bench, after)]
+        before, tuned = (
+            JudgedLoop(LoopRuns(one, duration, drive=found.drive, seed=scenario.seed, waveforms=waves), {})
+            for one in (bench, after)
+        )
+        verdict = judge_scenario(scenario, after, judge_loops(before, tuned, judged))
 
     def draw() -> Figure:
         from martensite_control.loops.margin_figure import plot_margins
@@ -62,20 +66,12 @@ def run_schedule(scenario: Scenario, options: TuneOptions) -> tuple[Summary, Cal
         return plot_margins(loops, scenario.title)
 
     lead = f"# gains scheduled for a largest sensitivity of {wanted:g}\n\n"
-    return _summarise_schedule(scenario, found, loops, errors), lambda: lead + found.to_toml(scenario.text), draw
+    return TuningAnswer(
+        verdict, _summarise_schedule(scenario, found, loops), lambda: lead + found.to_toml(scenario.text), draw
+    )
 
 
-def _measure_error(scenario: Scenario, bench: Bench, duration: float, drive: str) -> float:
-    """Rms error of a run, in the SI unit of what is controlled."""
-    waves = by_name(scenario.system, scenario.waveform)
-    run = simulate_bench(bench, duration, seed=scenario.seed, waveforms=waves).require()
-    reference = np.array(run[name_loop_columns(bench, drive)[0]])
-    return float(np.sqrt(np.mean((reference - np.array(run[find_judged_output(bench, drive)])) ** 2)))
-
-
-def _summarise_schedule(
-    scenario: Scenario, found: DesignedSchedule, loops: list[LinearLoop], errors: list[float]
-) -> Summary:
+def _summarise_schedule(scenario: Scenario, found: DesignedSchedule, loops: list[LinearLoop]) -> Summary:
     margins = [compute_margins(one.loop) for one in loops]
     pairs = list(zip(found.points, margins, strict=False))  # the last loop is that of the dead band
     cells = [
@@ -90,8 +86,7 @@ def _summarise_schedule(
         )
         for one, has in pairs
     ]
-    before, after = (write_difference(one, found.unit, 3) for one in errors)
     rows: list[dict[str, Any]] = [vars(one) | vars(has) | {"sensitivity": has.sensitivity} for one, has in pairs]
-    data = {"drive": found.drive, "points": rows, "rms_error": {"before": errors[0], "after": errors[1]}}
+    data = {"title": scenario.title, "method": "schedule", "drive": found.drive, "points": rows}
     table = DataTable(HEAD, cells, right=tuple(range(1, len(HEAD))))
-    return Summary(scenario.title, [table, Sentence(f"Rms error of the run: {before} before, {after} after.")], data)
+    return Summary(scenario.title, [table], data)

@@ -9,21 +9,30 @@ Sensors, observers and controllers are those of the bench in every run; what is 
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from martensite.base.errors import SolveError
+from martensite.base.files import write_file
 from martensite.control.loop.bench import Bench
 from martensite.search.box_search import Tell
 from martensite.search.free_numbers import FreeNumber
 from martensite.signals.base import AbstractWaveform
 from martensite_control.tuning.gain_search import GainCosts, TuningSearch, build_free_gains, search_gains
 from martensite_control.tuning.goals import Cost, Course, Numbers, TuningGoal
+from martensite_control.tuning.judgement import MEASURES, JudgedLoop, Judgement, judge_loops
 from martensite_control.tuning.loop_runs import LoopRuns, Seen
 from martensite_control.tuning.measures import Measures, measure_loop
 from martensite_control.tuning.plant_spread import Plants
+
+if TYPE_CHECKING:
+    from martensite.scenario.scenario import Scenario
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,8 +59,29 @@ class TunedBench:
     """Runs with derivatives."""
     ends: tuple[float, ...]
     """Costs at which searches ended, best first."""
+    judgement: Judgement
+    """Errors before and after on the plants that it is judged on."""
     notes: list[str] = field(default_factory=list[str])
     """Sentences on bounds that were hit."""
+
+    @property
+    def worse(self) -> bool:
+        """True if the error on the judged plants is larger than before."""
+        return self.judgement.worse
+
+    def save(self, scenario: Scenario, path: str | PathLike[str], *, force: bool = False) -> None:
+        """Write a scenario with the new numbers.
+
+        Args:
+            scenario: the scenario whose bench was tuned.
+            path: file to write.
+            force: write a result that is worse than before, too.
+
+        Raises:
+            InputError: the result is worse than before.
+        """
+        self.judgement.require_better(force=force)
+        write_file(Path(path), write_gains(scenario, self.after, "tuned"))
 
     def rows(self) -> list[tuple[str, float, float]]:
         """Name, and number before and after, of everything, for people to read; SI."""
@@ -68,6 +98,7 @@ def tune_bench(
     *,
     goal: TuningGoal | None = None,
     plants: Plants | None = None,
+    judged: Plants | None = None,
     starts: Sequence[Mapping[str, float]] = (),
     drive: str | None = None,
     search: TuningSearch | None = None,
@@ -86,6 +117,7 @@ def tune_bench(
             to be chosen: `Kp=1..100`.
         goal: what a loop shall do.
         plants: those it shall do it on; the nominal one alone if None.
+        judged: plants on which the result is compared with the numbers of the bench; the nominal one if None.
         starts: numbers by path where searches begin, beside those of the bench.
         drive: whose loop is judged; needed if there are several.
         search: how to search.
@@ -109,7 +141,8 @@ def tune_bench(
     costs = GainCosts(runs, Cost(goal or TuningGoal(), course), freed, plants, how.slopes)
     cost, best, ends = search_gains(costs, [before, *[{**before, **start} for start in starts]], how, watch, keep)
     after = {path: float(value) for path, value in costs.numbers(best).items()}
-    found = compare_gains(runs, after, course)
+    measure = MEASURES[costs.cost.goal.error]
+    found = compare_gains(runs, after, course, judged, measure)
     return replace(
         found,
         cost_before=float(costs.compute_costs({p: [v] for p, v in before.items()}, 1)[0]),
@@ -121,11 +154,17 @@ def tune_bench(
     )
 
 
-def compare_gains(runs: LoopRuns, after: Mapping[str, float], course: Course | None = None) -> TunedBench:
+def compare_gains(
+    runs: LoopRuns,
+    after: Mapping[str, float],
+    course: Course | None = None,
+    judged: Plants | None = None,
+    measure: str = "rms",
+) -> TunedBench:
     """A loop on the nominal plant before and after a change of numbers by path.
 
     Costs are those of the default goal; `course` says with what scales, by default those of the
-    loop before.
+    loop before. The result is judged on the plants `judged` by a `measure` of `judgement`.
 
     Raises:
         ParameterError: the reference asks for nothing.
@@ -149,7 +188,16 @@ def compare_gains(runs: LoopRuns, after: Mapping[str, float], course: Course | N
         evaluations=2,
         gradients=0,
         ends=(),
+        judgement=judge_loops(JudgedLoop(runs, before), JudgedLoop(runs, after), judged, measure),
     )
+
+
+def write_gains(scenario: Scenario, gains: Mapping[str, float], lead: str) -> str:
+    """Return a scenario with other gains, by path in its bench [SI], as TOML after a comment."""
+    from martensite.scenario.overrides import as_toml, change_document
+
+    numbers = {scenario.places.path(path): float(value) for path, value in gains.items()}
+    return f"# {lead}\n\n{as_toml(change_document(tomllib.loads(scenario.text), numbers))}"
 
 
 def _is_finite(seen: Seen) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -10,9 +9,13 @@ from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.base.interrupts import rescue_answer
 from martensite.cli.options import read_positive, read_quantity
 from martensite.cli.progress import show_share, show_spinner
-from martensite_control.tuning.tuning_summary import TuningOutcome
+from martensite_control.tuning.bench_tuning import write_gains
+from martensite_control.tuning.tuning_answer import TuningAnswer, judge_scenario
+from martensite_control.tuning.tuning_summary import TuningOutcome, summarise_tuning
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from martensite.cli.outputs import BestSoFar
     from martensite.control.loop.bench import Bench
     from martensite.scenario.scenario import Scenario
@@ -20,7 +23,7 @@ if TYPE_CHECKING:
     from martensite_control.rules.rule_starts import LoopTests
     from martensite_control.tuning.bench_tuning import TunedBench
     from martensite_control.tuning.loop_runs import LoopRuns
-    from martensite_control.tuning.plant_spread import Plants, Ratio
+    from martensite_control.tuning.plant_spread import Plants
 
 
 TRIED = 3
@@ -29,8 +32,8 @@ PID = ("Kp", "Ki", "Kd")
 PLANTS = 64
 
 
-def run_tuning(scenario: Scenario, options: TuneOptions, best: BestSoFar) -> TuningOutcome:
-    """Do what the command line says; `best` takes the best so far.
+def run_tuning(scenario: Scenario, options: TuneOptions, best: BestSoFar) -> TuningAnswer:
+    """Tune by rules, a relay or descents, as the options ask for; `best` takes the best so far.
 
     Raises:
         InputError: the scenario has no loop, or an option does not fit it.
@@ -45,19 +48,24 @@ def run_tuning(scenario: Scenario, options: TuneOptions, best: BestSoFar) -> Tun
         runs = _make_runs(bench, length, drive, scenario)
     seen, others = draw_both_plants(options.spread or [], options.plants, options.seed, scenario, bench)
     if options.method == "gradient":
-        found, tests, origin = _search_gains(runs, options, length, scenario, seen, best)
+        found, tests, origin = _search_gains(runs, options, length, scenario, (seen, others), best)
     else:
-        found, tests, origin = _apply_rule(runs, options, scenario)
-    return TuningOutcome(
-        scenario,
-        options.method,
-        found,
-        drive,
-        tests,
-        origin,
-        others.count if others else 0,
-        judge_others(runs, found, others),
+        found, tests, origin = _apply_rule(runs, options, scenario, others)
+    outcome = TuningOutcome(scenario, options.method, found, drive, tests, origin)
+    with show_spinner("checking the tuned loop"):
+        verdict = judge_scenario(scenario, found.bench, found.judgement)
+    return TuningAnswer(
+        verdict,
+        summarise_tuning(outcome),
+        lambda: write_gains(scenario, found.after, f"tuned: {origin}"),
+        lambda: _plot_outcome(outcome),
     )
+
+
+def _plot_outcome(found: TuningOutcome) -> Figure:
+    from martensite_control.tuning.tuning_figure import plot_tuning
+
+    return plot_tuning(found.found, found.drive, found.scenario.title)
 
 
 def _find_bench(scenario: Scenario) -> Bench:
@@ -109,7 +117,9 @@ def _run_tests(options: TuneOptions, runs: LoopRuns, scenario: Scenario) -> Loop
         )
 
 
-def _apply_rule(runs: LoopRuns, options: TuneOptions, scenario: Scenario) -> tuple[TunedBench, LoopTests, str]:
+def _apply_rule(
+    runs: LoopRuns, options: TuneOptions, scenario: Scenario, judged: Plants | None
+) -> tuple[TunedBench, LoopTests, str]:
     from martensite_control.rules.formulas import gains_by_rule
     from martensite_control.rules.relay import gains_by_relay
     from martensite_control.rules.rule_starts import convert_to_pid
@@ -125,25 +135,32 @@ def _apply_rule(runs: LoopRuns, options: TuneOptions, scenario: Scenario) -> tup
         rule = options.rule or "tyreus-luyben"
         gains = gains_by_relay(tests.cycle, rule, form)
     values = convert_to_pid(runs.bench, gains, runs.drive)
-    return compare_gains(runs, values), tests, f"{form} by rule {rule}"
+    return compare_gains(runs, values, judged=judged), tests, f"{form} by rule {rule}"
 
 
 def _search_gains(
-    runs: LoopRuns, options: TuneOptions, length: float, scenario: Scenario, plants: Plants | None, best: BestSoFar
+    runs: LoopRuns,
+    options: TuneOptions,
+    length: float,
+    scenario: Scenario,
+    both: tuple[Plants | None, Plants | None],
+    best: BestSoFar,
 ) -> tuple[TunedBench, LoopTests | None, str]:
+    """Search on the first plants, and judge on the others."""
     from martensite.control.controllers.pid import Pid
     from martensite.simulate.drive_waveforms import by_name
     from martensite_control.tuning.bench_tuning import tune_bench
     from martensite_control.tuning.gain_search import TuningSearch
     from martensite_control.tuning.goals import TuningGoal
 
+    plants, judged = both
     goal = TuningGoal(error=options.goal or "itae")
     controller = runs.bench.controllers.members()[runs.drive]
     free = _name_free(options, runs, isinstance(controller, Pid))
     tests, starts = _find_starts(options, runs, scenario, isinstance(controller, Pid))
 
     def keep(gains: dict[str, float]) -> None:
-        best.keep(lambda: _write_gains(scenario, gains, "best gains so far"))
+        best.keep(lambda: write_gains(scenario, gains, "best gains so far"))
 
     with rescue_answer(best.save), show_share("tuning") as tell:
         found = tune_bench(
@@ -152,6 +169,7 @@ def _search_gains(
             free,
             goal=goal,
             plants=plants,
+            judged=judged,
             starts=starts,
             drive=runs.drive,
             search=TuningSearch(seed=options.seed),
@@ -225,25 +243,3 @@ def _read_spread(text: str, scenario: Scenario, bench: Bench) -> tuple[str, floa
     if unit == "K" and "deg" in size:
         raise InputError(f"A spread of a temperature is a difference: write `{name}=3 K`.")
     return paths[0], read_quantity("spread", size, "K" if unit == "K" else "1")
-
-
-def judge_others(runs: LoopRuns, found: TunedBench, others: Plants | None) -> Ratio | None:
-    """ITAE after over before on plants that were not tuned on."""
-    if others is None:
-        return None
-    from martensite_control.tuning.plant_spread import compare_over_plants
-
-    both = compare_over_plants(runs, {"before": found.before, "after": found.after}, others)
-    return both.ratio("after", "before")
-
-
-def write_tuned(found: TuningOutcome) -> str:
-    """The scenario with the new numbers, as TOML."""
-    return _write_gains(found.scenario, found.found.after, f"tuned: {found.origin}")
-
-
-def _write_gains(scenario: Scenario, gains: Mapping[str, float], lead: str) -> str:
-    from martensite.scenario.overrides import as_toml, change_document
-
-    numbers = {scenario.places.path(path): float(value) for path, value in gains.items()}
-    return f"# {lead}\n\n{as_toml(change_document(tomllib.loads(scenario.text), numbers))}"

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
     from martensite_control.rules.rule_starts import LoopTests
     from martensite_control.tuning.bench_tuning import TunedBench
-    from martensite_control.tuning.plant_spread import Ratio
 
 HEAD = ("", "before", "after")
 SHARES = ("overshoot",)
@@ -34,10 +33,6 @@ class TuningOutcome:
     tests: LoopTests | None
     origin: str
     """Where the numbers come from, in words."""
-    others: int
-    """Plants it was judged on that it was not tuned on."""
-    ratio: Ratio | None
-    """ITAE after over before on them."""
 
 
 def summarise_tuning(found: TuningOutcome) -> Summary:
@@ -47,18 +42,9 @@ def summarise_tuning(found: TuningOutcome) -> Summary:
     blocks = [
         *_describe_tests(found),
         DataTable(HEAD, _table_rows(found), right=(1, 2)),
-        *_describe_others(found),
         *(Sentence(f"Caution: {note}", "caution") for note in tuned.notes),
     ]
     return Summary(found.scenario.title, blocks, _collect_numbers(found), lead)
-
-
-def _describe_others(found: TuningOutcome) -> Iterator[Block]:
-    if found.ratio is not None:
-        yield Sentence(
-            f"on {found.others} other plants: ITAE after/before {found.ratio.median:.3g} in the "
-            f"median, {found.ratio.worst:.3g} at worst, better on {100.0 * found.ratio.won:.3g} %"
-        )
 
 
 def _describe_tests(found: TuningOutcome) -> Iterator[Block]:
@@ -130,14 +116,6 @@ def _collect_numbers(found: TuningOutcome) -> dict[str, Any]:
             "amplitude": cycle.amplitude,
             "asymmetry": cycle.asymmetry,
             "steady": cycle.steady,
-        },
-        "other_plants": None
-        if found.ratio is None
-        else {
-            "count": found.others,
-            "itae_ratio_median": found.ratio.median,
-            "itae_ratio_worst": found.ratio.worst,
-            "share_improved": found.ratio.won,
         },
         "notes": tuned.notes,
     }

@@ -6,7 +6,7 @@ is installed, it adds margins on both branches, pace, sampling, noise and observ
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import Any, TypeAlias
@@ -228,7 +228,7 @@ def check_sign(case: LoopCase) -> Iterator[LoopFinding]:
         yield case.find("sign", "controllers", (said, "Turn the sign of its gains."), numbers, fault=True)
 
 
-def _judge_idle(case: LoopCase, ends: list[Mapping[str, float]]) -> LoopFinding:
+def _judge_idle(case: LoopCase, ends: Sequence[Mapping[str, float]]) -> LoopFinding:
     """Return the fault of a controller that responds to neither reading nor reference.
 
     Raises:

@@ -1,0 +1,91 @@
+"""A finished tuning of a scenario: whether it is worse than before, what to print, and what may be saved."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from martensite.base.summary import Block, Sentence, Summary
+from martensite.design.analysis.loop_check import LoopReport
+from martensite.show.summaries.loop import check_scenario_loop
+from martensite_control.tuning.judgement import Judgement
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from martensite.cli.outputs import AnswerOptions, Outputs
+    from martensite.control.loop.bench import Bench
+    from martensite.scenario.scenario import Scenario
+
+
+@dataclass(frozen=True, eq=False)
+class TuningVerdict:
+    """Errors before and after, and what `check` finds in the tuned loop."""
+
+    judgement: Judgement
+    report: LoopReport
+    was_sound: bool
+    """Whether the loop before had no fault; only looked at if the tuned loop has one."""
+
+    @property
+    def lost(self) -> bool:
+        """True if the tuned loop is not sound and the loop before was."""
+        return self.was_sound and self.report.verdict == "not sound"
+
+    @property
+    def worse(self) -> bool:
+        """True if the error is larger than before, or the loop is no longer sound."""
+        return self.judgement.worse or self.lost
+
+    def describe(self, ending: str = "") -> str:
+        """Return the verdict in one sentence."""
+        if self.lost:
+            return f"Worse than before: the loop is no longer sound ({self.judgement.describe()}){ending}."
+        return f"{self.judgement.word}: {self.judgement.describe()}{ending}."
+
+    def list_blocks(self) -> Iterator[Block]:
+        """Yield what `check` finds, and its verdict."""
+        yield from (Sentence(str(one), "bad" if one.fault else "caution") for one in self.report.findings)
+        untested = f" ({', '.join(self.report.untested)})" if self.report.verdict == "not all tested" else ""
+        tone = "bad" if self.report.verdict == "not sound" else ""
+        yield Sentence(f"`check` of the tuned loop: {self.report.verdict}{untested}.", tone)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return all of it for programs."""
+        return {**self.judgement.to_dict(), "worse": self.worse, "check": self.report.to_dict()}
+
+
+def judge_scenario(scenario: Scenario, bench: Bench, judgement: Judgement) -> TuningVerdict:
+    """Test the tuned bench of a scenario as `check` does, and the present one if the tuned one has a fault."""
+    report = check_scenario_loop(scenario, bench)
+    faulty = report.verdict == "not sound" and scenario.bench is not None
+    before = check_scenario_loop(scenario, scenario.bench) if faulty and scenario.bench is not None else report
+    return TuningVerdict(judgement, report, before.verdict != "not sound")
+
+
+@dataclass(frozen=True, eq=False)
+class TuningAnswer:
+    """What a tuning prints, writes and draws."""
+
+    verdict: TuningVerdict
+    summary: Summary
+    text: Callable[[], str]
+    """Makes the scenario with the new numbers."""
+    draw: Callable[[], Figure]
+
+    def give(self, outputs: Outputs, options: AnswerOptions) -> bool:
+        """Print and write it, the verdict first; a worse scenario only by force. Return whether it was refused."""
+        worse = self.verdict.worse
+        refused = worse and not options.force
+        if worse and outputs.data is not None:
+            ending = "; not saved. --force saves it" if refused else "; saved by --force"
+        else:
+            ending = ""
+        own, verdict = self.summary, self.verdict
+        lead = "; ".join(filter(None, (own.title, own.lead)))
+        blocks = [*own.blocks, *verdict.list_blocks()]
+        said = Summary(verdict.describe(ending), blocks, {**own.data, "verdict": verdict.to_dict()}, lead)
+        written = replace(outputs, data=None) if refused else outputs
+        written.answer(said, options.json, self.text, self.draw)
+        return refused
