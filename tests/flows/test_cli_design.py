@@ -47,6 +47,31 @@ def test_the_scenario_that_is_saved_does_what_is_shown(scenario: Path) -> None:
     assert "keeps all" in figure.read_text(encoding="utf-8")
 
 
+def test_a_design_that_misses_a_limit_is_not_saved_unless_forced(scenario: Path) -> None:
+    """The truth: the scenario that is saved by force, run again, against the limits that the first line names."""
+    saved = scenario.with_name("found.toml")
+    words = str(scenario), *POWER, "--subject", "stroke >= 50 mm", *QUICK, "--save", str(saved)
+    done = DESIGN(*words)
+    assert done.exit_code == 1
+    first = done.stdout.splitlines()[0]
+    assert first.startswith("No design that keeps all limits was found: the nearest one misses stroke >= 50 mm")
+    assert first.endswith("; not saved. --force saves it.")
+    assert not saved.exists()
+    assert DESIGN(*words, "--force").exit_code == 0
+    again = load(saved)
+    run = again.run()
+    assert np.ptp(run["position"]) < 50e-3
+    (one,) = again.system.actuators().values()
+    lost = "max(stress)" in first
+    assert (max(run["stress"]) > one.element.limits.stress_limit) == lost
+    assert ("Life: limits that the elements declare are not kept" in done.stdout) == lost
+
+
+def test_the_first_line_of_a_design_is_its_verdict(scenario: Path) -> None:
+    shown = DESIGN.fine(str(scenario), *POWER, "--subject", "stroke >= 2 mm", *QUICK)
+    assert shown.splitlines()[0].startswith("All limits are kept: least energy ")
+
+
 def test_it_is_shown_in_words_beside_a_grid(scenario: Path) -> None:
     limits = *LIMITS[:2], "--life", "0 %", "--grid", "5"
     shown = DESIGN.fine(str(scenario), *FREE, *POWER, *QUICK, *limits)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from martensite.base.errors import DataError
 from martensite.base.files import replace_together, write_file
@@ -20,6 +20,15 @@ if TYPE_CHECKING:
 
 DATA = (".nc",)
 FIGURE = tuple(f".{name}" for name in FORMATS)
+
+
+class Verdict(NamedTuple):
+    """What the first line of an answer states."""
+
+    worse: bool
+    """True for an answer that must not be saved unless it is forced."""
+    sentence: str
+    """Without a full stop."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +71,28 @@ class Outputs:
 
         self.write(text, draw)
         print_summary(summary, json, self.paths())
+
+    def answer_verdict(
+        self,
+        verdict: Verdict,
+        summary: Summary,
+        options: AnswerOptions,
+        text: Callable[[], str],
+        draw: Callable[[], Figure],
+    ) -> bool:
+        """Answer with a verdict as the first line, and save what is worse only by force.
+
+        Returns:
+            Whether the answer was refused, so that the command ends with 1.
+        """
+        refused = verdict.worse and not options.force
+        ending = "; not saved. --force saves it" if refused else "; saved by --force"
+        first = f"{verdict.sentence}{ending if verdict.worse and self.data is not None else ''}."
+        lead = "; ".join(filter(None, (summary.title, summary.lead)))
+        said = replace(summary, title=first, lead=lead)
+        outputs = replace(self, data=None) if refused else self
+        outputs.answer(said, options.json, text, draw)
+        return refused
 
     def write(self, text: Callable[[], str] | None = None, draw: Callable[[], Figure] | None = None) -> None:
         """Write the text that is wanted, and the figure."""

@@ -38,11 +38,12 @@ class TuningVerdict:
         """True if the error is larger than before, or the loop is no longer sound."""
         return self.judgement.worse or self.lost
 
-    def describe(self, ending: str = "") -> str:
-        """Return the verdict in one sentence."""
+    @property
+    def sentence(self) -> str:
+        """The verdict in one sentence without a full stop."""
         if self.lost:
-            return f"Worse than before: the loop is no longer sound ({self.judgement.describe()}){ending}."
-        return f"{self.judgement.word}: {self.judgement.describe()}{ending}."
+            return f"Worse than before: the loop is no longer sound ({self.judgement.describe()})"
+        return f"{self.judgement.word}: {self.judgement.describe()}"
 
     def list_blocks(self) -> Iterator[Block]:
         """Yield what `check` finds, and its verdict."""
@@ -76,16 +77,9 @@ class TuningAnswer:
 
     def give(self, outputs: Outputs, options: AnswerOptions) -> bool:
         """Print and write it, the verdict first; a worse scenario only by force. Return whether it was refused."""
-        worse = self.verdict.worse
-        refused = worse and not options.force
-        if worse and outputs.data is not None:
-            ending = "; not saved. --force saves it" if refused else "; saved by --force"
-        else:
-            ending = ""
-        own, verdict = self.summary, self.verdict
-        lead = "; ".join(filter(None, (own.title, own.lead)))
-        blocks = [*own.blocks, *verdict.list_blocks()]
-        said = Summary(verdict.describe(ending), blocks, {**own.data, "verdict": verdict.to_dict()}, lead)
-        written = replace(outputs, data=None) if refused else outputs
-        written.answer(said, options.json, self.text, self.draw)
-        return refused
+        from martensite.cli.outputs import Verdict
+
+        verdict = Verdict(self.verdict.worse, self.verdict.sentence)
+        blocks = [*self.summary.blocks, *self.verdict.list_blocks()]
+        said = replace(self.summary, blocks=blocks, data={**self.summary.data, "verdict": self.verdict.to_dict()})
+        return outputs.answer_verdict(verdict, said, options, self.text, self.draw)

@@ -14,7 +14,7 @@ from typer import Exit, Option, Typer
 from martensite.base.errors import InputError, ParameterError
 from martensite.base.interrupts import rescue_answer
 from martensite.cli.options import ScenarioSource, Text, Texts, read_quantity, refuse_idle, spread_options
-from martensite.cli.outputs import AnswerOptions, BestSoFar, name_interrupted
+from martensite.cli.outputs import AnswerOptions, BestSoFar, Verdict, name_interrupted
 from martensite.cli.progress import show_share
 
 if TYPE_CHECKING:
@@ -138,23 +138,25 @@ def design(
     """Find numbers for which a goal is best and limits are kept.
 
     Goal and limits are measures of its run, such as stroke, rise-time, energy, max(stress) or
-    at(position, time=2 s). The search follows derivatives through the simulation. It exits with 1
-    where no design keeps all limits; those that the elements declare are kept without being asked for.
+    at(position, time=2 s). The search follows derivatives through the simulation. If no design keeps
+    all limits, the command ends with 1 and saves the nearest one only by --force. Limits that the
+    elements declare are kept without being asked for.
     """
     outputs = answer.check_files(save, ".toml")
     options.check()
     loaded = source.load()
     found = options.search(loaded, name_interrupted(save, source.file), saved=save is not None)
     from martensite_sweep.optimise.design_figure import plot_design
-    from martensite_sweep.optimise.design_summary import summarise_design
+    from martensite_sweep.optimise.design_summary import describe_verdict, summarise_design
 
-    outputs.answer(
+    refused = outputs.answer_verdict(
+        Verdict(not found.kept, describe_verdict(found)),
         summarise_design(found, loaded.title),
-        answer.json,
+        answer,
         lambda: write_design(found, loaded),
         lambda: plot_design(found, loaded.title),
     )
-    if not found.kept:
+    if refused:
         raise Exit(1)
 
 

@@ -38,6 +38,14 @@ def summarise_design(found: OptimisedDesign, title: str) -> Summary:
     return Summary(title, blocks, {"title": title} | found.to_dict(), lead)
 
 
+def describe_verdict(found: OptimisedDesign) -> str:
+    """Return whether a design keeps all limits, and what it reaches or misses, without a full stop."""
+    if not found.kept:
+        return f"No design that keeps all limits was found: the nearest one misses {', '.join(found.missed)}"
+    sense, goal = "most" if found.question.most else "least", found.question.goal
+    return f"All limits are kept: {sense} {goal.words} {write_quantity(found.goal, goal.unit, 4)}"
+
+
 def _describe_doubts(found: OptimisedDesign) -> Iterator[Block]:
     if found.life:
         yield Sentence(found.life)

@@ -125,13 +125,14 @@ def optimise_design(
     halvings = HALVINGS if step is None else 0
     finer, point, apart = _refine_step(designs, point, how, watch, accuracy, halvings)
     history.append(_mark_progress(finer, point))
+    answer = _build_answer(steering, finer, point, apart)
     return replace(
-        _build_answer(steering, finer, point, apart),
+        answer,
         history=tuple(m._replace(goal=designs.restore_goal(m.goal)) for m in history),
         held=tuple(_describe_rounded(designs, *one) for one in tried.items()),
         relaxed=tuple(designs.numbers(relaxed.z).tolist()) if tried else None,
         relaxed_goal=designs.restore_goal(relaxed.goal) if tried else None,
-        life=describe_life(limits, life),
+        life=describe_life(limits, life, answer.missed),
     )
 
 

@@ -241,12 +241,15 @@ def _list_limits(one: Actuator, margin: float) -> Iterator[tuple[str, str, float
             yield form, name, limit
 
 
-def describe_life(constraints: Sequence[Constraint], margin: float | None) -> str:
-    """What is claimed of the life, and what is not; a margin of None ignores all limits."""
+def describe_life(constraints: Sequence[Constraint], margin: float | None, missed: Sequence[str] = ()) -> str:
+    """What is claimed of the life, and what is not; a margin of None ignores all limits, `missed` are not kept."""
     if margin is None:
         return "Life: the limits that the elements declare are ignored, as asked, so nothing is known of it."
     if not constraints:
         return "Life: no element declares a limit, so none is kept and nothing is known of it."
+    lost = [one.words for one in constraints if one.words in missed]
+    if lost:
+        return f"Life: limits that the elements declare are not kept ({', '.join(lost)}), so nothing is known of it."
     kept = ", ".join(f"{one.words}" for one in constraints)
     left = f" with {100.0 * margin:.3g} % to spare" if margin else ""
     return (
