@@ -73,8 +73,8 @@ def cut_outside(system: AbstractSystem, track: Track) -> Track:
     envelope = Envelope(system)
     low, high = (np.array(limits) for limits in envelope.limits)
     seen = track.values[:, envelope.places]
-    inside = ((low <= seen) & (seen <= high)).all(axis=1)
-    count = int(np.argmin(np.append(inside[1:], False))) + 1
+    outside = np.flatnonzero(((seen < low) | (seen > high) | np.isnan(seen)).any(axis=1)[1:])
+    count = int(outside[0]) + 1 if len(outside) else len(seen)
     return track.cut(np.arange(len(seen)) < count)
 
 

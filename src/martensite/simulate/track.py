@@ -63,7 +63,7 @@ TOLERANCE = 1e-4
 """Accepted error as a fraction of the range of a column, of runs to no tolerance."""
 NOTICED = 0.1
 """Height of a peak above all nodes from which on it counts, in tolerances."""
-NOWHERE = np.empty(0, np.intp), np.empty(0)
+NOWHERE: tuple[Places, Numbers] = np.empty(0, np.intp), np.empty(0)
 BETWEEN = (0.125, 0.25, 0.375, 0.625, 0.75, 0.875)
 """Places in a step at which a curve has points besides the nodes."""
 
@@ -173,9 +173,9 @@ class Track:
         start, end = self.times[rows[step, 0]], self.times[rows[step, 2]]
         times = start + share * (end - start)
         before = rows[step, 0] + np.where(share < 0.5, 0.0, rows[step, 1] - rows[step, 0]) + share
-        for k in np.flatnonzero(~self.steps.plain[step]):  # where rows stand between the nodes already
-            first, last = (int(rows[step[k], node]) for node in (0, 2))
-            before[k] = first + int(np.searchsorted(self.times[first:last], times[k], side="right")) - 0.5
+        for k in np.flatnonzero(~self.steps.plain[step]).tolist():  # where rows stand between the nodes already
+            first, last = rows[step[k]].tolist()[::2]
+            before[k] = first + float(np.searchsorted(self.times[first:last], times[k], side="right")) - 0.5
         at = np.argsort(np.concatenate([np.arange(len(self.times)), before]), kind="stable")
         nothing = StepRows(np.empty((0, 3), np.intp), np.empty(0, np.bool_), np.empty(0, np.bool_))
         return Track(
@@ -197,7 +197,8 @@ class Track:
         """Return the peaks within steps that are above all rows of their run; below them if `sign` is -1."""
         rows = self.steps.rows
         if not len(rows):
-            return Peaks(*NOWHERE[:1] * 3, *NOWHERE[1:] * 2)
+            places, numbers = NOWHERE
+            return Peaks(places, places, places, numbers, numbers)
         starts = np.flatnonzero(np.append(True, self.run[1:] != self.run[:-1]))
         own = np.searchsorted(self.run[starts], self.run[rows[:, 0]])
         least = np.maximum.reduceat(sign * self.values, starts, axis=0)

@@ -173,7 +173,7 @@ def list_margins(result: Result, alarm: Alarm, port: str) -> Sequence[float]:
         return [1.0 if value <= 0.0 else -1.0 for value in values]
     if alarm.kind == "supply":
         ohms = result.columns[system.label(port, "resistance")]
-        return undelivered_margins(system.actuators()[port].source, values, ohms)
+        return undelivered_margins(system.actuators()[port].source, values, ohms).tolist()
     judged = farthest_changes(values) if alarm.kind == "strain" else values
     return [value - alarm.limit for value in judged]
 
