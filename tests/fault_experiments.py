@@ -314,11 +314,11 @@ def try_material(seed: int) -> Verdict:
 @cache
 def save_whole() -> tuple[bytes, dict[str, bytes]]:
     """A saved result, and the numbers in it."""
-    from martensite.scenario.netcdf import open_result, save_result
+    from martensite.scenario.netcdf import read_labelled, save_result
     from martensite.scenario.scenario import read_scenario
 
     save_result(read_scenario(QUICK).run(), "whole.nc", QUICK)
-    dataset = open_result("whole.nc")
+    dataset = read_labelled("whole.nc")
     raw = Path("whole.nc").read_bytes()
     Path("whole.nc").unlink()
     return raw, {str(name): dataset[name].values.tobytes() for name in dataset.variables}
@@ -326,12 +326,12 @@ def save_whole() -> tuple[bytes, dict[str, bytes]]:
 
 def try_saved_result(seed: int) -> Verdict:
     """A damaged netCDF file, read as a result."""
-    from martensite.scenario.netcdf import open_result
+    from martensite.scenario.saved_results import open_result
 
     raw, _ = save_whole()
     with fresh_folder():
         Path("out.nc").write_bytes(spoil_bytes(raw, random.Random(seed), within=20_000))
-        return judge_call(lambda: (Outcome.ANSWERED, f"{len(open_result('out.nc').variables)} variables"))
+        return judge_call(lambda: (Outcome.ANSWERED, f"{len(open_result('out.nc').columns)} columns"))
 
 
 @cache
@@ -522,9 +522,9 @@ def is_whole(path: Path) -> bool:
     import zipfile
 
     from martensite.scenario.model_files import read_model
-    from martensite.scenario.netcdf import open_result
+    from martensite.scenario.netcdf import read_labelled
 
-    readers = {".nc": open_result, ".json": read_model, ".fmu": lambda one: zipfile.ZipFile(one).testzip()}
+    readers = {".nc": read_labelled, ".json": read_model, ".fmu": lambda one: zipfile.ZipFile(one).testzip()}
     return judge_call(lambda: (Outcome.ANSWERED, str(readers[path.suffix](path))))[0] is Outcome.ANSWERED
 
 

@@ -32,8 +32,8 @@ from martensite.physics.laws.strip_laws import LiangRogers as LiangRogers
 from martensite.physics.materials.base import Material as Material
 from martensite.physics.materials.base import load_material as load_material
 from martensite.physics.thermal.base import Environment as Environment
-from martensite.scenario.netcdf import open_result as open_result
 from martensite.scenario.running import run as run
+from martensite.scenario.saved_results import open_result as open_result
 from martensite.scenario.scenario import Scenario as Scenario
 from martensite.scenario.scenario import load as load
 from martensite.scenario.tables import read_table as read_table

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from martensite.cli.app import app
 from martensite.scenario.csv_files import format_heading, write_csv
-from martensite.scenario.netcdf import open_result
+from martensite.scenario.netcdf import read_labelled
 from martensite.scenario.scenario import load
 from martensite.scenario.tables import read_table
 
@@ -47,7 +47,7 @@ def test_the_netcdf_is_that_of_the_command_line(bench: Bench, tmp_path: Path, mo
     (tmp_path / "bench.nc").write_bytes(content)
     done = CliRunner().invoke(app, ["run", str(EXAMPLE), "--out", str(tmp_path / "cli.nc"), "--json", *FLOATS])
     assert done.exit_code == 0, done.output
-    one, other = (open_result(tmp_path / name).to_xarray() for name in ("bench.nc", "cli.nc"))
+    one, other = (read_labelled(tmp_path / name).to_xarray() for name in ("bench.nc", "cli.nc"))
     kept = {name for name in one.variables if str(name).startswith("restart_state")}  # with what the passes differ by
     xr.testing.assert_allclose(one.drop_vars(kept), other.drop_vars(kept), rtol=1e-9)  # the page may compute in C
     kept = {k: v for k, v in one.attrs.items() if not k.startswith(OWN)}
@@ -59,7 +59,7 @@ def test_another_run_is_another_file(bench: Bench, tmp_path: Path) -> None:
     """The comparison can fail."""
     (tmp_path / "a.nc").write_bytes(made(bench, "nc")[1])
     (tmp_path / "b.nc").write_bytes(made(bench, "nc", TEXT.replace("0.45 W", "0.4 W"))[1])
-    one, other = (open_result(tmp_path / name).to_xarray() for name in ("a.nc", "b.nc"))
+    one, other = (read_labelled(tmp_path / name).to_xarray() for name in ("a.nc", "b.nc"))
     assert not one.equals(other)
 
 

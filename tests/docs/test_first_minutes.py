@@ -56,7 +56,9 @@ assert len(repr(result).splitlines()) < 10
 assert "<table" in result._repr_html_()
 result.plot().savefig("wire.png")
 result.save("wire.nc")
-assert abs(ms.open_result("wire.nc")["temperature"].values - result["temperature"]).max() < 1e-9
+saved = ms.open_result("wire.nc")
+assert abs(saved["temperature"] - result["temperature"]).max() < 1e-9 and saved.stroke == result.stroke
+saved.plot().savefig("saved.png")
 for convert in (result.to_xarray, result.to_pandas):
     try:
         convert()

@@ -112,11 +112,11 @@ def test_run_json_holds_numbers_in_si(folder: Path) -> None:
 
 
 def test_saved_data_hold_the_scenario_that_was_run(folder: Path) -> None:
-    from martensite.scenario.netcdf import open_result
+    from martensite.scenario.netcdf import read_labelled
     from martensite.scenario.scenario import read_scenario
 
     fine("run", "wire.toml", "--no-figure", "--set", "element.length=100 mm", "--out", "a.nc")
-    text = open_result("a.nc").attrs["scenario"]
+    text = read_labelled("a.nc").attrs["scenario"]
     assert read_scenario(text).single_system.element.__dict__["length"] == pytest.approx(0.1)
 
 

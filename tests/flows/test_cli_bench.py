@@ -15,7 +15,7 @@ import pytest
 from command import Command
 
 from martensite.scenario.catalogue import list_registries
-from martensite.scenario.netcdf import open_result
+from martensite.scenario.netcdf import read_labelled
 from martensite.scenario.scenario import load, read_scenario
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -43,7 +43,7 @@ def test_run_writes_every_column_and_the_scenario(folder: Path) -> None:
     printed = fine("run", "loop.toml", *SHORT, "--set", "controller.Kp=90")
     assert "reading of position" in printed
     assert (folder / "loop.png").read_bytes()[:4] == b"\x89PNG"
-    saved = open_result("loop.nc")
+    saved = read_labelled("loop.nc")
     same = load("loop.toml", {"run.duration": "0.5 s", "controller.Kp": 90}).run(runtime="floats")
     assert set(same.columns) <= set(saved.variables)
     for name in ("measured.position", "reference", "wanted", "drive"):

@@ -17,7 +17,7 @@ from martensite.actuators.elements.limits import ElementLimits
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley
 from martensite.base.errors import InputError, ParameterError
 from martensite.scenario.assemble import scenario_path
-from martensite.scenario.netcdf import describe_result, open_result, save_result
+from martensite.scenario.netcdf import describe_result, read_labelled, save_result
 from martensite.scenario.scenario import Scenario, load
 from martensite.show.figures.overview import plot_result
 from martensite.signals.base import AbstractDrive
@@ -147,7 +147,7 @@ class TestResult:
 
     def test_a_saved_result_is_the_dataset(self, tmp_path: Path):
         save_result(run(), tmp_path / "a.nc", example().text)
-        made, read = describe_result(run(), example().text).to_xarray(), open_result(tmp_path / "a.nc").to_xarray()
+        made, read = describe_result(run(), example().text).to_xarray(), read_labelled(tmp_path / "a.nc").to_xarray()
         assert {name: read.sizes[name] for name in ("time", "actuator")} == {"time": 41, "actuator": 2}
         assert list(read["actuator"].values) == ["protagonist", "antagonist"]
         one = read["temperature"].sel(actuator="protagonist")

@@ -22,7 +22,7 @@ from fences import ROOT
 import martensite as ms
 from martensite.base.errors import DataError, UnknownNameError
 from martensite.base.status import Status
-from martensite.scenario.netcdf import describe_result, open_result, save_result
+from martensite.scenario.netcdf import describe_result, read_labelled, save_result
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.result import Result
 
@@ -75,7 +75,7 @@ def test_a_saved_result_is_the_dataset(tmp_path: Path, known: bool) -> None:
     scenario, citations = (SCENARIO, CITED) if known else ("", ())
     save_result(result, tmp_path / "a.nc", scenario, citations)
     made = comparable(describe_result(result, scenario, None, citations).to_xarray())
-    for read in (xarray.load_dataset(tmp_path / "a.nc"), open_result(tmp_path / "a.nc").to_xarray()):
+    for read in (xarray.load_dataset(tmp_path / "a.nc"), read_labelled(tmp_path / "a.nc").to_xarray()):
         xarray.testing.assert_identical(comparable(read), made)
         assert {n: v.dtype for n, v in read.variables.items()} == {n: v.dtype for n, v in made.variables.items()}
 
@@ -88,7 +88,7 @@ def test_xarray_and_the_package_read_the_same(tmp_path: Path) -> None:
     batch = ms.run(wire, over={"preload": ["1 N", "2 N"]}, duration="2 s", step=0.02, samples=5)
     for name, result in (("batch", batch), ("machine", ms.run(load_example("antagonistic_wires.toml"), samples=11))):
         result.save(tmp_path / f"{name}.nc")
-        read = open_result(tmp_path / f"{name}.nc").to_xarray()
+        read = read_labelled(tmp_path / f"{name}.nc").to_xarray()
         xarray.testing.assert_identical(read, xarray.load_dataset(tmp_path / f"{name}.nc"))
         assert any(one.dtype == object for one in read.variables.values())
 
@@ -120,12 +120,12 @@ def test_every_variable_is_labelled_in_the_file(tmp_path: Path) -> None:
 
 def test_times_stay_numbers(tmp_path: Path) -> None:
     save_result(make_result(), tmp_path / "a.nc")
-    assert open_result(tmp_path / "a.nc")["time"].values.dtype == np.float64
+    assert read_labelled(tmp_path / "a.nc")["time"].values.dtype == np.float64
 
 
 def test_provenance_is_in_the_file(tmp_path: Path) -> None:
     save_result(make_result(), tmp_path / "a.nc", SCENARIO, CITED)
-    attributes = open_result(tmp_path / "a.nc").attrs
+    attributes = read_labelled(tmp_path / "a.nc").attrs
     assert attributes["Conventions"] == "CF-1.10"
     assert attributes["scenario"] == SCENARIO
     assert attributes["citations"].split(", ") == list(CITED)
@@ -147,7 +147,7 @@ def test_what_was_not_estimated_is_no_number() -> None:
 def test_a_long_scenario_is_kept_whole(tmp_path: Path) -> None:
     text = "# σ\n" * 40_000  # more than the 64 KiB that HDF5 keeps in an object header
     save_result(make_result(), tmp_path / "a.nc", text)
-    assert open_result(tmp_path / "a.nc").attrs["scenario"] == text
+    assert read_labelled(tmp_path / "a.nc").attrs["scenario"] == text
 
 
 def test_a_failed_replacement_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -196,7 +196,7 @@ def test_saving_replaces_an_older_file(tmp_path: Path) -> None:
     target = tmp_path / "a.nc"
     target.write_text("old")
     save_result(make_result(), target)
-    assert len(open_result(target)["time"].values) == len(TIMES)
+    assert len(read_labelled(target)["time"].values) == len(TIMES)
     assert list(tmp_path.iterdir()) == [target]
 
 
@@ -207,23 +207,23 @@ def test_a_missing_folder_is_a_sentence(tmp_path: Path) -> None:
 
 def test_reading_what_is_no_result_is_a_sentence(tmp_path: Path) -> None:
     with pytest.raises(DataError, match="no file"):
-        open_result(tmp_path / "absent.nc")
+        read_labelled(tmp_path / "absent.nc")
     (tmp_path / "text.nc").write_text("not a netCDF file")
     with pytest.raises(DataError, match=r"text\.nc.*cannot be read"):
-        open_result(tmp_path / "text.nc")
+        read_labelled(tmp_path / "text.nc")
     with h5netcdf.File(tmp_path / "other.nc", "w") as file:
         file.attrs["title"] = "something else"
     with pytest.raises(DataError, match="lacks `time`"):
-        open_result(tmp_path / "other.nc")
+        read_labelled(tmp_path / "other.nc")
     with h5py.File(tmp_path / "loop.nc", "w") as file:
         file["time"] = h5py.SoftLink("/time")
     with pytest.raises(DataError, match=r"loop\.nc.*cannot be read"):
-        open_result(tmp_path / "loop.nc")
+        read_labelled(tmp_path / "loop.nc")
 
 
 def test_a_name_that_is_not_there_is_a_sentence(tmp_path: Path) -> None:
     save_result(make_result(), tmp_path / "a.nc")
-    saved = open_result(tmp_path / "a.nc")
+    saved = read_labelled(tmp_path / "a.nc")
     with pytest.raises(UnknownNameError, match="Did you mean `temperature`"):
         saved["temperatur"]
     assert "temperature [K] ('time',) (5,)" in repr(saved)
@@ -233,10 +233,10 @@ HIDDEN = """
 import sys
 sys.path[:0] = {path!r}
 sys.modules["xarray"] = sys.modules["pandas"] = None  # as if they were not installed
-from test_netcdf import make_result, ms, open_result, save_result
+from test_netcdf import make_result, ms, read_labelled, save_result
 result = make_result()
 save_result(result, {file!r})
-read = open_result({file!r})
+read = read_labelled({file!r})
 assert list(read["temperature"].values) == list(result["temperature"])
 for ask in (result.to_xarray, read.to_xarray, result.to_pandas, lambda: ms.design.open_sweep("x.zarr"),
             lambda: ms.design.run_sweep("x.toml", over=["diameter=1..2 mm:2"], out="x.zarr")):

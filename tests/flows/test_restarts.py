@@ -14,7 +14,7 @@ from command import Command
 
 from martensite.base.errors import InputError
 from martensite.kernels.compiler import find_compiler
-from martensite.scenario.netcdf import open_result, read_restarts
+from martensite.scenario.netcdf import read_labelled, read_restarts
 from martensite.scenario.running import run
 from martensite.scenario.scenario import Scenario, load
 from martensite.simulate.result import Result
@@ -64,7 +64,7 @@ def test_a_run_that_goes_on_is_the_rest_of_the_whole_in_all_bits(name: str, runt
     times = place_restarts(scenario)
     whole = run(scenario, runtime=runtime, restart_at=times)
     whole.save(tmp_path / "whole.nc")
-    known, names = read_restarts(tmp_path / "whole.nc")
+    known, names = read_restarts(read_labelled(tmp_path / "whole.nc"))
     assert known == whole.restarts and names == whole.state_names
     for time in times:
         rest = run(scenario, runtime=runtime, restart_at=times, start=tmp_path / "whole.nc", at=time)
@@ -103,7 +103,7 @@ def test_a_run_goes_on_otherwise_from_a_state(tmp_path: Path) -> None:
     command.fine("--set", "run.restart=11 s", "--out", out, *still)
     cool = ("--set", "drive.waveform={kind='constant', level='0 W'}", "--set", "run.duration=30 s")
     command.fine(*cool, "--from", out, "--at", "11 s", "--out", more, *still)
-    found, before = open_result(more), open_result(out)
+    found, before = read_labelled(more), read_labelled(out)
     assert found["time"].values[0] == 11.0 and found["time"].values[-1] == 30.0
     (place,) = np.flatnonzero(before["time"].values == 11.0)
     assert found["angle"].values[0] == before["angle"].values[place] > 1.0

@@ -9,6 +9,7 @@ import pytest
 from builders import problem_a
 
 import martensite as ms
+from martensite.scenario.netcdf import read_labelled
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "pwm_bias_spring.toml"
 PULSE = ms.Step(high=2.5, at=1.0, until=8.0)
@@ -56,7 +57,7 @@ def test_a_batch_is_a_result_with_one_more_dimension(tmp_path: Path) -> None:
     assert len(batch._repr_html_()) > 100 and len(repr(batch).splitlines()) <= 9
     assert batch.to_pandas().shape == (102, len(batch.columns))
     batch.save(tmp_path / "batch.nc")
-    found = ms.open_result(tmp_path / "batch.nc")
+    found = read_labelled(tmp_path / "batch.nc")
     assert found.to_xarray().sizes == {"variant": 2, "time": 51}
     assert found["position"].values.tolist() == batch["position"].tolist()
     assert found["status"].values.tolist() == ["OK", "OK"]

@@ -19,6 +19,7 @@ import numpy as np
 
 from martensite.base.errors import DataError
 from martensite.base.files import write_file
+from martensite.base.kept import encode
 from martensite.fit.problem import Evaluation, Problem
 
 TOGETHER = 32
@@ -137,6 +138,6 @@ def identify_problem(problem: Problem) -> str:
     """A short text that differs between problems."""
     parts: list[Any] = [repr(problem.free), sorted(problem.noise.items()), problem.step]
     for one in problem.experiments:
-        parts += [one.name, repr(one.system), sorted(one.columns.items()), one.held, one.step]
+        parts += [one.name, encode(one.system), sorted(one.columns.items()), one.held, one.step]
         parts += [sorted(one.record.columns.items())]
     return hashlib.sha256(repr(parts).encode()).hexdigest()[:24]

@@ -15,6 +15,7 @@ import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from martensite.base import units
 from martensite.base.files import replace_file, write_file
@@ -41,11 +42,24 @@ def write_csv(result: Result, path: str | os.PathLike[str]) -> None:
     Raises:
         DataError: the file cannot be written.
     """
-    headings = [format_heading("time", "s"), *(format_heading(n, result.unit(n)) for n in result.columns)]
+    columns = list_columns(result)
     with replace_file(Path(path)) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(headings)
-        writer.writerows(zip(result.times, *result.columns.values(), strict=True))
+        writer.writerow([format_heading(name, unit) for name, unit, _ in columns])
+        writer.writerows(zip(*(values for _, _, values in columns), strict=True))
+
+
+def list_columns(result: Result) -> list[tuple[str, str, Any]]:
+    """Return name, SI unit and values of all columns of a table; those of a batch run by run, with its parameters."""
+    variants = result.variants
+    if variants is None:
+        names = ["time", *result.columns]
+        return [(name, result.unit(name), result[name].tolist()) for name in names]
+    samples, units = len(result.times), {leaf.path: leaf.declared.unit for leaf in result.system.leaves()}
+    table = {"variant": ("1", range(len(variants)))} | {p: (units[p], v.tolist()) for p, v in variants.over.items()}
+    first = [(name, unit, [one for one in values for _ in range(samples)]) for name, (unit, values) in table.items()]
+    times = ("time", "s", [*result.times] * len(variants))
+    return [*first, times, *((name, result.unit(name), result[name].ravel().tolist()) for name in result.columns)]
 
 
 def format_heading(name: str, unit: str) -> str:

@@ -14,7 +14,7 @@ import io
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -25,6 +25,7 @@ import numpy as np
 from martensite.actuators.assembly import OUTPUTS, PROFILES
 from martensite.base.errors import DataError, UnknownNameError
 from martensite.base.files import write_file
+from martensite.base.kept import encode
 from martensite.base.lazy import import_extra
 from martensite.physics.materials.base import Material
 from martensite.scenario.binary_files import read_apart
@@ -43,6 +44,10 @@ RESTART = "restart"
 KEPT, WORST = ("lowest", "highest", "gap of"), ("ripple", "residual")
 """What is known of what is judged at a restart, and of the march."""
 LABELS = "labels of all variables"
+KEPT_RESULT = "martensite_result"
+"""Attribute with everything else that a `Result` holds, as `martensite.base.kept` writes it."""
+IN_VARIABLES = ("times", "columns", "profiles", "restarts")
+"""Fields of a `Result` that are variables of the file."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +104,7 @@ def describe_result(
     attributes = _list_attributes(result)
     if result.variants is not None:
         return LabelledData(time | _by_variant(result, result.variants), attributes)
-    stacked = {result.system.label(port, name) for port in _list_ports(result) for name in OUTPUTS}
+    stacked = {label for labels in list_stacked(result) for label in labels.values()}
     columns = {name: _describe_column(result, name) for name in result.outputs if name not in stacked}
     attributes["scenario"] = scenario_text
     attributes["material"] = material.name if material else ""
@@ -132,13 +137,9 @@ def _fill(one: PassState, judged: int) -> Iterator[float]:
     yield from (one.ripple, one.residual)
 
 
-def read_restarts(path: str | os.PathLike[str]) -> tuple[list[Restart], list[str]]:
-    """What a saved result kept at restarts, and the names of the numbers of a state.
-
-    Raises:
-        DataError: there is no such file, or it holds no result.
-    """
-    variables = open_result(path).variables
+def read_restarts(saved: LabelledData) -> tuple[list[Restart], list[str]]:
+    """Return what a saved result kept at restarts, and the names of the numbers of a state."""
+    variables = saved.variables
     if f"{RESTART}_state" not in variables:
         return [], []
     names = [str(one) for one in variables[f"{RESTART}_number"].values]
@@ -193,8 +194,8 @@ def save_result(
     write_file(path, whole.getbuffer())
 
 
-def open_result(path: str | os.PathLike[str]) -> LabelledData:
-    """Read a saved result into memory: `open_result("a.nc")["temperature"].values`.
+def read_labelled(path: str | os.PathLike[str]) -> LabelledData:
+    """Read the variables and attributes of a saved result into memory.
 
     Raises:
         DataError: there is no such file, or it holds no result.
@@ -260,20 +261,21 @@ def _by_variant(result: Result, variants: Variants) -> dict[str, Variable]:
     }
 
 
-def _list_ports(result: Result) -> list[str]:
-    """Ports of several actuators, whose outputs carry their names."""
+def list_stacked(result: Result) -> list[dict[str, str]]:
+    """For each of several actuators: name of a stacked variable -> the column of this actuator in it."""
     system = result.system
-    return [port for port in system.actuators() if "." in system.label(port, "drive")]
+    ports = [port for port in system.actuators() if "." in system.label(port, "drive")]
+    return [{name: system.label(port, name) for name in OUTPUTS} for port in ports]
 
 
 def _by_actuator(result: Result) -> dict[str, Variable]:
-    system, ports = result.system, _list_ports(result)
-    if not ports:
+    stacked = list_stacked(result)
+    if not stacked:
         return {}
-    names = np.asarray(ports, dtype=object)
+    names = np.asarray(list(result.system.actuators()), dtype=object)
     found = {ACTUATOR: _label((ACTUATOR,), "", "port of the mechanism", "", names)}
     for name, (_, long_name, symbol) in OUTPUTS.items():
-        labels = [system.label(port, name) for port in ports]
+        labels = [one[name] for one in stacked]
         units = {result.unit(label) for label in labels}
         values = np.stack([_to_array(result[label]) for label in labels], axis=1)
         unit = units.pop() if len(units) == 1 else "mixed"
@@ -320,8 +322,18 @@ def _list_attributes(result: Result) -> dict[str, Any]:
         "martensite_version": _find_version("martensite"),
         "numpy_version": np.__version__,
         "h5netcdf_version": _find_version("h5netcdf"),
+        KEPT_RESULT: _keep_result(result),
     }
     return {name: value for name, value in found.items() if value is not None}
+
+
+def _keep_result(result: Result) -> str | None:
+    """Everything but columns, as text; None where a part is of a kind that no file holds."""
+    own = {one.name: getattr(result, one.name) for one in fields(result) if one.name not in IN_VARIABLES}
+    try:
+        return json.dumps(encode(own), ensure_ascii=False)
+    except DataError:
+        return None
 
 
 def _name_balance(name: str, balance: Mapping[str, float | None]) -> dict[str, float | None]:

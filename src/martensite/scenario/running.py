@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from martensite.actuators.assembly.base import AbstractSystem
 from martensite.base import units
@@ -13,17 +13,19 @@ from martensite.base.errors import InputError
 from martensite.scenario.scenario import Scenario, load
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from martensite.simulate.drive_waveforms import Waveforms
     from martensite.simulate.result import Result
 
-Over = Mapping[str, Sequence[float | str]]
-"""By parameter path, or a unique ending of it, one value per variant: SI, or text with a unit."""
+Over = Mapping[str, "Sequence[units.Numeric] | NDArray[Any]"]
+"""By parameter path, or a unique ending of it, one value per variant: SI, text with a unit, or a quantity of pint."""
 
 
 def run(
     what: str | Path | Scenario | AbstractSystem,
     drive: Waveforms | None = None,
-    duration: float | str | None = None,
+    duration: units.Numeric | None = None,
     *,
     over: Over | None = None,
     tolerance: float | None = None,
@@ -35,8 +37,8 @@ def run(
     tell: Callable[[str, float], None] | None = None,
     initial: Mapping[str, Any] | None = None,
     start: Result | str | Path | None = None,
-    at: float | str | None = None,
-    restart_at: Sequence[float | str] = (),
+    at: units.Numeric | None = None,
+    restart_at: Sequence[units.Numeric] = (),
 ) -> Result:
     """Simulate.
 
@@ -72,7 +74,7 @@ def run(
         what = load(what)
     if not isinstance(what, Scenario | AbstractSystem):
         raise TypeError("neither a scenario nor a system")
-    seconds = units.parse_quantity(duration, "s") if isinstance(duration, str) else duration
+    seconds = None if duration is None else units.convert_number(duration, "s")
     scenario = _arrange_scenario(what, drive, seconds)
     changed = {"tolerance": tolerance, "samples": samples}
     given = {name: value for name, value in changed.items() if value is not None}
@@ -84,7 +86,7 @@ def run(
 
         scenario = replace(scenario, initial=read_initial(scenario.whole, initial))
     if restart_at:
-        scenario = replace(scenario, restart_at=tuple(map(_convert_time, restart_at)))
+        scenario = replace(scenario, restart_at=tuple(units.convert_number(one, "s") for one in restart_at))
     if start is not None:
         scenario = go_on_from(scenario, start, at)
     elif at is not None:
@@ -98,7 +100,7 @@ def run(
     return scenario.run(runtime=None if runtime == "auto" else runtime, tell=tell)
 
 
-def go_on_from(scenario: Scenario, what: Result | str | Path, at: float | str | None = None) -> Scenario:
+def go_on_from(scenario: Scenario, what: Result | str | Path, at: units.Numeric | None = None) -> Scenario:
     """A scenario that goes on from a result, or its file, at a time [s] or a text; by default at its end.
 
     Raises:
@@ -111,16 +113,12 @@ def go_on_from(scenario: Scenario, what: Result | str | Path, at: float | str | 
     if isinstance(what, Result):
         known, names = what.restarts, what.state_names
     else:
-        from martensite.scenario.netcdf import read_restarts
+        from martensite.scenario.netcdf import read_labelled, read_restarts
 
-        known, names = read_restarts(what)
-    found = find_restart(known, None if at is None else _convert_time(at))
+        known, names = read_restarts(read_labelled(what))
+    found = find_restart(known, None if at is None else units.convert_number(at, "s"))
     require_names(scenario.whole, names)
     return replace(scenario, start=found)
-
-
-def _convert_time(given: float | str) -> float:
-    return units.parse_quantity(given, "s") if isinstance(given, str) else float(given)
 
 
 def _arrange_scenario(what: Scenario | AbstractSystem, drive: Waveforms | None, duration: float | None) -> Scenario:
@@ -166,15 +164,22 @@ def _run_batch(scenario: Scenario, over: Over, outputs: Sequence[str] | None, ru
         tolerance=scenario.tolerance,
         step=scenario.step,
         samples=scenario.samples,
-        outputs=tuple(outputs or system.convergence_scales()),
+        outputs=(outputs,) if isinstance(outputs, str) else tuple(outputs or system.convergence_scales()),
         runtime=runtime,
     )
 
 
 def _convert_variants(system: AbstractSystem, over: Over) -> dict[str, list[float]]:
     leaves: dict[str, Any] = {leaf.path: leaf for leaf in system.leaves()}
+    if not len(over):
+        raise InputError('`over` is empty; name a parameter and its values, as in `over={"diameter": [2e-4, 3e-4]}`.')
     found: dict[str, list[float]] = {}
     for name, values in over.items():
-        leaf = leaves[system.resolve(name)]
-        found[leaf.path] = [leaf.declared.convert(leaf.owner, leaf.path, one) for one in values]
+        leaf, listed = leaves[system.resolve(str(name))], cast("Any", values)
+        if isinstance(listed, str) or not hasattr(listed, "__len__"):
+            raise InputError(
+                f"`over` needs a list of values for `{name}`, one for each variant, but has {listed!r}; "
+                f'write `over={{"{name}": [{listed!r}]}}`.'
+            )
+        found[leaf.path] = [leaf.declared.convert(leaf.owner, leaf.path, one) for one in listed]
     return found

@@ -262,7 +262,8 @@ def _convert_varied(system: AbstractSystem, over: Mapping[str, Sequence[float]])
     varied = {system.resolve(name): np.asarray(values, float) for name, values in over.items()}
     sizes = {path: values.size for path, values in varied.items()}
     if len(set(sizes.values())) != 1 or 0 in sizes.values():
-        raise InputError(f"Varied parameters must have equally many values, but have {sizes}.")
+        counts = ", ".join(f"`{path}` {size}" for path, size in sizes.items()) or "there is none"
+        raise InputError(f"Varied parameters must have equally many values, at least one: {counts}.")
     for path, values in varied.items():
         for extreme in (float(values.min()), float(values.max())):
             leaves[path].declared.convert(leaves[path].owner, path, extreme)

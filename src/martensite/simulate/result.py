@@ -167,12 +167,15 @@ class Result:
         return room.plot_result(self, records, title)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write it as netCDF-4, with units and provenance; replaced whole or not at all.
+        """Write the result in the format that the suffix names; the file is replaced whole or not at all.
+
+        Args:
+            path: `.nc` (netCDF-4 with everything, for `open_result`), or columns in SI as `.csv` or `.parquet`.
 
         Raises:
-            DataError: the file cannot be written.
+            DataError: the suffix is another one, or the file cannot be written.
         """
-        import_module("martensite.scenario.netcdf").save_result(self, path)
+        import_module("martensite.scenario.saved_results").save_by_suffix(self, path)
 
     def to_xarray(self) -> xarray.Dataset:
         """A dataset over time [s], with units and provenance as attributes; needs the extra `xarray`."""

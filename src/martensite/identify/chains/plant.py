@@ -93,6 +93,10 @@ class ModelMechanism(AbstractMechanism):
         found = {name: Declared("parameter", "number of a block", REQUIRED) for name in _list_paths(chain)}
         return {"structure": Declared("option", "blocks and signals", REQUIRED), **found}
 
+    def arguments(self) -> dict[str, Any]:
+        """Return the arguments that make an equal object: the chain."""
+        return {"chain": self.model}
+
     def _with_paths(self, values: Mapping[str, Any]) -> Self:
         """A checked copy with some numbers changed."""
         own = {**{name: self.__dict__[name] for name in _list_paths(self.model)}, **values}

@@ -1,0 +1,105 @@
+"""Results in files: written in the format that the suffix names, and opened as a `Result` again."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from martensite.actuators.assembly import PROFILES
+from martensite.base.errors import DataError
+from martensite.base.files import replace_file
+from martensite.base.kept import decode
+from martensite.base.lazy import import_extra
+from martensite.scenario.csv_files import format_heading, list_columns, write_csv
+from martensite.scenario.netcdf import (
+    KEPT_RESULT,
+    TIME,
+    VARIANT,
+    LabelledData,
+    list_stacked,
+    read_labelled,
+    read_restarts,
+    save_result,
+)
+from martensite.simulate.result import Result
+
+
+def save_by_suffix(result: Result, path: str | os.PathLike[str]) -> None:
+    """Write a result in the format that the suffix of the file names.
+
+    Raises:
+        DataError: the suffix is unknown, or the file cannot be written.
+        InputError: it is a Parquet file and pyarrow is not installed.
+    """
+    write = WRITERS.get(Path(path).suffix.lower())
+    if write is None:
+        raise DataError(f"`{path}` has no suffix of a result file; use {', '.join(WRITERS)}.")
+    write(result, path)
+
+
+def _write_parquet(result: Result, path: str | os.PathLike[str]) -> None:
+    arrow: Any = import_extra("pyarrow", "parquet", "pyarrow")
+    write: Any = import_extra("pyarrow.parquet", "parquet", "pyarrow").write_table
+    table = arrow.table({format_heading(name, unit): values for name, unit, values in list_columns(result)})
+    with replace_file(Path(path)) as part:
+        write(table, part)
+
+
+WRITERS = {".nc": save_result, ".csv": write_csv, ".parquet": _write_parquet}
+
+
+def open_result(path: str | os.PathLike[str]) -> Result:
+    """Read a result that `save` wrote as netCDF.
+
+        ms.open_result("a.nc")["temperature"], ms.open_result("a.nc").plot()
+
+    Args:
+        path: the file, with the suffix `.nc`.
+
+    Returns:
+        The result with its columns, accuracy, balances, alarms, warnings and restarts.
+
+    Raises:
+        DataError: there is no such file, it holds no result, or it holds a part whose module is not imported.
+    """
+    saved = read_labelled(path)
+    if KEPT_RESULT not in saved.attrs:
+        raise DataError(
+            f"`{path}` holds columns, but not what was simulated; read them with `xarray.open_dataset` "
+            "or `ms.read_table`."
+        )
+    try:
+        own = decode(json.loads(saved.attrs[KEPT_RESULT]))
+        empty = Result(**own, times=[], columns={})
+    except DataError as error:
+        raise DataError(f"`{path}` cannot be opened as a result: {error}") from None
+    except (ValueError, TypeError, LookupError, AttributeError, ImportError, RecursionError) as error:
+        raise DataError(f"`{path}` cannot be opened as a result: {error!r}.") from None
+    return _fill(empty, saved)
+
+
+def _fill(empty: Result, saved: LabelledData) -> Result:
+    """A result with what the variables of its file hold."""
+    columns = _read_columns(empty, saved)
+    return replace(
+        empty,
+        times=saved[TIME].values.tolist(),
+        columns=columns if empty.variants else {name: one.tolist() for name, one in columns.items()},
+        profiles={name: saved[name].values.T.tolist() for name in PROFILES if name in saved.variables},
+        restarts=read_restarts(saved)[0],
+    )
+
+
+def _read_columns(empty: Result, saved: LabelledData) -> dict[str, Any]:
+    """Columns by name; in the file those of several actuators are stacked."""
+    if empty.variants is not None:
+        return {name: one.values for name, one in saved.variables.items() if one.dims == (VARIANT, TIME)}
+    stacked = {
+        label: saved[name].values[:, place]
+        for place, labels in enumerate(list_stacked(empty))
+        for name, label in labels.items()
+    }
+    return {name: stacked[name] if name in stacked else saved[name].values for name in empty.outputs}
