@@ -12,7 +12,7 @@ from martensite.actuators.assembly import AbstractSystem, Actuator, Group, Machi
 from martensite.actuators.elements.base import AbstractElement, Condition, Heating, Pull, Spring
 from martensite.actuators.elements.limits import ElementLimits
 from martensite.actuators.mechanisms.base import AbstractMechanism
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.sources import PrescribedTemperature
 from martensite.physics.laws.coupling import StepReport
@@ -37,8 +37,8 @@ class Elastic(AbstractElement):
 
     straight: ClassVar[bool] = False
     limits: ClassVar[ElementLimits] = ElementLimits()
-    compliance: Scalar = param("m/N", "elongation per force", above=0.0, default=1e-4)
-    contraction: Scalar = param("m/K", "shortening per temperature", low=0.0, default=1e-3)
+    compliance: Number = param("m/N", "elongation per force", above=0.0, default=1e-4)
+    contraction: Number = param("m/K", "shortening per temperature", low=0.0, default=1e-3)
 
     def tangent(self, xp: Namespace, state: Warm, force: Scalar) -> Spring:
         return Spring(-self.contraction * (state.temperature - REST), self.compliance)

@@ -3,17 +3,16 @@
 from typing import Any
 
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
-from martensite.base.parameters import param
-from martensite.kernels.namespace import Scalar
+from martensite.base.parameters import Number, param
 
 
 class Slider(AbstractMultibody):
     """m x'' + c x' + k x + F₀ = F: a mass on a spring and a damper, drawn by an element."""
 
-    mass: Scalar = param("kg", "mass", above=0.0)
-    damping: Scalar = param("N*s/m", "damping", low=0.0)
-    stiffness: Scalar = param("N/m", "spring rate", low=0.0)
-    preload: Scalar = param("N", "force at home", low=0.0)
+    mass: Number = param("kg", "mass", above=0.0)
+    damping: Number = param("N*s/m", "damping", low=0.0)
+    stiffness: Number = param("N/m", "spring rate", low=0.0)
+    preload: Number = param("N", "force at home", low=0.0)
 
     def coordinates(self) -> tuple[Coordinate, ...]:
         return (Coordinate("position", "m", "position of the mass", "x", 1e-6),)

@@ -15,7 +15,7 @@ from martensite.actuators.mechanisms.hand import Hand
 from martensite.actuators.mechanisms.load_line import BiasSpring, DeadWeight
 from martensite.actuators.mechanisms.multibody import AbstractMultibody
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.control.checks.base import Looked
 from martensite.control.checks.reading import Overheat, SensorLost
 from martensite.control.controllers.pid import Pid
@@ -258,7 +258,7 @@ class Creeping(CurrentSensor):
 class Noisy(CurrentSensor):
     """Has a tenth more noise than it declares, which it declares in another unit."""
 
-    noise: Scalar = param("mA", "standard deviation of a reading", low=0.0, default=5e-3)
+    noise: Number = param("mA", "standard deviation of a reading", low=0.0, default=5e-3)
 
     def step(self, xp: Any, state: Any, truth: Any, noise: Any, dt: Any) -> Any:
         return super().step(xp, state, truth, 1.1 * noise, dt)

@@ -13,8 +13,7 @@ from martensite.base import units
 from martensite.base.errors import InputError, UnknownNameError
 from martensite.base.files import toml_document
 from martensite.base.formats import spell_symbol
-from martensite.base.parameters import Declared, param
-from martensite.kernels.namespace import Scalar
+from martensite.base.parameters import Declared, Number, param
 from martensite.physics.laws.base import LAWS
 from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.scenario.scenario import read_scenario
@@ -238,7 +237,7 @@ def foreign() -> Iterator[str]:
     class Foreign(LiangRogers):
         """A law from elsewhere."""
 
-        zeta: Scalar = param("Pa/K", "a number of its own", above=0.0, high=1e9)
+        zeta: Number = param("Pa/K", "a number of its own", above=0.0, high=1e9)
 
     yield "foreign-law"
     del LAWS._entries["foreign-law"]

@@ -6,8 +6,9 @@ Source of truth: the classes that the annotations name. This module does not put
 from typing import Any
 
 from martensite.base.parameters import Parametrised, part
+from martensite.base.part_kinds import find_annotated
 from martensite.physics.thermal.base import Environment
-from martensite.scenario.components import component_class, find_annotated, is_plain
+from martensite.scenario.components import component_class, is_plain
 
 
 class Written(Parametrised):
@@ -32,4 +33,4 @@ def test_annotations_name_components_either_way() -> None:
     for cls in (Written, Read):
         assert [component_class(cls, name) for name in ("around", "other")] == [Environment, Environment]
         assert [is_plain(cls, name) for name in ("around", "other", "count", "rows")] == [False, False, True, True]
-        assert find_annotated(cls, "count") is None
+        assert find_annotated(cls, "count") == (int,)

@@ -11,7 +11,7 @@ from builders import problem_a
 from martensite.actuators.assembly import Actuator, Group, Machine
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley
 from martensite.base.errors import InputError, ParameterError
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.base.status import Status
 from martensite.control.controllers.pid import Pid, PidLaw
 from martensite.control.controllers.relay import OnOff
@@ -61,7 +61,7 @@ def bench(**parts: Any) -> Bench:
 class Steady(AbstractDrive):
     """A drive that follows nothing."""
 
-    level: float = param("1", "what it says")
+    level: Number = param("1", "what it says")
 
     def init(self) -> None:
         return None

@@ -16,12 +16,11 @@ from wrong_parts import WRONG
 
 from martensite.actuators.mechanisms.load_line import DeadWeight
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.base.registry import Registry
 from martensite.identify.blocks.base import BLOCKS
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.side_by_side import SideBySide
-from martensite.kernels.namespace import Scalar
 from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.physics.materials.base import Material, material_names
 from martensite.physics.thermal.films import ConstantCooling
@@ -209,7 +208,7 @@ def test_a_part_without_typical_values_is_told_what_to_declare() -> None:
     class Bare(ConstantCooling):
         """Needs a number of no typical size."""
 
-        more: Scalar = param("1", "something")
+        more: Number = param("1", "something")
 
     with pytest.raises(ParameterError, match=r"`more` of `Bare` has neither a default nor a"):
         check_conformance(Bare, "cooling")

@@ -12,7 +12,7 @@ from command import Command
 from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.base.errors import InputError, MissingMethodError
 from martensite.base.interfaces import require_methods
-from martensite.base.parameters import Parametrised, param
+from martensite.base.parameters import Number, Parametrised, param
 from martensite.base.registry import Registry
 from martensite.physics.kinetics.strips import AbstractStripLaw
 from martensite.physics.laws.base import LAWS
@@ -111,7 +111,7 @@ def test_what_is_complete_is_made() -> None:
     class Whole(Parametrised):
         """Nothing is asked of it."""
 
-        size: float = param("m", "size", default=1.0)
+        size: Number = param("m", "size", default=1.0)
 
     assert Whole().size == 1.0
 

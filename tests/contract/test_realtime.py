@@ -13,7 +13,7 @@ import pytest
 from builders import problem_a
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.control.controllers.base import AbstractController, Readings
 from martensite.control.controllers.conditioning import ManualMode, ReadingFilter, SignalSlew
 from martensite.control.controllers.pid import Pid
@@ -49,7 +49,7 @@ NATIVE = [pytest.param(True, marks=pytest.mark.skipif(find_compiler() is None, r
 class Ceiling(AbstractSupervisor):
     """Cuts for good once a reading has been above a ceiling; the alarm counts periods since."""
 
-    ceiling: Scalar = param("m", "what cuts")
+    ceiling: Number = param("m", "what cuts")
 
     def reads(self) -> tuple[str, ...]:
         return ("position",)

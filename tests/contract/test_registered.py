@@ -10,7 +10,7 @@ from martensite.actuators.assembly import System
 from martensite.actuators.elements.limits import ElementLimits
 from martensite.base import units
 from martensite.base.errors import UnitError
-from martensite.base.parameters import Parametrised, param
+from martensite.base.parameters import Number, Parametrised, param
 from martensite.physics.thermal.base import Environment
 from martensite.scenario.citations import read_bibliography
 from martensite.signals.base import DRIVE
@@ -63,6 +63,6 @@ def test_a_unit_that_is_none_is_noticed():
 
 def test_silence_is_noticed():
     class Silent(Parametrised):
-        size: float = param("", " ")
+        size: Number = param("", " ")
 
     assert undocumented(Silent) == ["the class", "`size`", "unit of `size`"]

@@ -10,7 +10,7 @@ import pytest
 from builders import ZERO, chamber, hanging_wire, law_a
 
 from martensite.base.errors import InputError, ParameterError, SolveError
-from martensite.base.parameters import param, part
+from martensite.base.parameters import Number, param, part
 from martensite.base.status import Status
 from martensite.physics.electrical.sources import PowerSource
 from martensite.physics.electrical.switches import PwmVoltage
@@ -42,7 +42,7 @@ class Scripted(AbstractDrive):
 class Thermostat(AbstractDrive):
     """Full power below the set point, else none."""
 
-    below: float = param("K", "set point")
+    below: Number = param("K", "set point")
 
     def init(self) -> None:
         """No memory."""

@@ -25,9 +25,9 @@ from martensite.actuators.mechanisms.base import Column
 from martensite.actuators.mechanisms.hand import FINGERS, JOINTS, Hand
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.kernels import floats
-from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.namespace import Namespace
 from martensite.physics.electrical.sources import PowerSource
 from martensite.physics.laws.brinson import Brinson
 from martensite.physics.thermal.base import Environment
@@ -168,7 +168,7 @@ def test_the_antagonist_opens_what_the_protagonist_closed() -> None:
 class Joint(AbstractMultibody):
     """One joint between a flexor and an extensor. Deliberately not registered."""
 
-    stiffness: Scalar = param("N*m/rad", "joint spring", default=0.0)
+    stiffness: Number = param("N*m/rad", "joint spring", default=0.0)
 
     def ports(self) -> tuple[str, ...]:
         return ("flexor", "extensor")

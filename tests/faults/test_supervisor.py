@@ -20,7 +20,7 @@ from martensite.actuators.elements.ribbon import Ribbon
 from martensite.actuators.elements.rows import Bundle
 from martensite.actuators.mechanisms.load_line import BiasSpring
 from martensite.base.errors import InputError, ParameterError
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.control.checks.base import CHECKS, Checks, alarm_names
 from martensite.control.checks.thermal_bound import ThermalBound
 from martensite.control.controllers.pid import Pid
@@ -53,8 +53,8 @@ class Noisy(AbstractSensor):
     unit = None
     sees = ("position",)
 
-    noise: float = param("1", "standard deviation", default=0.0)
-    resolution: float = param("1", "least step", default=0.0)
+    noise: Number = param("1", "standard deviation", default=0.0)
+    resolution: Number = param("1", "least step", default=0.0)
 
     def step(self, xp: Any, state: Any, truth: Any, noise: Any, dt: Any) -> Any:
         return truth[0] + self.noise * noise, ()

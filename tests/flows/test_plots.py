@@ -25,7 +25,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from martensite.base.errors import DataError
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.base.status import Status
 from martensite.physics.electrical.base import AbstractSource
 from martensite.physics.electrical.sources import PrescribedTemperature
@@ -76,7 +76,7 @@ class Still(AbstractWaveform):
 class Critical(LiangRogers):
     """A law whose forward strip does not simply shift with stress."""
 
-    sigma_s: float = param("Pa", "critical stress", default=1e8)
+    sigma_s: Number = param("Pa", "critical stress", default=1e8)
 
 
 @dataclass

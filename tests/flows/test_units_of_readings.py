@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 from martensite.actuators.assembly import Members
 from martensite.base import units
 from martensite.base.errors import InputError, ParameterError, UnitError
-from martensite.base.parameters import Leaf, Parametrised, param, part, text
+from martensite.base.parameters import Leaf, Number, Parametrised, param, part, text
 from martensite.cli import app
 from martensite.control.checks.base import CHECKS
 from martensite.control.controllers.planning import Price
@@ -206,8 +206,8 @@ class Felt(Parametrised):
 
     first: str = text("name of a reading", default="")
     second: str = text("name of another one", default="heat")
-    step: float = param(units.DIFFERENCE, "least step", low=0.0, default=0.0)
-    centre: float = param(units.LEVEL, "middle of the range", default=0.0)
+    step: Number = param(units.DIFFERENCE, "least step", low=0.0, default=0.0)
+    centre: Number = param(units.LEVEL, "middle of the range", default=0.0)
 
 
 def test_part_of_a_sensor_has_the_unit_of_what_it_looks_at() -> None:
@@ -215,8 +215,8 @@ def test_part_of_a_sensor_has_the_unit_of_what_it_looks_at() -> None:
     builder = Builder(scales=PlaceUnits(readings={"": "K"}, named=("",)))
 
     class Numb(Parametrised):
-        step: float = param(units.DIFFERENCE, "least step", low=0.0)
-        centre: float = param(units.LEVEL, "middle of the range")
+        step: Number = param(units.DIFFERENCE, "least step", low=0.0)
+        centre: Number = param(units.LEVEL, "middle of the range")
 
     found = builder.build(Numb, {"step": "0.5 K", "centre": "20 degC"}, "sensor")
     assert (found.step, found.centre) == (0.5, pytest.approx(293.15))
@@ -254,7 +254,7 @@ def test_every_number_of_a_reading_has_a_reading(kind: str) -> None:
 def test_number_without_a_reading_is_noticed() -> None:
     class Lost(Parametrised):
         price: Price = part("what is charged", default=Price())
-        level: float = param(units.LEVEL, "a level", default=0.0)
+        level: Number = param(units.LEVEL, "a level", default=0.0)
 
     assert nameless(Lost) == ["Price.error", "Lost.level"]
     lost = Leaf("lost.level", Lost.declarations["level"], 0.0)

@@ -12,7 +12,7 @@ from design_cases import COUNT, DIAMETER, POWER, SAMPLES, STEP, bundle, designs,
 from numpy.typing import NDArray
 
 from martensite.base.errors import InputError, ParameterError, UnitError
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.signals.base import DRIVE, AbstractWaveform
 from martensite.signals.sine import Sine
 from martensite.simulate.api import simulate
@@ -133,7 +133,7 @@ def test_the_peak_scales_all_of_a_waveform() -> None:
 class Squared(AbstractWaveform):
     """A signal that is not affine in its level."""
 
-    level: float = param(DRIVE, "root of the signal", default=2.0)
+    level: Number = param(DRIVE, "root of the signal", default=2.0)
 
     def value(self, time: float) -> float:
         return self.level**2

@@ -63,8 +63,10 @@ def to_state_space(system: Chain | LinearSystem, level: Any = 0.0) -> Any:
         level: the input at which a chain is linearised, one number or one for each input.
 
     Raises:
-        InputError: python-control is not installed, or the level does not fit.
+        InputError: python-control is not installed, the level does not fit, or it is an actuator.
     """
+    if isinstance(system, AbstractSystem):
+        raise InputError("`to_state_space` takes a chain or a linear system; give an actuator to `plant_state_space`.")
     control = import_extra("control", "control", "python-control")
     linear = system if isinstance(system, LinearSystem) else linearise_chain(system, level)
     slim = linear.reduce_states()

@@ -196,8 +196,14 @@ class Episodes:
 
         Args:
             actions: from -1 to 1, shape (environments, actions).
+
+        Raises:
+            InputError: an action is not a number.
         """
-        share = 0.5 * (np.clip(np.asarray(actions, float), -1.0, 1.0).T + 1.0)
+        given = np.asarray(actions, float)
+        if np.isnan(given).any():
+            raise InputError(f"An action must hold numbers from -1 to 1, but holds NaN: {given.tolist()}.")
+        share = 0.5 * (np.clip(given, -1.0, 1.0).T + 1.0)
         signals = self._signals_at(self._low + share * self._span, 1)
         rows = self.rows = self._lanes.advance(signals[None], self.bench.period)[0]
         self._at = np.minimum(self._at + 1, self.length)

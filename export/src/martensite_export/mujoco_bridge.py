@@ -36,8 +36,7 @@ import numpy as np
 
 from martensite.actuators.assembly import Actuator
 from martensite.base.errors import InputError, ParameterError, SolveError, UnknownNameError, suggest_name
-from martensite.base.parameters import param, part
-from martensite.kernels.namespace import Scalar
+from martensite.base.parameters import Number, param, part
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.simulate.grid import MOST_STEPS, place_signal, require_unit
@@ -63,8 +62,8 @@ class TendonActuator(Actuator):
     """
 
     tendon: str = part("name of the tendon")
-    start_force: Scalar = param("N", "force at the start", low=0.0, high=1e6, default=0.0)
-    slack: Scalar = param("m", "how much the tendon is shorter than the element at the start", low=0.0, default=0.0)
+    start_force: Number = param("N", "force at the start", low=0.0, high=1e6, default=0.0)
+    slack: Number = param("m", "how much the tendon is shorter than the element at the start", low=0.0, default=0.0)
 
     def check(self) -> None:
         """Raise `ParameterError` for an element that is loose and under force."""

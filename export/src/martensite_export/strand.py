@@ -19,7 +19,7 @@ from martensite.actuators.assembly import Actuator, System
 from martensite.actuators.elements.base import AbstractElement, Pull, Spring
 from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Load, Output
 from martensite.base.errors import ParameterError, SolveError
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.base.status import Status
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
@@ -62,7 +62,7 @@ class ElementEnd(NamedTuple):
 class TendonLine(AbstractMechanism):
     """A straight load line, told by two signals."""
 
-    start: Scalar = param("N", "force at assembly", low=0.0, high=1e6, default=0.0)
+    start: Number = param("N", "force at assembly", low=0.0, high=1e6, default=0.0)
 
     def signals(self) -> dict[str, str]:
         """Where the path would end without force, and how much it yields."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import errno
 import os
 import stat
@@ -204,12 +205,17 @@ def read_text_file(path: Path, what: str) -> str:
         DataError: it is missing, with the nearest name beside it, or cannot be read.
     """
     try:
-        return read_bounded(path, MOST_TEXT).decode("utf-8")
+        raw = read_bounded(path, MOST_TEXT)
+        if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+            raise DataError(f"The {what} file `{path}` is written in UTF-16; save it as UTF-8.")
+        return raw.decode("utf-8-sig")  # Windows Notepad puts a mark in front
     except FileNotFoundError:
         beside = [other.name for other in sorted(path.parent.glob(f"*{path.suffix}"))[:10]]
         nearest = suggest_name(path.name, beside) if path.suffix and beside else ""
         raise DataError(f"There is no {what} file `{path}`. {nearest}".strip()) from None
-    except (OSError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
+        raise DataError(f"The {what} file `{path}` is not UTF-8 (byte {error.start}); save it as UTF-8.") from None
+    except OSError as error:
         raise DataError(f"Cannot read the {what} file `{path}`: {error}.") from None
 
 

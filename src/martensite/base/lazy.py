@@ -54,7 +54,10 @@ def forward_names(module: str) -> tuple[Callable[[str], Any], Callable[[], list[
 
 def list_public_names(package: str) -> dict[str, tuple[str, str]]:
     """Public name of a package -> the module that defines it, and its name there."""
-    stub = Path(str(sys.modules[package].__file__)).with_suffix(".pyi")
+    return _read_stub(Path(str(sys.modules[package].__file__)).with_suffix(".pyi"))
+
+
+def _read_stub(stub: Path) -> dict[str, tuple[str, str]]:
     body = ast.parse(stub.read_text(encoding="utf-8")).body
     imported = {
         alias.asname or alias.name: (str(node.module), alias.name)
@@ -69,6 +72,29 @@ def list_public_names(package: str) -> dict[str, tuple[str, str]]:
     return found
 
 
+RENAMED = {
+    "Estimate": "MeasuredValue",
+    "Limits": "ElementLimits",
+    "motor_constants": "estimate_motor_constants",
+    "tangent_fit": "fit_tangents",
+    "tangent_points": "find_tangent_points",
+}
+"""Old name -> new name, of public names."""
+
+
+def find_public_name(name: str) -> str:
+    """Return where a public name is, such as `ms.control.Pid`; empty if it is nowhere. Only stubs are read."""
+    top, asked = __name__.partition(".")[0], RENAMED.get(name, name)
+    own = list_public_names(top)
+    if asked in own:
+        return f"ms.{asked}"
+    for inner, (home, last) in own.items():
+        stub = Path(Path(str(sys.modules[top].__file__)).parent, *home.split(".")[1:], last, "__init__.pyi")
+        if stub.exists() and asked in _read_stub(stub):
+            return f"ms.{inner}.{asked}"
+    return ""
+
+
 def attach_names(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """Make `__getattr__` and `__dir__` of a package, from its stub.
 
@@ -81,7 +107,9 @@ def attach_names(package: str) -> tuple[Callable[[str], Any], Callable[[], list[
 
     def import_name(name: str) -> Any:
         if name not in names:
-            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+            inner = name.startswith("_") or find_spec(f"{package}.{name}") is not None  # asked by an import
+            place = "" if inner else find_public_name(name)
+            raise AttributeError(f"module {package!r} has no attribute {name!r}{place and f'; it is `{place}`'}")
         home, own = names[name]
         top = home.partition(".")[0]
         inside = top == package.partition(".")[0]
@@ -135,9 +163,11 @@ def describe_mismatch(function: Callable[..., Any], values: tuple[Any, ...], nam
             continue
         classes = _resolve_classes(parameter.annotation, function)
         if classes and not isinstance(value, classes):
-            wanted = " or ".join(f"`{one.__name__.removeprefix('Abstract')}`" for one in classes)
+            left_out = (type(None), int) if float in classes else (type(None),)
+            told = [one for one in classes if one not in left_out] or classes
+            wanted = " or ".join(f"`{one.__name__.removeprefix('Abstract')}`" for one in told)
             inner = getattr(value, "system", None)
-            hint = "; give its `.system`" if isinstance(inner, classes) else ""
+            hint = "; give its `.system`" if inner is not None and isinstance(inner, classes) else ""
             given = type(value).__name__
             return f"Argument `{argument}` of `{name}` must be {wanted}, but is `{given}`{hint}."
     return None

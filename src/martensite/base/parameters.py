@@ -1,6 +1,6 @@
 """One declaration per parameter: unit, meaning, bounds and default in one line.
 
-    E_A: Scalar = param("Pa", "Young's modulus of austenite", low=1e8, high=2e11)
+    E_A: Number = param("Pa", "Young's modulus of austenite", low=1e8, high=2e11)
 
 From this line come conversion of text with units, range checks, the command line's
 `params`, the documentation tables, search bounds for identification and the units of saved
@@ -13,14 +13,24 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from typing import Any, ClassVar, Generic, Self, TypeVar, cast, dataclass_transform
 
 from martensite.base import units
 from martensite.base.errors import ParameterError, UnitError, suggest_name
+from martensite.base.field_types import Given as Given
+from martensite.base.field_types import Number as Number
 from martensite.base.interfaces import require_methods
+from martensite.base.part_kinds import refuse_unnamed, require_part
 from martensite.base.registry import Registry
 
 REQUIRED: Any = object()
+NEAR = 0.75
+"""Likeness from which on a name is probably meant."""
+SHOWN = 6
+"""Values of a list that its text shows at most."""
+FROM_MATERIAL: Any = REQUIRED
+"""Default of what a `material` can bring; without a material, a value must be given."""
 
 
 class ByUnit(dict[str, Any]):
@@ -63,8 +73,12 @@ class Declared:
         return value
 
     def _number(self, owner: str, name: str, value: Any) -> float:
+        if self.unit in units.OF_PLACE and (isinstance(value, str) or units.is_quantity(value)):
+            raise UnitError(
+                f"Parameter `{name}` of `{owner}` takes {self._sort()}, but is `{value}`; leave the unit out."
+            )
         try:
-            number = units.parse_quantity(value, self.unit) if isinstance(value, str) else float(value)
+            number = units.convert_number(value, self.unit)
         except UnitError as error:
             raise UnitError(f"Parameter `{name}` of `{owner}`: {error}") from None
         except (TypeError, ValueError):
@@ -96,6 +110,8 @@ class Declared:
 
     def _sort(self) -> str:
         """What is taken, in words."""
+        if self.unit == units.DRIVE:
+            return "a plain number in the SI unit of what it drives"
         if self.unit in units.OF_LOOPS:
             return f"a number in SI, in {self.unit}"
         if self.unit in units.OF_READINGS:
@@ -105,7 +121,7 @@ class Declared:
     @staticmethod
     def _label(unit: str) -> str:
         """What is written behind a number; nothing where the unit depends on the place."""
-        return "" if unit in ("1", *units.OF_READINGS) else f" {unit}"
+        return "" if unit in ("1", *units.OF_PLACE) else f" {unit}"
 
     def _readable(self) -> str:
         """The unit a person would rather read, unless it makes the bounds unwieldy."""
@@ -212,9 +228,10 @@ class Parametrised:
         for name in own:
             delattr(cls, name)
 
-    def __init__(self, **values: Any) -> None:
+    def __init__(self, *unnamed: Any, **values: Any) -> None:
         require_methods(type(self))
         owner = type(self).registered_name or type(self).__name__
+        refuse_unnamed(type(self).__name__, unnamed, self.declarations)
         unknown = next((name for name in values if name not in self.declarations), None)
         if unknown is not None:
             raise ParameterError(f"`{owner}` has no parameter `{unknown}`. {suggest_name(unknown, self.declarations)}")
@@ -222,6 +239,8 @@ class Parametrised:
             value = values.get(name, declared.default)
             if value is REQUIRED:
                 raise ParameterError(f"`{owner}` needs `{name}` [{declared.unit}] ({declared.doc}); none given.")
+            if declared.kind == "part":
+                require_part(type(self), owner, name, value, Parametrised)
             self.__dict__[name] = declared.convert(owner, name, value)
         self.check()
 
@@ -240,8 +259,11 @@ class Parametrised:
         raise AttributeError(f"`{type(self).__name__}` is frozen; use `.with_values(...)`.")
 
     def __repr__(self) -> str:
-        inner = ", ".join(f"{name}={self.__dict__[name]!r}" for name in self.declarations)
-        return f"{type(self).__name__}({inner})"
+        """Values that differ from their defaults, long lists shortened."""
+        shown = (
+            (name, self.__dict__[name]) for name, d in self.declarations.items() if self.__dict__[name] != d.default
+        )
+        return f"{type(self).__name__}({', '.join(f'{name}={_shorten(value)}' for name, value in shown)})"
 
     def __eq__(self, other: object) -> bool:
         return type(self) is type(other) and self.__dict__ == other.__dict__
@@ -282,19 +304,21 @@ class Parametrised:
 
     def with_values(self, values: Mapping[str, Any]) -> Self:
         """A checked copy with the numbers at the given paths (or unique endings) changed."""
+        if not hasattr(values, "items"):
+            raise ParameterError(f"Values must be a table by name, such as `{{'diameter': 2e-4}}`, but are {values!r}.")
         paths = [leaf.path for leaf in self.leaves()]
         return self._with_paths({_resolve_path(name, paths): value for name, value in values.items()})
 
     def with_parts(self, **parts: Any) -> Self:
         """A checked copy with whole components (or numbers) of its own exchanged."""
-        return type(self)(**{**self._declared(), **parts})
+        return type(self)(**{**self.arguments(), **parts})
 
-    def _declared(self) -> dict[str, Any]:
-        """What was given: without what a class has worked out of it."""
+    def arguments(self) -> dict[str, Any]:
+        """Return the arguments that make an equal object."""
         return {name: self.__dict__[name] for name in self.declarations}
 
     def _with_paths(self, values: Mapping[str, Any]) -> Self:
-        own = self._declared()
+        own = self.arguments()
         for name, child in self.children():
             below = {p[len(name) + 1 :]: v for p, v in values.items() if p.startswith(name + ".")}
             own[name] = child._with_paths(below) if below else child
@@ -311,6 +335,14 @@ class Parametrised:
         return _resolve_path(name, [leaf.path for leaf in self.leaves()])
 
 
+def _shorten(value: Any) -> str:
+    """A value as text; of a long list its first numbers and its length."""
+    if not isinstance(value, tuple | list) or len(cast("list[Any]", value)) <= SHOWN:
+        return repr(value)
+    listed = cast("list[Any]", value)
+    return f"({', '.join(map(repr, listed[:3]))}, … {len(listed)} values)"
+
+
 def find_paths(name: str, paths: Iterable[str]) -> list[str]:
     """The path that a name is, or else all that it ends."""
     known = list(paths)
@@ -324,7 +356,10 @@ def _resolve_path(name: str, paths: Sequence[str]) -> str:
         return found[0]
     if found:
         raise ParameterError(f"`{name}` is ambiguous: {', '.join(found)}.")
-    raise ParameterError(f"There is no parameter `{name}`. {suggest_name(name, paths)}")
+    ending = name.rpartition(".")[2]
+    near = [p for p in paths if get_close_matches(ending, [p.rpartition(".")[2]], cutoff=NEAR)]
+    hint = f"Did you mean `{near[0]}`?" if len(near) == 1 else suggest_name(name, near or paths)
+    raise ParameterError(f"There is no parameter `{name}`. {hint}")
 
 
 Part = TypeVar("Part", bound=Parametrised)

@@ -117,6 +117,12 @@ class Summary:
         """Plain text that fits a page."""
         return "\n".join(self.format_lines())
 
+    def brief(self, most: int = 8) -> str:
+        """Return the first lines of the plain text, and how many more there are."""
+        lines = list(self.format_lines())
+        more = [f"… {len(lines) - most} more lines in summary()"] if len(lines) > most else []
+        return "\n".join([*lines[:most], *more])
+
     def _repr_html_(self) -> str:
         from importlib import import_module
 

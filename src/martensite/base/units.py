@@ -11,7 +11,7 @@ import re
 from contextlib import suppress
 from functools import cache
 from importlib import import_module
-from typing import Any
+from typing import Any, Protocol, TypeAlias, TypeGuard, runtime_checkable
 
 from martensite.base.errors import UnitError
 
@@ -66,6 +66,10 @@ SIGNAL_RATE, REFERENCE_RATE, REFERENCE_ACCELERATION = "signal/s", "reference/s",
 """Declared units of rates of a signal and of what a controller follows, which depend on the place."""
 OF_LOOPS = (*OF_GAINS, SIGNAL_RATE, REFERENCE_RATE, REFERENCE_ACCELERATION)
 OF_READINGS = (LEVEL, DIFFERENCE, RATE, *OF_LOOPS)
+DRIVE = "drive"
+"""Declared unit of a level of a waveform: that of what it drives, which depends on the place."""
+OF_PLACE = (DRIVE, *OF_READINGS)
+"""Declared units that depend on the place."""
 
 # declared SI unit -> unit a person would rather read
 READABLE = {
@@ -91,7 +95,7 @@ _QUANTITY = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)
 _GAUGE = re.compile(r"(?i)^\s*(?:awg\s*#?(\d{1,2})|(\d{1,2})\s*awg)\s*$")
 _SPELLINGS = str.maketrans(
     {"°": "deg", "\u03a9": "ohm", "\u2126": "ohm", "\u00b5": "u", "\u03bc": "u", "\u2212": "-"}
-    | {"·": "*", "²": "^2", "³": "^3"}
+    | {"·": "*", "²": "^2", "³": "^3", "\u0394": "delta_"}
 )
 
 
@@ -112,6 +116,54 @@ def parse_quantity(text: str, unit: str) -> float:
     if not match[2] and unit != "1":
         raise UnitError(f"`{text}` has no unit; write for example `{text.strip()} {unit}`.")
     return to_si(float(match[1]), match[2] or "1", unit)
+
+
+@runtime_checkable
+class AbstractQuantity(Protocol):
+    """A quantity of pint, of any registry."""
+
+    @property
+    def magnitude(self) -> Any:
+        """The number."""
+
+    @property
+    def units(self) -> Any:
+        """The unit of the number."""
+
+
+Numeric: TypeAlias = float | str | AbstractQuantity
+"""A number in SI, a text with a unit, or a quantity of pint."""
+
+
+def is_quantity(value: Any) -> TypeGuard[AbstractQuantity]:
+    """Return whether a value is a quantity of pint."""
+    return hasattr(value, "magnitude") and hasattr(value, "units")
+
+
+def write_pint(value: AbstractQuantity) -> str:
+    """Return a quantity of pint as text, such as `22.0 degC`.
+
+    Raises:
+        UnitError: it is an array, which is no single value.
+    """
+    try:
+        number = float(value.magnitude)
+    except (TypeError, ValueError):
+        raise UnitError(f"A quantity must be one number, but is `{value}`.") from None
+    return f"{number!r} {value.units:~}".translate(_SPELLINGS).strip()
+
+
+def convert_number(value: Numeric, unit: str) -> float:
+    """Return a number in SI, a text with a unit or a quantity of pint as a float in the SI `unit`.
+
+    Raises:
+        UnitError: the text is no number with a unit, or the unit has another dimension.
+        TypeError: the value is of another kind.
+        ValueError: likewise.
+    """
+    if is_quantity(value):
+        value = write_pint(value)
+    return parse_quantity(value, unit) if isinstance(value, str) else float(value)  # type: ignore[arg-type]
 
 
 def to_si(value: float, spelling: str, unit: str) -> float:

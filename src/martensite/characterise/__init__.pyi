@@ -7,6 +7,7 @@ from martensite.characterise.film_coefficient import points_from_power as points
 from martensite.characterise.film_report import FilmReport as FilmReport
 from martensite.characterise.film_report import judge_film as judge_film
 from martensite.characterise.free_vibration import LogDecrement as LogDecrement
+from martensite.characterise.free_vibration import damping_ratio as damping_ratio
 from martensite.characterise.free_vibration import frequency_of as frequency_of
 from martensite.characterise.free_vibration import log_decrement as log_decrement
 from martensite.characterise.free_vibration import moving_mass as moving_mass

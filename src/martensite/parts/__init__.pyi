@@ -8,6 +8,7 @@ from martensite.actuators.mechanisms.base import Output as Output
 from martensite.actuators.mechanisms.load_line import AbstractLoadLine as AbstractLoadLine
 from martensite.actuators.mechanisms.multibody import AbstractMultibody as AbstractMultibody
 from martensite.actuators.mechanisms.multibody import Coordinate as Coordinate
+from martensite.base.field_types import Number as Number
 from martensite.base.parameters import Parametrised as Parametrised
 from martensite.base.parameters import option as option
 from martensite.base.parameters import param as param
@@ -44,6 +45,7 @@ from martensite.physics.electrical.base import AbstractSource as AbstractSource
 from martensite.physics.electrical.base import Conductor as Conductor
 from martensite.physics.fluids.base import FLUIDS as FLUIDS
 from martensite.physics.fluids.base import AbstractFluid as AbstractFluid
+from martensite.physics.fluids.base import FluidProperties as FluidProperties
 from martensite.physics.kinetics import history as history
 from martensite.physics.kinetics.history import OneFractionMemory as OneFractionMemory
 from martensite.physics.kinetics.history import Strip as Strip

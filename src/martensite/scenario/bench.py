@@ -22,7 +22,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, cast
 
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.base.parameters import Parametrised, option, param
+from martensite.base.parameters import Number, Parametrised, option, param
 from martensite.control.controllers.base import CONTROLLERS, PLANNED, AbstractController, require_readings
 from martensite.control.controllers.follower import Follower
 from martensite.control.faults.base import FAULTS as KNOWN_FAULTS
@@ -39,7 +39,6 @@ from martensite.control.loop.parts import (
 )
 from martensite.control.observers.base import OBSERVERS
 from martensite.control.sensors.base import SENSORS
-from martensite.kernels.namespace import Scalar
 from martensite.scenario.assemble import Assembly, section_of
 from martensite.scenario.build import Builder, Table, choose_class, name_section
 from martensite.scenario.components import gather_nested
@@ -79,8 +78,8 @@ READING = "reading"
 class BenchSettings(Parametrised):
     """How a bench runs."""
 
-    period: Scalar = param("s", "time from one sample to the next", above=0.0, default=math.inf)
-    substeps: Scalar = param(
+    period: Number = param("s", "time from one sample to the next", above=0.0, default=math.inf)
+    substeps: Number = param(
         "1", "steps of the system in a period; 0: as many as it needs", low=0.0, high=1e6, default=0.0
     )
     switching: str = option(

@@ -8,6 +8,7 @@ to write it. So does the law: a material whose numbers hold for one law names it
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -214,6 +215,8 @@ def _convert_plain(value: Any, name: str, unit: str, path: str) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ParameterError(f"[{path}] `{name}` must be a number or text, but is {value!r}.")
     if unit != "1":
+        if not math.isfinite(value):
+            raise ParameterError(f"[{path}] `{name}` must be a finite number with a unit, but is {value}.")
         label = units.choose_readable_unit(unit)
         raise UnitError(f'[{path}] `{name}` is {value} without a unit; write for example `{name} = "{value} {label}"`.')
     return float(value)

@@ -6,16 +6,15 @@ One that holds members by name, such as the points of a schedule, is a table of 
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator, Mapping
 from copy import deepcopy
 from inspect import formatannotation, get_annotations
-from types import UnionType
-from typing import Any, cast, get_args
+from typing import Any, cast
 
 from martensite.actuators.assembly import Members
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Declared, Parametrised
+from martensite.base.part_kinds import find_annotated
 
 PLAIN = ("Any", "int")
 """Annotations of parts that are plain values."""
@@ -28,7 +27,7 @@ def component_class(owner: type[Parametrised], name: str) -> type[Parametrised] 
         return None
     if isinstance(declared.default, Parametrised):
         return type(declared.default)
-    found = find_annotated(owner, name)
+    found = next((one for one in find_annotated(owner, name) if issubclass(one, Parametrised)), None)
     return None if found is None or found.__name__.startswith("Abstract") else found
 
 
@@ -95,18 +94,6 @@ def convert_plain(declared: Declared, name: str, value: Any, path: str) -> Any:
     if len(numbers) < len(rows):
         raise ParameterError(f"[{path}] `{name}` must be a list of numbers, but is {value!r}.")
     return [float(one) for one in numbers]
-
-
-def find_annotated(owner: type[Parametrised], name: str) -> type[Parametrised] | None:
-    """The class that an annotation names, `None` beside it or not."""
-    home = next((base for base in owner.__mro__ if name in get_annotations(base)), owner)
-    found: Any = get_annotations(home).get(name)
-    try:  # a text where a module puts off the reading of its annotations
-        found = eval(found, dict(vars(sys.modules[home.__module__]))) if isinstance(found, str) else found
-    except NameError:  # known to the type checker only
-        return None
-    classes = get_args(found) if isinstance(found, UnionType) else (found,)
-    return next((c for c in classes if isinstance(c, type) and issubclass(c, Parametrised)), None)
 
 
 def _read_annotation(owner: type[Parametrised], name: str) -> str:

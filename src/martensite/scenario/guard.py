@@ -21,7 +21,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import Parametrised, param
+from martensite.base.parameters import Number, Parametrised, param
 from martensite.base.units import DEGREES
 from martensite.control.checks.base import CHECKS as CHECK_KINDS
 from martensite.control.checks.base import AbstractCheck
@@ -30,7 +30,6 @@ from martensite.control.loop.bench import Bench
 from martensite.control.supervisors import default_guard
 from martensite.control.supervisors.from_plant import guard_for
 from martensite.control.supervisors.from_sensors import checks_for, find_known_limit
-from martensite.kernels.namespace import Scalar
 from martensite.scenario.build import Builder, Table, as_table, name_section
 from martensite.scenario.sections import SUPERVISOR
 from martensite.signals.base import DRIVE
@@ -43,17 +42,17 @@ UNGUARDED = "Nothing guards this loop: [supervisor] turns it off."
 class FromPlant(Parametrised):
     """What is known beside the plant for a guard that is made from it."""
 
-    temperature_limit: Scalar = param(
+    temperature_limit: Number = param(
         "K", "highest temperature; by default that of [element.limits]", above=0.0, default=math.inf
     )
-    hottest: Scalar = param("K", "hottest surroundings; by default those of [environment]", above=0.0, default=math.inf)
-    least_cooling: Scalar = param(
+    hottest: Number = param("K", "hottest surroundings; by default those of [environment]", above=0.0, default=math.inf)
+    least_cooling: Number = param(
         "1", "least film coefficient over that of [environment]", above=0.0, high=1.0, default=1.0
     )
-    full: Scalar = param(
+    full: Number = param(
         DRIVE, "largest signal; by default 1, for sources that take a duty", above=0.0, default=math.inf
     )
-    band: Scalar = param(
+    band: Number = param(
         DEGREES, "how far below the limit signals come back, where the answer is `resume`", low=0.0, default=0.0
     )
 

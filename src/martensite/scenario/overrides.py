@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from typing import Any, cast
 
+from martensite.base import units
 from martensite.base.errors import ParameterError
 
 _BARE = re.compile(r"^[A-Za-z0-9_-]+$")
@@ -46,7 +47,7 @@ def change_document(document: Mapping[str, Any], settings: Mapping[str, Any]) ->
     """A copy of a TOML document with the values at the given dotted paths replaced."""
     copy = deepcopy(dict(document))
     for path, value in settings.items():
-        _set_value(copy, path, deepcopy(value))
+        _set_value(copy, path, units.write_pint(value) if units.is_quantity(value) else deepcopy(value))
     return copy
 
 

@@ -12,15 +12,17 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.assembly import AbstractSystem, System
 from martensite.base import units
 from martensite.base.errors import InputError, ParameterError
 from martensite.base.files import read_text_file, toml_document
+from martensite.base.formats import write_quantity
 from martensite.base.lazy import import_extra
-from martensite.base.parameters import Leaf, Parametrised, param, text
-from martensite.kernels.namespace import Scalar
+from martensite.base.parameters import Leaf, Number, Parametrised, param, text
+from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.physics.materials.base import Material
 from martensite.scenario import recorded_waveforms
 from martensite.scenario.assemble import Assembly, section_of
@@ -61,14 +63,14 @@ SECTIONS = (
 class Run(Parametrised):
     """How long, how accurately, and with how many samples."""
 
-    duration: Scalar = param("s", "length of the run", above=0.0, default=math.inf)
-    tolerance: Scalar = param(
+    duration: Number = param("s", "length of the run", above=0.0, default=math.inf)
+    tolerance: Number = param(
         "1", "accepted change on halving the step, as a share of range", above=0.0, high=0.5, default=1e-4
     )
-    samples: Scalar = param("1", "number of samples", low=2.0, high=1e7, default=1001)
-    step: Scalar = param("s", "longest step; chosen by the tolerance if not given", above=0.0, default=math.inf)
+    samples: Number = param("1", "number of samples", low=2.0, high=1e7, default=1001)
+    step: Number = param("s", "longest step; chosen by the tolerance if not given", above=0.0, default=math.inf)
 
-    lead: Scalar = param(
+    lead: Number = param(
         "s", "time before a log that is followed, to come from elsewhere to its beginning", low=0.0, default=0.0
     )
 
@@ -124,6 +126,31 @@ class Scenario:
     """Times [s] at which the result keeps a state."""
     start: Restart | None = None
     """Where the run goes on from; None if it starts at 0."""
+
+    def summary(self) -> Summary:
+        """Return what is simulated, for how long, and every number with its origin."""
+        drive = "no drive" if not self.waveform else f"drive {self.waveform!r}"
+        steps = f"tolerance {self.tolerance:g}" if self.step is None else f"steps of at most {self.step:g} s"
+        told = [
+            Sentence(f"{self.whole.description()}; {shorten(drive, 120)}"),
+            Sentence(f"duration {self.duration:g} s, {self.samples} samples, {steps}"),
+            *(Sentence(one, "caution") for one in self.cautions),
+        ]
+        leaves = list(self.leaves())
+        rows = [
+            (f"`{one.path}`", write_quantity(one.value, one.declared.unit), self.origins.get(one.path, ""))
+            for one in leaves
+        ]
+        data = {one.path: one.value for one in leaves}
+        table = DataTable(("number", "value", "origin"), rows, right=(1,))
+        return Summary("", [*told, table], data, f"Scenario `{self.title}`")
+
+    def __repr__(self) -> str:
+        """A few lines; every number is in `summary()`."""
+        return self.summary().brief()
+
+    def _repr_html_(self) -> str:
+        return self.summary()._repr_html_()
 
     @property
     def whole(self) -> AbstractSystem:
@@ -270,10 +297,22 @@ def read_scenario(
     """
     document = toml_document(text, f"`{path}`" if path else "The scenario")
     if overrides:
-        document = change_document(document, overrides)
+        document = change_document(document, _name_in_full(document, overrides, path, log))
         text = as_toml(document)
     refuse_unknown(document, SECTIONS, "The scenario")
     return _build_scenario(document, text, path, log)
+
+
+def _name_in_full(
+    document: dict[str, Any], overrides: Mapping[str, Any], path: Path | None, log: Record | None
+) -> dict[str, Any]:
+    """Overrides by their paths in the document; a number may be named by a unique ending, such as `diameter`."""
+    short = [name for name in overrides if name.partition(".")[0] not in SECTIONS]
+    if not short:
+        return dict(overrides)
+    plain = _build_scenario(document, as_toml(document), path, log)
+    full = {name: plain.places.path(plain.whole.resolve(name)) for name in short}
+    return {full.get(name, name): value for name, value in overrides.items()}
 
 
 def _build_scenario(document: dict[str, Any], text: str, path: Path | None, log: Record | None) -> Scenario:

@@ -1,6 +1,6 @@
 """A waveform as it will be: for who looks ahead."""
 
-from martensite.base.parameters import param, part
+from martensite.base.parameters import Number, param, part
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.edges import select_inside
 
@@ -12,7 +12,7 @@ class Ahead(AbstractWaveform):
     """Another waveform, a time earlier: u(t + lead)."""
 
     waveform: AbstractWaveform = part("the waveform")
-    lead: float = param("s", "how far it looks ahead", low=0.0)
+    lead: Number = param("s", "how far it looks ahead", low=0.0)
 
     def value(self, time: float) -> float:
         """The value of the waveform at `time` + lead [s]."""

@@ -17,10 +17,10 @@ from typing import Any, ClassVar
 
 from martensite.base.parameters import Parametrised
 from martensite.base.registry import Registry
+from martensite.base.units import DRIVE as DRIVE
 from martensite.signals.moments import Moments, Segment, SignalShape, Tone, fit_parabolas
 
 WAVEFORMS: Registry[AbstractWaveform] = Registry("waveform", "martensite.signals", typical="step")
-DRIVE = "drive"
 MANY = 1000
 """Times from which on arrays are quicker than numbers one by one, even if NumPy is loaded first."""
 

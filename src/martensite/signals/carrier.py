@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param, part
+from martensite.base.parameters import Number, param, part
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
 from martensite.signals.pulses import AbstractPulses
 
@@ -36,8 +36,8 @@ class Carrier(AbstractPulses):
     duty: AbstractWaveform = part(
         "share of the period that is on, over time", WAVEFORMS, typical={"kind": "constant", "level": 0.2}
     )
-    frequency: float = param("Hz", "frequency", above=0.0, high=1e9, typical="100 Hz")
-    shortest: float = param("s", "shortest pulse or gap that the switch can make", low=0.0, default=0.0)
+    frequency: Number = param("Hz", "frequency", above=0.0, high=1e9, typical="100 Hz")
+    shortest: Number = param("s", "shortest pulse or gap that the switch can make", low=0.0, default=0.0)
 
     def check(self) -> None:
         """Raise `ParameterError` if no pulse fits into a period."""

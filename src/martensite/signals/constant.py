@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.levels import HIGH
 from martensite.signals.moments import Segment
@@ -14,7 +14,7 @@ from martensite.signals.moments import Segment
 class Constant(AbstractWaveform):
     """The same level all the time."""
 
-    level: float = param(DRIVE, "level", typical=HIGH)
+    level: Number = param(DRIVE, "level", typical=HIGH)
 
     def value(self, time: float) -> float:
         """The level, at any time."""

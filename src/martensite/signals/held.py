@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from martensite.base.parameters import param, part
+from martensite.base.parameters import Number, param, part
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.edges import find_interval, select_inside
 from martensite.signals.moments import Segment
@@ -14,7 +14,7 @@ class Held(AbstractWaveform):
     """Values held for k/f ≤ t < (k + 1)/f each; the last one stays. What a loop has put out."""
 
     values: tuple[float, ...] = part("one value per period, in the unit of the source")
-    frequency: float = param("Hz", "values per second", above=0.0, high=1e9, typical="2 Hz")
+    frequency: Number = param("Hz", "values per second", above=0.0, high=1e9, typical="2 Hz")
 
     def value(self, time: float) -> float:
         """The value of the period at `time` [s]; the new one at its start."""

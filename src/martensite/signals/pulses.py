@@ -9,6 +9,7 @@ from abc import abstractmethod
 from collections.abc import Iterator
 from itertools import count
 
+from martensite.base.parameters import Number
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.edges import find_interval, require_countable, select_inside
 from martensite.signals.moments import Segment
@@ -17,7 +18,7 @@ from martensite.signals.moments import Segment
 class AbstractPulses(AbstractWaveform):
     """Pulses; a subclass declares their frequency [Hz] and says how long each is."""
 
-    frequency: float
+    frequency: Number
 
     @abstractmethod
     def share(self, k: int) -> float:

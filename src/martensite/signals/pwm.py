@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.signals.base import DRIVE, WAVEFORMS
 from martensite.signals.edges import require_order
 from martensite.signals.levels import HIGH
@@ -13,10 +13,10 @@ from martensite.signals.pulses import AbstractPulses
 class PulseWidthModulation(AbstractPulses):
     """A rectangular signal of constant frequency and duty."""
 
-    low: float = param(DRIVE, "level when off", default=0.0)
-    high: float = param(DRIVE, "level when on", typical=HIGH)
-    frequency: float = param("Hz", "frequency", above=0.0, high=1e9, typical="10 Hz")
-    duty: float = param("1", "share of the period that is on", low=0.0, high=1.0, typical=0.3)
+    low: Number = param(DRIVE, "level when off", default=0.0)
+    high: Number = param(DRIVE, "level when on", typical=HIGH)
+    frequency: Number = param("Hz", "frequency", above=0.0, high=1e9, typical="10 Hz")
+    duty: Number = param("1", "share of the period that is on", low=0.0, high=1.0, typical=0.3)
 
     def check(self) -> None:
         """The levels are in order."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.signals.base import DRIVE, MANY, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import blend_arrays, blend_levels, select_inside
 from martensite.signals.levels import HIGH
@@ -21,10 +21,10 @@ from martensite.signals.moments import Segment
 class Ramp(AbstractWaveform):
     """A linear passage from `low` to `high`; downwards where `low` is above `high`."""
 
-    low: float = param(DRIVE, "level up to `start`", default=0.0)
-    high: float = param(DRIVE, "level from `end` on", typical=HIGH)
-    start: float = param("s", "time at which the ramp begins", low=0.0, default=0.0, typical="0.5 s")
-    end: float = param("s", "time at which the ramp ends", above=0.0, typical="5 s")
+    low: Number = param(DRIVE, "level up to `start`", default=0.0)
+    high: Number = param(DRIVE, "level from `end` on", typical=HIGH)
+    start: Number = param("s", "time at which the ramp begins", low=0.0, default=0.0, typical="0.5 s")
+    end: Number = param("s", "time at which the ramp ends", above=0.0, typical="5 s")
 
     def check(self) -> None:
         """The ramp takes a time above zero."""

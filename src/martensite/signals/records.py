@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
 from martensite.base.errors import DataError, suggest_name
+from martensite.base.formats import write_quantity
+from martensite.base.summary import DataTable, Summary
 from martensite.signals.table import Table
 
 
@@ -52,6 +55,22 @@ class Record:
             raise DataError(f"Record `{self.name}` has no column `{name}`. {suggest_name(name, self.columns)}")
         return self.columns[name]
 
+    def summary(self) -> Summary:
+        """Return the number of rows, their times, and the range of every column."""
+        ends = {name: _find_ends(column) for name, column in self.columns.items()}
+        units = self.units
+        rows = [(f"`{n}`", *(write_quantity(end, units[n]) for end in pair)) for n, pair in ends.items() if n != "time"]
+        lead = f"Record `{self.name}`: {len(self)} rows from {self.times[0]:.6g} to {self.times[-1]:.6g} s"
+        data = {n: {"lowest": low, "highest": high, "unit": units[n]} for n, (low, high) in ends.items()}
+        return Summary("", [DataTable(("column", "lowest", "highest"), rows, right=(1, 2))], data, lead)
+
+    def __repr__(self) -> str:
+        """A few lines; every column is in `summary()`."""
+        return self.summary().brief()
+
+    def _repr_html_(self) -> str:
+        return self.summary()._repr_html_()
+
     @property
     def times(self) -> list[float]:
         """Times of the rows [s]."""
@@ -60,6 +79,12 @@ class Record:
     def __len__(self) -> int:
         """Number of rows."""
         return len(self.times)
+
+
+def _find_ends(column: Sequence[float]) -> tuple[float, float]:
+    """The lowest and the highest number, NaN where there is none."""
+    known = [one for one in column if not math.isnan(one)] or [math.nan]
+    return min(known), max(known)
 
 
 def out_of_order(times: list[float]) -> int | None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import blend_levels, require_order
 from martensite.signals.levels import HIGH
@@ -24,9 +24,9 @@ _TURNS = {"low": 0.0, "middle": 0.25, "high": 0.5}
 class Sine(AbstractWaveform):
     """A smooth oscillation between `low` and `high`; it has no edges."""
 
-    low: float = param(DRIVE, "lowest level", default=0.0)
-    high: float = param(DRIVE, "highest level", typical=HIGH)
-    frequency: float = param("Hz", "frequency", above=0.0, high=1e9, typical="0.1 Hz")
+    low: Number = param(DRIVE, "lowest level", default=0.0)
+    high: Number = param(DRIVE, "highest level", typical=HIGH)
+    frequency: Number = param("Hz", "frequency", above=0.0, high=1e9, typical="0.1 Hz")
     phase: str = option("where it starts: at `low`, rising through the `middle`, or at `high`", *_TURNS, default="low")
 
     def check(self) -> None:

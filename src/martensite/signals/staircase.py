@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import find_interval, select_inside
 from martensite.signals.levels import INCREMENT
@@ -20,10 +20,10 @@ from martensite.signals.moments import Segment
 class Staircase(AbstractWaveform):
     """Equal jumps at equal times, up and if wanted down again."""
 
-    first: float = param(DRIVE, "first level", default=0.0)
-    increment: float = param(DRIVE, "jump from one level to the next", typical=INCREMENT)
-    hold: float = param("s", "time on each level", low=1e-9, high=1e9, typical="2 s")
-    count: float = param("1", "number of levels", low=1.0, high=1e6, typical=4.0)
+    first: Number = param(DRIVE, "first level", default=0.0)
+    increment: Number = param(DRIVE, "jump from one level to the next", typical=INCREMENT)
+    hold: Number = param("s", "time on each level", low=1e-9, high=1e9, typical="2 s")
+    count: Number = param("1", "number of levels", low=1.0, high=1e6, typical=4.0)
     direction: str = option("what follows the last level", "up", "up-down", default="up")
 
     def check(self) -> None:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import select_inside
 from martensite.signals.levels import HIGH
@@ -20,10 +20,10 @@ class Step(AbstractWaveform):
     The names say what is usual; a step downwards has `low` above `high`.
     """
 
-    low: float = param(DRIVE, "level before the step, and after `until`", default=0.0)
-    high: float = param(DRIVE, "level from the step on", typical=HIGH)
-    at: float = param("s", "time of the step", low=0.0, default=0.0, typical="0.5 s")
-    until: float = param("s", "time of the step back; none if left out", default=math.inf, typical="1.75 s")
+    low: Number = param(DRIVE, "level before the step, and after `until`", default=0.0)
+    high: Number = param(DRIVE, "level from the step on", typical=HIGH)
+    at: Number = param("s", "time of the step", low=0.0, default=0.0, typical="0.5 s")
+    until: Number = param("s", "time of the step back; none if left out", default=math.inf, typical="1.75 s")
 
     def check(self) -> None:
         """The step back comes after the step."""

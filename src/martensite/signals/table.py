@@ -8,8 +8,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param, part
-from martensite.kernels.namespace import Scalar
+from martensite.base.parameters import Number, param, part
 from martensite.signals.base import MANY, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import blend_arrays, blend_levels, select_inside
 from martensite.signals.levels import SAMPLES
@@ -24,8 +23,8 @@ class Table(AbstractWaveform):
         "times of the samples [s], ascending", default=(), typical=("0 s", "1 s", "4 s", "5 s")
     )
     values: tuple[float, ...] = part("samples, in the unit of the source", default=(), typical=SAMPLES)
-    factor: Scalar = param("1", "factor of all samples", default=1.0)
-    stretch: Scalar = param("1", "factor of all times", above=0.0, default=1.0)
+    factor: Number = param("1", "factor of all samples", default=1.0)
+    stretch: Number = param("1", "factor of all times", above=0.0, default=1.0)
 
     def check(self) -> None:
         """Two rows at least, all numbers finite, times ascending."""

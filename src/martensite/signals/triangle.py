@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import count
 
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
 from martensite.signals.edges import blend_levels, find_interval, require_countable, require_order, select_inside
 from martensite.signals.levels import HIGH
@@ -16,9 +16,9 @@ from martensite.signals.moments import Segment
 class Triangle(AbstractWaveform):
     """A linear oscillation between `low` and `high`, which starts at `low`."""
 
-    low: float = param(DRIVE, "lowest level", default=0.0)
-    high: float = param(DRIVE, "highest level", typical=HIGH)
-    frequency: float = param("Hz", "frequency", above=0.0, high=1e9, typical="0.1 Hz")
+    low: Number = param(DRIVE, "lowest level", default=0.0)
+    high: Number = param(DRIVE, "highest level", typical=HIGH)
+    frequency: Number = param("Hz", "frequency", above=0.0, high=1e9, typical="0.1 Hz")
 
     def check(self) -> None:
         """The levels are in order."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, suggest_name
@@ -24,17 +24,35 @@ def by_name(system: AbstractSystem, given: Kind | Mapping[str, Kind]) -> dict[st
         InputError: there is no drive of a given name, or one for a system with many.
     """
     names = [drive.name for drive in system.drives()]
-    if isinstance(given, AbstractDrive):
+    if not isinstance(given, Mapping):
+        _require_drive(given)
         if len(names) != 1:
             raise InputError(
                 f"This system has {len(names)} drives ({', '.join(names)}); give a waveform "
                 f"to each by name, such as {{'{names[0]}': ...}}."
             )
         return {names[0]: cast("Kind", given)}
-    for name in given:
+    for name, one in given.items():
         if name not in names:
-            raise InputError(f"There is no drive `{name}`. {suggest_name(name, names)}")
+            raise InputError(f"There is no drive `{name}`. {suggest_name(str(name), names)}")
+        _require_drive(one)
     return dict(given)
+
+
+def _require_drive(given: Any) -> None:
+    """Raise `InputError` if what is given as a drive is no waveform; the sentence shows how to make one of it."""
+    if isinstance(given, AbstractDrive):
+        return
+    kind, remedy = f"`{type(given).__name__}`", "write for example `ms.Step(high=0.6, at=1.0)`"
+    if isinstance(given, type):
+        kind, remedy = f"the class `{given.__name__}`", f"give an object, such as `{given.__name__}(...)`"
+    elif isinstance(given, int | float):
+        kind, remedy = f"the number {given}", f"write `ms.Constant(level={given})`"
+    elif hasattr(given, "__len__") and not isinstance(given, str):
+        remedy = "write `ms.signals.Table(times=..., values=...)`"
+    elif callable(given):
+        remedy = "write a class derived from `ms.parts.AbstractWaveform`, or `ms.signals.Table(times=..., values=...)`"
+    raise InputError(f"A drive must be a waveform, or a table of waveforms by name, but is {kind}; {remedy}.")
 
 
 def arrange_waveforms(system: AbstractSystem, given: Kind | Mapping[str, Kind]) -> list[Kind | Constant]:

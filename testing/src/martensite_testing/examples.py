@@ -12,9 +12,10 @@ from martensite.actuators.assembly import AbstractSystem, Members, System
 from martensite.base import units
 from martensite.base.errors import ParameterError, UnitError
 from martensite.base.parameters import REQUIRED, Declared, Parametrised
+from martensite.base.part_kinds import find_annotated
 from martensite.base.registry import Registry
 from martensite.physics.electrical.sources import VoltageSource
-from martensite.scenario.components import component_class, find_annotated, is_members
+from martensite.scenario.components import component_class, is_members
 from martensite.signals.base import DRIVE
 from martensite.signals.levels import HIGH
 
@@ -105,7 +106,7 @@ def _find_part(cls: type[Parametrised], name: str, declared: Declared, typical: 
         return tuple(_to_number(one, _unit_of(one)) for one in cast("tuple[Any, ...]", typical))
     if typical is not None:
         return _build_typical(typical, declared.registry, inner)
-    if issubclass(find_annotated(cls, name) or cls, AbstractSystem):
+    if any(issubclass(one, AbstractSystem) for one in (*find_annotated(cls, name), cls)):
         return build_plant()
     if inner is None or is_members(inner):
         raise ParameterError(

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple, Self, cast
 import numpy as np
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param, part
+from martensite.base.parameters import Number, param, part
 from martensite.control.controllers.pid import Gains, PidLaw, PidMemory
 from martensite.identify.blocks.base import AbstractBlock, Column, Numbers
 from martensite.identify.chains.chain import Chain
@@ -43,7 +43,7 @@ class ClosedLoop(AbstractBlock):
     tap: tuple[int, int] = part("which block and which of its outputs is measured")
     offset: Any = part("what is taken off that output", default=0.0)
     law: PidLaw = part("limits, set-point weights and filter", default=PidLaw())
-    sign: float = param("1", "-1 if the output falls when the signal rises, else 1", default=1.0)
+    sign: Number = param("1", "-1 if the output falls when the signal rises, else 1", default=1.0)
 
     @property
     def outputs(self) -> int:

@@ -27,7 +27,7 @@ from martensite.actuators.mechanisms.base import (
     Readout,
 )
 from martensite.base.errors import InputError, suggest_name
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.coupling import StepReport
 
@@ -42,7 +42,7 @@ class MountedEnd(NamedTuple):
 class MovedEnd(AbstractMechanism):
     """The end of an element, which somebody else moves."""
 
-    preload: Scalar = param("N", "force as mounted", low=0.0, high=1e6, default=0.0)
+    preload: Number = param("N", "force as mounted", low=0.0, high=1e6, default=0.0)
     velocity: str = option("whether its velocity is a signal too", "none", "given", default="none")
 
     def signals(self) -> dict[str, str]:

@@ -19,7 +19,7 @@ from martensite.actuators.elements.base import ELEMENTS, AbstractElement
 from martensite.actuators.elements.lumped import AbstractLumped
 from martensite.actuators.mechanisms.base import AbstractMechanism, Output
 from martensite.base.errors import InputError, ParameterError
-from martensite.base.parameters import option, param, part
+from martensite.base.parameters import Number, option, param, part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.physics.laws.coupling import StepReport, advance_memory
@@ -59,7 +59,7 @@ class MaterialPort(AbstractSystem):
     """The material of an element, as a host with its own geometry and heat balance needs it."""
 
     element: AbstractElement = part("the element whose material it is", ELEMENTS)
-    preload: Scalar = param("Pa", "stress at zero strain, at the start", low=-1e10, high=1e10, default=0.0)
+    preload: Number = param("Pa", "stress at zero strain, at the start", low=-1e10, high=1e10, default=0.0)
     compressed: str = option("what it does under compression", "carries", "slack", default="carries")
 
     def check(self) -> None:

@@ -19,7 +19,7 @@ from martensite.actuators.elements.base import ELEMENTS
 from martensite.actuators.elements.network import Column
 from martensite.actuators.elements.section import ROOT3, AbstractSection, find_section_points
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.thermal.base import Cylinder
 
@@ -27,15 +27,15 @@ WALL = ((0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0))
 """Simpson's rule, the outer surface last."""
 
 
-class AbstractArm(AbstractSection, init=False):
+class AbstractArm(AbstractSection):
     """A section that turns an arm."""
 
     straight: ClassVar[bool] = False
 
-    diameter: Scalar = param("m", "outer diameter", above=0.0, high=0.02, typical="0.8 mm")
-    inner_diameter: Scalar = param("m", "inner diameter of a tube, else 0", low=0.0, high=0.02, default=0.0)
-    length: Scalar = param("m", "length that is deformed", above=0.0, high=1e3, typical="100 mm")
-    arm: Scalar = param("m", "radius of the arm or drum at its end", above=0.0, high=10.0, typical="5 mm")
+    diameter: Number = param("m", "outer diameter", above=0.0, high=0.02, typical="0.8 mm")
+    inner_diameter: Number = param("m", "inner diameter of a tube, else 0", low=0.0, high=0.02, default=0.0)
+    length: Number = param("m", "length that is deformed", above=0.0, high=1e3, typical="100 mm")
+    arm: Number = param("m", "radius of the arm or drum at its end", above=0.0, high=10.0, typical="5 mm")
 
     def check(self) -> None:
         """Raise `ParameterError` if a tube has no wall, or fibres cannot ask the law."""
@@ -56,7 +56,7 @@ class AbstractArm(AbstractSection, init=False):
 
 
 @ELEMENTS.register("torsion-wire")
-class TorsionWire(AbstractArm, init=False):
+class TorsionWire(AbstractArm):
     """A straight wire or tube that is twisted."""
 
     def fibre_columns(self, xp: Namespace) -> tuple[Column, Column]:
@@ -65,15 +65,15 @@ class TorsionWire(AbstractArm, init=False):
 
 
 @ELEMENTS.register("bending-beam")
-class BendingBeam(AbstractArm, init=False):
+class BendingBeam(AbstractArm):
     """A ribbon, wire or tube that is bent to a circle."""
 
     shape: str = option("its section", "ribbon", "wire", "tube", default="ribbon")
-    diameter: Scalar = param(
+    diameter: Number = param(
         "m", "outer diameter of a wire or tube, thickness of a ribbon", above=0.0, high=0.02, typical="0.8 mm"
     )
-    width: Scalar = param("m", "width of a ribbon", above=0.0, high=0.1, default=2e-3)
-    arm: Scalar = param("m", "radius of the arm at its end", above=0.0, high=10.0, typical="10 mm")
+    width: Number = param("m", "width of a ribbon", above=0.0, high=0.1, default=2e-3)
+    arm: Number = param("m", "radius of the arm at its end", above=0.0, high=10.0, typical="10 mm")
 
     def check(self) -> None:
         """Raise `ParameterError` if only a tube could be hollow, or fibres cannot ask the law."""

@@ -18,7 +18,7 @@ from martensite.actuators.elements.cells import AbstractCells
 from martensite.actuators.elements.columns import Links
 from martensite.actuators.elements.network import Column
 from martensite.actuators.elements.wire import Wire
-from martensite.base.parameters import option, param, part
+from martensite.base.parameters import FROM_MATERIAL, Number, option, param, part
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 
@@ -27,17 +27,17 @@ from martensite.kernels.namespace import Namespace, Scalar
 class AxialWire(AbstractCells):
     """A wire that is cooler near its clamps."""
 
-    thermal_conductivity: Scalar = param(
-        "W/m/K", "thermal conductivity of austenite", above=0.0, high=1e9, typical="15 W/m/K"
+    thermal_conductivity: Number = param(
+        "W/m/K", "thermal conductivity of austenite", above=0.0, high=1e9, default=FROM_MATERIAL, typical="15 W/m/K"
     )
-    conductivity_ratio: Scalar = param(
+    conductivity_ratio: Number = param(
         "1", "thermal conductivity of martensite over that of austenite", above=0.0, high=100.0, default=1.0
     )
-    contact: Scalar = param(
+    contact: Number = param(
         "W/K", "contact conductance between clamp and end of a span", low=0.0, high=1e9, default=1e3
     )
-    spans: Scalar = param("1", "spans between clamps", low=1.0, high=1e4, default=1.0, typical=2.0)
-    grading: Scalar = param(
+    spans: Number = param("1", "spans between clamps", low=1.0, high=1e4, default=1.0, typical=2.0)
+    grading: Number = param(
         "1", "how much narrower cells get towards a clamp (the exponent γ)", above=0.0, high=15.0, default=4.0
     )
     cells: str = option("cells per half span", "5", "10", "20", "40", "80", default="20")

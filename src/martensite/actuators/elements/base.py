@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import InitVar, dataclass
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
@@ -20,7 +20,7 @@ from martensite.actuators.elements.from_material import complete_from_material
 from martensite.actuators.elements.limits import ElementLimits
 from martensite.base.errors import ParameterError
 from martensite.base.interfaces import make_missing_error
-from martensite.base.parameters import Parametrised
+from martensite.base.parameters import Given, Parametrised
 from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import AbstractSource, Heat
@@ -149,21 +149,25 @@ class AbstractElement(Parametrised):
     passes: ClassVar[int] = 1
     """Turns in which force and tangent are fitted; 1 for an element that is linear in force."""
 
-    law: AbstractLaw = NotImplemented
+    law: Given[AbstractLaw] = NotImplemented
     """The stress–strain–temperature law."""
     limits: ElementLimits = NotImplemented
     """What a run warns about."""
 
-    def __init__(self, *, material: Material | str | Path | None = None, **values: Any) -> None:
+    material: InitVar[Material | str | Path | None] = None
+    """Argument of every element, not a field of it: numbers that are left out are those of the material."""
+
+    def __init__(self, *unnamed: Any, material: Material | str | Path | None = None, **values: Any) -> None:
         """An element from numbers in SI or texts with a unit.
 
         Args:
+            unnamed: refused with a sentence.
             material: one whose numbers are taken where none are given: its name, or a file.
             values: what is declared, by name; a law or another component may be named.
         """
         if material is not None:
             values = complete_from_material(type(self), material, values)
-        super().__init__(**values)
+        super().__init__(*unnamed, **values)
 
     @abstractmethod
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Any:

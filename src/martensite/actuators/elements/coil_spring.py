@@ -33,8 +33,9 @@ from martensite.actuators.elements import coil_theory, helix
 from martensite.actuators.elements.base import ELEMENTS, Spring
 from martensite.actuators.elements.network import Column
 from martensite.actuators.elements.section import ROOT3, AbstractSection
-from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param
+from martensite.base.errors import ParameterError, require_known
+from martensite.base.parameters import Number, option, param
+from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.base import Fractions
 
@@ -77,30 +78,35 @@ def _draw_out_rod(xp: Namespace, rod: helix.Helix, solid: Scalar, force: Scalar)
     return Coil(Spring(free, at.compliance), touching.force, touching.compliance)
 
 
+PHASES = ("austenite", "martensite")
+ROOM = 293.15
+"""Temperature at which a spring rate is stated [K]; it matters to a law with thermal expansion only."""
+
+
 @ELEMENTS.register("coil-spring")
-class CoilSpring(AbstractSection, init=False):
+class CoilSpring(AbstractSection):
     """A helical extension spring of round wire that transforms uniformly."""
 
     cites = ("liang1990", "ranjith2018", "wahl1963", "ancker1958", "love1927")
     passes: ClassVar[int] = 3
     straight: ClassVar[bool] = False
 
-    diameter: Scalar = param("m", "wire diameter", above=0.0, high=0.02, typical="0.75 mm")
-    coil_diameter: Scalar = param("m", "coil diameter", above=0.0, high=1.0, typical="4 mm")
+    diameter: Number = param("m", "wire diameter", above=0.0, high=0.02, typical="0.75 mm")
+    coil_diameter: Number = param("m", "coil diameter", above=0.0, high=1.0, typical="4 mm")
     coil_measure: str = option("coil diameter measured between centres of the wire, or over all", "mean", "outer")
-    turns: Scalar = param("1", "number of active turns", above=0.0, high=1e5, typical=10.0)
-    free_length: Scalar = param(
+    turns: Number = param("1", "number of active turns", above=0.0, high=1e5, typical=10.0)
+    free_length: Number = param(
         "m", "length of the active turns as unloaded austenite, at least N d", above=0.0, high=1e3, typical="10 mm"
     )
     deflection: str = option("theory: flat turns, or a rod that is drawn out", "small", "large", default="small")
-    poisson: Scalar = param("1", "Poisson's ratio, for bending at large deflection", low=0.0, high=0.5, default=0.33)
+    poisson: Number = param("1", "Poisson's ratio, for bending at large deflection", low=0.0, high=0.5, default=0.33)
     stress_factor: str = option(
         "what curvature adds to the stress that drives the law and is compared with its limit",
         *STRESS_FACTORS,
         default="none",
     )
     stiffness_factor: str = option("what curvature adds to the spring rate", *STIFFNESS_FACTORS, default="none")
-    contact: Scalar = param("1", "stiffness of closed turns per spring rate", low=1.0, high=1e6, default=1e3)
+    contact: Number = param("1", "stiffness of closed turns per spring rate", low=1.0, high=1e6, default=1e3)
     section_model: str = option(
         "what stands for the section of its wire: the surface, or fibres all over it",
         "surface",
@@ -167,6 +173,19 @@ class CoilSpring(AbstractSection, init=False):
         """Elongation per equivalent strain [m]; √3 π N D²/d of flat turns."""
         length = self.wire_length()
         return length * length * (ROOT3 / (math.pi * self.turns * self.diameter))
+
+    def spring_rate(self, phase: str = "austenite") -> float:
+        """Return the spring rate [N/m] of open turns near the free length, in one phase.
+
+        Args:
+            phase: `austenite`, or `martensite` whose variants do not change.
+
+        Raises:
+            ParameterError: there is no such phase.
+        """
+        require_known("phase", phase, PHASES)
+        share = float(PHASES.index(phase))
+        return 1.0 / self.spring(floats, Fractions(share, 0.0), ROOM, 0.0).compliance
 
     def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Spring:
         """Tangent at `force` [N] with frozen fractions and temperature [K]."""

@@ -1,7 +1,6 @@
 """Limits of an element: what a run warns about, and what it never leaves."""
 
-from martensite.base.parameters import Parametrised, param
-from martensite.kernels.namespace import Scalar
+from martensite.base.parameters import Number, Parametrised, param
 
 MELTING = 1583.15
 """Temperature [K] at which NiTi melts (1310 degC, binary alloys of 50 at. %)."""
@@ -14,13 +13,13 @@ LONGEST = 0.2
 class ElementLimits(Parametrised):
     """Limits beyond which a run warns, infinite where nothing is known, and at which it stops."""
 
-    temperature_limit: Scalar = param("K", "highest temperature without damage", above=0.0, default=float("inf"))
-    stress_limit: Scalar = param("Pa", "highest stress for long life", above=0.0, default=float("inf"))
-    strain_limit: Scalar = param("1", "largest strain amplitude for long life", above=0.0, default=float("inf"))
-    temperature_stop: Scalar = param(
+    temperature_limit: Number = param("K", "highest temperature without damage", above=0.0, default=float("inf"))
+    stress_limit: Number = param("Pa", "highest stress for long life", above=0.0, default=float("inf"))
+    strain_limit: Number = param("1", "largest strain amplitude for long life", above=0.0, default=float("inf"))
+    temperature_stop: Number = param(
         "K", "temperature at which a run stops; at most where NiTi melts", above=0.0, high=MELTING, default=MELTING
     )
-    stress_stop: Scalar = param("Pa", "stress at which a run stops", above=0.0, high=STRONGEST, default=STRONGEST)
-    strain_stop: Scalar = param(
+    stress_stop: Number = param("Pa", "stress at which a run stops", above=0.0, high=STRONGEST, default=STRONGEST)
+    strain_stop: Number = param(
         "1", "strain of a straight wire at which a run stops", above=0.0, high=LONGEST, default=LONGEST
     )

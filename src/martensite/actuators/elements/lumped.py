@@ -125,7 +125,7 @@ def relax_heat(
     return share, dt * power + dt * dt * change * compute_lateness(xp, z)
 
 
-class AbstractLumped(AbstractElement, init=False):
+class AbstractLumped(AbstractElement):
     """An element that is the same all over; a subclass answers for its shape."""
 
     wear: Wear | None = None

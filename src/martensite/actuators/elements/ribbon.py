@@ -18,7 +18,7 @@ from martensite.actuators.elements.columns import Cells, Links
 from martensite.actuators.elements.network import Column, Linkage, ParallelCells
 from martensite.actuators.elements.wire import Wire
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param, part
+from martensite.base.parameters import Number, option, param, part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.thermal.base import Environment
 
@@ -30,9 +30,9 @@ class Ribbon(AbstractCells):
     passes = 3
 
     wires: str = option("number of wires", "2", "3", "4", "6", "8", default="2")
-    heated: Scalar = param("1", "how many of them carry the current", low=1.0, high=8.0, typical=2.0)
-    distance: Scalar = param("m", "distance of neighbouring axes", above=0.0, high=1.0, typical="1 mm")
-    gap_conductivity: Scalar = param(
+    heated: Number = param("1", "how many of them carry the current", low=1.0, high=8.0, typical=2.0)
+    distance: Number = param("m", "distance of neighbouring axes", above=0.0, high=1.0, typical="1 mm")
+    gap_conductivity: Number = param(
         "W/m/K", "thermal conductivity of what is between the wires (air 0.027)", low=0.0, high=1e3, default=0.027
     )
     wire: Wire = part("one of the wires", ELEMENTS)

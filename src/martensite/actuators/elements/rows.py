@@ -12,7 +12,7 @@ from martensite.actuators.elements.base import ELEMENTS, AbstractElement, Spring
 from martensite.actuators.elements.limits import ElementLimits
 from martensite.actuators.elements.lumped import AbstractLumped
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param, part
+from martensite.base.parameters import Number, option, param, part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.physics.laws.wear import Wear
@@ -22,7 +22,7 @@ from martensite.physics.thermal.base import Environment
 class AbstractRow(AbstractLumped):
     """Equal elements; a subclass names one of them and says how they share the load."""
 
-    count: Scalar = param("1", "number of elements", low=1.0, high=1e4, typical=2.0)
+    count: Number = param("1", "number of elements", low=1.0, high=1e4, typical=2.0)
     wiring: str = option("how they are wired", "series", "parallel", default="series")
 
     @property

@@ -69,7 +69,7 @@ def find_section_points(count: int) -> tuple[tuple[float, float], ...]:
     return tuple(rows)
 
 
-class AbstractSection(AbstractRoundWire, AbstractLumped, init=False):
+class AbstractSection(AbstractRoundWire, AbstractLumped):
     """A section of fibres; a subclass says where they are."""
 
     section_model: str = option(

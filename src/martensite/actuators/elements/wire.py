@@ -11,7 +11,7 @@ from martensite.actuators.elements.base import ELEMENTS, AbstractElement, Spring
 from martensite.actuators.elements.limits import ElementLimits
 from martensite.actuators.elements.lumped import AbstractLumped
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param, part
+from martensite.base.parameters import FROM_MATERIAL, Given, Number, option, param, part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import RESISTANCES, AbstractResistance, Conductor
 from martensite.physics.electrical.resistances import RESISTIVITY, PerLengthResistance, describe_contradiction
@@ -21,21 +21,23 @@ from martensite.physics.thermal.base import Cylinder, Environment
 from martensite.physics.thermal.ends import ENDS, AbstractEnds, AdiabaticEnds
 
 
-class AbstractRoundWire(AbstractElement, init=False):
+class AbstractRoundWire(AbstractElement):
     """An element made of a round wire; a subclass adds what gives the length of it.
 
     Mass, heat capacity, latent heat, resistance and heat loss are those of the wire, of diameter d and length l, at its
     nominal size. The lateral surface π d l loses heat, and so do the ends if they are clamped.
     """
 
-    diameter: Scalar = param("m", "wire diameter", above=0.0, high=0.02, typical="0.2 mm")
-    density: Scalar = param("kg/m^3", "density", above=0.0, high=3e4, typical="6450 kg/m^3")
-    heat_capacity: Scalar = param("J/kg/K", "specific heat capacity", above=0.0, high=1e4, typical="500 J/kg/K")
-    latent_heat: Scalar = param(
+    diameter: Number = param("m", "wire diameter", above=0.0, high=0.02, typical="0.2 mm")
+    density: Number = param("kg/m^3", "density", above=0.0, high=3e4, default=FROM_MATERIAL, typical="6450 kg/m^3")
+    heat_capacity: Number = param(
+        "J/kg/K", "specific heat capacity", above=0.0, high=1e4, default=FROM_MATERIAL, typical="500 J/kg/K"
+    )
+    latent_heat: Number = param(
         "J/kg", "latent heat of the whole transformation", low=0.0, high=1e6, default=0.0, typical="24 J/g"
     )
-    initial_fraction: Scalar = param("1", "martensite fraction at the start", low=0.0, high=1.0, default=1.0)
-    initial_oriented: Scalar = param("1", "oriented share of the initial martensite", low=0.0, high=1.0, default=1.0)
+    initial_fraction: Number = param("1", "martensite fraction at the start", low=0.0, high=1.0, default=1.0)
+    initial_oriented: Number = param("1", "oriented share of the initial martensite", low=0.0, high=1.0, default=1.0)
     initial: str = option(
         "how its martensite is oriented: as in a wire that was cooled under the force at the start "
         "before, or wholly; of that `initial_oriented` is a share",
@@ -43,8 +45,8 @@ class AbstractRoundWire(AbstractElement, init=False):
         "oriented",
         default="trained",
     )
-    law: AbstractLaw = part("stress–strain–temperature law", LAWS)
-    resistance: AbstractResistance = part("resistance model", RESISTANCES)
+    law: Given[AbstractLaw] = part("stress–strain–temperature law", LAWS, default=FROM_MATERIAL)
+    resistance: Given[AbstractResistance] = part("resistance model", RESISTANCES, default=FROM_MATERIAL)
     ends: AbstractEnds = part("what the ends lose", ENDS, default=AdiabaticEnds())
     limits: ElementLimits = part("safety limits", default=ElementLimits())
     wear: Wear | None = part("what cycles change in it; nothing if left out", default=None)
@@ -131,10 +133,10 @@ class AbstractRoundWire(AbstractElement, init=False):
 
 
 @ELEMENTS.register("wire")
-class Wire(AbstractRoundWire, AbstractLumped, init=False):
+class Wire(AbstractRoundWire, AbstractLumped):
     """A straight wire that transforms uniformly along its length."""
 
-    length: Scalar = param("m", "length at zero strain", above=0.0, high=1e3, typical="200 mm")
+    length: Number = param("m", "length at zero strain", above=0.0, high=1e3, typical="200 mm")
 
     def wire_length(self) -> Scalar:
         """Length of the wire [m]."""

@@ -28,8 +28,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import Parametrised, param
-from martensite.kernels.namespace import Scalar
+from martensite.base.parameters import Number, Parametrised, param
 
 if TYPE_CHECKING:
     import numpy as np
@@ -46,12 +45,12 @@ class CantileverBeam(Parametrised):
 
     cites = ("kossoski2018",)
 
-    E: Scalar = param("Pa", "Young's modulus", above=0.0, high=1e13)
-    density: Scalar = param("kg/m^3", "density", above=0.0, high=1e5)
-    width: Scalar = param("m", "width of the section, across the motion", above=0.0, high=10.0)
-    height: Scalar = param("m", "height of the section, along the motion", above=0.0, high=10.0)
-    length: Scalar = param("m", "length from the clamp to the tip", above=0.0, high=100.0)
-    tip_mass: Scalar = param("kg", "mass at the tip", low=0.0, high=1e6, default=0.0)
+    E: Number = param("Pa", "Young's modulus", above=0.0, high=1e13)
+    density: Number = param("kg/m^3", "density", above=0.0, high=1e5)
+    width: Number = param("m", "width of the section, across the motion", above=0.0, high=10.0)
+    height: Number = param("m", "height of the section, along the motion", above=0.0, high=10.0)
+    length: Number = param("m", "length from the clamp to the tip", above=0.0, high=100.0)
+    tip_mass: Number = param("kg", "mass at the tip", low=0.0, high=1e6, default=0.0)
 
     @property
     def second_moment(self) -> float:

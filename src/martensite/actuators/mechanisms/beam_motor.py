@@ -37,7 +37,7 @@ from martensite.actuators.mechanisms.base import MECHANISMS, Column, Load, Mecha
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import sum_column
 
@@ -65,36 +65,36 @@ class BeamMotor(AbstractMultibody):
         "printed",
         default="lagrange",
     )
-    mass: Scalar = param("kg", "moving mass M of the first mode, with unbalance", above=0.0, high=1e4, typical="250 g")
-    stiffness: Scalar = param("N/m", "stiffness k of the first mode", above=0.0, high=1e9, typical="541 N/m")
-    damping: Scalar = param("N*s/m", "damping c of the first mode", low=0.0, high=1e6, typical="0.2 N*s/m")
-    mass_2: Scalar = param("kg", "mass of the second mode", above=0.0, default=math.inf, typical="300 g")
-    stiffness_2: Scalar = param("N/m", "stiffness of the second mode", above=0.0, default=math.inf, typical="2e4 N/m")
-    mass_3: Scalar = param("kg", "mass of the third mode", above=0.0, default=math.inf, typical="400 g")
-    stiffness_3: Scalar = param("N/m", "stiffness of the third mode", above=0.0, default=math.inf, typical="2e5 N/m")
-    mass_4: Scalar = param("kg", "mass of the fourth mode", above=0.0, default=math.inf, typical="500 g")
-    stiffness_4: Scalar = param("N/m", "stiffness of the fourth mode", above=0.0, default=math.inf, typical="1e6 N/m")
-    unbalance: Scalar = param("kg", "mass m of the unbalance", low=0.0, high=1e3, typical="20 g")
-    eccentricity: Scalar = param("m", "distance r of the unbalance from the axis", low=0.0, high=1.0, typical="20 mm")
-    rotor_inertia: Scalar = param(
+    mass: Number = param("kg", "moving mass M of the first mode, with unbalance", above=0.0, high=1e4, typical="250 g")
+    stiffness: Number = param("N/m", "stiffness k of the first mode", above=0.0, high=1e9, typical="541 N/m")
+    damping: Number = param("N*s/m", "damping c of the first mode", low=0.0, high=1e6, typical="0.2 N*s/m")
+    mass_2: Number = param("kg", "mass of the second mode", above=0.0, default=math.inf, typical="300 g")
+    stiffness_2: Number = param("N/m", "stiffness of the second mode", above=0.0, default=math.inf, typical="2e4 N/m")
+    mass_3: Number = param("kg", "mass of the third mode", above=0.0, default=math.inf, typical="400 g")
+    stiffness_3: Number = param("N/m", "stiffness of the third mode", above=0.0, default=math.inf, typical="2e5 N/m")
+    mass_4: Number = param("kg", "mass of the fourth mode", above=0.0, default=math.inf, typical="500 g")
+    stiffness_4: Number = param("N/m", "stiffness of the fourth mode", above=0.0, default=math.inf, typical="1e6 N/m")
+    unbalance: Number = param("kg", "mass m of the unbalance", low=0.0, high=1e3, typical="20 g")
+    eccentricity: Number = param("m", "distance r of the unbalance from the axis", low=0.0, high=1.0, typical="20 mm")
+    rotor_inertia: Number = param(
         "kg*m^2", "inertia J of the rotor without the unbalance", above=0.0, high=1e3, typical="8e-5 kg*m^2"
     )
-    rotor_friction: Scalar = param(
+    rotor_friction: Number = param(
         "N*m*s/rad", "viscous friction b of the rotor", low=0.0, high=1e3, default=0.0, typical="1e-5 N*m*s/rad"
     )
-    dry_friction: Scalar = param("N*m", "rotor's dry friction F_c", low=0.0, high=1e3, default=0.0, typical="1e-4 N*m")
-    friction_rate: Scalar = param(
+    dry_friction: Number = param("N*m", "rotor's dry friction F_c", low=0.0, high=1e3, default=0.0, typical="1e-4 N*m")
+    friction_rate: Number = param(
         "rad/s", "rate v₀ over which dry friction changes sign", above=0.0, high=1e3, default=0.1, typical="5 rad/s"
     )
-    torque_constant: Scalar = param("N*m/A", "torque per current K_T", low=0.0, high=1e3, typical="0.02 N*m/A")
-    back_emf: Scalar = param("V*s/rad", "voltage per speed K_B", low=0.0, high=1e3, typical="0.02 V*s/rad")
-    resistance: Scalar = param("ohm", "resistance R of the winding", above=0.0, high=1e6, typical="4 ohm")
-    inductance: Scalar = param("H", "inductance L of the winding", above=0.0, high=1e3, typical="20 mH")
-    wire_length: Scalar = param(
+    torque_constant: Number = param("N*m/A", "torque per current K_T", low=0.0, high=1e3, typical="0.02 N*m/A")
+    back_emf: Number = param("V*s/rad", "voltage per speed K_B", low=0.0, high=1e3, typical="0.02 V*s/rad")
+    resistance: Number = param("ohm", "resistance R of the winding", above=0.0, high=1e6, typical="4 ohm")
+    inductance: Number = param("H", "inductance L of the winding", above=0.0, high=1e3, typical="20 mH")
+    wire_length: Number = param(
         "m", "length l_w of the path of the wire at x = 0", above=0.0, default=math.inf, typical="300 mm"
     )
-    wire_angle: Scalar = param("rad", "angle θ of wire and beam at x = 0", low=0.0, high=1.57, default=math.pi / 12)
-    slack: Scalar = param(
+    wire_angle: Number = param("rad", "angle θ of wire and beam at x = 0", low=0.0, high=1.57, default=math.pi / 12)
+    slack: Number = param(
         "1",
         "how much longer than its path the unloaded hot wire is; negative: shorter",
         low=-0.2,

@@ -29,8 +29,8 @@ from martensite.actuators.mechanisms.base import MECHANISMS, Column, Load, Mecha
 from martensite.actuators.mechanisms.beam_motor import BeamMotor
 from martensite.actuators.mechanisms.multibody import Assembled, Coordinate
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param
-from martensite.kernels.namespace import Namespace, Scalar
+from martensite.base.parameters import Number, param
+from martensite.kernels.namespace import Namespace
 from martensite.kernels.nested import sum_column
 
 ROTOR = ("unbalance", "eccentricity", "rotor_inertia", "rotor_friction", "torque_constant", "back_emf")
@@ -45,22 +45,22 @@ class BeamMotors(BeamMotor):
 
     cites = ("kossoski2018", "blekhman1988")
 
-    unbalance_2: Scalar = param("kg", "mass of the second unbalance", low=0.0, high=1e3, typical="20 g")
-    eccentricity_2: Scalar = param(
+    unbalance_2: Number = param("kg", "mass of the second unbalance", low=0.0, high=1e3, typical="20 g")
+    eccentricity_2: Number = param(
         "m", "distance of the second unbalance from the axis", low=0.0, high=1.0, typical="20 mm"
     )
-    rotor_inertia_2: Scalar = param("kg*m^2", "inertia of the second rotor", above=0.0, typical="8e-5 kg*m^2")
-    rotor_friction_2: Scalar = param(
+    rotor_inertia_2: Number = param("kg*m^2", "inertia of the second rotor", above=0.0, typical="8e-5 kg*m^2")
+    rotor_friction_2: Number = param(
         "N*m*s/rad", "viscous friction of the second rotor", low=0.0, high=1e3, default=0.0
     )
-    torque_constant_2: Scalar = param(
+    torque_constant_2: Number = param(
         "N*m/A", "torque per current of the second motor", low=0.0, high=1e3, typical="0.02 N*m/A"
     )
-    back_emf_2: Scalar = param(
+    back_emf_2: Number = param(
         "V*s/rad", "voltage per speed of the second motor", low=0.0, high=1e3, typical="0.02 V*s/rad"
     )
-    resistance_2: Scalar = param("ohm", "resistance of the second winding", above=0.0, high=1e6, typical="4 ohm")
-    inductance_2: Scalar = param("H", "inductance of the second winding", above=0.0, high=1e3, typical="20 mH")
+    resistance_2: Number = param("ohm", "resistance of the second winding", above=0.0, high=1e6, typical="4 ohm")
+    inductance_2: Number = param("H", "inductance of the second winding", above=0.0, high=1e3, typical="20 mH")
 
     def check(self) -> None:
         """Raise `ParameterError` if the moving mass does not hold both unbalances, or as `beam-motor` does."""
@@ -153,9 +153,9 @@ class BeamHarvester(BeamMotor):
 
     cites = ("kossoski2018", "erturk2011")
 
-    piezo_coupling: Scalar = param("N/V", "coupling θ of first mode and patch", low=0.0, high=1e3, typical="2 mN/V")
-    piezo_capacitance: Scalar = param("F", "capacitance C_p of the patch", above=0.0, high=1.0, typical="100 nF")
-    load_resistance: Scalar = param("ohm", "resistance R_l that it feeds", above=0.0, high=1e12, typical="100 kohm")
+    piezo_coupling: Number = param("N/V", "coupling θ of first mode and patch", low=0.0, high=1e3, typical="2 mN/V")
+    piezo_capacitance: Number = param("F", "capacitance C_p of the patch", above=0.0, high=1.0, typical="100 nF")
+    load_resistance: Number = param("ohm", "resistance R_l that it feeds", above=0.0, high=1e12, typical="100 kohm")
 
     def coordinates(self) -> tuple[Coordinate, ...]:
         """Those of the beam with its motor, and the flux of the patch."""

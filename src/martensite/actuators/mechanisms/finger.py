@@ -60,7 +60,7 @@ from martensite.actuators.mechanisms.drawing import (
 from martensite.actuators.mechanisms.joints import bowstring_arm, find_stop_energy, shorten_bowstring, stop_torque
 from martensite.actuators.mechanisms.multibody import Coordinate
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.recordable_numbers import xp
@@ -74,38 +74,38 @@ class Finger(grasp.AbstractGrasp):
 
     cites = ("finger-paper",)
 
-    offset: Scalar = param("m", "distance r of the wire from the hinge", above=0.0, high=1.0, typical="4 mm")
-    bracket: Scalar = param(
+    offset: Number = param("m", "distance r of the wire from the hinge", above=0.0, high=1.0, typical="4 mm")
+    bracket: Number = param(
         "m", "distance g of a bracket from the hinge, along the phalanx", above=0.0, high=1.0, typical="5 mm"
     )
-    passes: Scalar = param("1", "how often the wire passes the hinge", low=1.0, high=100.0, default=2.0)
+    passes: Number = param("1", "how often the wire passes the hinge", low=1.0, high=100.0, default=2.0)
     spring: str = option("return spring: across its arm, or from a fixed end", "follower", "fixed", default="follower")
-    stiffness: Scalar = param("N/m", "rate of the return spring", low=0.0, high=1e6, typical="200 N/m")
-    arm: Scalar = param("m", "distance a of the spring from the hinge", above=0.0, high=1.0, typical="8 mm")
-    extension: Scalar = param("m", "extension of the spring at θ = 0", low=0.0, high=1.0, default=0.0, typical="2 mm")
-    height: Scalar = param("m", "distance H of the fixed end of the spring", above=0.0, high=10.0, default=0.05)
-    friction: Scalar = param("1", "friction of the wire on brackets", low=0.0, high=2.0, default=0.0, typical=0.1)
-    friction_rate: Scalar = param(
+    stiffness: Number = param("N/m", "rate of the return spring", low=0.0, high=1e6, typical="200 N/m")
+    arm: Number = param("m", "distance a of the spring from the hinge", above=0.0, high=1.0, typical="8 mm")
+    extension: Number = param("m", "extension of the spring at θ = 0", low=0.0, high=1.0, default=0.0, typical="2 mm")
+    height: Number = param("m", "distance H of the fixed end of the spring", above=0.0, high=10.0, default=0.05)
+    friction: Number = param("1", "friction of the wire on brackets", low=0.0, high=2.0, default=0.0, typical=0.1)
+    friction_rate: Number = param(
         "rad/s", "rate over which friction changes sign", above=0.0, high=100.0, default=1e-2, typical="5 rad/s"
     )
-    lowest: Scalar = param("rad", "lower end stop", low=-6.3, high=0.0, default=-3.0)
-    highest: Scalar = param("rad", "upper end stop", low=0.0, high=6.3, default=3.0)
-    stop: Scalar = param("N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=10.0)
-    damping: Scalar = param("N*m*s/rad", "damping of a hinge", low=0.0, high=1e6, default=0.0, typical="2e-4 N*m*s/rad")
-    inertia: Scalar = param("kg*m^2", "inertia of a phalanx", above=0.0, high=1e6, default=1e-5, typical="2e-5 kg*m^2")
+    lowest: Number = param("rad", "lower end stop", low=-6.3, high=0.0, default=-3.0)
+    highest: Number = param("rad", "upper end stop", low=0.0, high=6.3, default=3.0)
+    stop: Number = param("N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=10.0)
+    damping: Number = param("N*m*s/rad", "damping of a hinge", low=0.0, high=1e6, default=0.0, typical="2e-4 N*m*s/rad")
+    inertia: Number = param("kg*m^2", "inertia of a phalanx", above=0.0, high=1e6, default=1e-5, typical="2e-5 kg*m^2")
     weight: str = option("whether the phalanx has a weight", "none", "given", default="none")
-    mass: Scalar = param("kg", "mass of the phalanx", low=0.0, high=1e3, default=0.01)
+    mass: Number = param("kg", "mass of the phalanx", low=0.0, high=1e3, default=0.01)
     centre: Scalar = grasp.CENTRE
-    phalanx_length: Scalar = param("m", "length of the phalanx", above=0.0, high=10.0, default=0.04)
-    gravity: Scalar = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
+    phalanx_length: Number = param("m", "length of the phalanx", above=0.0, high=10.0, default=0.04)
+    gravity: Number = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
     tilt: Scalar = grasp.TILT
     contact: str = grasp.CONTACT
     thickness: Scalar = grasp.THICKNESS
     cylinder_radius: Scalar = grasp.RADIUS
-    cylinder_along: Scalar = param(
+    cylinder_along: Number = param(
         "m", "axis of the cylinder, along the phalanx at θ = 0", low=-10.0, high=10.0, default=0.02
     )
-    cylinder_inwards: Scalar = param("m", "axis of the cylinder, to the inside", low=-10.0, high=10.0, default=0.03)
+    cylinder_inwards: Number = param("m", "axis of the cylinder, to the inside", low=-10.0, high=10.0, default=0.03)
 
     def check(self) -> None:
         """Raise `ParameterError` if the wire would push, the inertia is too small, or the cylinder is in the way."""

@@ -18,7 +18,7 @@ from typing import NamedTuple
 from martensite.actuators.mechanisms.base import Column, Load, Output, Readout
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import sum_column
@@ -67,8 +67,8 @@ class AbstractGrasp(AbstractMultibody, init=False):
     """Interface of fingers: every coordinate is the angle of a joint, and turns a phalanx."""
 
     contact: str
-    lowest: Scalar
-    highest: Scalar
+    lowest: Number
+    highest: Number
 
     @abstractmethod
     def locate_contacts(self, xp: Namespace, position: Column) -> list[Touch]:

@@ -54,7 +54,7 @@ from martensite.actuators.mechanisms.joints import (
 )
 from martensite.actuators.mechanisms.multibody import Coordinate
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import sum_column
@@ -76,38 +76,38 @@ class Hand(grasp.AbstractGrasp):
         "passing",
         default="separate",
     )
-    offset: Scalar = param("m", "distance r of a flexor from the hinge", above=0.0, high=1.0, typical="4 mm")
-    bracket: Scalar = param(
+    offset: Number = param("m", "distance r of a flexor from the hinge", above=0.0, high=1.0, typical="4 mm")
+    bracket: Number = param(
         "m", "distance g of a bracket from the hinge, along the phalanx", low=0.0, high=1.0, typical="5 mm"
     )
-    knuckle: Scalar = param("m", "radius ρ of the knuckle under an extensor", above=0.0, high=1.0, typical="5 mm")
-    preload: Scalar = param("N", "force in every flexor at assembly", low=0.0, high=1e6, typical="2 N")
-    stiffness: Scalar = param("N*m/rad", "joint spring rate", low=0.0, high=1e6, default=0.0, typical="2e-3 N*m/rad")
-    torque: Scalar = param("N*m", "joint spring torque τ₀ at θ = 0", low=0.0, high=1e6, default=0.0, typical="1e-3 N*m")
-    lowest: Scalar = param("rad", "lower end stop of a joint", low=-3.1, high=0.0, default=0.0, typical="-0.5 rad")
-    highest: Scalar = param("rad", "upper end stop of a joint", above=0.0, high=3.1, default=1.6)
-    stop: Scalar = param("N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=10.0)
-    damping: Scalar = param("N*m*s/rad", "damping of a joint", low=0.0, high=1e6, default=0.0, typical="2e-4 N*m*s/rad")
-    proximal_length: Scalar = param("m", "length of a proximal phalanx", above=0.0, high=10.0, default=0.05)
-    proximal_mass: Scalar = param("kg", "mass of a proximal phalanx", above=0.0, high=1e3, default=0.02)
-    distal_length: Scalar = param("m", "length of a distal phalanx", above=0.0, high=10.0, default=0.04)
-    distal_mass: Scalar = param("kg", "mass of a distal phalanx", above=0.0, high=1e3, default=0.01)
-    gravity: Scalar = param(
+    knuckle: Number = param("m", "radius ρ of the knuckle under an extensor", above=0.0, high=1.0, typical="5 mm")
+    preload: Number = param("N", "force in every flexor at assembly", low=0.0, high=1e6, typical="2 N")
+    stiffness: Number = param("N*m/rad", "joint spring rate", low=0.0, high=1e6, default=0.0, typical="2e-3 N*m/rad")
+    torque: Number = param("N*m", "joint spring torque τ₀ at θ = 0", low=0.0, high=1e6, default=0.0, typical="1e-3 N*m")
+    lowest: Number = param("rad", "lower end stop of a joint", low=-3.1, high=0.0, default=0.0, typical="-0.5 rad")
+    highest: Number = param("rad", "upper end stop of a joint", above=0.0, high=3.1, default=1.6)
+    stop: Number = param("N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=10.0)
+    damping: Number = param("N*m*s/rad", "damping of a joint", low=0.0, high=1e6, default=0.0, typical="2e-4 N*m*s/rad")
+    proximal_length: Number = param("m", "length of a proximal phalanx", above=0.0, high=10.0, default=0.05)
+    proximal_mass: Number = param("kg", "mass of a proximal phalanx", above=0.0, high=1e3, default=0.02)
+    distal_length: Number = param("m", "length of a distal phalanx", above=0.0, high=10.0, default=0.04)
+    distal_mass: Number = param("kg", "mass of a distal phalanx", above=0.0, high=1e3, default=0.01)
+    gravity: Number = param(
         "m/s^2", "gravity along the straight fingers", low=0.0, high=100.0, default=0.0, typical="9.81 m/s^2"
     )
-    thumb: Scalar = param("1", "size of the thumb", above=0.0, high=10.0, default=1.0, typical=0.9)
-    index: Scalar = param("1", "size of the index finger", above=0.0, high=10.0, default=1.0)
-    middle: Scalar = param("1", "size of the middle finger", above=0.0, high=10.0, default=1.0, typical=1.1)
+    thumb: Number = param("1", "size of the thumb", above=0.0, high=10.0, default=1.0, typical=0.9)
+    index: Number = param("1", "size of the index finger", above=0.0, high=10.0, default=1.0)
+    middle: Number = param("1", "size of the middle finger", above=0.0, high=10.0, default=1.0, typical=1.1)
     weight: str = option("uniform rods that hang, or as given", "hanging", "given", default="hanging")
     proximal_centre: Scalar = grasp.CENTRE
     distal_centre: Scalar = grasp.CENTRE
     tilt: Scalar = grasp.TILT
     contact: str = grasp.CONTACT
     thickness: Scalar = grasp.THICKNESS
-    span: Scalar = param("m", "distance of the thumb's hinge from the others", low=0.0, high=10.0, default=0.08)
+    span: Number = param("m", "distance of the thumb's hinge from the others", low=0.0, high=10.0, default=0.08)
     cylinder_radius: Scalar = grasp.RADIUS
-    cylinder_depth: Scalar = param("m", "axis of the cylinder, below the palm", low=-10.0, high=10.0, default=0.04)
-    cylinder_aside: Scalar = param(
+    cylinder_depth: Number = param("m", "axis of the cylinder, below the palm", low=-10.0, high=10.0, default=0.04)
+    cylinder_aside: Number = param(
         "m", "axis of the cylinder, from the middle to the thumb", low=-10.0, high=10.0, default=0.0
     )
 

@@ -32,7 +32,7 @@ from martensite.actuators.mechanisms.drawing import (
 )
 from martensite.actuators.mechanisms.joints import find_stop_energy, stop_torque
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.recordable_numbers import xp
 
@@ -41,11 +41,11 @@ from martensite.kernels.recordable_numbers import xp
 class Lever(AbstractMultibody):
     """A lever about a pivot between a wire and a weight."""
 
-    arm: Scalar = param("m", "arm a of the wire", above=0.0, high=10.0, typical="20 mm")
-    distance: Scalar = param(
+    arm: Number = param("m", "arm a of the wire", above=0.0, high=10.0, typical="20 mm")
+    distance: Number = param(
         "m", "distance ℓ of the fixed end of the wire from its arm", above=0.0, high=100.0, typical="60 mm"
     )
-    wire_angle: Scalar = param(
+    wire_angle: Number = param(
         "rad",
         "angle γ between wire and arm as assembled",
         above=0.0,
@@ -53,9 +53,9 @@ class Lever(AbstractMultibody):
         default=0.5 * math.pi,
         typical="1.3 rad",
     )
-    mass: Scalar = param("kg", "hanging mass", low=0.0, high=1e6, default=0.0, typical="200 g")
-    weight_arm: Scalar = param("m", "arm b of the weight", above=0.0, high=10.0, typical="50 mm")
-    weight_angle: Scalar = param(
+    mass: Number = param("kg", "hanging mass", low=0.0, high=1e6, default=0.0, typical="200 g")
+    weight_arm: Number = param("m", "arm b of the weight", above=0.0, high=10.0, typical="50 mm")
+    weight_angle: Number = param(
         "rad",
         "angle φ₀ at which the arm of the weight rises as assembled",
         low=-1.57,
@@ -63,14 +63,14 @@ class Lever(AbstractMultibody):
         default=0.0,
         typical="0.2 rad",
     )
-    gravity: Scalar = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
-    stiffness: Scalar = param("N*m/rad", "return spring rate", low=0.0, high=1e6, default=0.0, typical="0.05 N*m/rad")
-    torque: Scalar = param("N*m", "return spring torque at home", low=0.0, high=1e6, default=0.0, typical="0.02 N*m")
-    lowest: Scalar = param("rad", "lower end stop", low=-3.1, high=0.0, default=-1.0)
-    highest: Scalar = param("rad", "upper end stop", above=0.0, high=3.1, default=1.0)
-    stop: Scalar = param("N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=100.0)
-    damping: Scalar = param("N*m*s/rad", "pivot damping", low=0.0, high=1e6, default=0.0, typical="0.01 N*m*s/rad")
-    inertia: Scalar = param(
+    gravity: Number = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
+    stiffness: Number = param("N*m/rad", "return spring rate", low=0.0, high=1e6, default=0.0, typical="0.05 N*m/rad")
+    torque: Number = param("N*m", "return spring torque at home", low=0.0, high=1e6, default=0.0, typical="0.02 N*m")
+    lowest: Number = param("rad", "lower end stop", low=-3.1, high=0.0, default=-1.0)
+    highest: Number = param("rad", "upper end stop", above=0.0, high=3.1, default=1.0)
+    stop: Number = param("N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=100.0)
+    damping: Number = param("N*m*s/rad", "pivot damping", low=0.0, high=1e6, default=0.0, typical="0.01 N*m*s/rad")
+    inertia: Number = param(
         "kg*m^2", "inertia of the lever without the weight", above=0.0, high=1e6, default=1e-6, typical="1e-4 kg*m^2"
     )
 

@@ -21,7 +21,7 @@ from martensite.actuators.mechanisms.base import (
     Readout,
 )
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_bar, draw_weight
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.coupling import StepReport
 
@@ -116,8 +116,8 @@ class AbstractLoadLine(AbstractMechanism):
 class DeadWeight(AbstractLoadLine):
     """A hanging mass; inertia is left out, and the wire is never slack."""
 
-    mass: Scalar = param("kg", "hanging mass", low=0.0, high=1e6, typical="200 g")
-    gravity: Scalar = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
+    mass: Number = param("kg", "hanging mass", low=0.0, high=1e6, typical="200 g")
+    gravity: Number = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
 
     def start_force(self, xp: Namespace) -> Scalar:
         """The weight m g [N]."""
@@ -156,8 +156,8 @@ class BiasSpring(AbstractLoadLine):
     with F₀ the preload at assembly and x the position. Neither wire nor spring can push.
     """
 
-    stiffness: Scalar = param("N/m", "spring rate", above=0.0, high=1e9, typical="150 N/m")
-    preload: Scalar = param("N", "force at assembly", low=0.0, high=1e6, default=0.0, typical="1.5 N")
+    stiffness: Number = param("N/m", "spring rate", above=0.0, high=1e9, typical="150 N/m")
+    preload: Number = param("N", "force at assembly", low=0.0, high=1e6, default=0.0, typical="1.5 N")
 
     def start_force(self, xp: Namespace) -> Scalar:
         """Preload [N]."""

@@ -37,7 +37,7 @@ from martensite.actuators.mechanisms.base import (
 )
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_hanging
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Namespace, Scalar
@@ -97,7 +97,7 @@ class AbstractMultibody(AbstractMechanism):
         "dynamic",
         default="quasi-static",
     )
-    rho_inf: Scalar = param("1", "share of the fastest oscillation that a step keeps", low=0.0, high=1.0, default=0.8)
+    rho_inf: Number = param("1", "share of the fastest oscillation that a step keeps", low=0.0, high=1.0, default=0.8)
 
     # ---------------------------------------------------------------- a subclass answers
 

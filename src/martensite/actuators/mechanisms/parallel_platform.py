@@ -28,7 +28,8 @@ from martensite.actuators.mechanisms.base import MECHANISMS, Column, MechanicalE
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_bar, lead_wire
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
+from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.recordable_numbers import xp
 
@@ -41,17 +42,17 @@ class ParallelPlatform(AbstractMultibody):
 
     cites = ("ranjith2018",)
 
-    side: Scalar = param("m", "side s of the triangular plates", above=0.0, high=10.0, typical="100 mm")
-    height: Scalar = param("m", "distance h of the plates at home", above=0.0, high=10.0, typical="50 mm")
-    mass: Scalar = param("kg", "mass M of the top plate", above=0.0, high=1e6, typical="100 g")
-    inertia: Scalar = param(
+    side: Number = param("m", "side s of the triangular plates", above=0.0, high=10.0, typical="100 mm")
+    height: Number = param("m", "distance h of the plates at home", above=0.0, high=10.0, typical="50 mm")
+    mass: Number = param("kg", "mass M of the top plate", above=0.0, high=1e6, typical="100 g")
+    inertia: Number = param(
         "kg*m^2",
         "moment of inertia about an axis in the plate through its centroid; 0 for that of a uniform triangle, M s²/24",
         low=0.0,
         high=1e6,
         default=0.0,
     )
-    eccentricity: Scalar = param(
+    eccentricity: Number = param(
         "m",
         "height e of the plate's centroid over the joint; 0 if the joint is there",
         low=-10.0,
@@ -59,17 +60,17 @@ class ParallelPlatform(AbstractMultibody):
         default=0.0,
         typical="-10 mm",
     )
-    gravity: Scalar = param(
+    gravity: Number = param(
         "m/s^2",
         "acceleration of gravity towards the base; negative for a hanging platform",
         low=-100.0,
         high=100.0,
         default=9.80665,
     )
-    damping: Scalar = param(
+    damping: Number = param(
         "N*m*s/rad", "damping b of each axis of the joint", low=0.0, high=1e6, default=0.0, typical="1e-3 N*m*s/rad"
     )
-    preload: Scalar = param("N", "force in all springs at assembly", low=0.0, high=1e6, default=0.0, typical="3 N")
+    preload: Number = param("N", "force in all springs at assembly", low=0.0, high=1e6, default=0.0, typical="3 N")
 
     def check(self) -> None:
         """Raise `ParameterError` if the joint would be below the base."""
@@ -99,6 +100,10 @@ class ParallelPlatform(AbstractMultibody):
         plate = thin_plate(self.plates(), self.mass)
         given = self.inertia > 0.0
         return plate._replace(inertia=xp.where(given, self.inertia, plate.inertia))
+
+    def plate_inertia(self) -> float:
+        """Return the moment of inertia [kg m^2] of the top plate about an axis in it: as given, or of a thin plate."""
+        return self.top_plate(floats).inertia
 
     def contraction(self, xp: Namespace, position: Column) -> Column:
         """h - L_i [m]."""

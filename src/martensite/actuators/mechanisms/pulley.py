@@ -25,8 +25,8 @@ from martensite.actuators.mechanisms.drawing import (
     trace_arc,
 )
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
-from martensite.base.parameters import param
-from martensite.kernels.namespace import Namespace, Scalar
+from martensite.base.parameters import Number, param
+from martensite.kernels.namespace import Namespace
 from martensite.kernels.recordable_numbers import xp
 
 
@@ -36,14 +36,14 @@ class AntagonisticPulley(AbstractMultibody):
 
     typical_scenario = "antagonistic_wires"
 
-    radius: Scalar = param("m", "radius of the rim", above=0.0, high=10.0, typical="8 mm")
-    preload: Scalar = param("N", "force in both elements at assembly", low=0.0, high=1e6, typical="3 N")
-    stiffness: Scalar = param("N*m/rad", "joint stiffness", low=0.0, high=1e6, default=0.0, typical="0.01 N*m/rad")
-    moment: Scalar = param(
+    radius: Number = param("m", "radius of the rim", above=0.0, high=10.0, typical="8 mm")
+    preload: Number = param("N", "force in both elements at assembly", low=0.0, high=1e6, typical="3 N")
+    stiffness: Number = param("N*m/rad", "joint stiffness", low=0.0, high=1e6, default=0.0, typical="0.01 N*m/rad")
+    moment: Number = param(
         "N*m", "weight moment of a lever that hangs down", low=0.0, high=1e6, default=0.0, typical="0.02 N*m"
     )
-    damping: Scalar = param("N*m*s/rad", "joint damping", low=0.0, high=1e6, default=0.0, typical="1e-3 N*m*s/rad")
-    inertia: Scalar = param("kg*m^2", "inertia", above=0.0, high=1e6, default=1e-5, typical="1e-4 kg*m^2")
+    damping: Number = param("N*m*s/rad", "joint damping", low=0.0, high=1e6, default=0.0, typical="1e-3 N*m*s/rad")
+    inertia: Number = param("kg*m^2", "inertia", above=0.0, high=1e6, default=1e-5, typical="1e-4 kg*m^2")
 
     def ports(self) -> tuple[str, ...]:
         """The one that pulls φ up, and the other."""

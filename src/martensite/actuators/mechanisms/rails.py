@@ -23,7 +23,7 @@ from martensite.actuators.mechanisms.base import (
     Readout,
 )
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_hanging
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import sum_column
 from martensite.physics.laws.coupling import StepReport
@@ -40,10 +40,10 @@ class Rails(AbstractMechanism):
     cites = ("copaci2019",)
 
     rails: str = option("how many are in use", "3", "2", default="3")
-    first_mass: Scalar = param("kg", "mass on the first rail", low=0.0, high=1e6, typical="500 g")
-    second_mass: Scalar = param("kg", "mass on the second rail", low=0.0, high=1e6, typical="500 g")
-    third_mass: Scalar = param("kg", "mass on the third rail", low=0.0, high=1e6, default=0.5, typical="500 g")
-    gravity: Scalar = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
+    first_mass: Number = param("kg", "mass on the first rail", low=0.0, high=1e6, typical="500 g")
+    second_mass: Number = param("kg", "mass on the second rail", low=0.0, high=1e6, typical="500 g")
+    third_mass: Number = param("kg", "mass on the third rail", low=0.0, high=1e6, default=0.5, typical="500 g")
+    gravity: Number = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
 
     def ports(self) -> tuple[str, ...]:
         """A wire on each rail."""

@@ -36,7 +36,7 @@ from martensite.actuators.mechanisms.base import (
 )
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_bar
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.coupling import StepReport
 
@@ -62,7 +62,7 @@ class TensileTestingMachine(AbstractMechanism):
     typical_scenario = "tensile-test"
 
     control: str = option("what the signal `command` prescribes", *UNITS)
-    preload: Scalar = param(
+    preload: Number = param(
         "N",
         "force F₀ under which the element is mounted if a travel is prescribed",
         low=0.0,
@@ -70,17 +70,17 @@ class TensileTestingMachine(AbstractMechanism):
         default=0.0,
         typical="3 N",
     )
-    stiffness: Scalar = param(
+    stiffness: Number = param(
         "N/m",
         "stiffness k of frame and grips together; rigid if left out",
         above=0.0,
         default=math.inf,
         typical="1e4 N/m",
     )
-    section: Scalar = param(
+    section: Number = param(
         "m^2", "section A that makes a force of a prescribed stress", above=0.0, default=math.inf, typical="5 m^2"
     )
-    gauge_length: Scalar = param(
+    gauge_length: Number = param(
         "m", "length l that makes an elongation of a prescribed strain", above=0.0, default=math.inf, typical="100 mm"
     )
 

@@ -1,6 +1,6 @@
 """The check of an observer that says how far it can be trusted."""
 
-from martensite.base.parameters import param, text
+from martensite.base.parameters import Number, param, text
 from martensite.control.checks.base import CHECKS, Column, Looked, Named
 from martensite.control.checks.reading import AbstractReadingCheck
 from martensite.kernels.namespace import Namespace, Scalar
@@ -17,8 +17,8 @@ class LowConfidence(AbstractReadingCheck):
     alarm, size = 9, 1
 
     reading: str = text("name of the confidence", default="estimated.confidence", typical="current")
-    limit: Scalar = param("1", "least confidence", above=0.0, high=1.0, default=0.3)
-    longest: Scalar = param("s", "time for which it may be lower", low=0.0, default=0.5, typical="0.1 s")
+    limit: Number = param("1", "least confidence", above=0.0, high=1.0, default=0.3)
+    longest: Number = param("s", "time for which it may be lower", low=0.0, default=0.5, typical="0.1 s")
 
     def rest(self, xp: Namespace, readings: Named) -> Column:
         """For how long it has been lower."""

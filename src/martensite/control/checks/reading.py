@@ -1,6 +1,6 @@
 """Checks of readings: too large, too old, always the same, contradicting; a current that does not flow."""
 
-from martensite.base.parameters import param, text
+from martensite.base.parameters import Number, param, text
 from martensite.base.units import DEGREES, DIFFERENCE
 from martensite.control.checks.base import CHECKS, AbstractCheck, Column, Looked, Named
 from martensite.control.loop.names import AGE
@@ -24,7 +24,7 @@ class AbstractReadingCheck(AbstractCheck):
 class AbstractWhileOn(AbstractReadingCheck):
     """Interface of a check of one reading while a signal is on, which is the last number that it remembers."""
 
-    least: Scalar = param(DRIVE, "signal that counts as none", low=0.0, default=0.0, typical=0.05)
+    least: Number = param(DRIVE, "signal that counts as none", low=0.0, default=0.0, typical=0.05)
 
     def remember_allowed(self, xp: Namespace, memory: Column, allowed: Named, dt: Scalar) -> Column:
         """With whether a signal is on in the next period."""
@@ -54,8 +54,8 @@ class Overheat(AbstractAbove):
 
     alarm = 1
 
-    limit: Scalar = param("K", "highest temperature", above=0.0, typical="80 degC")
-    band: Scalar = param(DEGREES, "how far below it is well again", low=0.0, default=0.0, typical="5 K")
+    limit: Number = param("K", "highest temperature", above=0.0, typical="80 degC")
+    band: Number = param(DEGREES, "how far below it is well again", low=0.0, default=0.0, typical="5 K")
 
 
 @CHECKS.register("over-current")
@@ -64,8 +64,8 @@ class OverCurrent(AbstractAbove):
 
     alarm = 2
 
-    limit: Scalar = param("A", "largest current", above=0.0, typical="1 A")
-    band: Scalar = param("A", "how far below it is well again", low=0.0, default=0.0, typical="0.2 A")
+    limit: Number = param("A", "largest current", above=0.0, typical="1 A")
+    band: Number = param("A", "how far below it is well again", low=0.0, default=0.0, typical="0.2 A")
 
 
 @CHECKS.register("over-stress")
@@ -74,8 +74,8 @@ class OverStress(AbstractAbove):
 
     alarm = 3
 
-    limit: Scalar = param("Pa", "largest stress", above=0.0, typical="100 MPa")
-    band: Scalar = param("Pa", "how far below it is well again", low=0.0, default=0.0, typical="10 MPa")
+    limit: Number = param("Pa", "largest stress", above=0.0, typical="100 MPa")
+    band: Number = param("Pa", "how far below it is well again", low=0.0, default=0.0, typical="10 MPa")
 
 
 @CHECKS.register("over-force")
@@ -84,8 +84,8 @@ class OverForce(AbstractAbove):
 
     alarm = 3
 
-    limit: Scalar = param("N", "largest force", above=0.0, typical="10 N")
-    band: Scalar = param("N", "how far below it is well again", low=0.0, default=0.0, typical="1 N")
+    limit: Number = param("N", "largest force", above=0.0, typical="10 N")
+    band: Number = param("N", "how far below it is well again", low=0.0, default=0.0, typical="1 N")
 
 
 @CHECKS.register("mismatch")
@@ -101,8 +101,8 @@ class Mismatch(AbstractCheck):
 
     reading: str = text("name of a reading", typical="temperature")
     other: str = text("name of the other reading, or of an estimate", typical="=reading")
-    limit: Scalar = param(DIFFERENCE, "largest difference", above=0.0, typical=MARGIN)
-    longest: Scalar = param("s", "time for which they may differ more", low=0.0, default=0.0, typical="0.3 s")
+    limit: Number = param(DIFFERENCE, "largest difference", above=0.0, typical=MARGIN)
+    longest: Number = param("s", "time for which they may differ more", low=0.0, default=0.0, typical="0.3 s")
 
     def reads(self) -> tuple[str, ...]:
         """Both."""
@@ -130,7 +130,7 @@ class SensorLost(AbstractReadingCheck):
 
     alarm = 4
 
-    timeout: Scalar = param("s", "age beyond which it is lost", above=0.0, typical="0.3 s")
+    timeout: Number = param("s", "age beyond which it is lost", above=0.0, typical="0.3 s")
 
     def reads(self) -> tuple[str, ...]:
         """The age of the reading."""
@@ -154,8 +154,8 @@ class SensorStuck(AbstractWhileOn):
 
     alarm, size = 5, 3
 
-    longest: Scalar = param("s", "time under a signal until it is stuck", above=0.0, typical="0.3 s")
-    band: Scalar = param(DIFFERENCE, "change that is none", low=0.0, default=0.0, typical=0.1)
+    longest: Number = param("s", "time under a signal until it is stuck", above=0.0, typical="0.3 s")
+    band: Number = param(DIFFERENCE, "change that is none", low=0.0, default=0.0, typical=0.1)
 
     def rest(self, xp: Namespace, readings: Named) -> Column:
         """The reading, for how long it has been so, and whether a signal is on."""
@@ -183,8 +183,8 @@ class NoCurrent(AbstractWhileOn):
     alarm, size = 6, 2
 
     reading: str = text("name of the reading of the current", typical="current")
-    most: Scalar = param("A", "current that counts as none", low=0.0, default=0.0, typical="0.02 A")
-    longest: Scalar = param("s", "time under a signal until it is open", low=0.0, typical="0.3 s")
+    most: Number = param("A", "current that counts as none", low=0.0, default=0.0, typical="0.02 A")
+    longest: Number = param("s", "time under a signal until it is open", low=0.0, typical="0.3 s")
 
     def rest(self, xp: Namespace, readings: Named) -> Column:
         """For how long there has been no current, and whether a signal is on."""

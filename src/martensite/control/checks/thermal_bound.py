@@ -30,7 +30,7 @@ that much room below what the element can stand.
 
 from __future__ import annotations
 
-from martensite.base.parameters import option, param, text
+from martensite.base.parameters import Number, option, param, text
 from martensite.base.units import DEGREES
 from martensite.control.checks.base import CHECKS, AbstractCheck, Column, Looked, Named
 from martensite.kernels import floats
@@ -48,20 +48,20 @@ class ThermalBound(AbstractCheck):
     alarm, size = 8, 1
 
     drive: str = text("name of the drive that heats the element", default="drive")
-    limit: Scalar = param("K", "highest temperature", above=0.0, typical="400 K")
-    band: Scalar = param(DEGREES, "how far below it is well again", low=0.0, default=0.0, typical="5 K")
-    power: Scalar = param("W", "largest power in the element at the full signal", above=0.0, typical="1 W")
-    full: Scalar = param(DRIVE, "the full signal", above=0.0, default=1.0)
+    limit: Number = param("K", "highest temperature", above=0.0, typical="400 K")
+    band: Number = param(DEGREES, "how far below it is well again", low=0.0, default=0.0, typical="5 K")
+    power: Number = param("W", "largest power in the element at the full signal", above=0.0, typical="1 W")
+    full: Number = param(DRIVE, "the full signal", above=0.0, default=1.0)
     rises: str = option(
         "power with the signal: `linear` for a duty or a power, `square` for volt or ampere",
         "linear",
         "square",
         default="linear",
     )
-    capacity: Scalar = param("J/K", "heat capacity of the element, without latent heat", above=0.0, typical="0.02 J/K")
-    conductance: Scalar = param("W/K", "least heat loss per kelvin", above=0.0, typical="0.01 W/K")
+    capacity: Number = param("J/K", "heat capacity of the element, without latent heat", above=0.0, typical="0.02 J/K")
+    conductance: Number = param("W/K", "least heat loss per kelvin", above=0.0, typical="0.01 W/K")
     cooling: str = text("reading of the least heat loss that is sure now, over `conductance`", default="")
-    ambient: Scalar = param("K", "hottest surroundings", above=0.0, typical="30 degC")
+    ambient: Number = param("K", "hottest surroundings", above=0.0, typical="30 degC")
 
     def names(self) -> tuple[str, ...]:
         """The drive that heats, and those that are cut."""

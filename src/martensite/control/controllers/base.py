@@ -21,7 +21,7 @@ from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.base.parameters import Parametrised, param, part, text
+from martensite.base.parameters import Number, Parametrised, param, part, text
 from martensite.base.registry import Registry
 from martensite.control.controllers.conditioning import (
     ManualInput,
@@ -206,8 +206,8 @@ class AbstractController(AbstractDrive):
 class SignalLimits(Parametrised):
     """What a controller keeps its signal between."""
 
-    low: Scalar = param(DRIVE, "least signal", default=0.0)
-    high: Scalar = param(DRIVE, "largest signal", default=1.0)
+    low: Number = param(DRIVE, "least signal", default=0.0)
+    high: Number = param(DRIVE, "largest signal", default=1.0)
 
     def check(self) -> None:
         """Raise `ParameterError` if there is nothing between the limits."""

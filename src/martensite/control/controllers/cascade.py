@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from martensite.base.parameters import param, part, text
+from martensite.base.parameters import Number, param, part, text
 from martensite.base.units import DEGREES
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
 from martensite.control.controllers.pid import PidGains, PidMemory
@@ -60,7 +60,7 @@ class Cascade(AbstractController):
     integrals = (0, 3)
 
     temperature: str = text("name of the reading of the temperature", default="temperature")
-    start: Scalar = param("K", "temperature T_0 to which the outer controller adds", typical="60 degC")
+    start: Number = param("K", "temperature T_0 to which the outer controller adds", typical="60 degC")
     outer: OuterPid = part("of the position: gains in kelvin per SI unit, limits in kelvin")
     inner: InnerPid = part("of the temperature: gains in signal per kelvin, limits of the signal")
 

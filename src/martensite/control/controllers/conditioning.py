@@ -21,7 +21,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, NamedTuple
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import Parametrised, option, param, part, text
+from martensite.base.parameters import Number, Parametrised, option, param, part, text
 from martensite.base.units import SIGNAL_RATE
 from martensite.control.controllers.shaping import ShapedReference
 from martensite.kernels.namespace import Flag, Namespace, Scalar
@@ -48,7 +48,7 @@ class ManualInput(NamedTuple):
 class ReadingFilter(Parametrised):
     """A low pass for what a controller reads."""
 
-    time_constant: Scalar = param("s", "time constant T", above=0.0, typical="50 ms")
+    time_constant: Number = param("s", "time constant T", above=0.0, typical="50 ms")
     order: str = option("order of the low pass", "1", "2", default="1")
     median: str = option(
         "whether the median of three readings goes before it", "without", "of-three", default="without"
@@ -81,8 +81,8 @@ class ReadingFilter(Parametrised):
 class SignalSlew(Parametrised):
     """How fast a signal may change; it begins at 0."""
 
-    rising: Scalar = param(SIGNAL_RATE, "largest rate at which it rises", above=0.0, default=math.inf)
-    falling: Scalar = param(SIGNAL_RATE, "largest rate at which it falls", above=0.0, default=math.inf)
+    rising: Number = param(SIGNAL_RATE, "largest rate at which it rises", above=0.0, default=math.inf)
+    falling: Number = param(SIGNAL_RATE, "largest rate at which it falls", above=0.0, default=math.inf)
 
     def check(self) -> None:
         """Raise `ParameterError` if nothing is limited."""
@@ -106,8 +106,8 @@ class ManualMode(Parametrised):
     """A signal by hand, and when the controller has it instead."""
 
     signal: AbstractWaveform = part("signal by hand", WAVEFORMS, default=Constant(level=0.0))
-    automatic_from: float = param("s", "time from which the controller has the signal", low=0.0, default=0.0)
-    automatic_until: float = param("s", "time until which it has", default=math.inf)
+    automatic_from: Number = param("s", "time from which the controller has the signal", low=0.0, default=0.0)
+    automatic_until: Number = param("s", "time until which it has", default=math.inf)
 
     def check(self) -> None:
         """Raise `ParameterError` if the controller never has the signal."""

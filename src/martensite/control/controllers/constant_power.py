@@ -17,7 +17,7 @@ A loop over pulses: `simulate_loop(system, ConstantPower(...), ..., pulses=True)
 
 from collections.abc import Mapping
 
-from martensite.base.parameters import option, param, text
+from martensite.base.parameters import Number, option, param, text
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE
@@ -40,10 +40,10 @@ class ConstantPower(AbstractController):
         "once",
         default="every-period",
     )
-    largest: Scalar = param(
+    largest: Number = param(
         "W", "largest power, if it is measured once and that was done before; 0: it was not", low=0.0, default=0.0
     )
-    probe: Scalar = param(DRIVE, "duty as long as nothing was measured", above=0.0, high=1.0, default=0.01)
+    probe: Number = param(DRIVE, "duty as long as nothing was measured", above=0.0, high=1.0, default=0.01)
 
     def reads(self) -> tuple[str, ...]:
         """Voltage, current and duty."""

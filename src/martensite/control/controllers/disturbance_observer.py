@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
 from martensite.control.controllers.pid import PidGains, PidMemory
 from martensite.kernels.namespace import Namespace, Scalar
@@ -49,11 +49,11 @@ class DisturbanceObserver(PidGains, AbstractController):
     cites = ("ohnishi1987", "chen2016")
     integrals = (-3,)
 
-    period: Scalar = param("s", "time from one sample to the next", above=0.0, typical="20 ms")
-    model_gain: Scalar = param("1", "K, SI units of what is measured per signal", typical=0.01)
-    time_constant: Scalar = param("s", "T of the model", above=0.0, typical="2 s")
-    dead_time: Scalar = param("s", "L of the model", low=0.0, default=0.0)
-    filter_time: Scalar = param("s", "τ, time constant of the filter Q", above=0.0, typical="0.5 s")
+    period: Number = param("s", "time from one sample to the next", above=0.0, typical="20 ms")
+    model_gain: Number = param("1", "K, SI units of what is measured per signal", typical=0.01)
+    time_constant: Number = param("s", "T of the model", above=0.0, typical="2 s")
+    dead_time: Number = param("s", "L of the model", low=0.0, default=0.0)
+    filter_time: Number = param("s", "τ, time constant of the filter Q", above=0.0, typical="0.5 s")
 
     def check(self) -> None:
         """Raise `ParameterError` for a model that does nothing; fix what decides the program's size."""

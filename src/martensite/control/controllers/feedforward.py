@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 
 from martensite.actuators.assembly import AbstractSystem, advance_steps
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.base.parameters import option, param, part, text
+from martensite.base.parameters import Number, option, param, part, text
 from martensite.base.units import DIFFERENCE
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
 from martensite.control.controllers.pid import KEPT, Correction, PidMemory
@@ -63,11 +63,11 @@ class Feedforward(AbstractController):
 
     model: AbstractSystem = part("the plant as it is believed to be, with one drive")
     output: str = text("output of the model that follows; empty: named as measured", default="")
-    lookahead: Scalar = param("s", "time L after which the model shall be there", above=0.0, default=0.1)
-    slope_weight: Scalar = param("1", "share c of the reference's rate looked ahead", low=0.0, high=1.0, default=1.0)
-    filter: Scalar = param("s", "time constant of the filter of that rate", low=0.0, default=0.05)
+    lookahead: Number = param("s", "time L after which the model shall be there", above=0.0, default=0.1)
+    slope_weight: Number = param("1", "share c of the reference's rate looked ahead", low=0.0, high=1.0, default=1.0)
+    filter: Number = param("s", "time constant of the filter of that rate", low=0.0, default=0.05)
     sense: str = option("whether the output rises or falls with the signal", "rising", "falling", default="rising")
-    slack: Scalar = param(DIFFERENCE, "least answer of the model in the time L that is one", above=0.0, default=1e-6)
+    slack: Number = param(DIFFERENCE, "least answer of the model in the time L that is one", above=0.0, default=1e-6)
     substeps: int = part("steps of the model in a sample", default=1)
     ahead: int = part("steps of the model in the time L", default=1)
     iterations: int = part("Newton iterations for the signal", default=8)

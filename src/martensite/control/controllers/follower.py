@@ -8,7 +8,7 @@ and its place under the supervisor.
 import math
 from collections.abc import Mapping
 
-from martensite.base.parameters import param, part, text
+from martensite.base.parameters import Number, param, part, text
 from martensite.control.controllers.base import CONTROLLERS, PLANNED, AbstractController, Answer, Column, Readings
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
@@ -25,8 +25,8 @@ class Follower(AbstractController):
     reference: AbstractWaveform = part(
         "what that reading shall be, in its SI unit", WAVEFORMS, default=Constant(level=0.0)
     )
-    low: Scalar = param(DRIVE, "least signal that it passes on", default=-math.inf)
-    high: Scalar = param(DRIVE, "largest signal that it passes on; the guard by default asks for it", default=math.inf)
+    low: Number = param(DRIVE, "least signal that it passes on", default=-math.inf)
+    high: Number = param(DRIVE, "largest signal that it passes on; the guard by default asks for it", default=math.inf)
 
     def reads(self) -> tuple[str, ...]:
         """What was planned, and the reading that its reference is for."""

@@ -21,7 +21,7 @@ from collections.abc import Mapping
 from typing import ClassVar, NamedTuple
 
 from martensite.actuators.mechanisms.base import Output
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.base.units import GAIN
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
 from martensite.control.controllers.pid import PidGains, PidMemory
@@ -99,7 +99,7 @@ class IterativeLearning(AbstractLearning):
 
     cites = ("arimoto1984", "bristow2006")
 
-    learning_gain: Scalar = param(GAIN, "g, learned from an error in a repetition", typical=50.0)
+    learning_gain: Number = param(GAIN, "g, learned from an error in a repetition", typical=50.0)
     between: str = option(
         "from one repetition to the next: the plant goes on, or it was put back to where it began",
         "continuous",

@@ -18,7 +18,7 @@ amplitudes of the system decrease" and leaves the measure of that open.
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from martensite.base.parameters import param, text
+from martensite.base.parameters import Number, param, text
 from martensite.control.controllers.base import CONTROLLERS, HAIR, AbstractController, Answer, Column, Readings
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE, AbstractDrive
@@ -49,10 +49,10 @@ class LatchedOnOff(AbstractController):
     holds = False
 
     oscillation: str = text("name of the reading whose amplitude switches it off", typical="=measured")
-    share: Scalar = param("1", "share of the largest amplitude below which it is off", low=0.0, high=1.0, default=0.3)
-    window: Scalar = param("s", "length of the window of an amplitude", above=0.0, default=0.25)
-    high: Scalar = param(DRIVE, "signal while it is on", typical=HIGH)
-    low: Scalar = param(DRIVE, "signal while it is off", default=0.0)
+    share: Number = param("1", "share of the largest amplitude below which it is off", low=0.0, high=1.0, default=0.3)
+    window: Number = param("s", "length of the window of an amplitude", above=0.0, default=0.25)
+    high: Number = param(DRIVE, "signal while it is on", typical=HIGH)
+    low: Number = param(DRIVE, "signal while it is off", default=0.0)
 
     def reads(self) -> tuple[str, ...]:
         """What switches it on, and what switches it off."""

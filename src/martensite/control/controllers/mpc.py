@@ -27,7 +27,7 @@ from typing import Any, NamedTuple, Self
 
 from martensite.actuators.assembly import AbstractSystem, advance_steps
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.base.parameters import option, param, part, text
+from martensite.base.parameters import Number, option, param, part, text
 from martensite.control.controllers.base import (
     AHEAD,
     CONTROLLERS,
@@ -78,12 +78,12 @@ class Mpc(AbstractController, SignalLimits):
     also_measured: tuple[str, ...] = text(
         "readings that shall follow the references of the first of these drives", default=()
     )
-    period: Scalar = param("s", "time from one sample to the next", above=0.0, typical="20 ms")
-    horizon: Scalar = param("s", "how far plans reach", above=0.0, typical="2 s")
+    period: Number = param("s", "time from one sample to the next", above=0.0, typical="20 ms")
+    horizon: Number = param("s", "how far plans reach", above=0.0, typical="2 s")
     blocks: int = part("parts of the horizon, each with a signal of its own", default=20)
     rounds: int = part("how often plans are tried and bettered in a period", default=1)
     price: Price = part("what a plan is charged for", default=Price())
-    correction: Scalar = param(
+    correction: Number = param(
         "1",
         "K: part of a difference between reading and model that is believed in a sample",
         low=0.0,

@@ -30,7 +30,7 @@ import math
 from typing import NamedTuple
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import Parametrised, option, param, part
+from martensite.base.parameters import Number, Parametrised, option, param, part
 from martensite.base.units import DERIVATIVE_GAIN, GAIN, INTEGRAL_GAIN
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings, SignalLimits
 from martensite.kernels import floats
@@ -74,14 +74,14 @@ def per_sample(Kp: float, Ki: float, Kd: float, interval: float) -> Gains:
 class PidLaw(SignalLimits):
     """What a PID controller does beside its gains: limits, set-point weights and filter."""
 
-    weight: float = param("1", "set-point weight b of the proportional part", low=0.0, high=1.0, default=1.0)
-    slope_weight: float = param("1", "set-point weight c of the derivative part", low=0.0, high=1.0, default=1.0)
-    N: float = param("1", "share of the derivative time that its filter takes: T_f = T_d/N", above=0.0, default=10.0)
-    filter: float = param("s", "time constant T_f of the derivative's filter; by N if 0", low=0.0, default=0.0)
+    weight: Number = param("1", "set-point weight b of the proportional part", low=0.0, high=1.0, default=1.0)
+    slope_weight: Number = param("1", "set-point weight c of the derivative part", low=0.0, high=1.0, default=1.0)
+    N: Number = param("1", "share of the derivative time that its filter takes: T_f = T_d/N", above=0.0, default=10.0)
+    filter: Number = param("s", "time constant T_f of the derivative's filter; by N if 0", low=0.0, default=0.0)
     anti_windup: str = option(
         "what the integral does where the signal is limited", "conditional", "back-calculation", default="conditional"
     )
-    tracking: float = param("s", "tracking time T_t of back-calculation; T_i if 0", low=0.0, default=0.0)
+    tracking: Number = param("s", "tracking time T_t of back-calculation; T_i if 0", low=0.0, default=0.0)
 
     def rest(self, xp: Namespace, reference: Scalar, measured: Scalar) -> PidMemory:
         """What is remembered before the first sample."""
@@ -161,11 +161,11 @@ IN_SECONDS, PER_SAMPLE = GAINS_ARE = "in-seconds", "per-sample"
 class PidGains(Parametrised):
     """What any PID controller is given: gains and limits."""
 
-    Kp: Scalar = param(GAIN, "proportional gain", typical=100.0)
-    Ki: Scalar = param(INTEGRAL_GAIN, "integral gain", default=0.0)
-    Kd: Scalar = param(DERIVATIVE_GAIN, "derivative gain", default=0.0)
-    Ti: Scalar = param("s", "integral time T_i, instead of K_i = K_p/T_i", above=0.0, default=math.inf)
-    Td: Scalar = param("s", "derivative time T_d, instead of K_d = K_p T_d", low=0.0, default=0.0)
+    Kp: Number = param(GAIN, "proportional gain", typical=100.0)
+    Ki: Number = param(INTEGRAL_GAIN, "integral gain", default=0.0)
+    Kd: Number = param(DERIVATIVE_GAIN, "derivative gain", default=0.0)
+    Ti: Number = param("s", "integral time T_i, instead of K_i = K_p/T_i", above=0.0, default=math.inf)
+    Td: Number = param("s", "derivative time T_d, instead of K_d = K_p T_d", low=0.0, default=0.0)
     gains_are: str = option(
         "gains of K_p + K_i/s + K_d s, or K_i and K_d of the discrete form C(z)", *GAINS_ARE, default=IN_SECONDS
     )
@@ -237,9 +237,9 @@ class Correction(Parametrised):
     integral stops where the sum is at a limit. All gains are 0 to begin with: feed-forward alone.
     """
 
-    Kp: Scalar = param(GAIN, "proportional gain", default=0.0)
-    Ki: Scalar = param(INTEGRAL_GAIN, "integral gain", default=0.0)
-    Kd: Scalar = param(DERIVATIVE_GAIN, "derivative gain", default=0.0)
+    Kp: Number = param(GAIN, "proportional gain", default=0.0)
+    Ki: Number = param(INTEGRAL_GAIN, "integral gain", default=0.0)
+    Kd: Number = param(DERIVATIVE_GAIN, "derivative gain", default=0.0)
     law: PidLaw = part("limits of the whole signal, weights, filter and anti-windup", default=PidLaw())
 
     def describe(self, period: float) -> str:

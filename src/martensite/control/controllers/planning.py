@@ -29,7 +29,7 @@ from typing import Any, NamedTuple
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.mechanics.elimination import multiply_inner, solve_linear
-from martensite.base.parameters import Parametrised, param
+from martensite.base.parameters import Number, Parametrised, param
 from martensite.base.units import DIFFERENCE
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers, sum_column
@@ -62,12 +62,12 @@ Numbers = list[Scalar]
 class Price(Parametrised):
     """What a plan is charged for."""
 
-    error: Scalar = param(DIFFERENCE, "error that costs 1", above=0.0, default=1e-4)
-    energy: Scalar = param("1/W", "price of electrical power", low=0.0, default=0.0)
-    change: Scalar = param("1", "price of changes of the signal", low=0.0, default=0.01)
-    hottest: Scalar = param("K", "temperature that costs nothing yet", default=math.inf)
-    strongest: Scalar = param("Pa", "stress that costs nothing yet", default=math.inf)
-    excess: Scalar = param("1", "price of 1 K or 1 MPa more than that", low=0.0, default=1000.0)
+    error: Number = param(DIFFERENCE, "error that costs 1", above=0.0, default=1e-4)
+    energy: Number = param("1/W", "price of electrical power", low=0.0, default=0.0)
+    change: Number = param("1", "price of changes of the signal", low=0.0, default=0.01)
+    hottest: Number = param("K", "temperature that costs nothing yet", default=math.inf)
+    strongest: Number = param("Pa", "stress that costs nothing yet", default=math.inf)
+    excess: Number = param("1", "price of 1 K or 1 MPa more than that", low=0.0, default=1000.0)
 
     def layout(self) -> tuple[int, ...]:
         """Whether temperature and stress have a price."""

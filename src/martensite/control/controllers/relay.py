@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param, text
+from martensite.base.parameters import Number, option, param, text
 from martensite.base.units import DIFFERENCE
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
 from martensite.kernels.namespace import Namespace, Scalar
@@ -23,9 +23,9 @@ class OnOff(AbstractController):
     A quantity that falls when the signal is on is controlled with `high` below `low`.
     """
 
-    band: Scalar = param(DIFFERENCE, "how far below the target it is on again", low=0.0, default=0.0, typical=MARGIN)
-    high: Scalar = param(DRIVE, "signal while it is on", typical=HIGH)
-    low: Scalar = param(DRIVE, "signal while it is off", default=0.0)
+    band: Number = param(DIFFERENCE, "how far below the target it is on again", low=0.0, default=0.0, typical=MARGIN)
+    high: Number = param(DRIVE, "signal while it is on", typical=HIGH)
+    low: Number = param(DRIVE, "signal while it is off", default=0.0)
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
         """Off."""
@@ -58,10 +58,10 @@ class TwoLevel(AbstractController):
 
     cites = ("grant1997",)
 
-    far: Scalar = param(DIFFERENCE, "error φ from which it is full", above=0.0, typical=MARGIN)
-    high: Scalar = param(DRIVE, "signal u_H far from the target", typical=HIGH)
-    near: Scalar = param(DRIVE, "signal u_L near it", typical=NEAR)
-    low: Scalar = param(DRIVE, "signal u_0 at the target and beyond", default=0.0)
+    far: Number = param(DIFFERENCE, "error φ from which it is full", above=0.0, typical=MARGIN)
+    high: Number = param(DRIVE, "signal u_H far from the target", typical=HIGH)
+    near: Number = param(DRIVE, "signal u_L near it", typical=NEAR)
+    low: Number = param(DRIVE, "signal u_0 at the target and beyond", default=0.0)
     sign: str = option("sign of the errors that it acts on", "1", "-1", default="1")
 
     def check(self) -> None:
@@ -93,8 +93,8 @@ class Direct(AbstractController):
     holds = False
 
     measured: str = text("name of a reading to compare with; it is not read", default="")
-    gain: Scalar = param("1", "signal per reference", default=1.0)
-    offset: Scalar = param(DRIVE, "signal without a reference", default=0.0)
+    gain: Number = param("1", "signal per reference", default=1.0)
+    offset: Number = param(DRIVE, "signal without a reference", default=0.0)
 
     def reads(self) -> tuple[str, ...]:
         """Nothing."""

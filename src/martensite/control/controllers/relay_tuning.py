@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param, part
+from martensite.base.parameters import Number, option, param, part
 from martensite.base.units import DIFFERENCE, LEVEL
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
 from martensite.control.controllers.pid import Gains, PidLaw, PidMemory
@@ -100,19 +100,19 @@ class RelayTuning(AbstractController):
     cites = ("astrom1984", "ziegler1942", "tyreus1992", "seborg2011")
     integrals = (-3,)
 
-    level: Scalar = param(LEVEL, "r_0, what the reading swings around during the test", typical=HIGH)
-    bias: Scalar = param(DRIVE, "mean of the two signals of the relay", default=0.5)
-    amplitude: Scalar = param(DRIVE, "d, half their difference", above=0.0, default=0.5)
-    hysteresis: Scalar = param(
+    level: Number = param(LEVEL, "r_0, what the reading swings around during the test", typical=HIGH)
+    bias: Number = param(DRIVE, "mean of the two signals of the relay", default=0.5)
+    amplitude: Number = param(DRIVE, "d, half their difference", above=0.0, default=0.5)
+    hysteresis: Number = param(
         DIFFERENCE, "ε, half the band without switching: a few times the noise", low=0.0, default=0.0, typical=MARGIN
     )
     action: str = option("what is measured rises with the signal, or falls", "rising", "falling", default="rising")
     balance: str = option("whether the bias moves until both signals last as long", "off", "on", default="off")
     rule: str = option("which gains", *RELAY_RULES, default="tyreus-luyben")
     form: str = option("with a derivative part or without", "pi", "pid", default="pid")
-    skipped: Scalar = param("1", "cycles that are not counted", low=1.0, default=3.0)
-    cycles: Scalar = param("1", "cycles that are", low=1.0, default=6.0)
-    timeout: Scalar = param("s", "time after which it gives up", above=0.0, default=120.0)
+    skipped: Number = param("1", "cycles that are not counted", low=1.0, default=3.0)
+    cycles: Number = param("1", "cycles that are", low=1.0, default=6.0)
+    timeout: Number = param("s", "time after which it gives up", above=0.0, default=120.0)
     law: PidLaw = part("limits, set-point weights and filter", default=PidLaw())
 
     def check(self) -> None:

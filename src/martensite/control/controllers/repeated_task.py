@@ -23,7 +23,7 @@ from collections.abc import Sequence
 from typing import NamedTuple, TypeAlias
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import Parametrised, param, part
+from martensite.base.parameters import Number, Parametrised, param, part
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 
 PATIENCE = 3
@@ -84,13 +84,13 @@ class TaskMoment(NamedTuple):
 class RepeatedTask(Parametrised):
     """How a task repeats, and how it is learned."""
 
-    period: Scalar = param("s", "time from one sample to the next", above=0.0, typical="20 ms")
-    task: Scalar = param("s", "time from one repetition to the next", above=0.0, typical="10 s")
+    period: Number = param("s", "time from one sample to the next", above=0.0, typical="20 ms")
+    task: Number = param("s", "time from one repetition to the next", above=0.0, typical="10 s")
     points: int = part("points of a repetition that are remembered", default=100)
-    lead: Scalar = param("s", "λ, how much later than the signal the plant answers", low=0.0, default=0.0)
+    lead: Number = param("s", "λ, how much later than the signal the plant answers", low=0.0, default=0.0)
     smoothing: int = part("h, half the width of the filter, in points", default=1)
-    forgetting: Scalar = param("1", "φ, share that is forgotten in a repetition", low=0.0, high=1.0, default=0.0)
-    growth: Scalar = param("1", "factor by which an error rises that diverges", low=1.0, default=2.0)
+    forgetting: Number = param("1", "φ, share that is forgotten in a repetition", low=0.0, high=1.0, default=0.0)
+    growth: Number = param("1", "factor by which an error rises that diverges", low=1.0, default=2.0)
 
     def check(self) -> None:
         """Raise `ParameterError` where a task has no such points; fix what decides the program's size."""

@@ -18,7 +18,7 @@ repetition to repetition it stops, uses v no more, and `learning` is 0: what is 
 Source: Hara, Yamamoto, Omata and Nakano (1988), modified repetitive control.
 """
 
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.control.controllers.base import CONTROLLERS, Answer, Column, Readings
 from martensite.control.controllers.iterative_learning import AbstractLearning, LearningMemory
 from martensite.kernels.namespace import Namespace, Scalar
@@ -32,7 +32,7 @@ class Repetitive(AbstractLearning):
     cites = ("hara1988",)
     adds_error = True
 
-    learning_gain: Scalar = param("1", "g, share of an error that is learned in a repetition", low=0.0, default=0.5)
+    learning_gain: Number = param("1", "g, share of an error that is learned in a repetition", low=0.0, default=0.5)
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """Signal of this sample, and what is remembered for the next."""

@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 from martensite.actuators.assembly import Members
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import Parametrised, option, param, part, text
+from martensite.base.parameters import Number, Parametrised, option, param, part, text
 from martensite.base.units import DERIVATIVE_GAIN, GAIN, INTEGRAL_GAIN, LEVEL
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
 from martensite.control.controllers.pid import GAINS_ARE, IN_SECONDS, PER_SAMPLE, Gains, PidLaw, PidMemory
@@ -34,10 +34,10 @@ from martensite.signals.levels import HIGH
 class GainsAt(Parametrised):
     """Gains at a point of the schedule."""
 
-    at: Scalar = param(LEVEL, "where: value of the reference or of the reading", typical=HIGH)
-    Kp: Scalar = param(GAIN, "proportional gain", typical=100.0)
-    Ki: Scalar = param(INTEGRAL_GAIN, "integral gain", default=0.0)
-    Kd: Scalar = param(DERIVATIVE_GAIN, "derivative gain", default=0.0)
+    at: Number = param(LEVEL, "where: value of the reference or of the reading", typical=HIGH)
+    Kp: Number = param(GAIN, "proportional gain", typical=100.0)
+    Ki: Number = param(INTEGRAL_GAIN, "integral gain", default=0.0)
+    Kd: Number = param(DERIVATIVE_GAIN, "derivative gain", default=0.0)
 
 
 class GainSchedule(Members[GainsAt], init=False):

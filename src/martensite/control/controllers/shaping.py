@@ -21,7 +21,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import Parametrised, option, param, text
+from martensite.base.parameters import Number, Parametrised, option, param, text
 from martensite.base.units import REFERENCE_ACCELERATION, REFERENCE_RATE
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.signals.base import DRIVE
@@ -41,16 +41,16 @@ class ShapedReference(NamedTuple):
 class ReferenceShaping(Parametrised):
     """How fast what a controller follows may change."""
 
-    rate: Scalar = param(REFERENCE_RATE, "largest rate", above=0.0, default=math.inf)
-    acceleration: Scalar = param(REFERENCE_ACCELERATION, "largest change of the rate", above=0.0, default=math.inf)
-    lag: Scalar = param("s", "time constant of a first-order lag before the limits", low=0.0, default=0.0)
+    rate: Number = param(REFERENCE_RATE, "largest rate", above=0.0, default=math.inf)
+    acceleration: Number = param(REFERENCE_ACCELERATION, "largest change of the rate", above=0.0, default=math.inf)
+    lag: Number = param("s", "time constant of a first-order lag before the limits", low=0.0, default=0.0)
     confidence: str = text("reading that decides about the rate; none if empty", default="")
-    full: Scalar = param("1", "confidence from which the rate is the largest", default=0.8)
-    stop: Scalar = param("1", "confidence at which the reference stops", default=0.3)
+    full: Number = param("1", "confidence from which the rate is the largest", default=0.8)
+    stop: Number = param("1", "confidence at which the reference stops", default=0.3)
     below: str = option(
         "what happens below `stop`: the reference is held, or the signal is safe", "hold", "safe", default="hold"
     )
-    safe: Scalar = param(DRIVE, "safe signal", default=0.0)
+    safe: Number = param(DRIVE, "safe signal", default=0.0)
 
     def check(self) -> None:
         """Raise `ParameterError` where confidence has nothing to act on."""

@@ -22,7 +22,7 @@ control by a lag of Utkin (1992); tanh in a robust controller for an SMA wire by
 
 from typing import NamedTuple
 
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.base.units import RATE
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings, SignalLimits
 from martensite.kernels.namespace import Namespace, Scalar
@@ -49,18 +49,18 @@ class SlidingMode(AbstractController, SignalLimits):
 
     cites = ("slotine1991", "utkin1992", "song2003")
 
-    gain: Scalar = param(DRIVE, "largest signal K of the switching part", typical=HIGH)
-    slope: Scalar = param("1/s", "slope λ of the surface", above=0.0, typical="2 1/s")
-    layer: Scalar = param(RATE, "half width Φ of the boundary layer, in units of s", above=0.0, typical=MARGIN)
+    gain: Number = param(DRIVE, "largest signal K of the switching part", typical=HIGH)
+    slope: Number = param("1/s", "slope λ of the surface", above=0.0, typical="2 1/s")
+    layer: Number = param(RATE, "half width Φ of the boundary layer, in units of s", above=0.0, typical=MARGIN)
     boundary: str = option("what the switching is inside of the layer", "saturation", "tanh", default="saturation")
     integral: str = option("integral in the surface", "without", "with", default="without")
     equivalent: str = option(
         "the equivalent signal: a line of the reference, or the signal behind a lag", "line", "filtered", default="line"
     )
-    offset: Scalar = param(DRIVE, "u_0 of the line", default=0.0)
-    per_reference: Scalar = param("1", "k of the line, in signal per SI unit", default=0.0)
-    lag: Scalar = param("s", "time constant of the lag of the signal", low=0.0, default=1.0)
-    filter: Scalar = param("s", "time constant τ of the filter of ė", low=0.0, default=0.05)
+    offset: Number = param(DRIVE, "u_0 of the line", default=0.0)
+    per_reference: Number = param("1", "k of the line, in signal per SI unit", default=0.0)
+    lag: Number = param("s", "time constant of the lag of the signal", low=0.0, default=1.0)
+    filter: Number = param("s", "time constant τ of the filter of ė", low=0.0, default=0.05)
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> SlidingMemory:
         """No rate, nothing integrated, the signal nearest to 0."""

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from typing import Any, Self
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import REQUIRED, Declared, Parametrised, param, part, text
+from martensite.base.parameters import REQUIRED, Declared, Number, Parametrised, param, part, text
 from martensite.base.units import LEVEL
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings, SignalLimits
 from martensite.kernels.namespace import Namespace, Scalar
@@ -27,10 +27,10 @@ class StateFeedback(AbstractController, SignalLimits):
     states: tuple[str, ...] = text("readings that are the states; empty: that measured", default=())
     gains: Any = part("gains K, one per state, in signal per SI unit", default=(0.0,))
     at: Any = part("states z_0 of the operating point, in SI", default=(0.0,))
-    signal: Scalar = param(DRIVE, "signal u_0 of the operating point", default=0.0)
-    level: Scalar = param(LEVEL, "what is measured there, y_0", default=0.0)
-    prefilter: Scalar = param("1", "gain N of the reference", default=0.0)
-    Ki: Scalar = param("1/s", "gain K_I of the integral of the error", default=0.0)
+    signal: Number = param(DRIVE, "signal u_0 of the operating point", default=0.0)
+    level: Number = param(LEVEL, "what is measured there, y_0", default=0.0)
+    prefilter: Number = param("1", "gain N of the reference", default=0.0)
+    Ki: Number = param("1/s", "gain K_I of the integral of the error", default=0.0)
 
     def check(self) -> None:
         """Raise `ParameterError` unless there is a gain and a value for every state."""

@@ -11,7 +11,7 @@ from typing import Self
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import Parametrised, param
+from martensite.base.parameters import Number, Parametrised, param
 from martensite.base.registry import Registry
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 
@@ -23,8 +23,8 @@ HAIR = 1e-7
 class AbstractFault(Parametrised):
     """Interface of a fault. A subclass overrides what it disturbs."""
 
-    start: Scalar = param("s", "when it begins", low=0.0, default=0.0, typical="0.5 s")
-    end: Scalar = param("s", "when it is over", above=0.0, default=math.inf, typical="1.5 s")
+    start: Number = param("s", "when it begins", low=0.0, default=0.0, typical="0.5 s")
+    end: Number = param("s", "when it is over", above=0.0, default=math.inf, typical="1.5 s")
 
     def check(self) -> None:
         """Raise `ParameterError` unless it ends after it begins."""

@@ -19,7 +19,7 @@ from martensite.actuators.elements.base import AbstractElement, Spring
 from martensite.actuators.mechanisms.base import Column, Load
 from martensite.actuators.mechanisms.load_line import AbstractLoadLine, LoadLineReference
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param, part
+from martensite.base.parameters import Number, param, part
 from martensite.control.faults.base import FAULTS, AbstractFault
 from martensite.control.faults.plant import list_placed
 from martensite.kernels.namespace import Flag, Namespace, Scalar
@@ -41,8 +41,8 @@ class HinderedLoadLine(AbstractLoadLine):
     """A load line with slack in its element, behind a clamp that is open (0) or shut (1)."""
 
     line: AbstractLoadLine = part("the load line as it should be")
-    slack: Scalar = param("m", "length that is lost", low=0.0)
-    shut: Scalar = param("1", "1 if it is held, else 0", low=0.0, high=1.0)
+    slack: Number = param("m", "length that is lost", low=0.0)
+    shut: Number = param("1", "1 if it is held, else 0", low=0.0, high=1.0)
 
     def start_force(self, xp: Namespace) -> Scalar:
         """As it should be [N]: it is assembled before."""
@@ -108,7 +108,7 @@ class AbstractMechanismFault(AbstractFault):
 class Slack(AbstractMechanismFault):
     """A wire that hangs through by some length, as when a crimp slips or the wire has grown for good."""
 
-    length: Scalar = param("m", "length that is lost", above=0.0, typical="1 mm")
+    length: Number = param("m", "length that is lost", above=0.0, typical="1 mm")
 
     def hinder(self, xp: Namespace, line: HinderedLoadLine, active: Flag) -> dict[str, Scalar]:
         """Its slack."""

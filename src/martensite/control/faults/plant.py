@@ -6,7 +6,7 @@ from typing import Any
 
 from martensite.actuators.assembly import AbstractSystem, Actuator
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.base.parameters import Parametrised, param, part, text
+from martensite.base.parameters import Number, Parametrised, param, part, text
 from martensite.base.units import DEGREES
 from martensite.control.faults.base import FAULTS, AbstractFault
 from martensite.kernels.namespace import Flag, Namespace, Scalar
@@ -58,7 +58,7 @@ class AbstractPlantFault(AbstractFault):
 class AmbientStep(AbstractPlantFault):
     """Surroundings that are warmer by some kelvin."""
 
-    by: Scalar = param(DEGREES, "how much warmer; negative if colder", low=-200.0, high=500.0, typical="10 K")
+    by: Number = param(DEGREES, "how much warmer; negative if colder", low=-200.0, high=500.0, typical="10 K")
 
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
         """The temperature around it."""
@@ -69,7 +69,7 @@ class Multiplied(AbstractCooling):
     """A heat-loss model, multiplied."""
 
     cooling: AbstractCooling = part("the heat-loss model")
-    factor: Scalar = param("1", "what it is multiplied by", low=0.0)
+    factor: Number = param("1", "what it is multiplied by", low=0.0)
 
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
         """h [W/(m² K)], multiplied."""
@@ -87,7 +87,7 @@ class Draught(AbstractPlantFault):
     A factor above 1 is a draught, one below 1 is air that is shut in: the dangerous one of the two.
     """
 
-    factor: Scalar = param("1", "film coefficient over that without the fault", low=0.0, high=1e3, typical=2.0)
+    factor: Number = param("1", "film coefficient over that without the fault", low=0.0, high=1e3, typical=2.0)
 
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
         """Its film coefficient, multiplied."""
@@ -114,7 +114,7 @@ class AbstractContact(AbstractSource):
 class Interrupted(AbstractContact):
     """A source behind a contact that is closed (1) or open (0)."""
 
-    contact: Scalar = param("1", "1 if it is closed, 0 if it is open", low=0.0, high=1.0)
+    contact: Number = param("1", "1 if it is closed, 0 if it is open", low=0.0, high=1.0)
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Current [A] of the source, if the contact is closed."""
@@ -142,7 +142,7 @@ class OpenCircuit(AbstractPlantFault):
 class Resisted(AbstractContact):
     """A source behind a contact that has a resistance."""
 
-    contact: Scalar = param("ohm", "resistance of the contact", low=0.0)
+    contact: Number = param("ohm", "resistance of the contact", low=0.0)
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Current [A] through the element and the contact in a row."""
@@ -161,7 +161,7 @@ class ContactResistance(AbstractPlantFault):
     resistance that is measured is that of the element, as with leads of its own.
     """
 
-    resistance: Scalar = param("ohm", "resistance of the contact", low=0.0, high=1e6, typical="1 ohm")
+    resistance: Number = param("ohm", "resistance of the contact", low=0.0, high=1e6, typical="1 ohm")
 
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
         """The source, behind a contact with a resistance."""
@@ -178,7 +178,7 @@ class StuckOn(AbstractFault):
     """
 
     drive: str = text("drive that does not obey; all drives if empty", default="")
-    level: Scalar = param(DRIVE, "signal that arrives whatever is wanted", default=1.0, typical=1.0)
+    level: Number = param(DRIVE, "signal that arrives whatever is wanted", default=1.0, typical=1.0)
 
     def names(self) -> dict[str, str]:
         """The drive, if one is named."""
@@ -199,7 +199,7 @@ class SupplySag(AbstractPlantFault):
     chamber has no supply.
     """
 
-    share: Scalar = param("1", "share of the voltage that is left", low=0.0, high=10.0, typical=0.7)
+    share: Number = param("1", "share of the voltage that is left", low=0.0, high=10.0, typical=0.7)
 
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
         """The voltage of its supply."""
@@ -214,7 +214,7 @@ class SupplySurge(AbstractPlantFault):
     temperature was told (`martensite.control.checks.thermal_bound`), so that only what is measured reveals it.
     """
 
-    share: Scalar = param("1", "voltage over that without the fault", low=1.0, high=10.0, typical=1.3)
+    share: Number = param("1", "voltage over that without the fault", low=1.0, high=10.0, typical=1.3)
 
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
         """The voltage of its supply."""

@@ -2,7 +2,7 @@
 
 from typing import Self
 
-from martensite.base.parameters import param, text
+from martensite.base.parameters import Number, param, text
 from martensite.base.units import DIFFERENCE, RATE
 from martensite.control.faults.base import FAULTS, AbstractFault
 from martensite.kernels.namespace import Flag, Namespace, Scalar
@@ -31,8 +31,8 @@ class Drift(AbstractSensorFault):
     noisy as ever: only another source of the same knowledge reveals them.
     """
 
-    bias: Scalar = param(DIFFERENCE, "offset when it begins", default=0.0, typical=0.5)
-    rate: Scalar = param(RATE, "growth of it", default=0.0, typical=0.2)
+    bias: Number = param(DIFFERENCE, "offset when it begins", default=0.0, typical=0.5)
+    rate: Number = param(RATE, "growth of it", default=0.0, typical=0.2)
 
     def fault_at(self, xp: Namespace, time: Scalar) -> Self:
         """With the offset that it has by now."""
@@ -71,7 +71,7 @@ class NoiseBurst(AbstractSensorFault):
     the instrument. A run without noise has no such numbers, and no burst.
     """
 
-    deviation: Scalar = param(DIFFERENCE, "standard deviation that is added", low=0.0, typical=MARGIN)
+    deviation: Number = param(DIFFERENCE, "standard deviation that is added", low=0.0, typical=MARGIN)
 
     def disturb(self, xp: Namespace, sensor: str, reading: Scalar, number: Scalar, active: Flag) -> Scalar:
         """The reading, and what disturbs it."""
@@ -83,7 +83,7 @@ class NoiseBurst(AbstractSensorFault):
 class LateReadings(AbstractSensorFault):
     """A sensor whose readings arrive later, as over a bus that is busy; their age tells."""
 
-    by: Scalar = param("s", "how much later", low=0.0, high=1e3, typical="0.2 s")
+    by: Number = param("s", "how much later", low=0.0, high=1e3, typical="0.2 s")
 
     def travel(self, xp: Namespace, sensor: str, travel: Scalar, active: Flag) -> Scalar:
         """Its time, and what it is late by [s]."""

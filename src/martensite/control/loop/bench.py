@@ -20,7 +20,7 @@ from martensite.actuators.assembly import advance_steps
 from martensite.actuators.assembly.base import AbstractSystemAround, DriveSignal
 from martensite.actuators.mechanisms.base import Column, Output
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.base.parameters import option, param, part
+from martensite.base.parameters import Number, option, param, part
 from martensite.control.controllers.base import PLANNED, require_readings
 from martensite.control.controllers.follower import Follower
 from martensite.control.loop import names, period
@@ -43,7 +43,7 @@ from martensite.simulate.api import steps_in
 class Bench(AbstractSystemAround, init=False):
     """A plant with everything around it."""
 
-    period: Scalar = param("s", "time from one sample to the next", above=0.0)
+    period: Number = param("s", "time from one sample to the next", above=0.0)
     sensors: Sensors = part("sensors by name; without any, everything is known", default=Sensors())
     observers: Observers = part("observers by name", default=Observers())
     controllers: Controllers = part("controllers by drive of the plant", default=Controllers())

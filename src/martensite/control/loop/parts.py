@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from martensite.actuators.assembly import Members
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import Parametrised, param, part, text
+from martensite.base.parameters import Number, Parametrised, param, part, text
 from martensite.base.registry import Registry
 from martensite.control.controllers.base import AbstractController
 from martensite.control.controllers.conditioning import ManualInput
@@ -61,9 +61,9 @@ class MountedSensor(Parametrised):
 
     sensor: AbstractSensor = part("the sensor", SENSORS)
     of: str | tuple[str, ...] = text("outputs that it looks at; its own choice if none", default=())
-    sample_time: Scalar = param("s", "time between its readings", low=0.0, default=0.0)
-    delay: Scalar = param("s", "how late a reading arrives", low=0.0, default=0.0)
-    jitter: Scalar = param("s", "standard deviation of the delay", low=0.0, default=0.0)
+    sample_time: Number = param("s", "time between its readings", low=0.0, default=0.0)
+    delay: Number = param("s", "how late a reading arrives", low=0.0, default=0.0)
+    jitter: Number = param("s", "standard deviation of the delay", low=0.0, default=0.0)
 
     def check(self) -> None:
         """Raise `ParameterError` unless it is told as many outputs as the sensor looks at."""

@@ -24,7 +24,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import Parametrised, param
+from martensite.base.parameters import Number, Parametrised, param
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.signals.base import DRIVE
 
@@ -67,21 +67,21 @@ class CalibrationState(NamedTuple):
 class Calibration(Parametrised):
     """How a wire is calibrated."""
 
-    probe: Scalar = param(DRIVE, "signal of a current that measures but hardly heats", above=0.0, default=0.02)
-    largest: Scalar = param(DRIVE, "largest signal of the heating", above=0.0, default=1.0)
-    begin: Scalar = param("1", "signal at which heating begins, over the probing one", above=1.0, default=4.0)
-    cold: Scalar = param("s", "time at the probing signal", above=0.0, default=8.0)
-    pulse: Scalar = param("1", "energy of the pulse, over that for all but latent heat", above=0.0, default=1.6)
-    apart: Scalar = param("s", "time from the pulse to the heating", above=0.0, default=16.0)
-    visible: Scalar = param("1", "change of the resistance that a transformation must have", above=0.0, default=0.03)
-    growth: Scalar = param("s", "time in which the signal grows e-fold", above=0.0, default=15.0)
-    longest: Scalar = param("s", "longest time of the heating", above=0.0, default=36.0)
-    beyond: Scalar = param("s", "time for which it grows on after the end", low=0.0, default=0.3)
-    share: Scalar = param("1", "signal of the soak, over the one reached", above=0.0, high=1.0, default=0.7)
-    soak: Scalar = param("s", "time in austenite", above=0.0, default=4.0)
-    duration: Scalar = param("s", "time of all of it", above=0.0, default=80.0)
-    seen: Scalar = param("1", "change of the resistance that is one", above=0.0, default=0.006)
-    flat: Scalar = param("1", "change of the resistance that is none", above=0.0, default=0.0035)
+    probe: Number = param(DRIVE, "signal of a current that measures but hardly heats", above=0.0, default=0.02)
+    largest: Number = param(DRIVE, "largest signal of the heating", above=0.0, default=1.0)
+    begin: Number = param("1", "signal at which heating begins, over the probing one", above=1.0, default=4.0)
+    cold: Number = param("s", "time at the probing signal", above=0.0, default=8.0)
+    pulse: Number = param("1", "energy of the pulse, over that for all but latent heat", above=0.0, default=1.6)
+    apart: Number = param("s", "time from the pulse to the heating", above=0.0, default=16.0)
+    visible: Number = param("1", "change of the resistance that a transformation must have", above=0.0, default=0.03)
+    growth: Number = param("s", "time in which the signal grows e-fold", above=0.0, default=15.0)
+    longest: Number = param("s", "longest time of the heating", above=0.0, default=36.0)
+    beyond: Number = param("s", "time for which it grows on after the end", low=0.0, default=0.3)
+    share: Number = param("1", "signal of the soak, over the one reached", above=0.0, high=1.0, default=0.7)
+    soak: Number = param("s", "time in austenite", above=0.0, default=4.0)
+    duration: Number = param("s", "time of all of it", above=0.0, default=80.0)
+    seen: Number = param("1", "change of the resistance that is one", above=0.0, default=0.006)
+    flat: Number = param("1", "change of the resistance that is none", above=0.0, default=0.0035)
 
     def check(self) -> None:
         """Raise `ParameterError` unless there is time for all phases."""

@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.base.parameters import param, text
+from martensite.base.parameters import Number, param, text
 from martensite.base.units import DEGREES, DIFFERENCE, of_reading
 from martensite.control.observers import covariance, hidden_states
 from martensite.control.observers.base import (
@@ -126,19 +126,19 @@ class AbstractFilter(AbstractObserver):
     measured: tuple[str, ...] = text("readings it uses, called as the outputs of the model", default=("resistance",))
     wanted: tuple[str, ...] = text("outputs to be estimated; its own choice if none", default=())
     drifting: tuple[str, ...] = text("parameters of the model that it estimates", default=())
-    reading_noise: Scalar = param("1", "standard deviation of readings as a share of them", low=0.0, default=0.01)
-    reading_deviation: Scalar = param(
+    reading_noise: Number = param("1", "standard deviation of readings as a share of them", low=0.0, default=0.01)
+    reading_deviation: Number = param(
         DIFFERENCE, "standard deviation of readings whatever they are; in SI if units differ", low=0.0, default=0.0
     )
-    temperature_noise: Scalar = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.5)
-    fraction_noise: Scalar = param("1/s^0.5", "random walk of the martensite fraction", low=0.0, default=0.02)
-    drift_noise: Scalar = param("1/s^0.5", "random walk of drifting parameters, as a share", low=0.0, default=1e-3)
-    first_temperature: Scalar = param(DEGREES, "standard deviation of temperature at the start", low=0.0, default=1.0)
-    first_fraction: Scalar = param("1", "standard deviation of the fraction at the start", low=0.0, default=0.02)
-    first_drift: Scalar = param(
+    temperature_noise: Number = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.5)
+    fraction_noise: Number = param("1/s^0.5", "random walk of the martensite fraction", low=0.0, default=0.02)
+    drift_noise: Number = param("1/s^0.5", "random walk of drifting parameters, as a share", low=0.0, default=1e-3)
+    first_temperature: Number = param(DEGREES, "standard deviation of temperature at the start", low=0.0, default=1.0)
+    first_fraction: Number = param("1", "standard deviation of the fraction at the start", low=0.0, default=0.02)
+    first_drift: Number = param(
         "1", "standard deviation of drifting parameters at the start, as a share of them", low=0.0, default=0.02
     )
-    oldest: Scalar = param("s", "age up to which a reading is used", low=0.0, default=0.0)
+    oldest: Number = param("s", "age up to which a reading is used", low=0.0, default=0.0)
 
     def check(self) -> None:
         """Raise `ParameterError` unless the model can be gone along with and all names are its."""

@@ -16,7 +16,7 @@ from martensite.actuators.assembly.base import AbstractAssembly, AbstractSystemA
 from martensite.actuators.mechanisms.base import Column
 from martensite.actuators.mechanisms.multibody import AbstractMultibody
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.base import Fractions
@@ -118,9 +118,9 @@ class ProcessNoisePlant(AbstractSystemAround):
     so that beside the transformation the noise is less than what a filter assumes.
     """
 
-    temperature_noise: Scalar = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.5)
-    fraction_noise: Scalar = param("1/s^0.5", "random walk of the martensite fraction", low=0.0, default=0.02)
-    held: Scalar = param("s", "how long a number holds", above=0.0)
+    temperature_noise: Number = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.5)
+    fraction_noise: Number = param("1/s^0.5", "random walk of the martensite fraction", low=0.0, default=0.02)
+    held: Number = param("s", "how long a number holds", above=0.0)
 
     def check(self) -> None:
         """Raise `ParameterError` if its elements have no single temperature."""

@@ -17,7 +17,7 @@ from typing import Any
 from martensite.actuators.assembly import advance_steps
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.base.parameters import param, text
+from martensite.base.parameters import Number, param, text
 from martensite.control.observers import hidden_states
 from martensite.control.observers.base import OBSERVERS, AbstractObserver, Column, Named, list_required, list_several
 from martensite.kernels.bracketed_newton import solve_bracketed
@@ -38,7 +38,7 @@ class InverseModel(AbstractObserver):
 
     measured: str = text("reading of the resistance", default="resistance")
     wanted: tuple[str, ...] = text("outputs to be estimated; its own choice if none", default=())
-    lag: Scalar = param("s", "time constant τ", low=0.0, default=0.0)
+    lag: Number = param("s", "time constant τ", low=0.0, default=0.0)
 
     def check(self) -> None:
         """Raise `ParameterError` unless the model has one element and a resistance."""

@@ -24,7 +24,7 @@ from typing import Any, NamedTuple, TypeAlias
 from martensite.actuators.assembly import AbstractSystem, Members
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.base.parameters import param, part, text
+from martensite.base.parameters import Number, param, part, text
 from martensite.control.observers import covariance, hidden_states
 from martensite.control.observers.base import OBSERVERS, Column, Named, ObserverPeriod, list_required, list_several
 from martensite.control.observers.covariance import Matrix, UnknownReading
@@ -84,27 +84,27 @@ class ModelBank(ExtendedKalman):
 
     cites = ("barshalom2001",)
 
-    temperature_noise: Scalar = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.1)
-    fraction_noise: Scalar = param("1/s^0.5", "random walk of the martensite fraction", low=0.0, default=0.003)
+    temperature_noise: Number = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.1)
+    fraction_noise: Number = param("1/s^0.5", "random walk of the martensite fraction", low=0.0, default=0.003)
     models: Models = part("further models by name; those of `usual` if none", default=Models())
     usual: tuple[str, ...] = text(
         f"further models that need no numbers, of {', '.join(USUAL)}", default=USUAL, typical=FAN
     )
-    fan_factor: Scalar = param("1", "film coefficient of `fan` over that of the model", above=0.0, default=2.5)
-    rphase_rise: Scalar = param(
+    fan_factor: Number = param("1", "film coefficient of `fan` over that of the model", above=0.0, default=2.5)
+    rphase_rise: Number = param(
         "1", "share by which R-phase resists more, of `r_phase`", low=-0.5, high=1.0, default=0.15
     )
-    slack_strain: Scalar = param("1", "share of the length that is lost, of `slack`", above=0.0, default=0.015)
-    sound: Scalar = param("s", "mean time for which the first model holds", above=0.0, default=1e5)
-    fault: Scalar = param("s", "mean time for which another one then holds", above=0.0, default=60.0)
-    window: Scalar = param("s", "time over which innovations are averaged", above=0.0, default=0.5)
-    bound: Scalar = param("1", "chi-square above which innovations do not fit", above=0.0, default=30.0)
+    slack_strain: Number = param("1", "share of the length that is lost, of `slack`", above=0.0, default=0.015)
+    sound: Number = param("s", "mean time for which the first model holds", above=0.0, default=1e5)
+    fault: Number = param("s", "mean time for which another one then holds", above=0.0, default=60.0)
+    window: Number = param("s", "time over which innovations are averaged", above=0.0, default=0.5)
+    bound: Number = param("1", "chi-square above which innovations do not fit", above=0.0, default=30.0)
     controlled: str = text("estimate whose spread counts; by default the first of the mechanism", default="")
-    spread: Scalar = param(
+    spread: Number = param(
         "1", "standard deviation of it, as a share of its reach, above which trust is lost", above=0.0, default=0.1
     )
-    change: Scalar = param("1", "change of probabilities above which trust is lost", above=0.0, default=0.25)
-    regain: Scalar = param("s", "time in which trust comes back", above=0.0, default=5.0)
+    change: Number = param("1", "change of probabilities above which trust is lost", above=0.0, default=0.25)
+    regain: Number = param("s", "time in which trust comes back", above=0.0, default=5.0)
 
     def check(self) -> None:
         """Raise `ParameterError` where models do not fit each other, or a name is not known."""

@@ -38,7 +38,7 @@ from collections.abc import Sequence
 
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import Parametrised, option, param, part
+from martensite.base.parameters import Number, Parametrised, option, param, part
 from martensite.base.units import DEGREES
 from martensite.control.observers import covariance, hidden_states
 from martensite.control.observers.base import OBSERVERS, Column, Named, ObserverPeriod, list_required
@@ -69,15 +69,15 @@ VOUCHED = 2.0
 class SheetTolerances(Parametrised):
     """How far a wire may be from its data sheet, either way."""
 
-    resistivity: Scalar = param(
+    resistivity: Number = param(
         "1",
         "tolerance of both resistivities over the section of the model, as a share; assumed",
         above=0.0,
         default=0.12,
     )
-    film: Scalar = param("1", "largest factor of the film coefficient, or its inverse; assumed", above=1.0, default=2.0)
-    ambient: Scalar = param(DEGREES, "tolerance of the ambient temperature; assumed", above=0.0, default=10.0)
-    transformation: Scalar = param(
+    film: Number = param("1", "largest factor of the film coefficient, or its inverse; assumed", above=1.0, default=2.0)
+    ambient: Number = param(DEGREES, "tolerance of the ambient temperature; assumed", above=0.0, default=10.0)
+    transformation: Number = param(
         DEGREES, "tolerance of the transformation temperatures; assumed", above=0.0, default=5.0
     )
 
@@ -86,24 +86,24 @@ class SheetTolerances(Parametrised):
 class SelfSensing(UnscentedKalman):
     """A filter for a wire nobody measured: it calibrates itself, and says how far it can be trusted."""
 
-    beta: Scalar = param("1", "weight of the middle in the covariance", low=0.0, default=2.0)
-    fraction_noise: Scalar = param("1/s^0.5", "random walk of ξ amid a transformation", low=0.0, default=0.01)
-    temperature_noise: Scalar = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.15)
-    first_fraction: Scalar = param("1", "standard deviation of a pure phase", low=0.0, default=0.001)
-    first_temperature: Scalar = param(DEGREES, "standard deviation of T - T_a at the start", low=0.0, default=0.5)
+    beta: Number = param("1", "weight of the middle in the covariance", low=0.0, default=2.0)
+    fraction_noise: Number = param("1/s^0.5", "random walk of ξ amid a transformation", low=0.0, default=0.01)
+    temperature_noise: Number = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.15)
+    first_fraction: Number = param("1", "standard deviation of a pure phase", low=0.0, default=0.001)
+    first_temperature: Number = param(DEGREES, "standard deviation of T - T_a at the start", low=0.0, default=0.5)
     sheet: SheetTolerances = part("what is known of the wire", default=SheetTolerances())
     start: str = option("whether it calibrates the wire at first", "calibration", "sheet", default="calibration")
     calibration: Calibration = part("how", default=Calibration())
-    hot: Scalar = param("K", "soak temperature T_h; 28 K above A_f if left out", above=0.0, default=math.inf)
-    hot_deviation: Scalar = param(DEGREES, "standard deviation of the soak temperature", above=0.0, default=7.0)
-    loss_deviation: Scalar = param("1", "standard deviation of P - Q as a share of it", low=0.0, default=0.1)
-    learning: Scalar = param("1", "by how much parameters walk faster while it calibrates", low=1.0, default=8.0)
-    resistivity_walk: Scalar = param(
+    hot: Number = param("K", "soak temperature T_h; 28 K above A_f if left out", above=0.0, default=math.inf)
+    hot_deviation: Number = param(DEGREES, "standard deviation of the soak temperature", above=0.0, default=7.0)
+    loss_deviation: Number = param("1", "standard deviation of P - Q as a share of it", low=0.0, default=0.1)
+    learning: Number = param("1", "by how much parameters walk faster while it calibrates", low=1.0, default=8.0)
+    resistivity_walk: Number = param(
         "1/s^0.5", "random walk of the resistivities; once measured, of their spreads", low=0.0, default=0.0
     )
-    film_walk: Scalar = param("1/s^0.5", "random walk of the film coefficient", low=0.0, default=0.0025)
-    ambient_walk: Scalar = param("K/s^0.5", "random walk of the surroundings", low=0.0, default=0.005)
-    transformation_walk: Scalar = param(
+    film_walk: Number = param("1/s^0.5", "random walk of the film coefficient", low=0.0, default=0.0025)
+    ambient_walk: Number = param("K/s^0.5", "random walk of the surroundings", low=0.0, default=0.005)
+    transformation_walk: Number = param(
         "K/s^0.5", "random walk of the transformation temperatures", low=0.0, default=0.02
     )
     trust: Trust = part("how far it can be trusted", default=Trust())

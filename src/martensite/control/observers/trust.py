@@ -18,7 +18,7 @@ Source: Bar-Shalom, Li and Kirubarajan (2001), section 5.4, with windows that fa
 
 from typing import NamedTuple
 
-from martensite.base.parameters import Parametrised, param
+from martensite.base.parameters import Number, Parametrised, param
 from martensite.kernels.namespace import Namespace, Scalar
 
 
@@ -35,10 +35,10 @@ class TrustState(NamedTuple):
 class Trust(Parametrised):
     """What confidence is made of."""
 
-    window: Scalar = param("s", "time constant of the means", above=0.0, default=2.0)
-    fraction: Scalar = param("1", "spread s_0 of ξ at which it is a half", above=0.0, default=0.05)
-    quiet: Scalar = param("1", "z_0, up to which a test says nothing", low=0.0, default=4.0)
-    loud: Scalar = param("1", "z_1, from which on nothing is left", above=0.0, default=7.0)
+    window: Number = param("s", "time constant of the means", above=0.0, default=2.0)
+    fraction: Number = param("1", "spread s_0 of ξ at which it is a half", above=0.0, default=0.05)
+    quiet: Number = param("1", "z_0, up to which a test says nothing", low=0.0, default=4.0)
+    loud: Number = param("1", "z_1, from which on nothing is left", above=0.0, default=7.0)
 
     def advance(self, xp: Namespace, before: TrustState, innovation: Scalar, fresh: Scalar, dt: Scalar) -> TrustState:
         """Means with another normalised innovation, if its reading is fresh."""

@@ -13,7 +13,7 @@ Source: Julier and Uhlmann (2004), Proc. IEEE 92; s² = n + κ with κ = 3 - n f
 
 from collections.abc import Sequence
 
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.control.observers import covariance, hidden_states
 from martensite.control.observers.base import OBSERVERS, ObserverPeriod
 from martensite.control.observers.covariance import Matrix
@@ -31,8 +31,8 @@ class UnscentedKalman(AbstractFilter):
 
     cites = ("julier2004",)
 
-    alpha: Scalar = param("1", "how far the points are apart", above=0.0, high=2.0, default=1.0)
-    beta: Scalar = param("1", "weight of the middle in the covariance", low=0.0, default=0.0)
+    alpha: Number = param("1", "how far the points are apart", above=0.0, high=2.0, default=1.0)
+    beta: Number = param("1", "weight of the middle in the covariance", low=0.0, default=0.0)
 
     def forecast(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Forecast:
         """Mean and covariance a period later."""

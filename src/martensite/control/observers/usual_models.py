@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.mechanisms.load_line import AbstractLoadLine
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import REQUIRED, Parametrised, param, part
+from martensite.base.parameters import REQUIRED, Number, Parametrised, param, part
 from martensite.base.units import parse_quantity
 from martensite.control.faults.mechanism import Clamped, HinderedLoadLine, Slack
 from martensite.control.faults.plant import Draught, list_placed
@@ -48,7 +48,7 @@ class RisenResistance(AbstractResistance):
     three_phases = True
 
     resistance_model: AbstractResistance = part("resistance without an R-phase")
-    rise: Scalar = param("1", "by which share it is higher where all is R-phase", low=-0.5, high=1.0)
+    rise: Number = param("1", "by which share it is higher where all is R-phase", low=-0.5, high=1.0)
 
     def resistance(
         self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor

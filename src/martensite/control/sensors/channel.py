@@ -9,7 +9,7 @@ x(t + Δt) = x + (1 - exp(-Δt/τ)) (y - x).
 
 import math
 
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.control.sensors.base import SENSORS, AbstractSensor, Column
 from martensite.kernels.namespace import Namespace, Scalar
 
@@ -23,8 +23,8 @@ class AbstractChannel(AbstractSensor):
     """Reading of nothing."""
     range: Scalar
     """Largest reading, either way."""
-    gain_error: Scalar = param("1", "error of the gain", above=-1.0, default=0.0)
-    lag: Scalar = param("s", "time constant; 0 for none", low=0.0, default=0.0)
+    gain_error: Number = param("1", "error of the gain", above=-1.0, default=0.0)
+    lag: Number = param("s", "time constant; 0 for none", low=0.0, default=0.0)
 
     def rest(self, xp: Namespace, truth: Column) -> Column:
         """The truth."""
@@ -62,10 +62,10 @@ class CurrentSensor(AbstractChannel):
     unit = "A"
     sees = ("current",)
 
-    offset: Scalar = param("A", "reading of zero", default=0.0)
-    noise: Scalar = param("A", "standard deviation of a reading", low=0.0, default=5e-3)
-    resolution: Scalar = param("A", "least step of a reading", low=0.0, default=5.0 / 2**11)
-    range: Scalar = param("A", "largest reading, either way", above=0.0, default=5.0)
+    offset: Number = param("A", "reading of zero", default=0.0)
+    noise: Number = param("A", "standard deviation of a reading", low=0.0, default=5e-3)
+    resolution: Number = param("A", "least step of a reading", low=0.0, default=5.0 / 2**11)
+    range: Number = param("A", "largest reading, either way", above=0.0, default=5.0)
 
 
 @SENSORS.register("voltage")
@@ -79,10 +79,10 @@ class VoltageSensor(AbstractChannel):
     unit = "V"
     sees = ("voltage",)
 
-    offset: Scalar = param("V", "reading of zero", default=0.0)
-    noise: Scalar = param("V", "standard deviation of a reading", low=0.0, default=20e-3)
-    resolution: Scalar = param("V", "least step of a reading", low=0.0, default=20.0 / 2**11)
-    range: Scalar = param("V", "largest reading, either way", above=0.0, default=20.0)
+    offset: Number = param("V", "reading of zero", default=0.0)
+    noise: Number = param("V", "standard deviation of a reading", low=0.0, default=20e-3)
+    resolution: Number = param("V", "least step of a reading", low=0.0, default=20.0 / 2**11)
+    range: Number = param("V", "largest reading, either way", above=0.0, default=20.0)
 
 
 @SENSORS.register("force")
@@ -101,11 +101,11 @@ class ForceSensor(AbstractChannel):
     unit = "N"
     sees = ("force",)
 
-    nonlinearity: Scalar = param("1", "largest deviation from a line over the range", low=-0.25, high=0.25, default=0.0)
-    offset: Scalar = param("N", "reading of zero", default=0.0)
-    noise: Scalar = param("N", "standard deviation of a reading", low=0.0, default=5e-3)
-    resolution: Scalar = param("N", "least step of a reading", low=0.0, default=50.0 / 2**15)
-    range: Scalar = param("N", "largest reading, either way", above=0.0, default=50.0)
+    nonlinearity: Number = param("1", "largest deviation from a line over the range", low=-0.25, high=0.25, default=0.0)
+    offset: Number = param("N", "reading of zero", default=0.0)
+    noise: Number = param("N", "standard deviation of a reading", low=0.0, default=5e-3)
+    resolution: Number = param("N", "least step of a reading", low=0.0, default=50.0 / 2**15)
+    range: Number = param("N", "largest reading, either way", above=0.0, default=50.0)
 
     def curve(self, xp: Namespace, felt: Scalar) -> Scalar:
         """c(F) [N]; beyond the range it goes on straight."""
@@ -129,11 +129,11 @@ class TiltSensor(AbstractChannel):
     unit = "rad"
     sees = ("angle",)
 
-    lag: Scalar = param("s", "time constant; 0 for none", low=0.0, default=0.05)
-    offset: Scalar = param("rad", "reading of zero", default=0.0)
-    noise: Scalar = param("rad", "standard deviation of a reading", low=0.0, default=0.1 * DEGREE)
-    resolution: Scalar = param("rad", "least step of a reading", low=0.0, default=0.01 * DEGREE)
-    range: Scalar = param("rad", "largest reading, either way", above=0.0, default=0.5 * math.pi)
+    lag: Number = param("s", "time constant; 0 for none", low=0.0, default=0.05)
+    offset: Number = param("rad", "reading of zero", default=0.0)
+    noise: Number = param("rad", "standard deviation of a reading", low=0.0, default=0.1 * DEGREE)
+    resolution: Number = param("rad", "least step of a reading", low=0.0, default=0.01 * DEGREE)
+    range: Number = param("rad", "largest reading, either way", above=0.0, default=0.5 * math.pi)
 
 
 @SENSORS.register("gyroscope")
@@ -151,11 +151,11 @@ class GyroscopeSensor(AbstractSensor):
     unit = "rad/s"
     sees = ("angle",)
 
-    bias: Scalar = param("rad/s", "reading at rest", default=0.0)
-    lag: Scalar = param("s", "time constant; 0 for none", low=0.0, default=4e-3)
-    noise: Scalar = param("rad/s", "standard deviation of a reading", low=0.0, default=0.1 * DEGREE)
-    resolution: Scalar = param("rad/s", "least step of a reading", low=0.0, default=2000.0 * DEGREE / 2**15)
-    range: Scalar = param("rad/s", "largest reading, either way", above=0.0, default=2000.0 * DEGREE)
+    bias: Number = param("rad/s", "reading at rest", default=0.0)
+    lag: Number = param("s", "time constant; 0 for none", low=0.0, default=4e-3)
+    noise: Number = param("rad/s", "standard deviation of a reading", low=0.0, default=0.1 * DEGREE)
+    resolution: Number = param("rad/s", "least step of a reading", low=0.0, default=2000.0 * DEGREE / 2**15)
+    range: Number = param("rad/s", "largest reading, either way", above=0.0, default=2000.0 * DEGREE)
 
     def limits(self) -> tuple[Scalar, Scalar]:
         """As far either way."""

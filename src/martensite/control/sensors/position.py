@@ -2,7 +2,7 @@
 
 import math
 
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.control.sensors.base import SENSORS, AbstractSensor, Column
 from martensite.kernels.namespace import Namespace, Scalar
 
@@ -26,11 +26,11 @@ class PositionSensor(AbstractSensor):
     unit = "m"
     sees = ("position",)
 
-    noise: Scalar = param("m", "standard deviation of a reading", low=0.0, default=0.5e-6)
-    resolution: Scalar = param("m", "least step of a reading", low=0.0, default=2e-3 / 4096)
-    backlash: Scalar = param("m", "play between sensor and what moves", low=0.0, default=0.0)
-    offset: Scalar = param("m", "reading of zero at the start", default=0.0)
-    drift: Scalar = param("m/s", "change of the offset with time", default=0.0)
+    noise: Number = param("m", "standard deviation of a reading", low=0.0, default=0.5e-6)
+    resolution: Number = param("m", "least step of a reading", low=0.0, default=2e-3 / 4096)
+    backlash: Number = param("m", "play between sensor and what moves", low=0.0, default=0.0)
+    offset: Number = param("m", "reading of zero at the start", default=0.0)
+    drift: Number = param("m/s", "change of the offset with time", default=0.0)
 
     def rest(self, xp: Namespace, truth: Column) -> Column:
         """In the middle of the play, and no time gone by."""
@@ -63,8 +63,8 @@ class EncoderSensor(AbstractSensor):
 
     motion: str = option("what it reads: an angle, or a length", "rotary", "linear", default="rotary")
     zero: str = option("where it reads 0: at its mark, or where it is switched on", "mark", "start", default="mark")
-    lines: Scalar = param("1", "lines per turn of a rotary one", above=0.0, default=1024.0)
-    pitch: Scalar = param("m", "length of a line of a linear one", above=0.0, default=40e-6)
+    lines: Number = param("1", "lines per turn of a rotary one", above=0.0, default=1024.0)
+    pitch: Number = param("m", "length of a line of a linear one", above=0.0, default=40e-6)
 
     @property
     def resolution(self) -> Scalar:  # type: ignore[override]

@@ -10,7 +10,7 @@ source, U and I are rms values of a period, whose ratio is the resistance as wel
 ρ is the noise as a share of the reading; its default of 1 % and that of I_min are assumed.
 """
 
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.control.sensors.base import SENSORS, AbstractSensor, Column
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 
@@ -22,11 +22,11 @@ class ResistanceSensor(AbstractSensor):
     unit = "ohm"
     sees = ("voltage", "current")
 
-    relative_noise: Scalar = param("1", "standard deviation of a reading as a share of it", low=0.0, default=0.01)
-    noise: Scalar = param("ohm", "standard deviation whatever it reads", low=0.0, default=0.0)
-    resolution: Scalar = param("ohm", "least step of a reading", low=0.0, default=0.0)
-    least_current: Scalar = param("A", "current below which there is nothing to measure", above=0.0, default=0.01)
-    first: Scalar = param("ohm", "what it says before it has measured", low=0.0, default=0.0)
+    relative_noise: Number = param("1", "standard deviation of a reading as a share of it", low=0.0, default=0.01)
+    noise: Number = param("ohm", "standard deviation whatever it reads", low=0.0, default=0.0)
+    resolution: Number = param("ohm", "least step of a reading", low=0.0, default=0.0)
+    least_current: Number = param("A", "current below which there is nothing to measure", above=0.0, default=0.01)
+    first: Number = param("ohm", "what it says before it has measured", low=0.0, default=0.0)
 
     def valid(self, xp: Namespace, truth: Column) -> Flag:
         """Whether the current is large enough."""

@@ -3,7 +3,7 @@
 import math
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.base.units import DEGREES
 from martensite.control.sensors.base import SENSORS, AbstractSensor, Column
 from martensite.control.sensors.channel import follow_lag
@@ -28,11 +28,11 @@ class ThermocoupleSensor(AbstractSensor):
     unit = "K"
     sees = ("temperature", "ambient")
 
-    attachment: Scalar = param("1", "share of the wire's rise that the bead takes", above=0.0, high=1.0, default=0.9)
-    lag: Scalar = param("s", "time constant of the bead", low=0.0, default=0.3)
-    offset: Scalar = param(DEGREES, "error of the cold junction", default=0.0)
-    noise: Scalar = param(DEGREES, "standard deviation of a reading", low=0.0, default=0.1)
-    resolution: Scalar = param(DEGREES, "least step of a reading", low=0.0, default=0.25)
+    attachment: Number = param("1", "share of the wire's rise that the bead takes", above=0.0, high=1.0, default=0.9)
+    lag: Number = param("s", "time constant of the bead", low=0.0, default=0.3)
+    offset: Number = param(DEGREES, "error of the cold junction", default=0.0)
+    noise: Number = param(DEGREES, "standard deviation of a reading", low=0.0, default=0.1)
+    resolution: Number = param(DEGREES, "least step of a reading", low=0.0, default=0.25)
 
     def rest(self, xp: Namespace, truth: Column) -> Column:
         """The temperature of the bead."""
@@ -75,15 +75,15 @@ class InfraredSensor(AbstractSensor):
     mixing: str = option(
         "what is averaged over the field of view: temperature, or radiation", "linear", "radiance", default="linear"
     )
-    factor: Scalar = param("1", "share of the wire in what is seen", above=0.0, high=1.0, default=0.6)
-    drift: Scalar = param("1/s", "change of that share with time", default=0.0)
-    emissivity: Scalar = param("1", "emissivity of the wire", above=0.0, high=1.0, default=1.0)
-    setting: Scalar = param("1", "emissivity that it is set to", above=0.0, high=1.0, default=1.0)
-    lag: Scalar = param("s", "time constant", above=0.0, default=0.25)
-    noise: Scalar = param(DEGREES, "standard deviation of a reading", low=0.0, default=0.1)
-    resolution: Scalar = param(DEGREES, "least step of a reading", low=0.0, default=0.02)
-    lowest: Scalar = param("K", "lowest reading", default=-math.inf)
-    highest: Scalar = param("K", "highest reading", default=math.inf)
+    factor: Number = param("1", "share of the wire in what is seen", above=0.0, high=1.0, default=0.6)
+    drift: Number = param("1/s", "change of that share with time", default=0.0)
+    emissivity: Number = param("1", "emissivity of the wire", above=0.0, high=1.0, default=1.0)
+    setting: Number = param("1", "emissivity that it is set to", above=0.0, high=1.0, default=1.0)
+    lag: Number = param("s", "time constant", above=0.0, default=0.25)
+    noise: Number = param(DEGREES, "standard deviation of a reading", low=0.0, default=0.1)
+    resolution: Number = param(DEGREES, "least step of a reading", low=0.0, default=0.02)
+    lowest: Number = param("K", "lowest reading", default=-math.inf)
+    highest: Number = param("K", "highest reading", default=math.inf)
 
     def check(self) -> None:
         """Raise `ParameterError` unless there is a range."""

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param, part
+from martensite.base.parameters import Number, option, param, part
 from martensite.control.checks.base import LIMITED, AbstractCheck, Checks
 from martensite.control.checks.thermal_bound import ThermalBound
 from martensite.control.loop.parts import SUPERVISORS, AbstractSupervisor, Column, Named, SupervisorVerdict
@@ -50,8 +50,8 @@ class Guard(AbstractSupervisor):
         typical={"hot": {"kind": "overheat"}, "lost": {"kind": "sensor-lost"}},
     )
     answer: str = option("when signals come back", "latch", "resume", "limit", default="latch")
-    hold: Scalar = param("s", "shortest time of a cut", low=0.0, default=0.0, typical="0.1 s")
-    safe: Scalar = param(DRIVE, "signal of a cut", default=0.0)
+    hold: Number = param("s", "shortest time of a cut", low=0.0, default=0.0, typical="0.1 s")
+    safe: Number = param(DRIVE, "signal of a cut", default=0.0)
 
     def check(self) -> None:
         """Raise `ParameterError` if it checks nothing, or the signal of a cut is not safe."""

@@ -18,11 +18,10 @@ from dataclasses import dataclass, replace
 
 from martensite.actuators.elements.limits import STRONGEST
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.design.sizing.statics import CoilStrand, Strand, list_alloy_numbers
 from martensite.design.sizing.wire_in_hand import COOLINGS, NOT_GIVEN, SPARE, WireInHand, take_resistance
 from martensite.kernels import floats
-from martensite.kernels.namespace import Scalar
 from martensite.physics.materials.wires import WireCatalogue, WireSize
 
 LISTED = 0.005
@@ -53,12 +52,12 @@ class Drawn:
 class CoilInHand(WireInHand):
     """A close-wound coil, what drives it and what it pulls."""
 
-    diameter: Scalar = param("m", "diameter of the wire", low=2e-5, high=2e-3)
-    length: Scalar = param("m", "length of the wire, if it is known", above=0.0, high=100.0, default=NOT_GIVEN)
-    turns: Scalar = param("1", "number of turns", above=0.0, high=1e5, default=NOT_GIVEN)
-    solid: Scalar = param("m", "length of the closed coil", above=0.0, high=100.0, default=NOT_GIVEN)
-    outer: Scalar = param("m", "coil diameter over all", above=0.0, high=1.0, default=NOT_GIVEN)
-    stretched: Scalar = param(
+    diameter: Number = param("m", "diameter of the wire", low=2e-5, high=2e-3)
+    length: Number = param("m", "length of the wire, if it is known", above=0.0, high=100.0, default=NOT_GIVEN)
+    turns: Number = param("1", "number of turns", above=0.0, high=1e5, default=NOT_GIVEN)
+    solid: Number = param("m", "length of the closed coil", above=0.0, high=100.0, default=NOT_GIVEN)
+    outer: Number = param("m", "coil diameter over all", above=0.0, high=1.0, default=NOT_GIVEN)
+    stretched: Number = param(
         "m", "length to which it is drawn out when cold", above=0.0, high=100.0, default=NOT_GIVEN
     )
 

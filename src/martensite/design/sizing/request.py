@@ -11,8 +11,7 @@ import math
 from dataclasses import dataclass
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import Parametrised, option, param
-from martensite.kernels.namespace import Scalar
+from martensite.base.parameters import Number, Parametrised, option, param
 
 ALLOYS = ("70", "90")
 """Austenite start temperatures [°C] by which the maker names the two alloys."""
@@ -26,24 +25,24 @@ class WireRequest(Parametrised):
 
     cites = ("dynalloy-vendor-page", "dynalloy-table-copy")
 
-    force: Scalar = param("N", "pull on the load at the end of the stroke", above=0.0, high=1e5)
-    stroke: Scalar = param("m", "way of the load", above=0.0, high=10.0)
-    rate: Scalar = param("Hz", "cycles per second", above=0.0, high=1e3)
-    supply: Scalar = param("V", "voltage of the supply", above=0.0, high=1e4)
-    ambient: Scalar = param("K", "ambient temperature, still air", low=250.0, high=400.0, default=295.15)
-    strain: Scalar = param("1", "largest strain to be used", low=0.002, high=0.08, default=0.04)
-    stress: Scalar = param("Pa", "largest stress of the hot wire", above=0.0, high=6e8, default=172e6)
-    return_stress: Scalar = param("Pa", "stress that stretches the cold wire", above=0.0, high=3e8, default=69e6)
-    spring_rise: Scalar = param(
+    force: Number = param("N", "pull on the load at the end of the stroke", above=0.0, high=1e5)
+    stroke: Number = param("m", "way of the load", above=0.0, high=10.0)
+    rate: Number = param("Hz", "cycles per second", above=0.0, high=1e3)
+    supply: Number = param("V", "voltage of the supply", above=0.0, high=1e4)
+    ambient: Number = param("K", "ambient temperature, still air", low=250.0, high=400.0, default=295.15)
+    strain: Number = param("1", "largest strain to be used", low=0.002, high=0.08, default=0.04)
+    stress: Number = param("Pa", "largest stress of the hot wire", above=0.0, high=6e8, default=172e6)
+    return_stress: Number = param("Pa", "stress that stretches the cold wire", above=0.0, high=3e8, default=69e6)
+    spring_rise: Number = param(
         "1",
         "growth of the return spring's force over the stroke, as a share of its preload",
         low=0.01,
         high=5.0,
         default=0.25,
     )
-    current_limit: Scalar = param("A", "largest current of the supply", above=0.0, default=math.inf)
-    strands: Scalar = param("1", "most wires side by side", low=1.0, high=1000.0, default=12.0)
-    life: Scalar = param("1", "cycles that it must last; by default any number", above=0.0, default=math.inf)
+    current_limit: Number = param("A", "largest current of the supply", above=0.0, default=math.inf)
+    strands: Number = param("1", "most wires side by side", low=1.0, high=1000.0, default=12.0)
+    life: Number = param("1", "cycles that it must last; by default any number", above=0.0, default=math.inf)
     element: str = option("what pulls: straight wire, or a coil spring of it", "wire", "coil", default="wire")
     bias: str = option("what stretches the cold wire", "spring", "weight", default="spring")
     limits: str = option("limits of the material: stress, strain, temperature", "keep", "ignore", default="keep")

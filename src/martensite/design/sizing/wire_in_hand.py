@@ -8,10 +8,9 @@ from dataclasses import replace
 from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.actuators.mechanisms.load_line import BiasSpring, DeadWeight
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import Parametrised, option, param
+from martensite.base.parameters import Number, Parametrised, option, param
 from martensite.design.sizing.request import ALLOYS
 from martensite.design.sizing.statics import Strand, list_alloy_numbers
-from martensite.kernels.namespace import Scalar
 from martensite.physics.electrical.resistances import describe_contradiction
 from martensite.physics.fluids.oil import Oil
 from martensite.physics.fluids.water import Water
@@ -38,18 +37,18 @@ NEAR = 0.04
 class WireInHand(Parametrised):
     """A piece of wire, what drives it and what it pulls."""
 
-    diameter: Scalar = param("m", "diameter of the wire, one of the maker's", above=0.0, high=0.01)
-    length: Scalar = param("m", "length of the wire", above=0.0, high=100.0)
-    supply: Scalar = param("V", "voltage of the supply", above=0.0, high=1e4)
-    current_limit: Scalar = param("A", "largest current of the supply", above=0.0, default=math.inf)
-    load: Scalar = param("N", "weight; by default the maker's pull", above=0.0, high=1e5, default=NOT_GIVEN)
-    spring: Scalar = param("N/m", "spring rate; by default a weight", low=0.0, high=1e7, default=NOT_GIVEN)
-    preload: Scalar = param(
+    diameter: Number = param("m", "diameter of the wire, one of the maker's", above=0.0, high=0.01)
+    length: Number = param("m", "length of the wire", above=0.0, high=100.0)
+    supply: Number = param("V", "voltage of the supply", above=0.0, high=1e4)
+    current_limit: Number = param("A", "largest current of the supply", above=0.0, default=math.inf)
+    load: Number = param("N", "weight; by default the maker's pull", above=0.0, high=1e5, default=NOT_GIVEN)
+    spring: Number = param("N/m", "spring rate; by default a weight", low=0.0, high=1e7, default=NOT_GIVEN)
+    preload: Number = param(
         "N", "spring force when cold; by default the maker's", above=0.0, high=1e5, default=NOT_GIVEN
     )
-    pulse: Scalar = param("s", "time in which it is to contract", low=0.01, high=60.0, default=1.0)
-    ambient: Scalar = param("K", "ambient temperature", low=250.0, high=400.0, default=295.15)
-    resistance: Scalar = param("ohm", "as measured; by default the maker's", above=0.0, high=1e6, default=NOT_GIVEN)
+    pulse: Number = param("s", "time in which it is to contract", low=0.01, high=60.0, default=1.0)
+    ambient: Number = param("K", "ambient temperature", low=250.0, high=400.0, default=295.15)
+    resistance: Number = param("ohm", "as measured; by default the maker's", above=0.0, high=1e6, default=NOT_GIVEN)
     alloy: str = option("which of the maker's alloys", *ALLOYS, default="90")
     cooling: str = option("what is around the wire", *COOLINGS, default="air")
 

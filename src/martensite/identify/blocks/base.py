@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import Parametrised, option, param
+from martensite.base.parameters import Number, Parametrised, option, param
 from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
 
@@ -174,8 +174,8 @@ class AbstractRanged(AbstractBlock):
 
     fixed = ("low", "high")
 
-    low: float = param("1", "lower end of the range of the input", default=-1.0)
-    high: float = param("1", "upper end of the range of the input", default=1.0)
+    low: Number = param("1", "lower end of the range of the input", default=-1.0)
+    high: Number = param("1", "upper end of the range of the input", default=1.0)
 
     def adapt_to(self, x: Numbers, dt: float) -> Self:
         """Takes the range of the input."""

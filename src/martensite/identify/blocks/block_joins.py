@@ -18,7 +18,7 @@ from typing import Any, Self
 import numpy as np
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param, part
+from martensite.base.parameters import Number, param, part
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
 from martensite.identify.blocks.bouc_wen import BoucWen
 from martensite.identify.blocks.feedback import BEYOND, LEAST, WIDE
@@ -128,8 +128,8 @@ class FeedbackLoop(AbstractComposite):
         "the forward path, then what its output is fed back through",
         default=(TransferFunction(nb=2.0, nf=2.0), BoucWen()),
     )
-    fence_low: float = param("1", "least output that is fed back", default=-WIDE)
-    fence_high: float = param("1", "greatest output that is fed back", default=WIDE)
+    fence_low: Number = param("1", "least output that is fed back", default=-WIDE)
+    fence_high: Number = param("1", "greatest output that is fed back", default=WIDE)
 
     def check(self) -> None:
         """Two blocks of one input and one output; `ParameterError` if they are not."""

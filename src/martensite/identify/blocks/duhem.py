@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.identify.blocks.base import BLOCKS, AbstractRanged, Column, Numbers
 from martensite.identify.operators import branches
 from martensite.kernels.namespace import Namespace, Scalar
@@ -30,7 +30,7 @@ class Duhem(AbstractRanged):
     shape = ("logistics",)
     cites = ("ivshin1994",)
 
-    logistics: float = param("1", "logistic functions per branch", low=1.0, high=2.0, default=2.0)
+    logistics: Number = param("1", "logistic functions per branch", low=1.0, high=2.0, default=2.0)
     history: str = option("where the input came from before the first sample", "below", "above", default="below")
 
     def numbers(self) -> tuple[str, ...]:

@@ -25,7 +25,7 @@ from typing import Self
 import numpy as np
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, AbstractRanged, Column, Numbers
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.operators import sections
@@ -55,12 +55,12 @@ class Feedback(AbstractRanged):
     bounded = False
     fenced = True
 
-    order: float = param("1", "number of poles of the linear part", low=1.0, high=8.0, default=2.0)
-    degree: float = param("1", "highest degree of what is fed back", low=2.0, high=9.0, default=3.0)
-    past: float = param("1", "outputs fed back: 1, or 2 samples back", low=1.0, high=2.0, default=2.0)
-    fence_output: float = param("1", "limit of r in what is fed back", above=0.0, default=WIDE)
-    fence_change: float = param("1", "limit of δ in what is fed back", above=0.0, default=WIDE)
-    fence_fed: float = param("1", "limit of φ as a whole", above=0.0, default=WIDE)
+    order: Number = param("1", "number of poles of the linear part", low=1.0, high=8.0, default=2.0)
+    degree: Number = param("1", "highest degree of what is fed back", low=2.0, high=9.0, default=3.0)
+    past: Number = param("1", "outputs fed back: 1, or 2 samples back", low=1.0, high=2.0, default=2.0)
+    fence_output: Number = param("1", "limit of r in what is fed back", above=0.0, default=WIDE)
+    fence_change: Number = param("1", "limit of δ in what is fed back", above=0.0, default=WIDE)
+    fence_fed: Number = param("1", "limit of φ as a whole", above=0.0, default=WIDE)
     feedthrough: str = option("whether the input acts within the sample", "yes", "no", default="yes")
 
     def powers(self) -> list[tuple[int, int]]:

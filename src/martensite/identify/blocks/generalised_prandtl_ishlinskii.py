@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.identify.blocks.base import BLOCKS, Column, Numbers
 from martensite.identify.operators.play import FARTHEST, compute_logistic, compute_sizes, evaluate_hinges, keep_between
 from martensite.identify.operators.static_curves import AbstractCurve
@@ -39,9 +39,9 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
     fixed = ("low", "high", "reach")
     cites = ("aljanaideh2011",)
 
-    plays: float = param("1", "number of plays", low=1.0, high=200.0, default=4.0, typical=3.0)
-    knots: float = param("1", "number of knots of each curve", low=2.0, high=200.0, default=8.0, typical=3.0)
-    reach: float = param(
+    plays: Number = param("1", "number of plays", low=1.0, high=200.0, default=4.0, typical=3.0)
+    knots: Number = param("1", "number of knots of each curve", low=2.0, high=200.0, default=8.0, typical=3.0)
+    reach: Number = param(
         "1", "what thresholds end below, over the rise of the curves", above=0.0, high=1.0, default=0.25
     )
 

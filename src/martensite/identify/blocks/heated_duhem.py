@@ -27,7 +27,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.base.units import DEGREES
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
 from martensite.identify.operators import branches
@@ -115,16 +115,16 @@ class HeatedDuhem(AbstractBlock):
     cites = ("ivshin1994",)
 
     gives: str = option("what it gives", "both", "temperature", "position", default="both")
-    ambient: float = param("1", "temperature of the surroundings [degC or K]", default=23.0)
-    gain: float = param("1", "rise held by one unit of input [K]; 0: 50 K at the mean input", low=0.0, default=0.0)
-    time_constant: float = param("s", "time constant of cooling", above=0.0, default=10.0)
-    latent: float = param(DEGREES, "latent heat over heat capacity", above=0.0, default=30.0)
-    rising: float = param(DEGREES, "rise at which half is austenite on heating", default=65.0)
-    falling: float = param(DEGREES, "rise at which half is austenite on cooling", default=40.0)
-    sensor_gain: float = param("1", "rise measured over rise", default=0.7)
-    sensor_lag: float = param("s", "lag of the temperature sensor", above=0.0, default=0.3)
-    stroke: float = param("1", "position in austenite, in units of the record", default=1.0)
-    stroke_lag: float = param("s", "lag of the position", above=0.0, default=0.05)
+    ambient: Number = param("1", "temperature of the surroundings [degC or K]", default=23.0)
+    gain: Number = param("1", "rise held by one unit of input [K]; 0: 50 K at the mean input", low=0.0, default=0.0)
+    time_constant: Number = param("s", "time constant of cooling", above=0.0, default=10.0)
+    latent: Number = param(DEGREES, "latent heat over heat capacity", above=0.0, default=30.0)
+    rising: Number = param(DEGREES, "rise at which half is austenite on heating", default=65.0)
+    falling: Number = param(DEGREES, "rise at which half is austenite on cooling", default=40.0)
+    sensor_gain: Number = param("1", "rise measured over rise", default=0.7)
+    sensor_lag: Number = param("s", "lag of the temperature sensor", above=0.0, default=0.3)
+    stroke: Number = param("1", "position in austenite, in units of the record", default=1.0)
+    stroke_lag: Number = param("s", "lag of the position", above=0.0, default=0.05)
 
     @property
     def outputs(self) -> int:

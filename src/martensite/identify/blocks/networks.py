@@ -30,7 +30,7 @@ from abc import abstractmethod
 
 import numpy as np
 
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.identify.blocks.base import BLOCKS, Column, Numbers
 from martensite.identify.operators.static_curves import AbstractCurve
 from martensite.kernels.namespace import Namespace, Scalar
@@ -53,7 +53,7 @@ class AbstractNetwork(AbstractCurve):
 
     shape = ("units",)
 
-    units: float = param("1", "number of units", low=1.0, high=1000.0, default=10.0, typical=2.0)
+    units: Number = param("1", "number of units", low=1.0, high=1000.0, default=10.0, typical=2.0)
 
     @abstractmethod
     def unit_shape(self, xp: Namespace, q: Scalar) -> tuple[Scalar, Scalar]:

@@ -25,7 +25,7 @@ from typing import Self
 import numpy as np
 
 from martensite.actuators.mechanics.elimination import solve_linear
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, AbstractRanged, Column, Numbers
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.operators import sections
@@ -87,20 +87,20 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
     linear = False
     fenced = True
 
-    order: float = param("1", "number of states", low=1.0, high=6.0, default=2.0)
-    degree: float = param("1", "highest degree of a monomial", low=2.0, high=5.0, default=3.0, typical=2.0)
-    ins: float = param("1", "number of inputs", low=1.0, high=1.0, default=1.0)
+    order: Number = param("1", "number of states", low=1.0, high=6.0, default=2.0)
+    degree: Number = param("1", "highest degree of a monomial", low=2.0, high=5.0, default=3.0, typical=2.0)
+    ins: Number = param("1", "number of inputs", low=1.0, high=1.0, default=1.0)
     offset: str = option("whether the outputs at zero input are free; else they are 0", "yes", "no", default="yes")
     input_terms: str = option("whether the input enters the monomials beside the states", "yes", "no", default="yes")
     output_terms: str = option("whether monomials enter the outputs as well", "yes", "no", default="yes")
-    reach: float = param("1", "range of the states over that of the input", above=0.0, default=1.0)
+    reach: Number = param("1", "range of the states over that of the input", above=0.0, default=1.0)
 
-    fence1: float = param("1", "limit of the first state in monomials, over its reach", above=0.0, default=FARTHEST)
-    fence2: float = param("1", "limit of the second state in monomials, over its reach", above=0.0, default=FARTHEST)
-    fence3: float = param("1", "limit of the third state in monomials, over its reach", above=0.0, default=FARTHEST)
-    fence4: float = param("1", "limit of the fourth state in monomials, over its reach", above=0.0, default=FARTHEST)
-    fence5: float = param("1", "limit of the fifth state in monomials, over its reach", above=0.0, default=FARTHEST)
-    fence6: float = param("1", "limit of the sixth state in monomials, over its reach", above=0.0, default=FARTHEST)
+    fence1: Number = param("1", "limit of the first state in monomials, over its reach", above=0.0, default=FARTHEST)
+    fence2: Number = param("1", "limit of the second state in monomials, over its reach", above=0.0, default=FARTHEST)
+    fence3: Number = param("1", "limit of the third state in monomials, over its reach", above=0.0, default=FARTHEST)
+    fence4: Number = param("1", "limit of the fourth state in monomials, over its reach", above=0.0, default=FARTHEST)
+    fence5: Number = param("1", "limit of the fifth state in monomials, over its reach", above=0.0, default=FARTHEST)
+    fence6: Number = param("1", "limit of the sixth state in monomials, over its reach", above=0.0, default=FARTHEST)
 
     def monomials(self) -> list[tuple[int, ...]]:
         """The variables that each is a product of: states from 0 on, then the input."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.identify.blocks.base import BLOCKS, Column, Numbers
 from martensite.identify.operators.static_curves import AbstractCurve
 from martensite.kernels import floats
@@ -31,7 +31,7 @@ class PiecewiseLinear(AbstractCurve):
     short = "pwl"
     shape = ("knots", "inner")
 
-    knots: float = param("1", "number of knots", low=2.0, high=200.0, default=10.0, typical=4.0)
+    knots: Number = param("1", "number of knots", low=2.0, high=200.0, default=10.0, typical=4.0)
     inner: str = option("whether the knots between the ends move", "free", "fixed", default="free")
 
     def heights(self) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.identify.blocks.base import BLOCKS, AbstractStatic, Column, Numbers
 from martensite.kernels.namespace import Namespace, Scalar
 
@@ -19,7 +19,7 @@ class Polynomial(AbstractStatic):
     short = "poly"
     shape = ("degree",)
 
-    degree: float = param("1", "highest power", low=1.0, high=15.0, default=2.0)
+    degree: Number = param("1", "highest power", low=1.0, high=15.0, default=2.0)
 
     def numbers(self) -> tuple[str, ...]:
         """The offset, if it is free, and the coefficients."""

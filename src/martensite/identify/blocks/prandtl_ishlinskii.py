@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.identify.blocks.base import BLOCKS, AbstractRanged, Column, Numbers
 from martensite.identify.operators.play import FARTHEST, PlaySum, compute_logits, compute_sizes, move_play
 from martensite.kernels import floats
@@ -35,8 +35,8 @@ class PrandtlIshlinskii(AbstractRanged):
     fixed = ("low", "high", "reach")
     cites = ("krasnoselskii1989", "kuhnen2003")
 
-    plays: float = param("1", "number K of plays", low=1.0, default=12.0, typical=4.0)
-    reach: float = param("1", "highest threshold over the range of the input", above=0.0, high=1.0, default=0.25)
+    plays: Number = param("1", "number K of plays", low=1.0, default=12.0, typical=4.0)
+    reach: Number = param("1", "highest threshold over the range of the input", above=0.0, high=1.0, default=0.25)
     weights: str = option(
         "whether the weights of input and plays are all positive", "positive", "free", default="positive"
     )

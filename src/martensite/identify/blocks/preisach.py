@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.identify.blocks.base import BLOCKS, Column, Numbers
 from martensite.identify.operators.play import FARTHEST, compute_sizes, evaluate_hinges, move_play
 from martensite.identify.operators.static_curves import AbstractCurve
@@ -34,9 +34,9 @@ class Preisach(AbstractCurve):
     fixed = ("low", "high", "reach")
     cites = ("brokate1996", "mayergoyz2003")
 
-    levels: float = param("1", "number L of thresholds above 0", low=1.0, high=200.0, default=8.0, typical=3.0)
-    knots: float = param("1", "number of knots of each curve", low=2.0, high=200.0, default=8.0, typical=3.0)
-    reach: float = param("1", "highest threshold over the range of the input", above=0.0, high=0.45, default=0.25)
+    levels: Number = param("1", "number L of thresholds above 0", low=1.0, high=200.0, default=8.0, typical=3.0)
+    knots: Number = param("1", "number of knots of each curve", low=2.0, high=200.0, default=8.0, typical=3.0)
+    reach: Number = param("1", "highest threshold over the range of the input", above=0.0, high=0.45, default=0.25)
     slopes: str = option(
         "whether all curves rise, or fall, together, or each as it likes", "alike", "free", default="alike"
     )

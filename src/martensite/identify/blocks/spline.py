@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.identify.blocks.base import BLOCKS, Column, Numbers
 from martensite.identify.operators.static_curves import AbstractCurve
 from martensite.kernels import floats
@@ -35,7 +35,7 @@ class Spline(AbstractCurve):
     shape = ("knots",)
     cites = ("deboor1978",)
 
-    knots: float = param("1", "number of knots", low=2.0, high=200.0, default=10.0, typical=4.0)
+    knots: Number = param("1", "number of knots", low=2.0, high=200.0, default=10.0, typical=4.0)
 
     def heights(self) -> tuple[str, ...]:
         """Coefficients but the first, relative to it."""

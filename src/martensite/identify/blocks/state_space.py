@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
 from martensite.identify.operators import sections
 from martensite.kernels.namespace import Namespace, Scalar
@@ -32,10 +32,10 @@ class StateSpace(AbstractBlock):
     shape = ("order", "ins", "outs", "nk")
     linear = True
 
-    order: float = param("1", "number of poles", low=1.0, default=2.0, typical=3.0)
-    ins: float = param("1", "number of inputs", low=1.0, default=1.0, typical=2.0)
-    outs: float = param("1", "number of outputs", low=1.0, default=1.0, typical=2.0)
-    nk: float = param("1", "delay in samples; 0 adds feed-through", low=0.0, default=1.0)
+    order: Number = param("1", "number of poles", low=1.0, default=2.0, typical=3.0)
+    ins: Number = param("1", "number of inputs", low=1.0, default=1.0, typical=2.0)
+    outs: Number = param("1", "number of outputs", low=1.0, default=1.0, typical=2.0)
+    nk: Number = param("1", "delay in samples; 0 adds feed-through", low=0.0, default=1.0)
     offset: str = option("whether the outputs at zero input are free; else they are 0", "yes", "no", default="no")
 
     @property

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
 from martensite.identify.operators import sections
 from martensite.kernels.namespace import Namespace, Scalar
@@ -29,9 +29,9 @@ class TransferFunction(AbstractBlock):
     shape = ("nb", "nf", "nk")
     linear = True
 
-    nb: float = param("1", "number of numerator coefficients (zeros + 1)", low=1.0, default=1.0, typical=3.0)
-    nf: float = param("1", "number of poles", low=0.0, default=1.0, typical=3.0)
-    nk: float = param("1", "delay in samples", low=0.0, default=1.0)
+    nb: Number = param("1", "number of numerator coefficients (zeros + 1)", low=1.0, default=1.0, typical=3.0)
+    nf: Number = param("1", "number of poles", low=0.0, default=1.0, typical=3.0)
+    nk: Number = param("1", "delay in samples", low=0.0, default=1.0)
 
     def numbers(self) -> tuple[str, ...]:
         """Poles, then weights of all signals but the one that carries the gain."""

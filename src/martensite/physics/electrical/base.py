@@ -10,7 +10,7 @@ import math
 from abc import abstractmethod
 from typing import ClassVar, NamedTuple
 
-from martensite.base.parameters import Parametrised, param
+from martensite.base.parameters import Number, Parametrised, param
 from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.recordable_numbers import xp
@@ -136,11 +136,11 @@ class AbstractSupply(AbstractSource):
 
     supplied_by: ClassVar[tuple[str, ...]] = ("voltage_limit",)
 
-    series_resistance: Scalar = param(
+    series_resistance: Number = param(
         "ohm", "resistance outside: leads, contacts, driver", low=0.0, high=1e6, default=0.0, typical="0.5 ohm"
     )
-    current_limit: Scalar = param("A", "current limit", above=0.0, high=1e6, default=1e6, typical="0.6 A")
-    voltage_limit: Scalar = param("V", "supply voltage", above=0.0, high=1e9, default=1e9, typical="6 V")
+    current_limit: Number = param("A", "current limit", above=0.0, high=1e6, default=1e6, typical="0.6 A")
+    voltage_limit: Number = param("V", "supply voltage", above=0.0, high=1e9, default=1e9, typical="6 V")
 
     def most(self, xp: Namespace, resistance: Scalar) -> Scalar:
         """Largest current [A] that the supply drives through an element of `resistance` [ohm]."""
@@ -158,11 +158,11 @@ class AbstractSwitch(AbstractSource):
     supplied_by: ClassVar[tuple[str, ...]] = ("supply",)
     linear: ClassVar[str] = "power"
 
-    supply: Scalar = param("V", "supply voltage", above=0.0, high=1e4, typical="6 V")
-    series_resistance: Scalar = param(
+    supply: Number = param("V", "supply voltage", above=0.0, high=1e4, typical="6 V")
+    series_resistance: Number = param(
         "ohm", "resistance outside the element: leads, contacts, closed switch", low=0.0, high=1e6, default=0.0
     )
-    current_limit: Scalar = param("A", "current limit while the switch is closed", above=0.0, high=1e6, default=1e6)
+    current_limit: Number = param("A", "current limit while the switch is closed", above=0.0, high=1e6, default=1e6)
 
     def closed_current(self, xp: Namespace, resistance: Scalar) -> Scalar:
         """Current [A] through an element of `resistance` [ohm] while the switch is closed."""

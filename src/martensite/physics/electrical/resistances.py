@@ -4,7 +4,7 @@ Resistivities of both phases are parameters: published tables and measurements d
 so none is assumed.
 """
 
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import RESISTANCES, AbstractResistance, Conductor
 
@@ -38,8 +38,8 @@ def describe_contradiction(given: float, expected: float, length: float, source:
 class PerLengthResistance(AbstractResistance):
     """Linear mixture of two resistances per metre, as wire tables give them; independent of the diameter."""
 
-    r_A: Scalar = param("ohm/m", "resistance per metre of austenite", above=0.0, high=1e6, typical="20 ohm/m")
-    r_M: Scalar = param("ohm/m", "resistance per metre of martensite", above=0.0, high=1e6, typical="23 ohm/m")
+    r_A: Number = param("ohm/m", "resistance per metre of austenite", above=0.0, high=1e6, typical="20 ohm/m")
+    r_M: Number = param("ohm/m", "resistance per metre of martensite", above=0.0, high=1e6, typical="23 ohm/m")
 
     def resistance(
         self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
@@ -52,8 +52,8 @@ class PerLengthResistance(AbstractResistance):
 class MixtureResistance(AbstractResistance):
     """Linear mixture of two resistivities, R = [ρ_A + ξ (ρ_M - ρ_A)] l/A; geometry at its nominal size."""
 
-    rho_A: Scalar = param("ohm*m", "resistivity of austenite", above=0.0, high=1e-4, typical="8e-7 ohm m")
-    rho_M: Scalar = param("ohm*m", "resistivity of martensite", above=0.0, high=1e-4, typical="9e-7 ohm m")
+    rho_A: Number = param("ohm*m", "resistivity of austenite", above=0.0, high=1e-4, typical="8e-7 ohm m")
+    rho_M: Number = param("ohm*m", "resistivity of martensite", above=0.0, high=1e-4, typical="9e-7 ohm m")
 
     def resistance(
         self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
@@ -78,14 +78,14 @@ class FurstSeeleckeResistance(MixtureResistance):
 
     cites = ("furst2012", "ullrich2014")
 
-    a_rho_A: Scalar = param(
+    a_rho_A: Number = param(
         "1/K", "temperature coefficient of the resistivity of austenite", low=-1e-3, high=5e-3, typical="5e-4 1/K"
     )
-    a_rho_M: Scalar = param(
+    a_rho_M: Number = param(
         "1/K", "temperature coefficient of the resistivity of martensite", low=-1e-3, high=5e-3, typical="1e-3 1/K"
     )
-    T_rho: Scalar = param("K", "temperature of both resistivities", low=100.0, high=1000.0, typical="20 degC")
-    nu: Scalar = param("1", "Poisson's ratio", low=0.0, high=0.5, typical=0.33)
+    T_rho: Number = param("K", "temperature of both resistivities", low=100.0, high=1000.0, typical="20 degC")
+    nu: Number = param("1", "Poisson's ratio", low=0.0, high=0.5, typical=0.33)
 
     def resistivity(self, xp: Namespace, fraction: Scalar, temperature: Scalar) -> Scalar:
         """Resistivity [ohm m] at martensite `fraction` and `temperature` [K]."""
@@ -116,8 +116,8 @@ class ThreePhaseResistance(FurstSeeleckeResistance):
 
     three_phases = True
 
-    rho_R: Scalar = param("ohm*m", "resistivity of the R-phase", above=0.0, high=1e-4, typical="1e-6 ohm m")
-    a_rho_R: Scalar = param(
+    rho_R: Number = param("ohm*m", "resistivity of the R-phase", above=0.0, high=1e-4, typical="1e-6 ohm m")
+    a_rho_R: Number = param(
         "1/K", "temperature coefficient of the resistivity of the R-phase", low=-1e-3, high=5e-3, typical="3e-4 1/K"
     )
 

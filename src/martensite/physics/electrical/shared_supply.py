@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from martensite.base.parameters import Parametrised, param
+from martensite.base.parameters import Number, Parametrised, param
 from martensite.kernels.bracketed_newton import solve_bracketed
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import AbstractSource
@@ -44,11 +44,11 @@ class Consumer(NamedTuple):
 class SharedSupply(Parametrised):
     """A supply of a voltage, with an internal resistance and a limit of its current."""
 
-    voltage: Scalar = param("V", "voltage U_0 without load", above=0.0, high=1e4, typical="12 V")
-    internal_resistance: Scalar = param(
+    voltage: Number = param("V", "voltage U_0 without load", above=0.0, high=1e4, typical="12 V")
+    internal_resistance: Number = param(
         "ohm", "internal resistance R_i, and that of common leads", low=0.0, high=1e6, default=0.0, typical="0.1 ohm"
     )
-    current_limit: Scalar = param("A", "largest current I_max of all together", above=0.0, high=1e6, default=1e6)
+    current_limit: Number = param("A", "largest current I_max of all together", above=0.0, high=1e6, default=1e6)
 
     def sum_currents(self, xp: Namespace, consumers: Sequence[Consumer], voltage: Scalar) -> Scalar:
         """Current [A] of all consumers at a voltage [V]."""

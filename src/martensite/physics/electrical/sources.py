@@ -1,7 +1,7 @@
 """Sources that follow their signal within what the supply allows: current, voltage, power, amplifier; a bath."""
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.recordable_numbers import xp
 from martensite.physics.electrical.base import SOURCES, AbstractSource, AbstractSupply, SignalRange
@@ -92,13 +92,13 @@ class LinearAmplifier(AbstractSupply):
     cites = ("migaone-paper",)
     unit = "V"
 
-    gain: Scalar = param("1", "gain k", above=0.0, high=1e4, default=1.0)
-    offset: Scalar = param("V", "output at no signal", low=-1e3, high=1e3, default=0.0)
-    lowest: Scalar = param(
+    gain: Number = param("1", "gain k", above=0.0, high=1e4, default=1.0)
+    offset: Number = param("V", "output at no signal", low=-1e3, high=1e3, default=0.0)
+    lowest: Number = param(
         "V", "lowest output; below 0 with a second supply, as strong as the first", low=-1e4, high=0.0, default=0.0
     )
-    headroom: Scalar = param("V", "voltage that the transistor needs at most output", low=0.0, high=1e3, default=0.0)
-    output_resistance: Scalar = param("ohm", "output resistance of the amplifier", low=0.0, high=1e6, default=0.0)
+    headroom: Number = param("V", "voltage that the transistor needs at most output", low=0.0, high=1e3, default=0.0)
+    output_resistance: Number = param("ohm", "output resistance of the amplifier", low=0.0, high=1e6, default=0.0)
 
     def check(self) -> None:
         """Raise `ParameterError` if the supply leaves no room for an output."""

@@ -12,7 +12,7 @@ power of a run are therefore rms current, rms voltage and mean power.
 import math
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import SOURCES, AbstractSwitch, SignalRange
 
@@ -45,13 +45,13 @@ class Mosfet(AbstractSwitch):
     element.
     """
 
-    supply_resistance: Scalar = param("ohm", "internal resistance of the supply", low=0.0, high=1e6, default=0.0)
-    on_resistance: Scalar = param("ohm", "resistance of the closed transistor", low=0.0, high=1e6, default=0.0)
-    frequency: Scalar = param("Hz", "frequency of the carrier", above=0.0, high=1e7, typical="1 kHz")
-    dead_time: Scalar = param(
+    supply_resistance: Number = param("ohm", "internal resistance of the supply", low=0.0, high=1e6, default=0.0)
+    on_resistance: Number = param("ohm", "resistance of the closed transistor", low=0.0, high=1e6, default=0.0)
+    frequency: Number = param("Hz", "frequency of the carrier", above=0.0, high=1e7, typical="1 kHz")
+    dead_time: Number = param(
         "s", "time of every pulse that is lost before the transistor conducts", low=0.0, high=1.0, default=0.0
     )
-    smallest_pulse: Scalar = param("s", "shortest time that the transistor conducts", low=0.0, high=1.0, default=0.0)
+    smallest_pulse: Number = param("s", "shortest time that the transistor conducts", low=0.0, high=1.0, default=0.0)
 
     def closed_current(self, xp: Namespace, resistance: Scalar) -> Scalar:
         """Current [A] through an element of `resistance` [ohm] while the transistor conducts."""
@@ -86,10 +86,10 @@ class HBridge(AbstractSwitch):
     other with `negative`.
     """
 
-    high_resistance: Scalar = param("ohm", "on-resistance of the switch to the supply", low=0.0, high=1e6, default=0.0)
-    low_resistance: Scalar = param("ohm", "on-resistance of the switch to ground", low=0.0, high=1e6, default=0.0)
-    frequency: Scalar = param("Hz", "frequency of the carrier", above=0.0, high=1e7, typical="1 kHz")
-    dead_time: Scalar = param("s", "time that is lost at each edge of a pulse", low=0.0, high=1.0, default=0.0)
+    high_resistance: Number = param("ohm", "on-resistance of the switch to the supply", low=0.0, high=1e6, default=0.0)
+    low_resistance: Number = param("ohm", "on-resistance of the switch to ground", low=0.0, high=1e6, default=0.0)
+    frequency: Number = param("Hz", "frequency of the carrier", above=0.0, high=1e7, typical="1 kHz")
+    dead_time: Number = param("s", "time that is lost at each edge of a pulse", low=0.0, high=1.0, default=0.0)
     conducts: str = option(
         "directions that reach the element: both, or one through a diode",
         "both",
@@ -97,7 +97,7 @@ class HBridge(AbstractSwitch):
         "negative",
         default="both",
     )
-    diode_voltage: Scalar = param("V", "forward voltage of the diode, if there is one", low=0.0, high=1e3, default=0.0)
+    diode_voltage: Number = param("V", "forward voltage of the diode, if there is one", low=0.0, high=1e3, default=0.0)
 
     def closed_current(self, xp: Namespace, resistance: Scalar) -> Scalar:
         """Size [A] of the current through `resistance` [ohm] while the switches conduct."""
@@ -156,7 +156,7 @@ class PowerPwm(AbstractSwitch):
         "once",
         default="every-period",
     )
-    reference_resistance: Scalar = param(
+    reference_resistance: Number = param(
         "ohm", "resistance of the element when measured once", above=0.0, default=math.inf, typical="4 ohm"
     )
 

@@ -10,7 +10,7 @@ conductivity is 2.3 % to 2.4 % higher, the viscosity ν 0.4 % to 0.7 % lower, an
 at 100 °C but 3.3 % lower at 20 °C, the largest deviation.
 """
 
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.fluids.base import FLUIDS, AbstractFluid, FluidProperties, Row, interpolate_rows
 
@@ -22,7 +22,7 @@ GAS_CONSTANT = 287.05
 class Air(AbstractFluid):
     """Dry air as an ideal gas, from 250 K to 450 K."""
 
-    pressure: Scalar = param("Pa", "absolute pressure", low=1e3, high=1e6, default=101325.0)
+    pressure: Number = param("Pa", "absolute pressure", low=1e3, high=1e6, default=101325.0)
 
     def span(self) -> tuple[float, float]:
         """250 K to 450 K."""

@@ -13,7 +13,7 @@ from abc import abstractmethod
 from typing import ClassVar, Self
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import Parametrised, option, param
+from martensite.base.parameters import Number, Parametrised, option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics.asymmetry import NONE, SIDED_METHODS, by_side
 from martensite.physics.kinetics.hardening import LEAST_EXPONENT, MOST
@@ -48,12 +48,12 @@ class AbstractTwoPhaseLaw(AbstractLaw):
 
     orders: ClassVar[tuple[tuple[str, str], ...]] = WIDTHS
 
-    E_A: Scalar = param("Pa", "Young's modulus of austenite", low=1e8, high=3e11, typical="70 GPa")
-    E_M: Scalar = param("Pa", "Young's modulus of martensite", low=1e8, high=3e11, typical="30 GPa")
-    A_s: Scalar = param("K", "austenite start temperature at zero stress", low=100.0, high=1000.0, typical="65 degC")
-    A_f: Scalar = param("K", "austenite finish temperature at zero stress", low=100.0, high=1000.0, typical="75 degC")
-    M_s: Scalar = param("K", "martensite start temperature at zero stress", low=100.0, high=1000.0, typical="50 degC")
-    M_f: Scalar = param("K", "martensite finish temperature at zero stress", low=100.0, high=1000.0, typical="40 degC")
+    E_A: Number = param("Pa", "Young's modulus of austenite", low=1e8, high=3e11, typical="70 GPa")
+    E_M: Number = param("Pa", "Young's modulus of martensite", low=1e8, high=3e11, typical="30 GPa")
+    A_s: Number = param("K", "austenite start temperature at zero stress", low=100.0, high=1000.0, typical="65 degC")
+    A_f: Number = param("K", "austenite finish temperature at zero stress", low=100.0, high=1000.0, typical="75 degC")
+    M_s: Number = param("K", "martensite start temperature at zero stress", low=100.0, high=1000.0, typical="50 degC")
+    M_f: Number = param("K", "martensite finish temperature at zero stress", low=100.0, high=1000.0, typical="40 degC")
 
     @property
     def tension_only(self) -> bool:
@@ -71,8 +71,8 @@ class AbstractSidedLaw(AbstractTwoPhaseLaw):
         "asymmetric",
         default=NONE,
     )
-    C_A_compression: Scalar = param("Pa/K", "C_A in compression; 0: as in tension", low=0.0, high=1e9, default=0.0)
-    C_M_compression: Scalar = param("Pa/K", "C_M in compression; 0: as in tension", low=0.0, high=1e9, default=0.0)
+    C_A_compression: Number = param("Pa/K", "C_A in compression; 0: as in tension", low=0.0, high=1e9, default=0.0)
+    C_M_compression: Number = param("Pa/K", "C_M in compression; 0: as in tension", low=0.0, high=1e9, default=0.0)
 
     sided: ClassVar[tuple[str, ...]] = ("C_A", "C_M")
     """Parameters that may differ in compression; others of their names end in `_compression`."""
@@ -107,16 +107,16 @@ class AbstractSidedLaw(AbstractTwoPhaseLaw):
 class AbstractShapes(Parametrised):
     """Numbers of ranges that are no cosines between straight lines; options of the laws call for them."""
 
-    n_1: Scalar = param("1", "roundness of the forward start", low=LEAST_EXPONENT, high=1.0, default=1.0)
-    n_2: Scalar = param("1", "roundness of the forward end", low=LEAST_EXPONENT, high=1.0, default=1.0)
-    n_3: Scalar = param("1", "roundness of the reverse end", low=LEAST_EXPONENT, high=1.0, default=1.0)
-    n_4: Scalar = param("1", "roundness of the reverse start", low=LEAST_EXPONENT, high=1.0, default=1.0)
-    waist_f: Scalar = param("1", "waist of the forward range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.8)
-    waist_r: Scalar = param("1", "waist of the reverse range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.9)
-    curvature_f: Scalar = param("K/Pa^2", "bend of the forward line, if curved", low=-1e-14, high=1e-14, default=0.0)
-    curvature_r: Scalar = param("K/Pa^2", "bend of the reverse line, if curved", low=-1e-14, high=1e-14, default=0.0)
-    widening_f: Scalar = param("K/Pa", "growth of the forward range, if curved", low=0.0, high=1e-6, default=0.0)
-    widening_r: Scalar = param("K/Pa", "growth of the reverse range, if curved", low=0.0, high=1e-6, default=0.0)
+    n_1: Number = param("1", "roundness of the forward start", low=LEAST_EXPONENT, high=1.0, default=1.0)
+    n_2: Number = param("1", "roundness of the forward end", low=LEAST_EXPONENT, high=1.0, default=1.0)
+    n_3: Number = param("1", "roundness of the reverse end", low=LEAST_EXPONENT, high=1.0, default=1.0)
+    n_4: Number = param("1", "roundness of the reverse start", low=LEAST_EXPONENT, high=1.0, default=1.0)
+    waist_f: Number = param("1", "waist of the forward range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.8)
+    waist_r: Number = param("1", "waist of the reverse range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.9)
+    curvature_f: Number = param("K/Pa^2", "bend of the forward line, if curved", low=-1e-14, high=1e-14, default=0.0)
+    curvature_r: Number = param("K/Pa^2", "bend of the reverse line, if curved", low=-1e-14, high=1e-14, default=0.0)
+    widening_f: Number = param("K/Pa", "growth of the forward range, if curved", low=0.0, high=1e-6, default=0.0)
+    widening_r: Number = param("K/Pa", "growth of the reverse range, if curved", low=0.0, high=1e-6, default=0.0)
 
     def describe_unused(self, hardening: str, surfaces: str) -> list[str]:
         """Sentences about numbers that these choices do not call for."""
@@ -131,11 +131,11 @@ class AbstractShapes(Parametrised):
 class AbstractPhaseDiagram(AbstractTwoPhaseLaw):
     """Strips shifted by stress, and a Young's modulus that a law chooses."""
 
-    eps_L: Scalar = param("1", "maximum recoverable strain", above=0.0, high=0.2, typical=0.04)
-    C_A: Scalar = param("Pa/K", "Clausius–Clapeyron slope of the reverse strip", low=1e5, high=1e9, typical="8 MPa/K")
-    C_M: Scalar = param("Pa/K", "Clausius–Clapeyron slope of the forward strip", low=1e5, high=1e9, typical="8 MPa/K")
-    Theta: Scalar = param("Pa/K", "thermoelastic modulus; -E times the expansion", low=-1e7, high=1e7, default=0.0)
-    T_ref: Scalar = param("K", "temperature of zero thermal strain", low=0.0, high=1000.0, default=293.15)
+    eps_L: Number = param("1", "maximum recoverable strain", above=0.0, high=0.2, typical=0.04)
+    C_A: Number = param("Pa/K", "Clausius–Clapeyron slope of the reverse strip", low=1e5, high=1e9, typical="8 MPa/K")
+    C_M: Number = param("Pa/K", "Clausius–Clapeyron slope of the forward strip", low=1e5, high=1e9, typical="8 MPa/K")
+    Theta: Number = param("Pa/K", "thermoelastic modulus; -E times the expansion", low=-1e7, high=1e7, default=0.0)
+    T_ref: Number = param("K", "temperature of zero thermal strain", low=0.0, high=1000.0, default=293.15)
     history: str = option(
         "what happens to an interrupted transformation", "resume", "restart", "return-point", default="resume"
     )
@@ -175,8 +175,8 @@ class AbstractPhaseDiagram(AbstractTwoPhaseLaw):
 class AbstractSidedDiagram(AbstractPhaseDiagram, AbstractSidedLaw):
     """A phase diagram of tension that may have one of compression."""
 
-    eps_L_compression: Scalar = param("1", "eps_L in compression; 0: as in tension", low=0.0, high=0.2, default=0.0)
-    H_min: Scalar = param("1", "two-way strain: of martensite formed at no stress", low=-0.2, high=0.2, default=0.0)
+    eps_L_compression: Number = param("1", "eps_L in compression; 0: as in tension", low=0.0, high=0.2, default=0.0)
+    H_min: Number = param("1", "two-way strain: of martensite formed at no stress", low=-0.2, high=0.2, default=0.0)
 
     def check(self) -> None:
         """Raise `ParameterError` if a strip has no width, or compression meets a rule that it does not know."""

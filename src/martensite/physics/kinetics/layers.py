@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.kernels.dual import value_and_slope
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import choose_tuple
@@ -66,19 +66,19 @@ class AbstractLayers(AbstractLaw):
     one_way = False
     steep = True
 
-    E_A: Scalar = param("Pa", "Young's modulus of austenite", low=1e8, high=3e11, typical="50 GPa")
-    E_M: Scalar = param("Pa", "Young's modulus of martensite", low=1e8, high=3e11, typical="30 GPa")
-    eps_T: Scalar = param("1", "transformation strain of one variant", above=0.0, high=0.2, typical=0.04)
-    sigma_L: Scalar = param(
+    E_A: Number = param("Pa", "Young's modulus of austenite", low=1e8, high=3e11, typical="50 GPa")
+    E_M: Number = param("Pa", "Young's modulus of martensite", low=1e8, high=3e11, typical="30 GPa")
+    eps_T: Number = param("1", "transformation strain of one variant", above=0.0, high=0.2, typical=0.04)
+    sigma_L: Number = param(
         "Pa", "stress of the austenite to martensite transition at T_L", low=-2e9, high=2e9, typical="100 MPa"
     )
-    T_L: Scalar = param("K", "temperature at which sigma_L holds", low=100.0, high=1000.0, typical="70 degC")
-    dsigma_dT: Scalar = param(
+    T_L: Number = param("K", "temperature at which sigma_L holds", low=100.0, high=1000.0, typical="70 degC")
+    dsigma_dT: Number = param(
         "Pa/K", "slope of the transition stresses with temperature", low=1e5, high=1e9, typical="4 MPa/K"
     )
-    Delta_sigma: Scalar = param("Pa", "width of the stress hysteresis", low=1e4, high=2e9, typical="50 MPa")
-    layer_volume: Scalar = param("m^3", "volume of a transforming layer", above=0.0, high=1e-15, typical="5e-23 m^3")
-    layer_time: Scalar = param("s", "time constant of a transforming layer", above=0.0, high=1e3, typical="10 ms")
+    Delta_sigma: Number = param("Pa", "width of the stress hysteresis", low=1e4, high=2e9, typical="50 MPa")
+    layer_volume: Number = param("m^3", "volume of a transforming layer", above=0.0, high=1e-15, typical="5e-23 m^3")
+    layer_time: Number = param("s", "time constant of a transforming layer", above=0.0, high=1e3, typical="10 ms")
     heat_model: str = option(
         "heat of transformation: the element's latent heat, plus work, or from the free energy",
         "constant",

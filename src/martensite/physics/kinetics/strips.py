@@ -8,7 +8,7 @@ modulus (`kinetics.diagram`); the history rules are those of `kinetics.history`.
 from abc import abstractmethod
 from typing import ClassVar, TypeAlias
 
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.physics.kinetics import history
 from martensite.physics.kinetics.asymmetry import NONE, TURNS, compare_parts_left
@@ -36,7 +36,7 @@ class AbstractStripLaw(AbstractSidedDiagram):
     """True if processes go on beyond their finish lines and forget where they began."""
     keeps_forward = True
 
-    H_k: Scalar = param(
+    H_k: Number = param(
         "1/Pa", "how fast H grows from H_min to eps_L with stress", low=0.0, high=1e-4, default=1e-6, typical=1e-5
     )
 

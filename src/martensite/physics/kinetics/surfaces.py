@@ -47,7 +47,7 @@ from collections.abc import Iterator
 from typing import NamedTuple, Self
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.kernels import floats
 from martensite.kernels.bracketed_newton import solve_bracketed
 from martensite.kernels.namespace import Namespace, Scalar
@@ -130,14 +130,14 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
 
     orders = (*WIDTHS, ("M_f", "A_s"), ("M_s", "A_f"))
 
-    C_A: Scalar = param("Pa/K", "slope of the reverse surface at sigma_cal", low=1e5, high=1e9, typical="8 MPa/K")
-    C_M: Scalar = param("Pa/K", "slope of the forward surface at sigma_cal", low=1e5, high=1e9, typical="8 MPa/K")
-    sigma_cal: Scalar = param("Pa", "stress at which both slopes hold", low=0.0, high=2e9, typical="150 MPa")
-    H_min: Scalar = param("1", "transformation strain up to sigma_crit", low=0.0, high=0.2, typical=0.05)
-    H_sat: Scalar = param("1", "transformation strain at high stress", above=0.0, high=0.2, typical=0.05)
-    H_sat_compression: Scalar = param("1", "H_sat in compression; 0: as in tension", low=0.0, high=0.2, default=0.0)
-    H_k: Scalar = param("1/Pa", "rate at which H approaches H_sat", low=0.0, high=1e-5, typical="2e-8 1/Pa")
-    sigma_crit: Scalar = param("Pa", "stress at which H begins to grow", low=0.0, high=1e9, default=0.0)
+    C_A: Number = param("Pa/K", "slope of the reverse surface at sigma_cal", low=1e5, high=1e9, typical="8 MPa/K")
+    C_M: Number = param("Pa/K", "slope of the forward surface at sigma_cal", low=1e5, high=1e9, typical="8 MPa/K")
+    sigma_cal: Number = param("Pa", "stress at which both slopes hold", low=0.0, high=2e9, typical="150 MPa")
+    H_min: Number = param("1", "transformation strain up to sigma_crit", low=0.0, high=0.2, typical=0.05)
+    H_sat: Number = param("1", "transformation strain at high stress", above=0.0, high=0.2, typical=0.05)
+    H_sat_compression: Number = param("1", "H_sat in compression; 0: as in tension", low=0.0, high=0.2, default=0.0)
+    H_k: Number = param("1/Pa", "rate at which H approaches H_sat", low=0.0, high=1e-5, typical="2e-8 1/Pa")
+    sigma_crit: Number = param("Pa", "stress at which H begins to grow", low=0.0, high=1e9, default=0.0)
     hardening: str = option(
         "shape of the shares h(ξ): smooth, or drawn together in the middle by `waist_f`, `waist_r`",
         "smooth",

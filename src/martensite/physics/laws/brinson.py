@@ -19,7 +19,7 @@ positive; Θ > 0 means that a free bar shrinks on heating.
 """
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics import two_fractions
@@ -42,13 +42,13 @@ class Brinson(AbstractSidedDiagram):
     twins = True
     one_way = False
 
-    sigma_s: Scalar = param("Pa", "start stress of detwinning below M_s", above=0.0, high=1e10, typical="80 MPa")
-    sigma_f: Scalar = param("Pa", "finish stress of detwinning below M_s", above=0.0, high=1e10, typical="150 MPa")
+    sigma_s: Number = param("Pa", "start stress of detwinning below M_s", above=0.0, high=1e10, typical="80 MPa")
+    sigma_f: Number = param("Pa", "finish stress of detwinning below M_s", above=0.0, high=1e10, typical="150 MPa")
 
-    sigma_s_compression: Scalar = param(
+    sigma_s_compression: Number = param(
         "Pa", "sigma_s in compression; 0: as in tension", low=0.0, high=1e10, default=0.0
     )
-    sigma_f_compression: Scalar = param(
+    sigma_f_compression: Number = param(
         "Pa", "sigma_f in compression; 0: as in tension", low=0.0, high=1e10, default=0.0
     )
     sided = (*AbstractSidedDiagram.sided, "sigma_s", "sigma_f")

@@ -33,7 +33,7 @@ transforms), compression, plasticity, R-phase, the share σ (α_M - α_A) of the
 
 from typing import ClassVar, NamedTuple
 
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import choose_tuple
 from martensite.physics.kinetics.diagram import find_side_strain
@@ -84,9 +84,9 @@ class Lagoudas(AbstractSurfaceLaw):
     reorients: ClassVar[bool] = False
     """True on a side of a law that knows compression: martensite may be oriented against the stress."""
 
-    alpha_A: Scalar = param("1/K", "thermal expansion of austenite", low=-1e-4, high=1e-4, default=0.0)
-    alpha_M: Scalar = param("1/K", "thermal expansion of martensite", low=-1e-4, high=1e-4, default=0.0)
-    T_ref: Scalar = param("K", "temperature of zero thermal strain", low=0.0, high=1000.0, default=293.15)
+    alpha_A: Number = param("1/K", "thermal expansion of austenite", low=-1e-4, high=1e-4, default=0.0)
+    alpha_M: Number = param("1/K", "thermal expansion of martensite", low=-1e-4, high=1e-4, default=0.0)
+    T_ref: Number = param("K", "temperature of zero thermal strain", low=0.0, high=1000.0, default=293.15)
 
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> LagoudasMemory:
         """Memory of a wire in any phase state; ε_t is `oriented` times H_sat."""

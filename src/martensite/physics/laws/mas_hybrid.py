@@ -22,7 +22,7 @@ Rizzello (2021), arXiv 2103.03586 (abstract seen); the play form is this package
 
 from typing import NamedTuple
 
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics.barriers import build_wells, compute_scales
 from martensite.physics.kinetics.layers import AbstractCrystal, CrystalMemory, Pull, VariantFractions, join_variants
@@ -49,8 +49,8 @@ class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
 
     cites = ("mandolino2021", "seelecke2004")
 
-    transit_time: Scalar = param("s", "time to pass the barrier that is left", above=0.0, high=1e6, default=1.0)
-    ramp: Scalar = param("Pa", "stress over which a transformation runs", low=1e3, high=1e8, default=1e5)
+    transit_time: Number = param("s", "time to pass the barrier that is left", above=0.0, high=1e6, default=1.0)
+    ramp: Number = param("Pa", "stress over which a transformation runs", low=1e3, high=1e8, default=1e5)
 
     def inside(self, xp: Namespace) -> Rests:
         """How far inside σ_A and σ_M transformations rest [Pa], from the wells at T_L."""

@@ -21,7 +21,7 @@ from collections.abc import Callable, Sequence
 from statistics import NormalDist
 from typing import NamedTuple
 
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import sum_column
 from martensite.physics.kinetics.barriers import (
@@ -68,7 +68,7 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
     grouped = True
     cites = ("heintze2008", "massad2005", "ullrich2014")
 
-    spread: Scalar = param("Pa", "standard deviation of barriers or internal stresses", low=0.0, high=1e9, default=20e6)
+    spread: Number = param("Pa", "standard deviation of barriers or internal stresses", low=0.0, high=1e9, default=20e6)
     groups: str = option("number of groups", "31", "15", default="31")
     distribution: str = option("what differs between groups", "barriers", "internal-stress", default="barriers")
 

@@ -17,7 +17,7 @@ isothermal loop creates work but where the strips of martensite overlap.
 from typing import NamedTuple
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.base.units import DEGREES
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics import history
@@ -69,17 +69,17 @@ class RPhase(AbstractPhaseDiagram):
     rphase = True
     one_way = False
 
-    R_s: Scalar = param(
+    R_s: Number = param(
         "K", "R-phase start temperature on cooling at zero stress", low=100.0, high=1e3, typical="57 degC"
     )
-    R_f: Scalar = param(
+    R_f: Number = param(
         "K", "R-phase finish temperature on cooling at zero stress", low=100.0, high=1e3, typical="52 degC"
     )
-    dT_R: Scalar = param(DEGREES, "hysteresis of the R-phase", low=0.0, high=50.0, typical="3 K")
-    C_R: Scalar = param("Pa/K", "Clausius–Clapeyron slope of the R-phase", low=1e5, high=1e9, typical="17 MPa/K")
-    eps_R: Scalar = param("1", "transformation strain of the R-phase", low=0.0, high=0.05, typical=0.007)
-    E_R: Scalar = param("Pa", "Young's modulus of the R-phase", low=1e8, high=3e11, typical="45 GPa")
-    latent_R: Scalar = param(
+    dT_R: Number = param(DEGREES, "hysteresis of the R-phase", low=0.0, high=50.0, typical="3 K")
+    C_R: Number = param("Pa/K", "Clausius–Clapeyron slope of the R-phase", low=1e5, high=1e9, typical="17 MPa/K")
+    eps_R: Number = param("1", "transformation strain of the R-phase", low=0.0, high=0.05, typical=0.007)
+    E_R: Number = param("Pa", "Young's modulus of the R-phase", low=1e8, high=3e11, typical="45 GPa")
+    latent_R: Number = param(
         "1", "latent heat of the R-phase as a share of that of martensite", low=0.0, high=1.0, typical=0.25
     )
 

@@ -18,7 +18,7 @@ overlap (C_A > C_M) one process acts, the branch in progress, else the one met f
 
 import math
 
-from martensite.base.parameters import option, param
+from martensite.base.parameters import Number, option, param
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.physics.kinetics.diagram import AbstractShapes
 from martensite.physics.kinetics.hardening import invert_hardening, remove_waist
@@ -66,7 +66,7 @@ class LiangRogers(AbstractCosineLaw, AbstractShapes):
         "curved",
         default="straight",
     )
-    sigma_cal: Scalar = param("Pa", "stress at which C_A and C_M hold, if curved", low=0.0, high=2e9, default=0.0)
+    sigma_cal: Number = param("Pa", "stress at which C_A and C_M hold, if curved", low=0.0, high=2e9, default=0.0)
 
     def left_of(self, xp: Namespace, distance: Scalar, ahead: Flag) -> Scalar:
         """sin²(π/2 · distance), or 1 - ξ with h(ξ) = 1 - distance forward, and ξ with h(ξ) = distance in reverse."""

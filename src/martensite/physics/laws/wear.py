@@ -14,7 +14,7 @@ and Zaki and Moumni (2007), both from memory. Numbers are the user's own: none a
 from typing import NamedTuple
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import Parametrised, param
+from martensite.base.parameters import Number, Parametrised, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.base import AbstractLaw, Fractions
 
@@ -37,16 +37,16 @@ class Wear(Parametrised):
 
     cites = ("tanaka1995", "zaki2007")
 
-    settling_cycles: Scalar = param("1", "cycles that do 63 % of the change", low=1.0, high=1e9, typical=100.0)
-    cycles: Scalar = param("1", "cycles done before the start, under its stress", low=0.0, high=1e12, default=0.0)
-    residual_strain: Scalar = param("1", "residual strain in the end", low=0.0, high=0.1, default=0.0)
-    reference_stress: Scalar = param("Pa", "stress of that residual strain", above=0.0, high=3e9, default=100e6)
-    stroke_loss: Scalar = param("1", "share of transformation strain lost in the end", low=0.0, high=0.9, default=0.0)
-    temperature_shift: Scalar = param(
+    settling_cycles: Number = param("1", "cycles that do 63 % of the change", low=1.0, high=1e9, typical=100.0)
+    cycles: Number = param("1", "cycles done before the start, under its stress", low=0.0, high=1e12, default=0.0)
+    residual_strain: Number = param("1", "residual strain in the end", low=0.0, high=0.1, default=0.0)
+    reference_stress: Number = param("Pa", "stress of that residual strain", above=0.0, high=3e9, default=100e6)
+    stroke_loss: Number = param("1", "share of transformation strain lost in the end", low=0.0, high=0.9, default=0.0)
+    temperature_shift: Number = param(
         "delta_degC", "shift of transformation temperatures in the end", low=-100.0, high=100.0, default=0.0
     )
-    overheat_temperature: Scalar = param("K", "temperature above which heat wears", low=200.0, high=1e3, default=1e3)
-    overheat_rate: Scalar = param("1/K/s", "cycles done in a second, per kelvin above it", low=0.0, default=0.0)
+    overheat_temperature: Number = param("K", "temperature above which heat wears", low=200.0, high=1e3, default=1e3)
+    overheat_rate: Number = param("1/K/s", "cycles done in a second, per kelvin above it", low=0.0, default=0.0)
 
     def cautions(self) -> list[str]:
         """That nobody vouches for it."""

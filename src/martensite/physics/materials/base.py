@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from martensite.base import units
-from martensite.base.errors import ParameterError, UnitError, require_known, suggest_name
+from martensite.base.errors import InputError, ParameterError, UnitError, require_known, suggest_name
 from martensite.base.files import read_text_file, toml_document
 
 KINDS = ("datasheet", "measured", "fitted", "assumed", "recalled")
@@ -93,6 +93,8 @@ def load_material(name: str | Path, folder: Path | None = None) -> Material:
     Raises:
         InputError: there is no such material, or its file is malformed.
     """
+    if not isinstance(cast("Any", name), str | Path):
+        raise InputError(f"A material must be a name or the path of a file, but is {name!r}.")
     if isinstance(name, Path) or name.endswith(".toml") or "/" in name:
         path = (folder or Path()) / name
     else:

@@ -17,7 +17,7 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param, part, text
+from martensite.base.parameters import Number, param, part, text
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.fluids.air import Air
 from martensite.physics.fluids.base import FLUIDS, AbstractFluid
@@ -77,7 +77,7 @@ class CoolingAtLevel(AbstractCooling):
     """A driven model at a level of its signal."""
 
     model: AbstractActiveCooling = part("the model")
-    level: Scalar = param("1", "level of the signal, in its unit")
+    level: Number = param("1", "level of the signal, in its unit")
 
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
         """h [W/(m² K)] at this level."""
@@ -94,8 +94,8 @@ class AveragedCooling(AbstractCooling):
     low: AbstractCooling = part("at the lowest level")
     mean: AbstractCooling = part("at the mean level")
     high: AbstractCooling = part("at the highest level")
-    at_low: Scalar = param("1", "weight of the lowest level", low=0.0, high=1.0)
-    at_high: Scalar = param("1", "weight of the highest level", low=0.0, high=1.0)
+    at_low: Number = param("1", "weight of the lowest level", low=0.0, high=1.0)
+    at_high: Number = param("1", "weight of the highest level", low=0.0, high=1.0)
 
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
         """Mean h [W/(m² K)]."""
@@ -132,7 +132,7 @@ class Fan(AbstractActiveCooling):
     unit = "m/s"
 
     signal: str = text("name of its signal; actuators that name the same one share it", default="fan")
-    highest: Scalar = param("m/s", "highest speed that it reaches", above=0.0, high=100.0, default=100.0, typical=5.0)
+    highest: Number = param("m/s", "highest speed that it reaches", above=0.0, high=100.0, default=100.0, typical=5.0)
     still: AbstractCooling = part("heat-loss model without a stream", COOLING, default=ChurchillChu())
     fluid: AbstractFluid = part("what it blows", FLUIDS, default=Air())
 
@@ -181,14 +181,14 @@ class Peltier(AbstractActiveCooling):
     unit = "A"
 
     signal: str = text("name of its signal; actuators that name the same one share it", default="peltier")
-    seebeck: Scalar = param("V/K", "Seebeck coefficient α of the module", above=0.0, high=10.0, typical="0.01 V/K")
-    resistance: Scalar = param("ohm", "resistance R of the module", above=0.0, high=1e4, typical="1 ohm")
-    conductance: Scalar = param("W/K", "conductance K of the module", low=0.0, high=1e3, typical="0.02 W/K")
-    contact: Scalar = param("W/K", "conductance G_c from wire to cold side", above=0.0, high=1e3, typical="0.01 W/K")
-    sink: Scalar = param("W/K", "conductance G_h from hot side to surroundings", above=0.0, high=1e9, typical="2 W/K")
-    pitch: Scalar = param("m", "length of wire that one module cools", above=0.0, high=1e3, typical="50 mm")
-    highest: Scalar = param("A", "largest current", above=0.0, high=1e4, default=10.0, typical="3 A")
-    reverse: Scalar = param("A", "largest current the other way", low=0.0, high=1e4, default=0.0, typical="1 A")
+    seebeck: Number = param("V/K", "Seebeck coefficient α of the module", above=0.0, high=10.0, typical="0.01 V/K")
+    resistance: Number = param("ohm", "resistance R of the module", above=0.0, high=1e4, typical="1 ohm")
+    conductance: Number = param("W/K", "conductance K of the module", low=0.0, high=1e3, typical="0.02 W/K")
+    contact: Number = param("W/K", "conductance G_c from wire to cold side", above=0.0, high=1e3, typical="0.01 W/K")
+    sink: Number = param("W/K", "conductance G_h from hot side to surroundings", above=0.0, high=1e9, typical="2 W/K")
+    pitch: Number = param("m", "length of wire that one module cools", above=0.0, high=1e3, typical="50 mm")
+    highest: Number = param("A", "largest current", above=0.0, high=1e4, default=10.0, typical="3 A")
+    reverse: Number = param("A", "largest current the other way", low=0.0, high=1e4, default=0.0, typical="1 A")
     still: AbstractCooling = part("heat-loss model of the film", COOLING, typical="churchill-chu")
 
     def check(self) -> None:

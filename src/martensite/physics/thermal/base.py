@@ -10,7 +10,7 @@ from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple, Self
 
-from martensite.base.parameters import Parametrised, param, part
+from martensite.base.parameters import Number, Parametrised, param, part
 from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.fluids.base import AbstractFluid
@@ -57,7 +57,7 @@ class AbstractCooling(Parametrised):
 class Environment(Parametrised):
     """What surrounds the element."""
 
-    temperature: Scalar = param("K", "ambient temperature", low=100.0, high=1000.0, default=293.15)
+    temperature: Number = param("K", "ambient temperature", low=100.0, high=1000.0, default=293.15)
     cooling: AbstractCooling = part("heat-loss model", COOLING)
 
     def cautions(self) -> list[str]:

@@ -9,7 +9,7 @@ infinite slope at T = T_a, so |T - T_a| is never taken smaller than 0.01 K.
 
 from abc import abstractmethod
 
-from martensite.base.parameters import param, part
+from martensite.base.parameters import Number, param, part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.fluids.air import Air
 from martensite.physics.fluids.base import FLUIDS, AbstractFluid, FluidProperties
@@ -28,7 +28,7 @@ class AbstractFreeConvection(AbstractCooling):
     """A correlation Nu(Ra, Pr) with the fluid and the gravity that go into it."""
 
     fluid: AbstractFluid = part("fluid around the element", FLUIDS, default=Air())
-    gravity: Scalar = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
+    gravity: Number = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
 
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
         """h = Nu k/s [W/(m² K)] from the properties at the film temperature."""
@@ -151,7 +151,7 @@ class ChurchillBernstein(AbstractCooling):
 
     cites = ("churchill1977",)
 
-    speed: Scalar = param("m/s", "speed of the stream across the wire", above=0.0, high=100.0, typical="1 m/s")
+    speed: Number = param("m/s", "speed of the stream across the wire", above=0.0, high=100.0, typical="1 m/s")
     fluid: AbstractFluid = part("fluid around the element", FLUIDS, default=Air())
 
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:

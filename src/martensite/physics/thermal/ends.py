@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 
-from martensite.base.parameters import Parametrised, param
+from martensite.base.parameters import Number, Parametrised, param
 from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.thermal.base import Cylinder
@@ -47,8 +47,8 @@ class AdiabaticEnds(AbstractEnds):
 class ClampedEnds(AbstractEnds):
     """Both ends in clamps at ambient temperature."""
 
-    thermal_conductivity: Scalar = param("W/m/K", "thermal conductivity", above=0.0, high=1e4, typical="15 W/m/K")
-    contact: Scalar = param("W/K", "contact conductance of one clamp", above=0.0, high=1e9, default=1e3)
+    thermal_conductivity: Number = param("W/m/K", "thermal conductivity", above=0.0, high=1e4, typical="15 W/m/K")
+    contact: Number = param("W/K", "contact conductance of one clamp", above=0.0, high=1e9, default=1e3)
 
     def conductance(self, xp: Namespace, film: Scalar, shape: Cylinder) -> Scalar:
         """h S/(1 - φ) [W/K]."""

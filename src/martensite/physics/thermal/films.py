@@ -1,6 +1,6 @@
 """Film coefficients that depend on temperatures alone: given numbers, radiation, and the sum of two models."""
 
-from martensite.base.parameters import param, part
+from martensite.base.parameters import Number, param, part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.thermal.base import COOLING, AbstractCooling, Cylinder
 
@@ -9,7 +9,7 @@ from martensite.physics.thermal.base import COOLING, AbstractCooling, Cylinder
 class ConstantCooling(AbstractCooling):
     """A film coefficient that depends on nothing: Q = h S (T - T_a)."""
 
-    h: Scalar = param("W/m^2/K", "film coefficient", low=0.0, high=1e5, typical="100 W/m^2/K")
+    h: Number = param("W/m^2/K", "film coefficient", low=0.0, high=1e5, typical="100 W/m^2/K")
 
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
         """The constant h [W/(m² K)]."""
@@ -26,12 +26,12 @@ class PolynomialCooling(AbstractCooling):
 
     cites = ("migaone-paper",)
 
-    h0: Scalar = param("W/m^2/K", "film coefficient at the reference", low=0.0, high=1e5, typical="60 W/m^2/K")
-    h1: Scalar = param("W/m^2/K^2", "linear coefficient", low=-1e3, high=1e3, default=0.0, typical="0.1 W/m^2/K^2")
-    h2: Scalar = param(
+    h0: Number = param("W/m^2/K", "film coefficient at the reference", low=0.0, high=1e5, typical="60 W/m^2/K")
+    h1: Number = param("W/m^2/K^2", "linear coefficient", low=-1e3, high=1e3, default=0.0, typical="0.1 W/m^2/K^2")
+    h2: Number = param(
         "W/m^2/K^3", "quadratic coefficient", low=-10.0, high=10.0, default=0.0, typical="1e-4 W/m^2/K^3"
     )
-    reference: Scalar = param("K", "temperature at which θ is zero", low=0.0, high=1000.0, default=273.15)
+    reference: Number = param("K", "temperature at which θ is zero", low=0.0, high=1000.0, default=273.15)
 
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
         """h(T) [W/(m² K)], never below zero."""
@@ -53,7 +53,7 @@ class Radiation(AbstractCooling):
     wire at room temperature: little beside the convection from a thin wire. Combine it with that by `combined`.
     """
 
-    emissivity: Scalar = param("1", "emissivity of the surface", low=0.0, high=1.0, typical=0.6)
+    emissivity: Number = param("1", "emissivity of the surface", low=0.0, high=1.0, typical=0.6)
 
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
         """h [W/(m² K)]; the shape does not matter."""

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param
-from martensite.kernels.namespace import Scalar
+from martensite.base.parameters import Number, param
 from martensite.simulate.measures.base import MEASURES, AbstractMeasure
 from martensite.simulate.measures.run_table import Numbers, RunTable
 
@@ -29,8 +28,8 @@ class RiseTime(AbstractMeasure):
 
     follows_curve = True
 
-    low: Scalar = param("1", "share of the way at which it begins", low=0.0, high=1.0, default=0.1)
-    high: Scalar = param("1", "share of the way at which it ends", low=0.0, high=1.0, default=0.9)
+    low: Number = param("1", "share of the way at which it begins", low=0.0, high=1.0, default=0.1)
+    high: Number = param("1", "share of the way at which it ends", low=0.0, high=1.0, default=0.9)
 
     def check(self) -> None:
         """Raise `ParameterError` unless the way goes somewhere."""
@@ -80,7 +79,7 @@ class ReachTime(AbstractMeasure):
 
     follows_curve = True
 
-    share: Scalar = param("1", "share of the way that is reached", above=0.0, high=1.0, default=0.9)
+    share: Number = param("1", "share of the way that is reached", above=0.0, high=1.0, default=0.9)
 
     def unit(self, unit: str) -> str:
         """Seconds."""

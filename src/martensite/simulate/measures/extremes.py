@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param
+from martensite.base.parameters import Number, param
 from martensite.base.units import DEGREES
-from martensite.kernels.namespace import Scalar
 from martensite.simulate.measures.base import MEASURES, AbstractMeasure
 from martensite.simulate.measures.run_table import Numbers, RunTable
 
@@ -108,7 +107,7 @@ class At(AbstractMeasure):
 
     follows_curve = True
 
-    time: Scalar = param("s", "when; the end if not given", low=0.0, default=math.inf)
+    time: Number = param("s", "when; the end if not given", low=0.0, default=math.inf)
 
     def unit(self, unit: str) -> str:
         """That of the output."""

@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from martensite.base.parameters import Parametrised, param, part
+from martensite.base.parameters import Number, Parametrised, param, part
 from martensite.control.sensors.base import Probe
 from martensite.control.sensors.position import PositionSensor
 from martensite.control.sensors.thermometer import InfraredSensor
@@ -45,20 +45,22 @@ class ReferenceBench(Parametrised):
 
     cites = ("copaci2019", "leal2016")
 
-    diameter: float = param("m", "diameter of the wire", above=0.0, default=0.51e-3)
-    length: float = param("m", "length of the wire", above=0.0, default=METRE)
-    density: float = param("kg/m^3", "density", above=0.0, default=6450.0)
-    specific_heat: float = param("J/(kg K)", "specific heat capacity", above=0.0, default=837.0)
-    latent_heat: float = param("J/kg", "latent heat of transformation", above=0.0, default=24.2e3)
-    conductivity: float = param("W/(m K)", "thermal conductivity", low=0.0, default=18.0)
-    load: float = param("kg", "weight that it lifts", low=0.5, high=2.05, default=1.0)
-    correlation: float = param("1", "correlation of the relays: shape of minor loops", low=0.0, high=0.99, default=0.85)
-    resistance: float = param("ohm/m", "resistance of martensite", above=0.0, default=4.3)
-    resistance_drop: float = param("1", "share lost to austenite", low=0.0, high=0.9, default=0.12)
-    ambient: float = param("K", "temperature of the surroundings", low=260.0, default=296.15)
-    fan: float = param("1", "factor on the film coefficient", above=0.0, default=1.0)
-    lag: float = param("s", "time constant of the weight", above=0.0, default=0.02)
-    cells: float = param(
+    diameter: Number = param("m", "diameter of the wire", above=0.0, default=0.51e-3)
+    length: Number = param("m", "length of the wire", above=0.0, default=METRE)
+    density: Number = param("kg/m^3", "density", above=0.0, default=6450.0)
+    specific_heat: Number = param("J/(kg K)", "specific heat capacity", above=0.0, default=837.0)
+    latent_heat: Number = param("J/kg", "latent heat of transformation", above=0.0, default=24.2e3)
+    conductivity: Number = param("W/(m K)", "thermal conductivity", low=0.0, default=18.0)
+    load: Number = param("kg", "weight that it lifts", low=0.5, high=2.05, default=1.0)
+    correlation: Number = param(
+        "1", "correlation of the relays: shape of minor loops", low=0.0, high=0.99, default=0.85
+    )
+    resistance: Number = param("ohm/m", "resistance of martensite", above=0.0, default=4.3)
+    resistance_drop: Number = param("1", "share lost to austenite", low=0.0, high=0.9, default=0.12)
+    ambient: Number = param("K", "temperature of the surroundings", low=260.0, default=296.15)
+    fan: Number = param("1", "factor on the film coefficient", above=0.0, default=1.0)
+    lag: Number = param("s", "time constant of the weight", above=0.0, default=0.02)
+    cells: Number = param(
         "1",
         "cells along half the wire, each twice as long as the one nearer to the crimp; 1 is a "
         "wire at one temperature that loses no heat to crimps",

@@ -1,0 +1,50 @@
+"""The classes that a declared part may have, from its annotation, and the sentence for an object of another class."""
+
+from __future__ import annotations
+
+import sys
+from functools import cache
+from inspect import get_annotations
+from typing import Any, get_args, get_origin
+
+from martensite.base.errors import ParameterError
+
+
+@cache
+def find_annotated(owner: type[Any], name: str) -> tuple[type[Any], ...]:
+    """Return the classes that the annotation of a field names; nothing if only type checkers know them."""
+    home = next((base for base in owner.__mro__ if name in get_annotations(base)), owner)
+    found: Any = get_annotations(home).get(name)
+    try:  # a text where a module puts off the reading of its annotations
+        found = eval(found, dict(vars(sys.modules[home.__module__]))) if isinstance(found, str) else found
+    except (NameError, TypeError):
+        return ()
+    return tuple(_list_classes(found))
+
+
+def _list_classes(annotation: Any) -> list[type[Any]]:
+    """The classes of a union, or of a type with an argument such as `Given[AbstractLaw]`."""
+    if isinstance(annotation, type) and get_origin(annotation) is None:
+        return [annotation]
+    return [one for inner in get_args(annotation) for one in _list_classes(inner)]
+
+
+def require_part(owner: type[Any], title: str, name: str, value: Any, kind: type[Any]) -> None:
+    """Raise `ParameterError` if a part is a class, or no object of the classes of this `kind` that are declared."""
+    if isinstance(value, type):
+        made = value.__name__
+        raise ParameterError(f"`{name}` of `{title}` is the class `{made}`; give an object, such as `{made}(...)`.")
+    allowed = find_annotated(owner, name)
+    parts = tuple(one for one in allowed if issubclass(one, kind))
+    if not parts or isinstance(value, allowed):
+        return
+    wanted = " or ".join(f"`{one.__name__.removeprefix('Abstract')}`" for one in parts)
+    given = f"the text `{value}`" if isinstance(value, str) else f"`{type(value).__name__}`"
+    raise ParameterError(f"`{name}` of `{title}` must be an object of the class {wanted}, but is {given}.")
+
+
+def refuse_unnamed(title: str, given: tuple[Any, ...], names: Any) -> None:
+    """Raise `ParameterError` if values are given without their names."""
+    if given:
+        shown = ", ".join(f"{name}=..." for name in list(names)[:3])
+        raise ParameterError(f"`{title}` takes its values by name; write `{title}({shown})`.")
