@@ -223,6 +223,13 @@ def test_options_are_known_and_seeds_are_as_many(bench: Bench) -> None:
         SmaVectorEnv(bench, PLAIN, 0)
 
 
+def test_an_action_that_is_no_number_is_refused(bench: Bench) -> None:
+    for env, action in ((SmaEnv(bench, PLAIN), [np.nan]), (SmaVectorEnv(bench, PLAIN, 2), [[0.0], [np.nan]])):
+        env.reset(seed=0)
+        with pytest.raises(InputError, match="from -1 to 1, but holds NaN"):
+            env.step(np.array(action))
+
+
 def test_without_gymnasium_it_says_what_to_install(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "gymnasium", None)
     with pytest.raises(InputError, match=r"pip install 'martensite\[gymnasium\]'"):

@@ -106,7 +106,8 @@ def _find_part(cls: type[Parametrised], name: str, declared: Declared, typical: 
         return tuple(_to_number(one, _unit_of(one)) for one in cast("tuple[Any, ...]", typical))
     if typical is not None:
         return _build_typical(typical, declared.registry, inner)
-    if any(issubclass(one, AbstractSystem) for one in (*find_annotated(cls, name), cls)):
+    named = [one for one in find_annotated(cls, name) if issubclass(one, Parametrised)] or [cls]
+    if issubclass(named[0], AbstractSystem):
         return build_plant()
     if inner is None or is_members(inner):
         raise ParameterError(
