@@ -48,6 +48,8 @@ KEPT_RESULT = "martensite_result"
 """Attribute with everything else that a `Result` holds, as `martensite.base.kept` writes it."""
 IN_VARIABLES = ("times", "columns", "profiles", "restarts")
 """Fields of a `Result` that are variables of the file."""
+NOT_KEPT = ("trace",)
+"""Fields of a `Result` that no file holds: the program that computes a track."""
 
 
 @dataclass(frozen=True)
@@ -329,7 +331,9 @@ def _list_attributes(result: Result) -> dict[str, Any]:
 
 def _keep_result(result: Result) -> str | None:
     """Everything but columns, as text; None where a part is of a kind that no file holds."""
-    own = {one.name: getattr(result, one.name) for one in fields(result) if one.name not in IN_VARIABLES}
+    left_out = (*IN_VARIABLES, *NOT_KEPT)
+    own = {one.name: getattr(result, one.name) for one in fields(result) if one.name not in left_out}
+    own["extremes"] = {} if result.variants is not None else dict(result.extremes)
     try:
         return json.dumps(encode(own), ensure_ascii=False)
     except DataError:

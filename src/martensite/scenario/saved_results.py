@@ -73,12 +73,15 @@ def open_result(path: str | os.PathLike[str]) -> Result:
         )
     try:
         own = decode(json.loads(saved.attrs[KEPT_RESULT]))
+        extremes = own.pop("extremes")
         empty = Result(**own, times=[], columns={})
     except DataError as error:
         raise DataError(f"`{path}` cannot be opened as a result: {error}") from None
     except (ValueError, TypeError, LookupError, AttributeError, ImportError, RecursionError) as error:
         raise DataError(f"`{path}` cannot be opened as a result: {error!r}.") from None
-    return _fill(empty, saved)
+    found = _fill(empty, saved)
+    found.__dict__["extremes"] = extremes  # in accepted steps, which the file does not hold
+    return found
 
 
 def _fill(empty: Result, saved: LabelledData) -> Result:
