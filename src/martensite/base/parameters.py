@@ -337,9 +337,9 @@ class Parametrised:
 
 def _shorten(value: Any) -> str:
     """A value as text; of a long list its first numbers and its length."""
-    if not isinstance(value, tuple | list) or len(cast("list[Any]", value)) <= SHOWN:
-        return repr(value)
     listed = cast("list[Any]", value)
+    if not isinstance(value, tuple | list) or len(listed) <= SHOWN:
+        return repr(listed)
     return f"({', '.join(map(repr, listed[:3]))}, … {len(listed)} values)"
 
 

@@ -69,7 +69,7 @@ class Record:
         return self.summary().brief()
 
     def _repr_html_(self) -> str:
-        return self.summary()._repr_html_()
+        return self.summary()._repr_html_()  # pyright: ignore[reportPrivateUsage]
 
     @property
     def times(self) -> list[float]:
