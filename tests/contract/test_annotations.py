@@ -17,6 +17,7 @@ class Written(Parametrised):
     around: "Environment" = part("surroundings")
     other: "Environment | None" = part("other surroundings", default=None)
     count: "int" = part("how many", default=1)
+    several: "tuple[Environment, ...]" = part("more surroundings", default=())
     rows: "Any" = part("numbers", default=())
 
 
@@ -26,6 +27,7 @@ class Read(Parametrised):
     around: Environment = part("surroundings")
     other: Environment | None = part("other surroundings", default=None)
     count: int = part("how many", default=1)
+    several: tuple[Environment, ...] = part("more surroundings", default=())
     rows: Any = part("numbers", default=())
 
 
@@ -34,3 +36,4 @@ def test_annotations_name_components_either_way() -> None:
         assert [component_class(cls, name) for name in ("around", "other")] == [Environment, Environment]
         assert [is_plain(cls, name) for name in ("around", "other", "count", "rows")] == [False, False, True, True]
         assert find_annotated(cls, "count") == (int,)
+        assert find_annotated(cls, "several") == (tuple,)

@@ -96,7 +96,7 @@ def _find_class(name: str) -> Any:
     if found is None:
         raise DataError(f"Class `{path}` of module `{home}` is unknown here; import that module first.")
     made: Any = found
-    if isinstance(found, type) and (issubclass(found, Parametrised | Enum) or is_dataclass(found)):
+    if isinstance(found, type) and (issubclass(found, Parametrised | Enum) or is_dataclass(made)):
         return made
     if isinstance(made, type) and hasattr(made, "_fields"):
         return made

@@ -5,9 +5,11 @@ from __future__ import annotations
 import sys
 from functools import cache
 from inspect import get_annotations
-from typing import Any, get_args, get_origin
+from types import UnionType
+from typing import Any, Union, get_args, get_origin
 
 from martensite.base.errors import ParameterError
+from martensite.base.field_types import Given
 
 
 @cache
@@ -23,10 +25,12 @@ def find_annotated(owner: type[Any], name: str) -> tuple[type[Any], ...]:
 
 
 def _list_classes(annotation: Any) -> list[type[Any]]:
-    """The classes of a union, or of a type with an argument such as `Given[AbstractLaw]`."""
-    if isinstance(annotation, type) and get_origin(annotation) is None:
-        return [annotation]
-    return [one for inner in get_args(annotation) for one in _list_classes(inner)]
+    """The classes of a union or of `Given[AbstractLaw]`; of another type with arguments, such as a tuple, its own."""
+    origin = get_origin(annotation)
+    if origin in (Union, UnionType, Given):
+        return [one for inner in get_args(annotation) for one in _list_classes(inner)]
+    found = annotation if origin is None else origin
+    return [found] if isinstance(found, type) else []
 
 
 def require_part(owner: type[Any], title: str, name: str, value: Any, kind: type[Any]) -> None:
