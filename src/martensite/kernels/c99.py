@@ -175,8 +175,17 @@ def c_source(program: Program, functions: Iterable[Function], shares_inverses: b
     kernels = KernelPrinter(program, dialect, "{}[{} * n + l]")
     parts = [write_prelude(), _print_function("prepare", "p", (), kernels.prepare)]
     for one in functions:
+        parts += [QUICK_TO_COMPILE] if one.name == "init" else []
         parts.append(_print_function(one.name, "c", ("x",), kernels.print_function(one)))
     return "\n".join(parts)
+
+
+QUICK_TO_COMPILE = """#if defined(__GNUC__) && !defined(__clang__)
+__attribute__((optimize("O0"))) static inline void k_init(long, const double *restrict, const double *restrict,
+                                                          double *restrict);
+#endif
+"""
+"""Declaration for a function that is called once a run: an optimiser would take longer than it saves."""
 
 
 def _print_function(name: str, constants: str, inputs: Sequence[str], made: Statements) -> str:

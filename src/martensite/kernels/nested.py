@@ -45,9 +45,9 @@ def name_numbers(nested: Any, path: str = "") -> list[str]:
 
 
 def choose_tuple(xp: Namespace, flag: Flag, one: Chosen, other: Chosen) -> Chosen:
-    """One of two NamedTuples of scalars: the first where the flag holds."""
-    made: Any = type(one)
-    return made(*(xp.where(flag, a, b) for a, b in zip(one, other, strict=True)))
+    """Return the first of two nested tuples of equal shape where the flag holds, else the other."""
+    pairs = zip(flatten_numbers(one), flatten_numbers(other), strict=True)
+    return NestedShape(one).rebuild([xp.where(flag, a, b) for a, b in pairs])
 
 
 def sum_column(column: Sequence[Scalar]) -> Scalar:

@@ -309,6 +309,7 @@ def _list_attributes(result: Result) -> dict[str, Any]:
         "status_meaning": result.status.sentence,
         "status_time": result.status_time,
         "accuracy": result.accuracy,
+        "start": result.start,
         "runtime": result.runtime,
         "noise_seed": result.seed,
         "steps": int(result.steps),

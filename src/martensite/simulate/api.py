@@ -23,6 +23,7 @@ from martensite.simulate.march import Border, march_floats
 from martensite.simulate.marching import Marched, MarchPlan, Row
 from martensite.simulate.restarts import HOME, Relay, Restart, list_samples, place_stops
 from martensite.simulate.result import Result, profiles_of
+from martensite.simulate.start_report import describe_start
 from martensite.simulate.stops import end_at_envelope
 from martensite.simulate.tracing import AbstractTrace, RowsTrace, RunTrace
 
@@ -115,7 +116,8 @@ def simulate(
     if runtime == "jax" and not found.status.failed:
         found, accuracy = _on_jax(engine, plan, found, accuracy, start)
     trace = RunTrace(system, engine, plan, found, relay)
-    result = replace(_build_result(system, waveform, plan, found, accuracy, engine.used, trace), restarts=kept)
+    result = _build_result(system, waveform, plan, found, accuracy, engine.used, trace)
+    result = replace(result, restarts=kept, start=describe_start(result, start))
     if accuracy is not None and accuracy > tolerance and not found.status.failed:
         result.warnings.append(
             f"Warning: the tolerance of {tolerance:.1e} was not reached in {found.steps:,} steps; "
@@ -180,7 +182,8 @@ def _in_discrete_time(
     places = [k for k, time in enumerate(grid.times) if time in stored]
     plan = replace(plan, times=[grid.times[k] for k in places])
     found = replace(found, rows=[found.rows[k] for k in places if k < len(found.rows)])
-    result = replace(_build_result(system, waveform, plan, found, None, used, trace), restarts=kept)
+    result = _build_result(system, waveform, plan, found, None, used, trace)
+    result = replace(result, restarts=kept, start=describe_start(result, start))
     if not kept_all and len(whole.lengths) > len(whole.times):
         result.warnings.append(
             f"Caution: the run has {len(whole.lengths):,} steps; its measures and alarms come from "

@@ -121,6 +121,8 @@ class Result:
     """Computes `track`; None where only samples are known."""
     seed: int | None = None
     """Seed of the sensor noise; None for a run without noise."""
+    start: str = ""
+    """State and history with which a single run starts, in a sentence; empty without shape-memory elements."""
     restarts: list[Restart] = field(default_factory=list["Restart"])
     """Where another run can go on: at the end, and at times that were asked for; none of a run that stopped early."""
 
@@ -199,7 +201,7 @@ class Result:
     def summary(self) -> Summary:
         """How the run went, ranges of all columns, balances, remarks and warnings."""
         rows = [(self.outputs[name].long_name, *self._write_ends(name)) for name in self.outputs]
-        told = [Sentence(one) for one in (*self.balances(), *self.remarks())]
+        told = [Sentence(one) for one in (self.start, *self.balances(), *self.remarks()) if one]
         warned = [Sentence(one, "caution") for one in self.warnings]
         table = DataTable(("quantity", "lowest", "highest"), rows, right=(1, 2))
         return Summary("", [table, *told, *warned], self._collect_numbers(), self._lead())
@@ -209,6 +211,7 @@ class Result:
         ends = {name: self.find_range(name) for name in self.outputs}
         return {
             "duration": self.times[-1],
+            "start": self.start,
             "steps": self.steps,
             "step": self.step,
             "accuracy": self._list_accuracy(),

@@ -124,12 +124,9 @@ class MaterialPort(AbstractSystem):
     def init(self, xp: Namespace, *drives: Scalar) -> PointState:
         """Under the preload, at the first temperature, wherever the host says that strain begins."""
         strain, temperature = drives
-        fractions = self._lumped.initial_fractions(xp, self.preload)
-        wear = self._lumped.wear
-        worn = () if wear is None else wear.begin(xp, fractions, self.preload)
+        memory, worn = self._lumped.warm_up(xp, self.preload, temperature)
         law = self._law(xp, worn)
-        memory = law.init(xp, fractions, self.preload, temperature)
-        mounted = law.strain(xp, fractions, self.preload, temperature) - strain
+        mounted = law.strain(xp, law.fractions(memory), self.preload, temperature) - strain
         return PointState(strain, temperature, mounted, 0.0, memory, worn)
 
     def step(self, xp: Namespace, state: PointState, *drives: Any, dt: Scalar) -> tuple[PointState, StepReport]:

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from martensite.actuators.assembly.actuator import Actuator, Feed
 from martensite.actuators.assembly.ledger import Entries
 from martensite.actuators.assembly.outputs import OUTPUTS
+from martensite.actuators.assembly.starts import start_actuators
 from martensite.actuators.elements.base import AbstractElement, Effort, Heating, MaterialPoint, StoredHeat
 from martensite.actuators.mechanisms.base import MECHANISMS, AbstractMechanism, Column, Load, Output
 from martensite.base.errors import ParameterError
@@ -206,17 +207,14 @@ class AbstractAssembly(AbstractSystem):
         return found | self.mechanism.convergence_scales()
 
     def init(self, xp: Namespace, *drives: Scalar) -> State:
-        """The assembled system at rest, at ambient temperature."""
+        """The assembled system at rest, in equilibrium at ambient temperature."""
         actuators, signals = self._actuators(), self.mechanism_signals(drives)
         forces = self.mechanism.first_forces(xp, signals)
-        rows = list(zip(actuators, forces, drives, strict=False))
-        states = [one.start(xp, force, drive) for one, force, drive in rows]
-        elongations = [
-            one.element.elongation(xp, state, force) for (one, force, _), state in zip(rows, states, strict=True)
-        ]
+        rows = start_actuators(xp, list(zip(actuators, forces, drives, strict=False)))
+        elongations = [elongation for _, elongation in rows]
         elements = [one.element for one in actuators]
         own = self.mechanism.init(xp, elements, elongations, signals)
-        return State(tuple(states), own)
+        return State(tuple(state for state, _ in rows), own)
 
     def step(self, xp: Namespace, state: State, *drives: Scalar | Feed, dt: Scalar) -> tuple[State, StepReport]:
         """Advance by `dt` [s] under constant drive signals, or what they bring in that time."""

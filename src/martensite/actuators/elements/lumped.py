@@ -142,7 +142,7 @@ class AbstractLumped(AbstractElement):
 
     @abstractmethod
     def initial_fractions(self, xp: Namespace, stress: Scalar) -> Fractions:
-        """Phase state at the start, under a stress [Pa]."""
+        """Phase state at the start, under a stress [Pa], as far as the law keeps it."""
 
     @abstractmethod
     def latent_heat_total(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
@@ -167,17 +167,24 @@ class AbstractLumped(AbstractElement):
         """Resistance [ohm] at a martensite and an R-phase fraction."""
 
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Lumped:
-        """The state at the start, under `force` [N] and at `temperature` [K]."""
+        """Return the state at the start: the equilibrium under `force` [N] and at `temperature` [K]."""
         stress = self.stress(xp, force)
-        return self._begin(xp, self.initial_fractions(xp, stress), stress, force, temperature)
+        memory, worn = self.warm_up(xp, stress, temperature)
+        return Lumped(memory, force, 0.0, worn)
+
+    def warm_up(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> tuple[Any, Any]:
+        """Return what law and wear remember at the start, under a stress [Pa] and at a temperature [K]."""
+        fractions = self.initial_fractions(xp, stress)
+        worn = () if self.wear is None else self.wear.begin(xp, fractions, stress)
+        law = self.apply_wear(xp, worn).law
+        memory = law.warm_up(xp, fractions, stress, temperature)
+        return memory, worn if self.wear is None else self.wear.begin(xp, law.fractions(memory), stress)
 
     def init_in(self, fractions: Fractions, force: float, temperature: float) -> Lumped:
-        """The same in a given phase state, on floats."""
-        return self._begin(floats, fractions, self.stress(floats, force), force, temperature)
-
-    def _begin(self, xp: Namespace, fractions: Fractions, stress: Scalar, force: Scalar, temperature: Scalar) -> Lumped:
-        worn = () if self.wear is None else self.wear.begin(xp, fractions, stress)
-        memory = self.apply_wear(xp, worn).law.init(xp, fractions, stress, temperature)
+        """Return the state in given phases under `force` [N] and at `temperature` [K], on floats."""
+        stress = self.stress(floats, force)
+        worn = () if self.wear is None else self.wear.begin(floats, fractions, stress)
+        memory = self.apply_wear(floats, worn).law.init(floats, fractions, stress, temperature)
         return Lumped(memory, force, 0.0, worn)
 
     def force(self, state: Lumped) -> Scalar:

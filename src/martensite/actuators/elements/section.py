@@ -29,22 +29,24 @@ from martensite.actuators.elements.base import (
     StoredHeat,
     points_of,
 )
-from martensite.actuators.elements.columns import Point
+from martensite.actuators.elements.columns import Point, SectionHeat
 from martensite.actuators.elements.lumped import AbstractLumped
 from martensite.actuators.elements.network import Column
-from martensite.actuators.elements.section_step import advance_section
+from martensite.actuators.elements.section_step import advance_fibres, advance_section
 from martensite.actuators.elements.wire import AbstractRoundWire
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.nested import sum_column
-from martensite.physics.laws.base import Fractions
+from martensite.kernels.nested import choose_tuple, sum_column
+from martensite.physics.laws.base import COLD, SHELF_TIME, Fractions
 from martensite.physics.laws.coupling import StepReport
 from martensite.physics.thermal.base import Environment
 
 ROOT3 = math.sqrt(3.0)
 """Equivalent stress per shear stress."""
+LOST = 1e-9
+"""Martensite fraction that a section loses at least if it is no longer as trained."""
 
 
 class Section(NamedTuple):
@@ -177,13 +179,24 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         return Point(strain / self.fibre_columns(xp)[0][-1], last.temperature)
 
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Any:
-        """The state at the start, under `force` [N] and at `temperature` [K].
+        """Return the state at the start: the equilibrium under `force` [N] and at `temperature` [K].
 
-        As strained as a section is: what is oriented falls to nothing towards the core, and all martensite with it if
-        the law knows no other.
+        The section was cold and trained, and was warmed under the force. Where no fibre loses martensite on the way, it
+        starts as it was trained.
         """
         if self.uniform:
             return super().init(xp, force, temperature)
+        trained, cold = (self._init_trained(xp, force, at) for at in (temperature, COLD))
+        heat = SectionHeat(temperature, 0.0, 0.0, 0.0, 0.0)
+        warm, _ = advance_fibres(xp, self, cold, heat, lambda xp, spring: force, SHELF_TIME)
+        before, after = (self.mean_fractions(xp, one).martensite for one in (trained, warm))
+        return choose_tuple(xp, after < before - LOST, warm, trained)
+
+    def _init_trained(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Section:
+        """Return the state as trained: oriented martensite falls to nothing towards the core.
+
+        So does all martensite of a law that knows no other.
+        """
         levers, fractions = self.fibre_columns(xp)[0], list[Fractions]()
         for share in [lever / levers[-1] for lever in levers]:
             found = self.initial_fractions(xp, self.stress(xp, force) * share)

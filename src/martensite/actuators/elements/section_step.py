@@ -52,8 +52,15 @@ def advance_section(
     xp: Namespace, element: AbstractSection, state: Section, heating: Heating, pull: Pull, dt: Scalar
 ) -> tuple[Section, StepReport]:
     """The state after a step of dt [s], and how well it was solved."""
+    heat = _balance_heat(xp, element, state, heating, element.locate_surface(xp, state), dt)
+    return advance_fibres(xp, element, state, heat, pull, dt)
+
+
+def advance_fibres(
+    xp: Namespace, element: AbstractSection, state: Section, heat: SectionHeat, pull: Pull, dt: Scalar
+) -> tuple[Section, StepReport]:
+    """Return the state after a step of dt [s] with a given heat balance, and how well it was solved."""
     start = element.locate_surface(xp, state)
-    heat = _balance_heat(xp, element, state, heating, start, dt)
     move = NestedShape(element.law.select(xp, state.memories[0], 0.0, heat.base))
     step = SectionStep(element, state, pull, dt, start, heat, move, *element.fibre_columns(xp))
     trial = Point(step.meet_mechanism(xp, element.freeze_fibres(xp, state, heat.base))[0], heat.base)

@@ -36,7 +36,9 @@ class AbstractRoundWire(AbstractElement):
     latent_heat: Number = param(
         "J/kg", "latent heat of the whole transformation", low=0.0, high=1e6, default=0.0, typical="24 J/g"
     )
-    initial_fraction: Number = param("1", "martensite fraction at the start", low=0.0, high=1.0, default=1.0)
+    initial_fraction: Number = param(
+        "1", "martensite fraction at the start, or less if the law keeps less there", low=0.0, high=1.0, default=1.0
+    )
     initial_oriented: Number = param("1", "oriented share of the initial martensite", low=0.0, high=1.0, default=1.0)
     initial: str = option(
         "how its martensite is oriented: as in a wire that was cooled under the force at the start "

@@ -52,7 +52,7 @@ def answer_loads(
 ) -> list[ElementResponse]:
     """The step of every element on its own line, in the order of the loads."""
     found: dict[int, ElementResponse] = {}
-    for places in _group_alike(loads):
+    for places in group_alike([_list_parts(one) for one in loads]):
         first = loads[places[0]]
         if len(places) < LEAST:
             found |= {i: _answer_load(xp, loads[i], lines[i], dt) for i in places}
@@ -77,10 +77,11 @@ def _answer_load(xp: Namespace, load: Load, line: LoadLineEquation, dt: Scalar) 
     return ElementResponse(after, force, element.tangent(xp, after, force), report)
 
 
-def _group_alike(loads: Sequence[Load]) -> Iterable[list[int]]:
+def group_alike(rows: Sequence[tuple[Parametrised, ...]]) -> Iterable[list[int]]:
+    """Return the places of rows whose parts have one structure, group by group."""
     found: dict[Any, list[int]] = {}
-    for place, load in enumerate(loads):
-        key = tuple(describe_structure(part) for part in _list_parts(load))
+    for place, parts in enumerate(rows):
+        key = tuple(describe_structure(part) for part in parts)
         found.setdefault(key, []).append(place)
     return found.values()
 

@@ -16,8 +16,14 @@ from typing import Any, ClassVar, NamedTuple, Self
 from martensite.base.parameters import Parametrised
 from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import choose_tuple
 
 LAWS: Registry[AbstractLaw] = Registry("law", "martensite.physics.laws", typical="liang-rogers")
+
+COLD = 100.0
+"""Temperature [K] from which a wire is warmed to the start of a run: the least transformation temperature of laws."""
+SHELF_TIME = 3e7
+"""Time [s] that a law with rates has had to come to rest at the start of a run: a year."""
 
 
 class Fractions(NamedTuple):
@@ -119,6 +125,25 @@ class AbstractLaw(Parametrised):
         That of a wire that was cooled under this stress before: 1 unless the law says otherwise.
         """
         return 1.0
+
+    def warm_up(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> Any:
+        """Return the memory of a trained wire that was warmed from cold martensite under a constant stress.
+
+        Martensite that the law does not keep at the end of the way is austenite there.
+
+        Args:
+            xp: namespace of the runtime.
+            fractions: phase state that the wire has if the law keeps it.
+            stress: at the end of the way, and all along it [Pa].
+            temperature: at the end of the way [K]. A law with rates waits there for `SHELF_TIME` instead.
+        """
+        given = self.init(xp, fractions, stress, temperature)
+        some = fractions.martensite > 0.0
+        share = xp.where(some, fractions.oriented / xp.where(some, fractions.martensite, 1.0), 1.0)
+        begin = temperature if self.rate_dependent else COLD
+        cold = self.init(xp, Fractions(1.0, share), stress, begin)
+        warm, left = self.kinetics(xp, cold, stress, temperature, SHELF_TIME)
+        return choose_tuple(xp, left.martensite < fractions.martensite, warm, given)
 
     @abstractmethod
     def fractions(self, memory: Any) -> Fractions:

@@ -1,0 +1,83 @@
+"""The start of a run in a sentence: temperature, load, phases, and the history that the run assumes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+from martensite.actuators.elements.base import AbstractElement
+from martensite.base.formats import typeset_unit, write_quantity
+from martensite.kernels import floats
+from martensite.physics.laws.base import SHELF_TIME, Fractions
+from martensite.simulate.restarts import Restart
+
+if TYPE_CHECKING:
+    from martensite.simulate.result import Result
+
+HOT = 1500.0
+"""Temperature [K] from which a wire is cooled for comparison: above all transformation temperatures."""
+APART = 0.005
+"""Difference of two martensite fractions [-] that is reported."""
+SHOWN = ("temperature", "stress", "martensite_fraction")
+
+
+def describe_start(result: Result, begin: Restart) -> str:
+    """Return the start of a single run in a sentence; empty if the system has no shape-memory element.
+
+    Args:
+        result: the run.
+        begin: the state from which it went on; `HOME` if the run found its start by itself.
+    """
+    system = result.system
+    actuators = system.actuators()
+    names = [[system.label(port, name) for port in actuators] for name in SHOWN]
+    if not actuators or not all(name in result.columns for row in names for name in row):
+        return ""
+    temperatures, stresses, fractions = ([result.columns[name][0] for name in row] for row in names)
+    where = f"{_write_range(temperatures, 'K')} and {_write_range(stresses, 'Pa')}"
+    phases = f"martensite fraction {_write_fractions(fractions)}"
+    if begin.passes:
+        origin = f"kept by an earlier run at {begin.time:.6g} s" if begin.time else "given, or found, as the start"
+        return f"Start: the state {origin}, at {where} ({phases})."
+    elements: list[AbstractElement] = [one.element for one in actuators.values()]
+    given = [min(_list_numbers(one, "initial_fraction"), default=1.0) for one in elements]
+    if max(given) < 1.0 and given == fractions:
+        return f"Start: as given, at {where} ({phases})."
+    cooled = list(_cool_elements(elements, stresses, temperatures)) if max(fractions) > 0.0 else []
+    if cooled and max(abs(a - b) for a, b in zip(cooled, fractions, strict=True)) > APART:
+        phases = f"{phases}; {_write_fractions(cooled)} if cooled from austenite"
+    oriented = all(share == 1.0 for one in elements for share in _list_numbers(one, "initial_oriented"))
+    history = "warmed from trained martensite" if oriented else "warmed from martensite"
+    return f"Start: in equilibrium at {where}, {history} ({phases})."
+
+
+def _list_numbers(element: AbstractElement, name: str) -> list[float]:
+    """Return the values of a parameter wherever an element has it."""
+    return [leaf.value for leaf in element.leaves() if leaf.path.rpartition(".")[2] == name]
+
+
+def _cool_elements(
+    elements: Sequence[AbstractElement], stresses: Sequence[float], temperatures: Sequence[float]
+) -> Iterator[float]:
+    """Return martensite fractions after cooling from austenite; of elements with one phase state only."""
+    if not all(getattr(one, "uniform", True) and getattr(one, "wear", None) is None for one in elements):
+        return
+    for one, stress, temperature in zip(elements, stresses, temperatures, strict=True):
+        law: Any = one.law
+        hot = law.init(floats, Fractions(0.0, 0.0), stress, temperature if law.rate_dependent else HOT)
+        yield law.kinetics(floats, hot, stress, temperature, SHELF_TIME)[1].martensite
+
+
+def _write_range(values: Sequence[float], unit: str) -> str:
+    """Return a value, or the range of several, in a readable unit."""
+    ends = [write_quantity(end, unit, 4).partition(" ") for end in (min(values), max(values))]
+    (low, _, label), (high, _, same) = ends
+    if label != same:
+        return " to ".join(f"{number} {typeset_unit(name)}" for number, _, name in ends)
+    return f"{low if low == high else f'{low} to {high}'} {typeset_unit(label)}"
+
+
+def _write_fractions(values: Sequence[float]) -> str:
+    """Return a martensite fraction, or the range of several."""
+    low, high = f"{min(values):.3f}", f"{max(values):.3f}"
+    return low if low == high else f"{low} to {high}"

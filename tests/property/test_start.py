@@ -1,0 +1,131 @@
+"""The start of a run is an equilibrium: no drive, no motion, at any ambient temperature.
+
+Sources of truth: the law itself, led from cold martensite to the ambient temperature in small legs; the austenite finish
+line A_f + stress/C_A; and the definition of an equilibrium, from which a hold at zero drive moves nothing.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import martensite as ms
+from builders import example, example_system, examples, label, registered
+from martensite.actuators.assembly import AbstractSystem
+from martensite.kernels import floats
+from martensite.kernels.compiler import find_compiler
+from martensite.physics.laws.base import Fractions
+from martensite.scenario.scenario import read_scenario
+from martensite.simulate.api import longest_step
+
+ZERO = 273.15
+AMBIENTS = range(60, 201, 5)
+LEGS = 8
+TAIL = 0.011
+"""Martensite that an endless law (Tanaka) leaves at its finish line."""
+LAWS = [example(cls) for cls in registered("law")]
+PARTS = [*examples("element"), *examples("mechanism")]
+WIRE = """
+[element]
+kind = "wire"
+material = "flexinol-90"
+law = { kind = "liang-rogers", modulus = "mixture" }
+diameter = "0.25 mm"
+length = "200 mm"
+[environment]
+temperature = "22 degC"
+cooling = { kind = "constant", h = "70 W/m^2/K" }
+[mechanism]
+kind = "bias-spring"
+stiffness = "0.2 N/mm"
+preload = "4 N"
+[drive]
+kind = "current"
+waveform = { kind = "step", high = "0.2 A", at = "1 s", until = "8 s" }
+[run]
+duration = "30 s"
+"""
+
+
+def warmed(system: AbstractSystem, celsius: float) -> AbstractSystem:
+    paths = [leaf.path for leaf in system.leaves() if leaf.path.endswith("environment.temperature")]
+    return system.with_values(dict.fromkeys(paths, celsius + ZERO))
+
+
+def hold(system: AbstractSystem, seconds: float, steps: int = 3) -> tuple[dict[str, float], dict[str, float]]:
+    """What is judged at the start, and after a hold at zero drive."""
+    drives = [0.0] * len(system.drives())
+    state = system.init(floats, *drives)
+    seen = [dict(zip(system.outputs(), system.observe(floats, state, *drives), strict=True))]
+    for _ in range(steps):
+        state, _ = system.step(floats, state, *drives, dt=seconds / steps)
+    seen.append(dict(zip(system.outputs(), system.observe(floats, state, *drives), strict=True)))
+    first, last = ({name: one[name] for name in system.convergence_scales()} for one in seen)
+    return first, last
+
+
+def lead_from_cold(law: Any, stress: float, temperature: float) -> float:
+    share = law.trained_share(floats, stress)
+    memory = law.init(floats, Fractions(1.0, share), stress, 250.0)
+    for k in range(1, LEGS + 1):
+        memory, found = law.kinetics(floats, memory, stress, 250.0 + (temperature - 250.0) * k / LEGS, 1.0)
+    return found.martensite
+
+
+@pytest.mark.parametrize("law", LAWS, ids=label)
+def test_the_start_of_every_law_is_its_equilibrium(law: Any) -> None:
+    for celsius in AMBIENTS:
+        system: Any = warmed(example_system(law), celsius)
+        first, last = hold(system, 3600.0, 2)
+        xi, stress = first["martensite_fraction"], first["stress"]
+        assert last["martensite_fraction"] == pytest.approx(xi, abs=1e-3 if law.rate_dependent else 1e-9), celsius
+        assert last["position"] == pytest.approx(first["position"], abs=1e-6), celsius
+        if not law.rate_dependent:
+            assert xi == pytest.approx(lead_from_cold(law, stress, celsius + ZERO), abs=1e-9), celsius
+        if hasattr(law, "A_f") and celsius + ZERO >= law.A_f + stress / law.C_A + 1.0:
+            assert xi <= (TAIL if getattr(law, "endless", False) else 1e-12), celsius
+    assert xi < 1e-12
+
+
+@pytest.mark.parametrize("celsius", [22, 46, 150])
+@pytest.mark.parametrize("part", PARTS, ids=label)
+def test_nothing_moves_from_the_start(part: Any, celsius: int) -> None:
+    """Every element and mechanism; 46 °C lies in the reverse strip of its law."""
+    system = warmed(example_system(part), celsius)
+    step = longest_step(system)
+    first, last = hold(system, 3.0 * (step if step < 1e3 else 10.0))
+    for name, least in system.convergence_scales().items():
+        assert last[name] == pytest.approx(first[name], abs=1e-6 * least, rel=1e-9), name
+
+
+def run_wire(runtime: str = "floats", **settings: Any) -> ms.Result:
+    named = {name.replace("_", ".", 1): value for name, value in settings.items()}
+    return read_scenario(WIRE, overrides=named).run(runtime=runtime)
+
+
+@pytest.mark.parametrize(
+    ("celsius", "settings", "sentence"),
+    [
+        (22, {}, "in equilibrium at 22 °C and 81.49 MPa, warmed from trained martensite (martensite fraction 1.000)."),
+        (95, {}, "in equilibrium at 95 °C and 81.49 MPa, warmed from trained martensite (martensite fraction 0.000)."),
+        (22, {"element_initial_fraction": 0.25}, "as given, at 22 °C and 81.49 MPa (martensite fraction 0.250)."),
+    ],
+)
+def test_a_run_reports_its_start(celsius: int, settings: dict[str, Any], sentence: str) -> None:
+    result = run_wire(environment_temperature=f"{celsius} degC", **settings)
+    assert result.start == f"Start: {sentence}"
+    assert result.summary().data["start"] == result.start
+    assert f"{result['martensite_fraction'][0]:.3f}" in sentence
+
+
+def test_the_start_reports_the_other_history_where_it_matters() -> None:
+    """At 80 °C and 81 MPa the wire is in its hysteresis: warmed it is martensite still, cooled it is austenite."""
+    assert run_wire(environment_temperature="80 degC").start.endswith("fraction 0.776; 0.000 if cooled from austenite).")
+
+
+@pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
+def test_c_starts_as_floats_do() -> None:
+    starts = [run_wire(one, environment_temperature="82 degC")["martensite_fraction"][0] for one in ("floats", "c")]
+    assert 0.1 < starts[0] < 0.9
+    assert starts[0] == pytest.approx(starts[1], abs=1e-12)
