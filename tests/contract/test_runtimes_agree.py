@@ -24,6 +24,8 @@ from martensite.kernels.dual import value_and_slope
 from martensite.physics.laws.strip_laws import LiangRogers
 
 TOLERANCE = 1e-12
+SOLVED_TWICE = {"element": 5.0}
+"""Kinds whose start is a solve as well, from which the step goes on: so many times the tolerance."""
 
 
 @pytest.fixture(params=[*RUNTIMES, "c lanes"])
@@ -54,7 +56,7 @@ def require_agreement(thing, kind, name, runtime, meaning=on_kernel_itself, lane
     meant = meaning(thing, kernel, inputs)
     assert np.isfinite(meant).all(), (label(thing), name)
     found = runtime(thing, kernel, inputs)
-    assert disagreement(meant, found) <= TOLERANCE, (label(thing), name)
+    assert disagreement(meant, found) <= SOLVED_TWICE.get(kind, 1.0) * TOLERANCE, (label(thing), name)
     program = traced(thing, kernel)
     assert all(node.graph is program.graph for node in program.functions["kernel"].outputs)
 

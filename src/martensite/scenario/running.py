@@ -61,7 +61,7 @@ def run(
         runtime: `floats`, `c`, `jax`, or `auto`, which is the fastest there is; of a batch also `cuda`.
         budget: CPU time [s] after which a single run is given up.
         tell: called now and then with what is being done and which share of it.
-        initial: where the run starts, as a table [initial] says it; else at home and at rest, or as the scenario says.
+        initial: where the run starts, as a table [initial] says it; else in equilibrium, or as the scenario says.
         start: a result of the same system, or its file, that the run goes on from, at its own time.
         at: when, in seconds or as text; by default at its end.
         restart_at: times at which the result keeps a state beside that at its end, likewise.

@@ -1,6 +1,7 @@
 """Where a run starts: coordinates, speeds, temperatures and phase states that are given.
 
-A system is assembled at home and at rest, as ever, which says how long its elements are there. Then its mechanism is
+Without numbers, a system starts at home and at rest, in equilibrium at the ambient temperature and the load. It is
+assembled so in any case, which gives the lengths of its elements there. Then its mechanism is
 put where the given coordinates are, every element into the given temperature and phase state, and forces follow: of a
 mechanism with coordinates from how long its elements are there, of a load line from what the element meets. What is
 not given stays as assembled; a phase state that the law would leave at once is refused.
