@@ -91,8 +91,8 @@ def law_step(law: Any, xp: Any, x: Any, s0: Any, t0: Any, s1: Any, t1: Any, dt: 
 
 def law_extras(law: Any, xp: Any, strain: Any, stress: Any, temperature: Any) -> Any:
     """The start and the heat of every law, and what only some laws have, for people to look at."""
-    start = law.warm_up(xp, Fractions(1.0, 1.0), stress, temperature)
-    found = (law.heat(xp, 1e8, stress, temperature), *(1.0 + x for x in law.fractions(start)))  # 1e-170 is nothing
+    start = law.warm_up(xp, Fractions(1.0, 1.0), 5e7, temperature)
+    found = (law.heat(xp, 1e8, stress, temperature), *(1.0 + x for x in law.fractions(start)))
     if hasattr(law, "free_energy"):
         found += (law.free_energy(xp, strain, temperature), law.depth(xp, temperature))
     if hasattr(law, "jump_rates"):

@@ -1,7 +1,7 @@
 """The start of a run is an equilibrium: no drive, no motion, at any ambient temperature.
 
-Sources of truth: the law itself, led from cold martensite to the ambient temperature in small legs; the austenite finish
-line A_f + stress/C_A; and the definition of an equilibrium, from which a hold at zero drive moves nothing.
+Sources of truth: the law itself, led from cold martensite to the ambient temperature in small legs; the line
+A_f + stress/C_A of austenite finish; the definition of an equilibrium, from which a hold at zero drive moves nothing.
 """
 
 from __future__ import annotations

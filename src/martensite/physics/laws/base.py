@@ -22,8 +22,10 @@ LAWS: Registry[AbstractLaw] = Registry("law", "martensite.physics.laws", typical
 
 COLD = 100.0
 """Temperature [K] from which a wire is warmed to the start of a run: the least transformation temperature of laws."""
-SHELF_TIME = 3e7
-"""Time [s] that a law with rates has had to come to rest at the start of a run: a year."""
+SHELF_TIME = 1e5
+"""Time [s] that a law with rates has had to come to rest at the start of a run: about a day."""
+TURNED = 1e-6
+"""Change of the net oriented fraction [-] from which on a wire was turned by the stress."""
 
 
 class Fractions(NamedTuple):
@@ -143,7 +145,10 @@ class AbstractLaw(Parametrised):
         begin = temperature if self.rate_dependent else COLD
         cold = self.init(xp, Fractions(1.0, share), stress, begin)
         warm, left = self.kinetics(xp, cold, stress, temperature, SHELF_TIME)
-        return choose_tuple(xp, left.martensite < fractions.martensite, warm, given)
+        turns = xp.abs(left.oriented - share * left.martensite) > TURNED
+        loses = left.martensite < fractions.martensite
+        turns = xp.both(turns, left.martensite <= fractions.martensite)
+        return choose_tuple(xp, xp.either(loses, turns), warm, given)
 
     @abstractmethod
     def fractions(self, memory: Any) -> Fractions:
