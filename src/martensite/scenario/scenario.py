@@ -75,7 +75,7 @@ class Run(Parametrised):
     )
 
     restart: str | tuple[str, ...] = text("times at which a state is kept, to go on from with --from", default=())
-    seed: Scalar = param("1", "seed of the noise of the sensors, a whole number", low=0.0, high=2**53, default=0)
+    seed: Number = param("1", "seed of the noise of the sensors, a whole number", low=0.0, high=2**53, default=0)
 
     def check(self) -> None:
         """Raise `ParameterError` if a number that counts is not a whole number."""

@@ -73,9 +73,9 @@ def cut_outside(system: AbstractSystem, track: Track) -> Track:
     envelope = Envelope(system)
     low, high = (np.array(limits) for limits in envelope.limits)
     seen = track.values[:, envelope.places]
-    outside = np.flatnonzero(((seen < low) | (seen > high) | np.isnan(seen)).any(axis=1)[1:])
-    count = int(outside[0]) + 1 if len(outside) else len(seen)
-    return track.cut(np.arange(len(seen)) < count)
+    inside = np.logical_and(low <= seen, seen <= high).all(axis=1).tolist()
+    count = inside.index(False, 1) if False in inside[1:] else len(inside)
+    return track.cut(np.arange(len(inside)) < count)
 
 
 def describe_exit(system: AbstractSystem, time: float, place: int, value: float) -> str:

@@ -21,6 +21,7 @@ Source: interpolation and quadrature, textbook (Stoer and Bulirsch, Introduction
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
@@ -174,8 +175,8 @@ class Track:
         times = start + share * (end - start)
         before = rows[step, 0] + np.where(share < 0.5, 0.0, rows[step, 1] - rows[step, 0]) + share
         for k in np.flatnonzero(~self.steps.plain[step]).tolist():  # where rows stand between the nodes already
-            first, last = rows[step[k]].tolist()[::2]
-            before[k] = first + float(np.searchsorted(self.times[first:last], times[k], side="right")) - 0.5
+            first, last = rows[step[k], 0].item(), rows[step[k], 2].item()
+            before[k] = first + bisect_right(self.times[first:last].tolist(), times[k].item()) - 0.5
         at = np.argsort(np.concatenate([np.arange(len(self.times)), before]), kind="stable")
         nothing = StepRows(np.empty((0, 3), np.intp), np.empty(0, np.bool_), np.empty(0, np.bool_))
         return Track(
