@@ -6,6 +6,7 @@ Source of truth: the same program with a whole cache.
 from __future__ import annotations
 
 import hashlib
+import os
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -15,6 +16,7 @@ import pytest
 from builders import hanging_wire
 
 from martensite.base import files
+from martensite.base.caches import make_cache
 from martensite.base.errors import CompileError
 from martensite.kernels import compiler, jax_setup
 from martensite.kernels.compiler import find_compiler, is_compiled, load_library
@@ -60,12 +62,18 @@ def come_from_another_machine(path: Path) -> None:
     path.with_suffix(".sha256").write_text(hashlib.sha256(raw).hexdigest())
 
 
+def keep_library(source: str, content: str = "") -> Path:
+    """Compile a source, or another content in its place with digest and mark, into the cache without loading it."""
+    command = compiler._build_command(())
+    path = make_cache("c") / compiler._name_library(command, source)
+    compiler._compile_source(command, content or source, path)
+    return path
+
+
 @pytest.mark.parametrize("damage", [cut_short, empty, flip_a_bit, lose_its_digest, come_from_another_machine])
 def test_a_damaged_library_is_made_anew(cache: Path, damage: Callable[[Path], None]) -> None:
     source = f"/* {damage.__name__} */ {SOURCE}"  # a library is loaded once in a process
-    command = compiler._build_command(())
-    path = cache / "martensite" / "c" / compiler._name_library(command, source)
-    compiler._compile_source(command, source, path)
+    path = keep_library(source)
     whole = path.read_bytes()
     assert is_compiled(source)
     damage(path)
@@ -73,6 +81,67 @@ def test_a_damaged_library_is_made_anew(cache: Path, damage: Callable[[Path], No
     assert load_library(source).three() == 3
     assert path.read_bytes() == whole
     assert is_compiled(source)
+    assert {one.stat().st_mode & 0o777 for one in path.parent.iterdir()} == {0o600}
+    assert {one.stat().st_mode & 0o777 for one in (path.parent, path.parent.parent)} == {0o700}
+
+
+def own_user_is_another(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every folder and file now belongs to somebody else."""
+    known = os.getuid()
+    monkeypatch.setattr(os, "getuid", lambda: known + 1)
+
+
+def others_write_the_folder(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (cache / "martensite" / "c").chmod(0o777)
+
+
+def the_group_writes_the_folder_above(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (cache / "martensite").chmod(0o770)
+
+
+def others_rename_the_cache(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    cache.chmod(0o777)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="owners and modes are those of POSIX")
+@pytest.mark.parametrize(
+    "share", [own_user_is_another, others_write_the_folder, the_group_writes_the_folder_above, others_rename_the_cache]
+)
+def test_a_cache_that_others_may_write_is_not_loaded(
+    cache: Path,
+    share: Callable[[Path, pytest.MonkeyPatch], None],
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The planted library, sound and with its digest, returns another number than its source says."""
+    source = f"/* {share.__name__} */ {SOURCE}"
+    path = keep_library(source, "long three(void) { return 4; }")
+    planted = path.read_bytes()
+    share(cache, monkeypatch)
+    assert not is_compiled(source)
+    assert load_library(source).three() == 3
+    assert path.read_bytes() == planted
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "is not trusted" in said
+
+
+@pytest.mark.skipif(os.name != "posix", reason="modes are those of POSIX")
+def test_a_library_that_others_may_write_is_made_again(cache: Path) -> None:
+    source = f"/* a library of mode 666 */ {SOURCE}"
+    path = keep_library(source, "long three(void) { return 4; }")
+    path.chmod(0o666)
+    assert load_library(source).three() == 3
+
+
+def test_a_library_without_its_symbols_is_made_again(cache: Path) -> None:
+    """The planted library is sound, private and has its digest, but was made of another source."""
+    source = f"/* a library of another source */ {SOURCE}"
+    path = keep_library(source)
+    other = keep_library("long two(void) { return 2; }\n")
+    path.write_bytes(other.read_bytes())
+    path.with_suffix(".sha256").write_bytes(other.with_suffix(".sha256").read_bytes())
+    assert load_library(source).three() == 3
 
 
 def test_a_whole_library_is_not_made_again(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:

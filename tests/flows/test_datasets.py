@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from martensite.base.caches import cache_folder
 from martensite.base.errors import DataError, UnknownNameError
-from martensite.base.files import cache_folder
 from martensite.scenario import datasets
 from martensite.scenario.citations import list_entries
 from martensite.scenario.layout import read_headings

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
-from martensite.base.files import cache_folder
+from martensite.base.caches import cache_folder, is_private_file, keep_private, make_private_folder
 
 LONGEST_KEPT = 30 * 86400.0
 """Seconds after its start for which a token is known again."""
@@ -68,18 +68,17 @@ class TokenRecord:
 
     def _read(self, name: str) -> Any:
         """What a file of the record holds; None if there is none, or others could have written it."""
-        with suppress(OSError, ValueError), (self.folder / f"{name}.json").open(encoding="utf-8") as file:
-            known = os.fstat(file.fileno())
-            if os.name != "posix" or (known.st_uid == os.getuid() and not known.st_mode & 0o077):
-                return json.load(file)
+        path = self.folder / f"{name}.json"
+        with suppress(OSError, ValueError):
+            return json.loads(path.read_text(encoding="utf-8")) if is_private_file(path) else None
         return None
 
     def _write(self, name: str, content: Any) -> None:
         with suppress(OSError):
-            self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            make_private_folder(self.folder)
             made = self.folder / f"{name}.{os.getpid()}.new"
             with suppress(FileNotFoundError):
                 made.unlink()
             with os.fdopen(os.open(made, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:
                 json.dump(content, file)
-            made.replace(self.folder / f"{name}.json")
+            keep_private(made, self.folder / f"{name}.json")

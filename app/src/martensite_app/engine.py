@@ -16,8 +16,8 @@ from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
+from martensite.base.caches import cache_folder, make_cache
 from martensite.base.errors import MartensiteError
-from martensite.base.files import cache_folder
 from martensite.base.parameters import describe_structure
 from martensite.kernels.compiler import find_compiler
 from martensite.scenario.scenario import Scenario
@@ -51,9 +51,8 @@ def _run_in_c(scenario: Scenario, key: Hashable) -> Result:
     if key not in _ready:
         _ready.add(key)
         with suppress(OSError):
-            mark = _locate_mark(key)
-            mark.parent.mkdir(parents=True, exist_ok=True)
-            mark.touch()
+            make_cache("c")
+            _locate_mark(key).touch()
     return result
 
 

@@ -7,15 +7,15 @@ import contextlib
 import json
 import os
 import signal
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from martensite.base.child_python import python_command, python_environment
 from martensite_app.messages import JsonTable, Packed, Refusal, Written, write_message
 
-COMMAND = (sys.executable, "-m", "martensite_app.worker")
+COMMAND = tuple(python_command("-m", "martensite_app.worker"))
 LONGEST_LINE = 64 * 2**20
 QUICK_LIMIT = 60.0
 """Seconds after which a quick call is given up."""
@@ -51,6 +51,7 @@ class Worker:
         if self._process is None:
             self._process = await asyncio.create_subprocess_exec(
                 *COMMAND,
+                env=python_environment(),
                 start_new_session=True,
                 stdin=asyncio.subprocess.PIPE,
                 stdout=asyncio.subprocess.PIPE,

@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from martensite.base.child_python import python_command, python_environment
 from martensite.base.errors import DataError, MartensiteError, ParameterError, UnknownNameError
 from martensite.base.files import replace_file
 from martensite_export.mujoco_plant import load_mujoco
@@ -109,11 +110,10 @@ def _list_backends() -> tuple[str, ...]:
 
 
 def _draw_in_process(folder: Path, backend: str) -> str | None:
-    here = str(Path(__file__).resolve().parents[2])
-    paths = os.pathsep.join(filter(None, [here, os.environ.get("PYTHONPATH")]))
-    environment = os.environ | {"MUJOCO_GL": backend, "PYTHONPATH": paths}
-    command = [sys.executable, "-m", "martensite_export.mujoco_render", str(folder)]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    command = python_command("-m", "martensite_export.mujoco_render", str(folder))
+    done = subprocess.run(
+        command, env=python_environment(MUJOCO_GL=backend), capture_output=True, text=True, check=False
+    )
     if done.returncode == 0:
         return None
     said = [line for line in done.stderr.splitlines() if line.strip()]

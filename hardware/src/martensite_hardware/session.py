@@ -15,8 +15,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
+from martensite.base.caches import require_cache
 from martensite.base.errors import DataError, InputError, SolveError, suggest_name
-from martensite.base.files import cache_folder, read_text_file
+from martensite.base.files import read_text_file
 from martensite_hardware.board_log import BoardLog
 from martensite_hardware.firmware.boards import find_board
 from martensite_hardware.link.host import BoardLink, Port, open_port
@@ -289,8 +290,6 @@ def _start_emulator(project: Path, firmware: dict[str, Any], changes: Mapping[st
         compile_sketch(project, board) if board in MCUS else compile_bare(project)
     if board not in MCUS:
         return QemuBoard(elf)
-    folder = cache_folder() / "emulators"
-    folder.mkdir(parents=True, exist_ok=True)
-    rig = start_rig(read_project_scenario(firmware, changes), elf, board, folder)
+    rig = start_rig(read_project_scenario(firmware, changes), elf, board, require_cache("emulators"))
     rig.run(0.1)  # until it listens
     return rig

@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, documents, and the folder for what can be made again."""
+"""Files that appear whole or not at all, and documents."""
 
 from __future__ import annotations
 
@@ -230,17 +230,6 @@ def toml_document(text: str, name: str = "The scenario") -> dict[str, Any]:
             f"{name} is not valid TOML: {error}; "
             'text and quantities stand in double quotes, such as `diameter = "0.381 mm"`.'
         ) from None
-
-
-def cache_folder() -> Path:
-    """The user's cache folder for this package."""
-    if os.environ.get("XDG_CACHE_HOME"):
-        return Path(os.environ["XDG_CACHE_HOME"]) / "martensite"
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Caches" / "martensite"
-    if sys.platform == "win32" and os.environ.get("LOCALAPPDATA"):
-        return Path(os.environ["LOCALAPPDATA"]) / "martensite" / "Cache"
-    return Path.home() / ".cache" / "martensite"
 
 
 _TOLD: set[str] = set()

@@ -11,9 +11,9 @@ import ctypes
 import hashlib
 import os
 import platform
+import shlex
 import shutil
 import subprocess
-import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -22,8 +22,10 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from martensite.base.caches import is_private_file, keep_private, make_cache
+from martensite.base.child_python import python_command
 from martensite.base.errors import CompileError
-from martensite.base.files import cache_folder, tell_once
+from martensite.base.files import tell_once
 
 FLAGS = (
     "-std=c99",
@@ -52,7 +54,7 @@ def find_compiler() -> str | None:
 
 _ZIG = """#!/bin/sh
 for word; do shift; [ "$word" = -fno-tree-pre ] || set -- "$@" "$word"; done
-exec "{python}" -m ziglang cc "$@"
+exec {python} cc "$@"
 """
 
 
@@ -61,15 +63,15 @@ def _find_zig() -> str | None:
     """A program that calls the C compiler of the package `ziglang`; None without it, or Windows."""
     if find_spec("ziglang") is None or os.name != "posix":
         return None
-    text = _ZIG.format(python=sys.executable)
+    text = _ZIG.format(python=shlex.join(python_command("-m", "ziglang")))
     name = f"zig-cc-{hashlib.sha256(text.encode()).hexdigest()[:12]}"
     for find_folder in (_locate_folder, _make_own_folder):
         with suppress(OSError):
             path = find_folder() / name
-            if not path.exists():
-                path.parent.mkdir(parents=True, exist_ok=True)
-                path.write_text(text)
-                path.chmod(0o755)
+            if not is_private_file(path):
+                made = path.with_suffix(f".{os.getpid()}")
+                made.write_text(text)
+                keep_private(made, path, 0o700)
             return str(path)
     return None
 
@@ -140,11 +142,8 @@ def _name_library(command: Sequence[str], source: str) -> str:
 
 
 def _locate_folder() -> Path:
-    """Where libraries are kept from process to process."""
-    try:
-        return cache_folder() / "c"
-    except RuntimeError as error:  # nobody's home
-        raise OSError(str(error)) from None
+    """The folder for libraries, kept from process to process; `OSError` if it is unusable or not trusted."""
+    return make_cache("c")
 
 
 @cache
@@ -175,9 +174,15 @@ def _load_from(path: Path, command: Sequence[str], source: str) -> Any:
 
 
 def _is_whole(path: Path) -> bool:
-    """Whether a library is what was written: to load one whose end is missing kills the process."""
+    """Return whether a library is what this user's compiler wrote for this source.
+
+    Loading a library whose end is missing would kill the process; loading a stranger's would run the stranger's code.
+    """
+    if not (is_private_file(path) and is_private_file(_locate_digest(path))):
+        return False
     try:
-        return _locate_digest(path).read_bytes() == _digest_file(path)
+        raw = path.read_bytes()
+        return _locate_digest(path).read_bytes() == _digest(raw) and _name_mark(path).encode() in raw
     except OSError:
         return False
 
@@ -186,21 +191,25 @@ def _locate_digest(path: Path) -> Path:
     return path.with_suffix(".sha256")
 
 
-def _digest_file(path: Path) -> bytes:
-    return hashlib.sha256(path.read_bytes()).hexdigest().encode()
+def _digest(raw: bytes) -> bytes:
+    return hashlib.sha256(raw).hexdigest().encode()
+
+
+def _name_mark(path: Path) -> str:
+    """The symbol at the end of a library's source: a library without it was made of another source."""
+    return f"martensite_{path.stem}"
 
 
 def _compile_source(command: Sequence[str], source: str, path: Path) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=path.parent) as folder:
         code, library = Path(folder) / "kernel.c", Path(folder) / "kernel.so"
-        code.write_text(source)
+        code.write_text(f'{source}\nconst char {_name_mark(path)}[] = "";\n')
         done = subprocess.run(
             [*command, str(code), "-o", str(library), "-lm"], capture_output=True, text=True, check=False
         )
         if done.returncode != 0:
             raise CompileError(f"The C compiler `{command[0]}` failed: {done.stderr.strip()[:500]}")
         digest = _locate_digest(library)
-        digest.write_bytes(_digest_file(library))
-        digest.replace(_locate_digest(path))  # before the library, which nobody takes without it
-        library.replace(path)
+        digest.write_bytes(_digest(library.read_bytes()))
+        keep_private(digest, _locate_digest(path))  # before the library, which is not loaded without its digest
+        keep_private(library, path)

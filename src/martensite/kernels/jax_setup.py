@@ -11,8 +11,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from martensite.base.caches import make_cache, make_private_folder
 from martensite.base.errors import MartensiteError
-from martensite.base.files import cache_folder, tell_once
+from martensite.base.files import tell_once
 from martensite.kernels.arrays import ArrayNamespace
 
 # XLA prefers 256-bit vectors; batches gain a third with 512 where the processor has them
@@ -126,12 +127,12 @@ def _find_cache() -> str:
     """The folder of what JAX compiles; empty if it is to keep nothing, or cannot."""
     folder = os.environ.get("MARTENSITE_JAX_CACHE")
     try:
-        folder = str(cache_folder() / "jax") if folder is None else folder
+        folder = str(make_cache("jax")) if folder is None else folder
         if folder:
-            Path(folder).mkdir(parents=True, exist_ok=True)
+            make_private_folder(Path(folder))
             tempfile.TemporaryFile(dir=folder).close()
-    except (OSError, RuntimeError) as error:
-        reason = getattr(error, "strerror", None) or error
+    except OSError as error:
+        reason = error.strerror or error
         tell_once(
             f"Warning: what JAX compiles cannot be kept in the cache folder ({reason}); "
             "it is made anew in every process. Name another folder in XDG_CACHE_HOME or MARTENSITE_JAX_CACHE."

@@ -17,6 +17,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from martensite.base.child_python import python_command, python_environment
 from martensite.base.errors import DataError
 from martensite.base.files import MOST_LOG, check_ordinary
 from martensite.base.lazy import import_extra
@@ -66,8 +67,8 @@ def read_apart(path: Path, reader: str, size: int) -> Columns:
     Raises:
         DataError: the file is damaged, or the reader says so.
     """
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "OPENBLAS_NUM_THREADS": "1"}
-    command, most = [sys.executable, "-m", __spec__.name, reader, str(path)], LONGEST + size / SLOWEST
+    environment = python_environment(OPENBLAS_NUM_THREADS="1")
+    command, most = python_command("-m", __spec__.name, reader, str(path)), LONGEST + size / SLOWEST
     try:
         done = subprocess.run(command, env=environment, capture_output=True, check=False, timeout=most)
     except subprocess.TimeoutExpired:

@@ -19,8 +19,9 @@ from urllib.error import HTTPError
 from urllib.parse import quote
 from urllib.request import urlopen
 
+from martensite.base.caches import cache_folder, require_cache
 from martensite.base.errors import DataError, require_known
-from martensite.base.files import MOST_LOG, cache_folder, make_folder, read_unpacked, write_file
+from martensite.base.files import MOST_LOG, make_folder, read_unpacked, write_file
 from martensite.scenario.layout import Layout
 
 VARIABLE = "MARTENSITE_DATA"
@@ -216,5 +217,8 @@ def _describe_reason(error: Exception) -> str:
 
 
 def _store_file(path: Path, content: bytes) -> None:
-    make_folder(path.parent)
+    if path.parent.parent == cache_folder():
+        require_cache(path.parent.name)
+    else:
+        make_folder(path.parent)
     write_file(path, content)

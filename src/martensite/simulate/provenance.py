@@ -13,7 +13,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, cast
 
-from martensite.base.files import cache_folder, tell_once
+from martensite.base.caches import cache_folder, make_cache
+from martensite.base.files import tell_once
 from martensite.base.parameters import Parametrised
 
 OWN = "martensite."
@@ -58,7 +59,7 @@ def keep_record(cls: type[Parametrised], holds: bool, checks: int) -> None:
     if path is None:
         return
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_cache("conformance")
         path.write_text(json.dumps({"holds": holds, "checks": checks}), "utf-8")
     except OSError as error:
         tell_once(f"Warning: what was found of `{_name_part(cls)}` cannot be kept in the cache: {error.strerror}.")

@@ -8,6 +8,7 @@ computes.
 from __future__ import annotations
 
 import hashlib
+import os
 import pickle
 import platform
 import shutil
@@ -20,8 +21,7 @@ from typing import Any, TypeVar
 
 import martensite
 import martensite_studies
-from martensite.base.errors import DataError
-from martensite.base.files import cache_folder, write_file
+from martensite.base.caches import is_private_file, keep_private, make_cache
 from martensite.scenario.examples import EXAMPLES
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -46,29 +46,32 @@ def cache_results(function: Function) -> Function:
     @wraps(function)
     def found(*arguments: Any, **named: Any) -> Any:
         given = hashlib.sha256(pickle.dumps((arguments, named))).hexdigest()[:16]
-        path = find_program_folder() / f"{function.__module__}.{function.__qualname__}-{given}.pickle"
+        name = f"{function.__module__}.{function.__qualname__}-{given}.pickle"
         with suppress(*UNREADABLE):
-            return pickle.loads(path.read_bytes())
+            path = find_program_folder() / name
+            if is_private_file(path):  # a pickle runs code
+                return pickle.loads(path.read_bytes())
         result = function(*arguments, **named)
-        with suppress(OSError, DataError):
-            _store_result(result, path)
+        with suppress(OSError):
+            _store_result(result, find_program_folder() / name)
         return result
 
     return found  # type: ignore[return-value]
 
 
 def _store_result(result: Any, path: Path) -> None:
-    if not path.parent.is_dir():
-        path.parent.mkdir(parents=True, exist_ok=True)
+    if not any(path.parent.iterdir()):
         others = sorted(path.parent.parent.iterdir(), key=lambda one: one.stat().st_mtime)
         for old in others[:-PROGRAMS]:
             shutil.rmtree(old, ignore_errors=True)
-    write_file(path, pickle.dumps(result))
+    made = path.with_suffix(f".{os.getpid()}")
+    made.write_bytes(pickle.dumps(result))
+    keep_private(made, path)
 
 
 def find_program_folder() -> Path:
-    """Where the results of this program are kept."""
-    return cache_folder() / "studies" / _fingerprint_program()
+    """Where the results of this program are kept; `OSError` if there is no such folder, or it is not trusted."""
+    return make_cache("studies", _fingerprint_program())
 
 
 @cache

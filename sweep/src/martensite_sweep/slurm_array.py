@@ -30,6 +30,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
+from martensite.base.child_python import python_command
 from martensite.base.errors import InputError, StoppedError
 from martensite.base.lazy import import_extra
 from martensite.base.summary import Sentence, Summary
@@ -40,6 +41,8 @@ from martensite_sweep.job import SweepJob
 from martensite_sweep.slurm_options import SlurmOptions
 from martensite_sweep.store import Store, list_differences
 
+PYTHON = shlex.join(python_command())
+"""How a task starts Python, in words of a shell."""
 FRUITLESS = 5
 """Starts without a chunk more after which a task gives up."""
 RESTARTS = 1000
@@ -144,7 +147,7 @@ class SlurmArray:
             InputError: submitit is not installed.
         """
         count = self.options.count_tasks(missing)
-        command = f"{shlex.quote(sys.executable)} -u -m submitit.core._submit {shlex.quote(str(self.folder))}"
+        command = f"{PYTHON} -u -m submitit.core._submit {shlex.quote(str(self.folder))}"
         array = {"map_count": count} if count > 1 else {}
         return _import_slurm()._make_sbatch_string(command, self.folder, **self._settings(), **array)
 
@@ -193,7 +196,7 @@ class SlurmArray:
         tasks = [SlurmTask(job, tuple(missing[k::count]), workers) for k in range(count)]
         core = import_extra("submitit", "slurm").core.utils
         try:
-            executor = _import_slurm().SlurmExecutor(self.folder, max_num_timeout=RESTARTS)
+            executor = _import_slurm().SlurmExecutor(self.folder, max_num_timeout=RESTARTS, python=PYTHON)
         except RuntimeError:
             raise InputError("SLURM is not here (no `srun`); `--dry-run` shows what would be submitted.") from None
         executor.update_parameters(**self._settings())

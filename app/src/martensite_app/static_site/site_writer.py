@@ -12,6 +12,7 @@ from gzip import compress
 from importlib.metadata import version
 from pathlib import Path
 
+from martensite.base.child_python import safe_children
 from martensite.base.errors import DataError
 from martensite_app.documents import build_packaged, list_standalone
 from martensite_app.messages import JsonTable, write_message
@@ -62,7 +63,7 @@ def write_site(folder: Path, texts: Mapping[str, str], tell: Tell = lambda words
     find_wasm_compiler()
     prepare_folder(folder)
     listed = list[JsonTable]()
-    with ProcessPoolExecutor(max(1, min(len(texts), os.cpu_count() or 1))) as pool:
+    with safe_children(), ProcessPoolExecutor(max(1, min(len(texts), os.cpu_count() or 1))) as pool:
         jobs = {name: pool.submit(describe_scenario_files, name, text) for name, text in texts.items()}
         for name, job in jobs.items():
             files, entry = job.result()

@@ -11,13 +11,13 @@ import os
 import platform
 import shutil
 import subprocess
-import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
+from martensite.base.child_python import python_command
 from martensite.base.errors import InputError, MartensiteError, suggest_name
 from martensite.kernels.compiler import find_compiler
 
@@ -70,7 +70,7 @@ def find_zig() -> list[str] | None:
     """How zig is called: that of the path, or the package ziglang; None without."""
     if shutil.which("zig"):
         return ["zig"]
-    return [sys.executable, "-m", "ziglang"] if find_spec("ziglang") else None
+    return python_command("-m", "ziglang") if find_spec("ziglang") else None
 
 
 def _find_gcc(target: str) -> str | None:

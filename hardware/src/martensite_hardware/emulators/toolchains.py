@@ -12,6 +12,7 @@ import subprocess
 from collections.abc import Sequence
 from pathlib import Path
 
+from martensite.base.caches import is_private_file
 from martensite.base.errors import CompileError, InputError
 from martensite.kernels.compiler import find_compiler
 from martensite_hardware.firmware.boards import find_board
@@ -148,7 +149,8 @@ def build_simavr_line(folder: Path) -> Path:
     if cc is None or not SIMAVR.exists():
         raise InputError("This needs a C compiler and simavr; on Debian: libsimavr-dev.")
     found = folder.resolve() / "simavr_line"
-    if not found.exists():
+    if not is_private_file(found):
         source = Path(__file__).with_name("simavr_line.c")
         run_tool([cc, "-O2", source, "-o", found, "-lsimavr"], folder)
+        found.chmod(0o700)
     return found

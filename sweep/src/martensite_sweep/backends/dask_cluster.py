@@ -20,6 +20,7 @@ from importlib import import_module
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
+from martensite.base.child_python import safe_children
 from martensite.base.errors import InputError, StoppedError
 from martensite_sweep.backends.base import BACKENDS, AbstractBackend, Report
 from martensite_sweep.backends.processes import count_cores, salvage_chunk
@@ -127,17 +128,18 @@ def _mute_client() -> Iterator[None]:
 @contextmanager
 def _open_client(dask: Any, wanted: DaskCluster) -> Iterator[Any]:
     """A client of a cluster; whatever was opened is closed."""
-    cluster = None
-    if wanted.scheduler is None:
-        cluster = dask.LocalCluster(
-            n_workers=wanted.workers or count_cores(), threads_per_worker=1, dashboard_address="127.0.0.1:0"
-        )
-    try:
-        with _connect_client(dask, cluster or wanted.scheduler) as client:
+    if wanted.scheduler is not None:
+        with _connect_client(dask, wanted.scheduler) as client:
             yield client
-    finally:
-        if cluster is not None:
-            cluster.close()
+        return
+    with (  # a worker that died is started again at any time
+        safe_children(),
+        dask.LocalCluster(
+            n_workers=wanted.workers or count_cores(), threads_per_worker=1, dashboard_address="127.0.0.1:0"
+        ) as cluster,
+        _connect_client(dask, cluster) as client,
+    ):
+        yield client
 
 
 def _connect_client(dask: Any, address: Any) -> Any:

@@ -21,6 +21,7 @@ from multiprocessing import active_children, get_context, parent_process
 from threading import Thread
 from typing import TYPE_CHECKING
 
+from martensite.base.child_python import safe_children
 from martensite.base.errors import StoppedError
 from martensite_sweep.backends.base import BACKENDS, AbstractBackend, Report, keep_runs
 from martensite_sweep.plan import SweepPiece
@@ -130,16 +131,17 @@ def _run_alone(job: SweepJob, rows: range) -> SweepPiece:
 def _open_pool(count: int) -> Iterator[ProcessPoolExecutor]:
     """A pool whose waiting chunks are dropped at the end, and those under way where nobody waits for them any more."""
     before = active_children()
-    pool = ProcessPoolExecutor(count, get_context(START), initializer=_end_with_parent)
-    try:
-        yield pool
-    except (KeyboardInterrupt, GeneratorExit):
-        for process in active_children():
-            if process not in before:
-                process.kill()
-        raise
-    finally:
-        pool.shutdown(cancel_futures=True)
+    with safe_children():
+        pool = ProcessPoolExecutor(count, get_context(START), initializer=_end_with_parent)
+        try:
+            yield pool
+        except (KeyboardInterrupt, GeneratorExit):
+            for process in active_children():
+                if process not in before:
+                    process.kill()
+            raise
+        finally:
+            pool.shutdown(cancel_futures=True)
 
 
 def _end_with_parent() -> None:

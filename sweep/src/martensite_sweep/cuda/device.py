@@ -14,8 +14,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from martensite.base.caches import is_private_file, keep_private, make_cache
 from martensite.base.errors import CompileError, InputError, MartensiteError
-from martensite.base.files import cache_folder
 from martensite.base.lazy import import_extra
 from martensite_sweep.cuda.source import THREADS
 
@@ -145,18 +145,17 @@ def _compile_once(text: str, target: str, more: tuple[str, ...]) -> bytes:
     """The same, kept in the cache folder, where it can be written."""
     said = repr((text, target, FLAGS, more, take_answer(_load_nvrtc().nvrtcVersion())))
     path: Path | None = None
-    with suppress(OSError, RuntimeError):
-        path = cache_folder() / "cuda" / f"{hashlib.sha256(said.encode()).hexdigest()[:24]}.bin"
+    with suppress(OSError):
+        path = make_cache("cuda") / f"{hashlib.sha256(said.encode()).hexdigest()[:24]}.bin"
         kept = path.read_bytes()
-        if hashlib.sha256(kept[32:]).digest() == kept[:32]:
+        if is_private_file(path) and hashlib.sha256(kept[32:]).digest() == kept[:32]:
             return kept[32:]
     made = compile_source(text, target, more)
     with suppress(OSError):
         if path is not None:
-            path.parent.mkdir(parents=True, exist_ok=True)
             part = path.with_suffix(f".{os.getpid()}")
             part.write_bytes(hashlib.sha256(made).digest() + made)
-            part.replace(path)
+            keep_private(part, path)
     return made
 
 
