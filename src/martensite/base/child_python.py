@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -36,7 +36,7 @@ def python_environment(**settings: str) -> dict[str, str]:
 
 
 @contextmanager
-def safe_children() -> Iterator[None]:
+def safe_children() -> Generator[None]:
     """Start no process within this block, by any library, that imports from the current folder."""
     before = os.environ.get(_SAFE)
     os.environ[_SAFE] = "1"

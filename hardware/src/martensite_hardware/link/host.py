@@ -16,6 +16,8 @@ from martensite.base.errors import InputError, SolveError, suggest_name
 from martensite_hardware.link.frames import BoardClock, FrameReader, encode_frame
 from martensite_hardware.link.messages import ARM_WORD, VERSION, BoardAnswer, Message, Mode, pack_message
 
+LONGEST_WRITE = 0.5
+"""Time [s] after which a line that accepts no more bytes is given up."""
 TRIES, WAIT = 5, 0.2
 """How often a command is sent, and how long each time an answer is waited for [s]."""
 ARM = "ARM"
@@ -48,7 +50,7 @@ def open_port(address: str, baud: int = 500_000) -> Port:
     from serial.tools.list_ports import comports
 
     try:
-        return serial.serial_for_url(address, baudrate=baud, timeout=0.002)
+        return serial.serial_for_url(address, baudrate=baud, timeout=0.002, write_timeout=LONGEST_WRITE)
     except (serial.SerialException, ValueError, OSError) as error:
         known = [one.device for one in comports()]
         there = f"There are {', '.join(known)}." if known else "No serial port is there."
@@ -68,15 +70,26 @@ class BoardLink:
     _waiting: deque[Message] = field(default_factory=lambda: deque[Message]())
 
     def send(self, name: str, **values: Any) -> int:
-        """Send a message, and do not wait; its number."""
+        """Send a message without waiting for its answer, and return its number.
+
+        Raises:
+            SolveError: the line is lost, or accepts no more bytes.
+        """
         code, payload = pack_message(name, **values)
         number, self._sent = self._sent, (self._sent + 1) % 65536
-        self.port.write(encode_frame(code, number, payload))
+        try:
+            self.port.write(encode_frame(code, number, payload))
+        except OSError as error:
+            import serial
+
+            if isinstance(error, serial.SerialTimeoutException) and isinstance(self.port, serial.Serial):
+                self.port.reset_output_buffer()  # closing the port would wait for bytes that the board does not read
+            raise _describe_loss(error) from None
         return number
 
     def receive(self) -> Iterator[Message]:
-        """What has come since it was last asked, oldest first; what is not taken stays for the next time."""
-        self._waiting.extend(self.reader.feed(self.port.read(4096)))
+        """Yield the messages since the last call, oldest first; those that are not taken stay for the next call."""
+        self._waiting.extend(self._read())
         while self._waiting:
             yield self._waiting.popleft()
 
@@ -140,11 +153,17 @@ class BoardLink:
             raise InputError(f"There is no mode `{name}`. {suggest_name(name, known)}")
         self.command("mode", mode=int(known[name]))
 
+    def _read(self) -> list[Message]:
+        try:
+            return list(self.reader.feed(self.port.read(4096)))
+        except OSError as error:
+            raise _describe_loss(error) from None
+
     def _ask(self, name: str, fits: Callable[[Message, int], bool], **values: Any) -> Message:
         for _ in range(TRIES):
             number, until = self.send(name, **values), self.now() + WAIT
             while self.now() < until:
-                came = list(self.reader.feed(self.port.read(4096)))  # also what comes behind an answer
+                came = self._read()  # also what comes behind an answer
                 found = next((one for one in came if fits(one, number)), None)
                 self._waiting.extend(one for one in came if one is not found)
                 if found is not None:
@@ -153,6 +172,13 @@ class BoardLink:
             f"The board does not answer `{name}` ({TRIES} tries in {TRIES * WAIT:g} s): check the cable, the baud "
             "rate, and that the firmware runs."
         )
+
+
+def _describe_loss(error: OSError) -> SolveError:
+    return SolveError(
+        f"The line to the board failed ({error}): check the cable, that the board runs, and that no other program uses "
+        "the port."
+    )
 
 
 ANSWERS = {
