@@ -19,3 +19,8 @@ def test_a_refusal_is_a_sentence(bench: Bench) -> None:
     found = bench.call("run", {"text": TEXT, "changes": {"element.diametr": "0.2 mm"}})
     assert "Did you mean `diameter`" in found["error"]
     assert found["kind"] == "input"
+
+
+def test_a_refusal_names_no_folder_of_the_installation(bench: Bench) -> None:
+    found = bench.call("run", {"text": TEXT, "changes": {"element.material": "nosuch.toml"}})
+    assert "There is no material file `nosuch.toml`" in found["error"]

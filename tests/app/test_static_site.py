@@ -14,13 +14,14 @@ from command import Command
 from node_js import WEB, node
 from static_wire import MODULES, ROW, TABLE, TEXT, measure_wire, write_wire
 
+from martensite.base.errors import CompileError, DataError
 from martensite.simulate.compiled import compile_march
 from martensite_app.documents import build_packaged, list_standalone
 from martensite_app.static_site.flat_inputs import list_inputs
 from martensite_app.static_site.input_map import InputMap, measure_map, write_quantity
 from martensite_app.static_site.number_rows import list_rows, read_row
 from martensite_app.static_site.rounding import describe_rounding, measure_rounding
-from martensite_app.static_site.site_writer import FIRST, RUNS, name_module
+from martensite_app.static_site.site_writer import FIRST, RUNS, make_site_folder, name_module
 
 CLOSE = 1e-9
 STATIC = Command("app")
@@ -30,6 +31,21 @@ CHANGES = {"element.diameter": 1.2e-4, "drive.waveform.high": 0.55, "run.duratio
 def build(made: InputMap, changes: dict[str, float]) -> Any:
     nodes = {one.path: one.node for one in made.controls}
     return build_packaged(TEXT, {path: write_quantity(nodes[path], value) for path, value in changes.items()})
+
+
+def test_a_site_that_cannot_be_finished_leaves_nothing(tmp_path: Path) -> None:
+    """Neither folders that were made for it, nor anything in an empty folder that was there before."""
+    there = tmp_path / "there"
+    there.mkdir()
+    for folder in (tmp_path / "a" / "b" / "c", there):
+        with pytest.raises(CompileError), make_site_folder(folder):
+            (folder / RUNS / "half").write_text("")
+            raise CompileError("The compiler failed.")
+    assert [path.name for path in tmp_path.rglob("*")] == ["there"]
+    (tmp_path / "file").write_text("")
+    for folder in (tmp_path / "file" / "below", tmp_path / "file"):
+        with pytest.raises(DataError), make_site_folder(folder):
+            raise AssertionError
 
 
 def test_inputs_follow_from_controls_as_the_builder_has_them() -> None:

@@ -169,6 +169,8 @@ def test_files_of_one_name_and_broken_files_are_refused(folder: Path) -> None:
     done = python("-m", "martensite", "list", "law", *both)
     assert (done.returncode, done.stderr.count("\n")) == (2, 1)
     assert "other/twin.py` cannot be imported, since `twin` is the module" in done.stderr
+    done = python("-m", "martensite", "list", "law", "--import", "nowhere.py")
+    assert (done.returncode, done.stderr) == (2, "error: There is no file `nowhere.py`.\n")
     for text, words in (
         ("x = = 1\n", "invalid syntax (line 1)"),
         ("\nmissing\n", "NameError: name 'missing' is not defined (line 2 of "),

@@ -87,7 +87,11 @@ def test_functions_of_a_modelica_package() -> None:
         assert y[5] == found[15]
     assert y[3] < 0.5 and y[1] > 330.0
     assert "is there already" in Command("export", "modelica").refused(str(scenario), "--name", "wire")
-    assert "above 0 s" in Command("export", "modelica").refused(str(scenario), "--period", "0 s")
+    modelica = Command("export", "modelica")
+    for period in ("0 s", "1e-12 s", "2 h"):
+        assert "between 1 us and 1 h" in modelica.refused(str(scenario), "--period", period)
+    assert "try `m_model`" in modelica.refused(str(scenario), "--name", "model")  # a keyword of Modelica alone
+    assert "must be an identifier" in modelica.refused(str(scenario), "--name", "")
 
 
 def test_what_is_refused() -> None:
@@ -96,7 +100,7 @@ def test_what_is_refused() -> None:
     assert "thumb_proximal_flexor" in umat.refused(hand, "--port", "thumb_proximal_flexr")
     assert "one phase state" in umat.refused(str(EXAMPLES / "clamped_wire.toml"))
     assert "cannot begin compressed" in umat.refused(PULL, "--slack", "--preload", "-5 MPa")
-    assert "identifier of C" in umat.refused(PULL, "--name", "ni-ti")
+    assert "must be an identifier" in umat.refused(PULL, "--name", "ni-ti")
     assert "`--port` goes with" in Command("export", "c").refused(PULL, "--port", "element")
     assert "with `--ports`" in Command("export", "fmu").refused(PULL, "--port", "element")
     said = Command("export", "fmu").fine(PULL, "--ports", "--port", "element", "--sources-only", "--fmi", "3.0")

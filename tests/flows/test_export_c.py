@@ -43,7 +43,7 @@ from martensite.simulate.compiled import bind_system
 from martensite_export.c_core import build_c_core, build_c_loop
 from martensite_export.c_example import example_text, played_by_system
 from martensite_export.c_kernels import PRECISIONS, count_operations
-from martensite_export.c_names import make_identifier
+from martensite_export.c_names import choose_identifier
 
 pytestmark = pytest.mark.usefixtures("c_compiler")
 
@@ -421,7 +421,7 @@ def test_operations_are_those_counted_by_hand() -> None:
     ("arguments", "words"),
     [
         ({"name": "2wires"}, "`m_2wires` is one"),
-        ({"name": "float"}, "must be an identifier of C"),
+        ({"name": "float"}, "must be an identifier"),
         ({"precision": "float16"}, "Did you mean `float"),
     ],
 )
@@ -436,5 +436,5 @@ def test_a_loop_needs_a_controller() -> None:
 
 
 def test_identifiers() -> None:
-    assert make_identifier("wire (brinson) on bias-spring") == "wire_brinson_on_bias_spring"
-    assert [make_identifier(name) for name in ("", "for", "3d")] == ["m", "m_for", "m_3d"]
+    assert choose_identifier(None, "wire (brinson) on bias-spring") == "wire_brinson_on_bias_spring"
+    assert [choose_identifier(None, name) for name in ("", "for", "3d")] == ["m", "m_for", "m_3d"]

@@ -5,6 +5,8 @@ Source of truth: the whole run, to the last bit; and the closed balances of what
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +14,7 @@ import numpy as np
 import pytest
 from command import Command
 
-from martensite.base.errors import InputError
+from martensite.base.errors import DataError, InputError
 from martensite.kernels.compiler import find_compiler
 from martensite.scenario.netcdf import read_labelled, read_restarts
 from martensite.scenario.running import run
@@ -134,6 +136,43 @@ def test_states_of_another_system_and_of_other_times_are_refused() -> None:
         run(EXAMPLES / "finger.toml", duration="1 s", start=short)
     with pytest.raises(InputError, match=r"No state was kept at 0\.4 s; the nearest is that at 1 s"):
         run(EXAMPLES / "finger.toml", start=short, at=0.4)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("elements.0.memory.fraction", -0.5, "must be between 0 and 1, but is -0.5"),
+        ("elements.0.memory.temperature", -3.0, "must be between 0 and"),
+        ("elements.0.memory.stress", math.nan, "must be finite, but is nan"),
+        ("mechanism.elongation", math.inf, "must be finite, but is inf"),
+        ("", 0.0, "it has 7 numbers, but the system has 8"),
+    ],
+)
+def test_a_damaged_state_is_refused(name: str, value: float, said: str) -> None:
+    """Of any law and mechanism the names of phase fractions are the same (`simulate.restarts.RANGES`)."""
+    scenario = load(EXAMPLES / "constant_power.toml")
+    whole = run(scenario, samples=11)
+    (kept,) = whole.restarts
+    state = list(kept.passes[-1].state)
+    if name:
+        state[whole.state_names.index(name)] = value
+    else:
+        state.pop()
+    spoilt = replace(kept, passes=(*kept.passes[:-1], kept.passes[-1]._replace(state=tuple(state))))
+    with pytest.raises(InputError, match=said):
+        run(scenario, start=replace(whole, restarts=(spoilt,)), duration=20.0)
+
+
+def test_a_damaged_number_in_a_file_is_noticed(tmp_path: Path) -> None:
+    """One bit of the state is flipped where the file holds it."""
+    path = tmp_path / "out.nc"
+    whole = run(EXAMPLES / "constant_power.toml", samples=11)
+    whole.save(path)
+    raw = bytearray(path.read_bytes())
+    raw[raw.index(np.array(whole.restarts[-1].state).tobytes()) + 6] ^= 1
+    path.write_bytes(raw)
+    with pytest.raises(DataError, match=r"`out\.nc` is damaged: its numbers differ from their checksums"):
+        read_restarts(path)
 
 
 def test_a_file_with_initial_numbers_is_checked_and_other_commands_refuse_it(tmp_path: Path) -> None:

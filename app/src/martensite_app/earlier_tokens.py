@@ -20,6 +20,8 @@ from typing import Any, cast
 
 from martensite.base.caches import cache_folder, is_private_file, keep_private, make_private_folder
 
+FIRST_OPEN_PORT = 1024
+"""Ports below this one are for the administrator, who must name them each time."""
 LONGEST_KEPT = 30 * 86400.0
 """Seconds after its start for which a token is known again."""
 MOST_KEPT = 8
@@ -48,9 +50,9 @@ class TokenRecord:
         return frozenset(digest for digest, _ in self._read_starts(port))
 
     def find_port(self) -> int:
-        """The port that was used last; 0 if none is known."""
+        """Return the port that was used last; 0 if there is none, or only the administrator may use it."""
         port = self._read(_PORT_KEPT)
-        return port if isinstance(port, int) and 0 < port <= 65535 else 0
+        return port if isinstance(port, int) and FIRST_OPEN_PORT <= port <= 65535 else 0
 
     def add_start(self, port: int, token: str) -> None:
         """Remember a start."""

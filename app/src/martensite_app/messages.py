@@ -4,18 +4,24 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import sys
 from array import array
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, cast
 
 from martensite.base.errors import InputError, MartensiteError
 from martensite.scenario.exact_text import convert_to_plain
+from martensite.scenario.examples import EXAMPLES
 
+PACKAGE = Path(__file__).parents[1]
 Request = Mapping[str, Any]
 """What a call is asked, as it came from outside: read entry by entry with `require_entry`."""
 JsonTable = dict[str, Any]
 """A table that goes out as JSON, or a table of a document."""
+FOLDERS = sorted({str(path) for one in (EXAMPLES, PACKAGE) for path in (one, one.resolve())}, key=len, reverse=True)
+"""Folders of the installation, which are not the page's business."""
 MOST_BYTES = 8 * 2**20
 """The longest message that is read."""
 DEEPEST_NESTING = 64
@@ -175,7 +181,14 @@ def _shorten_value(value: Any) -> str:
 
 
 def describe_refusal(error: BaseException) -> JsonTable:
-    """What a worker says of an error: a sentence and its kind."""
+    """Describe an error as a sentence, without folders of the installation, and its kind."""
+    said = _describe_error(error)
+    for folder in FOLDERS:
+        said["refused"] = said["refused"].replace(f"{folder}{os.sep}", "")
+    return said
+
+
+def _describe_error(error: BaseException) -> JsonTable:
     if isinstance(error, MartensiteError):
         kind = "input" if isinstance(error, InputError) else "failed"
         return {"refused": str(error), "kind": kind}

@@ -39,7 +39,7 @@ from martensite.control.loop.realtime import LoopState, TracedLoop, list_reads, 
 from martensite.kernels.program import Function, Program
 from martensite.simulate.compiled import compile_system
 from martensite_export.c_kernels import count_operations, precision_of, used_parameters
-from martensite_export.c_names import CoreVariable, checked_identifier, list_parameters, list_variables, make_identifier
+from martensite_export.c_names import CoreVariable, choose_identifier, list_parameters, list_variables
 from martensite_export.c_source import source_text
 from martensite_export.c_text import count_elements, header_text
 
@@ -179,7 +179,7 @@ def core_of(
     given = list_parameters((leaves[i] for i in kept), (i in used for i in kept))
     sample = f"m->p[{kept.index(places[timed])}]" if timed else None
     return CCore(
-        name=checked_identifier(name or make_identifier(whole.description())),
+        name=choose_identifier(name, whole.description()),
         description=whole.description(),
         precision=precision_of(precision).name,
         program=program,

@@ -17,8 +17,16 @@ explicit export extern false float for friend goto if inline int long mutable na
 protected public register restrict return short signed sizeof static struct switch template this throw true
 try typedef typename union unsigned using virtual void volatile while
 """
+_MODELICA_WORDS = """
+algorithm and annotation assert block connect connector constant constrainedby der discrete each elseif elsewhen
+encapsulated end enumeration equation expandable extends external final flow function impure in initial inner input
+loop model not or outer output package parameter partial pure record redeclare replaceable stream then time type when
+within Boolean Integer Real String
+"""
 KEYWORDS = frozenset(_WORDS.split())
 """Of C and C++."""
+MODELICA = KEYWORDS | frozenset(_MODELICA_WORDS.split())
+"""Of Modelica, whose package carries functions in C, too."""
 
 
 @dataclass(frozen=True)
@@ -45,21 +53,32 @@ class CoreVariable:
     """Whether anything follows from it: numbers that only decide the size of a program do not."""
 
 
-def make_identifier(text: str) -> str:
-    """A name that C and C++ take: of letters, digits and single underscores, never a keyword."""
-    plain = re.sub(r"[^0-9A-Za-z]+", "_", text).strip("_")
-    if not plain or plain[0].isdigit() or plain in KEYWORDS:
-        plain = f"m_{plain}".rstrip("_")
-    return plain
+def choose_identifier(name: str | None, text: str, reserved: frozenset[str] = KEYWORDS) -> str:
+    """Return a name that a user gave, or for None an identifier made of a text.
 
+    Args:
+        name: the name that was given, which must be an identifier.
+        text: what an identifier is made of: letters, digits and single underscores.
+        reserved: keywords, which are no identifiers.
 
-def checked_identifier(name: str) -> str:
-    """The name itself, or `ParameterError` if C does not take it."""
-    if not re.fullmatch(r"[A-Za-z][0-9A-Za-z_]*", name) or name in KEYWORDS:
+    Raises:
+        ParameterError: the name is no identifier, or a keyword.
+    """
+    if name is None:
+        return _make_identifier(text, reserved)
+    if not re.fullmatch(r"[A-Za-z][0-9A-Za-z_]*", name) or name in reserved:
         raise ParameterError(
-            f"The name of a C core must be an identifier of C, but is `{name}`; `{make_identifier(name)}` is one."
+            "The name of an exported model must be an identifier (a letter, then letters, digits and underscores), "
+            f"not a keyword, but is `{name}`; try `{_make_identifier(name, reserved)}`."
         )
     return name
+
+
+def _make_identifier(text: str, reserved: frozenset[str]) -> str:
+    plain = re.sub(r"[^0-9A-Za-z]+", "_", text).strip("_")
+    if not plain or plain[0].isdigit() or plain in reserved:
+        plain = f"m_{plain}".rstrip("_")
+    return plain
 
 
 def make_identifiers(letter: str, names: Iterable[str]) -> list[str]:

@@ -14,7 +14,16 @@ from typer.core import TyperCommand
 from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.base.formats import write_quantity
 from martensite.base.summary import DataTable, Sentence, Summary
-from martensite.cli.options import Force, Json, ScenarioSource, Text, Texts, read_quantity, spread_options
+from martensite.cli.options import (
+    Force,
+    Json,
+    ScenarioSource,
+    Text,
+    Texts,
+    read_positive,
+    read_quantity,
+    spread_options,
+)
 from martensite.cli.outputs import Outputs
 from martensite_export.cli_ports import Port, modelica, opensees, umat, write_core_alone
 
@@ -58,13 +67,13 @@ def c(
     """
     from martensite.base.files import make_folder, replace_together, write_file
     from martensite.show.terminal import print_summary
-    from martensite_export.c_names import checked_identifier, make_identifier
+    from martensite_export.c_names import choose_identifier
 
     if part not in (known := (*PARTS, *ALONE)):
         raise ParameterError(f"There is no part `{part}`. {suggest_name(part, known)}")
     if port is not None and part not in ALONE:
         raise InputError(f"Option `--port` goes with `--part element` or `--part material`, not with `{part}`.")
-    name = checked_identifier(name or make_identifier(source.file.stem))
+    name = choose_identifier(name, source.file.stem)
     ends = (".h", ".c") if part in ALONE else (".h", ".c", "_example.c")
     files = _check_files(out, [f"{name}{end}" for end in ends], force)
     core, example, tried = _make_core(source.load(), name, part, precision, port)
@@ -275,12 +284,12 @@ def wasm(
     """
     from martensite.base.files import make_folder, replace_together, write_file
     from martensite.show.terminal import print_summary
-    from martensite_export.c_names import checked_identifier, make_identifier
+    from martensite_export.c_names import choose_identifier
     from martensite_export.wasm.module import find_wasm_compiler
 
     if part not in PARTS[:2]:
         raise ParameterError(f"There is no part `{part}`. {suggest_name(part, PARTS[:2])}")
-    name = checked_identifier(name or make_identifier(source.file.stem))
+    name = choose_identifier(name, source.file.stem)
     out = out or Path(f"{source.file.stem}_wasm")
     names = (f"{name}.wasm", f"{name}.js", f"{name}.d.ts", "README.md")
     files = _check_files(out, names, force)
@@ -375,7 +384,7 @@ def mujoco(
     loaded = source.load()
     out = out or Path(f"{source.file.stem}{'_snippet' if snippet else ''}.xml")
     Outputs(out, None).check(force, data=(".xml",))
-    dt = read_quantity("timestep", timestep, "s")
+    dt = read_positive("timestep", timestep, "s")
     texts = {out: to_mjcf_snippet(loaded.system) if snippet else to_mjcf(loaded.system, timestep=dt)}
     if driver:
         driver = out.with_name(f"{source.file.stem}_driver.py") if driver == HERE else driver

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from martensite_export.c_core import CCore
     from martensite_export.ports.kernel import PortKernel
 
+SHORTEST_PERIOD, LONGEST_PERIOD = 1e-6, 3600.0
+"""Of the samples of a Modelica model [s]."""
 Port = Annotated[Text, Option("--port", help="Where the element stands, if the scenario has several.")]
 
 
@@ -42,11 +44,11 @@ class MaterialOptions:
         Raises:
             InputError: it would begin compressed though it goes slack.
         """
-        from martensite_export.c_names import checked_identifier, make_identifier
+        from martensite_export.c_names import choose_identifier
         from martensite_export.ports.kernel import compile_port
         from martensite_export.ports.material import build_material_port
 
-        called = checked_identifier(self.name or make_identifier(source.file.stem))
+        called = choose_identifier(self.name, source.file.stem)
         stress = read_quantity("preload", self.preload, "Pa") or 0.0
         if self.slack and stress < 0.0:
             raise InputError("What goes slack under compression cannot begin compressed: leave out `--slack`.")
@@ -103,15 +105,15 @@ def modelica(
     Written by the specification of the language; it has not been run in a Modelica tool.
     """
     from martensite.base.files import make_folder
-    from martensite_export.c_names import checked_identifier, make_identifier
+    from martensite_export.c_names import MODELICA, choose_identifier
     from martensite_export.ports.element import build_element_port
     from martensite_export.ports.kernel import compile_port
     from martensite_export.ports.modelica import write_modelica
 
-    called = checked_identifier(name or make_identifier(source.file.stem))
+    called = choose_identifier(name, source.file.stem, MODELICA)
     length = read_quantity("period", period, "s")
-    if length is None or length <= 0.0:
-        raise InputError(f"Option `--period` must be above 0 s, but is {period}.")
+    if not SHORTEST_PERIOD <= length <= LONGEST_PERIOD:
+        raise InputError(f"Option `--period` must be between 1 us and 1 h, but is {period}.")
     kernel = compile_port(build_element_port(source.load().system, port=port))
     folder = out or Path(called)
     texts = write_modelica(kernel, called, length)

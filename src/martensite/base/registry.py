@@ -150,6 +150,8 @@ def import_modules(names: Sequence[str]) -> None:
         is_file = path.suffix == ".py"
         folder, module = (path.parent, path.stem) if is_file else (Path(), name)
         if is_file:
+            if not path.is_file():
+                raise InputError(f"There is no file `{name}`.")
             _require_free(path)
         sys.path.insert(0, str(folder.resolve()))
         try:
@@ -168,7 +170,7 @@ def _require_free(path: Path) -> None:
     if known is None:
         return
     place = getattr(known, "__file__", None)
-    if place is None or not path.exists() or not Path(place).samefile(path):
+    if place is None or not Path(place).samefile(path):
         raise InputError(
             f"`{path}` cannot be imported, since `{path.stem}` is the module "
             f"{place or 'of that name'} already; rename the file."

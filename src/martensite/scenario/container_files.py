@@ -31,6 +31,7 @@ EXTRAS = {
 KINDS = (*BINARY, *EXTRAS)
 MOST_ROWS = 1_048_576
 """Rows of a sheet."""
+MOST_COLUMNS = 200
 MOST_MESSAGES = 2_000_000
 _TITLES = {".mat": "MATLAB file", ".parquet": "Parquet file", ".nc": "netCDF file", ".tdms": "TDMS file"}
 
@@ -65,16 +66,18 @@ def read_workbook(path: Path) -> Columns:
     book = cast(Any, load_workbook(path, read_only=True, data_only=True))
     best, title, most = list[list[Any]](), "", 0
     for sheet in book.worksheets:
-        rows = [list(row) for row in sheet.iter_rows(values_only=True, max_row=MOST_ROWS, max_col=200)]
+        every = sheet.iter_rows(values_only=True, max_row=MOST_ROWS, max_col=MOST_COLUMNS)
+        rows = [[] if row.count(None) == len(row) else list(row) for row in every]  # a far cell has a million before it
+        while rows and not rows[-1]:
+            rows.pop()
         count = sum(isinstance(cell, int | float) for row in rows for cell in row)
         if count > most:
             best, title, most = rows, str(sheet.title), count
     if not most:
         raise DataError(f"`{path.name}` holds no numbers in any of its sheets.")
-    width = max(len(row) for row in best)
     used = max(k for row in best for k, cell in enumerate(row) if cell is not None) + 1
-    texts = [[_write_cell(cell) for cell in row] + [""] * (width - len(row)) for row in best]
-    return {"sheet": np.array([title])} | {str(k): np.array([row[k] for row in texts]) for k in range(min(width, used))}
+    texts = [[_write_cell(cell) for cell in row[:used]] + [""] * (used - len(row)) for row in best]
+    return {"sheet": np.array([title])} | {str(k): np.array([row[k] for row in texts]) for k in range(used)}
 
 
 def _write_cell(cell: Any) -> str:

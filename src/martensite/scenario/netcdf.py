@@ -190,8 +190,10 @@ def save_result(
             for dim, size in zip(variable.dims, variable.values.shape, strict=True):
                 if dim not in file.dimensions:
                     file.dimensions[dim] = size
-            kind = h5netcdf.core.h5py.string_dtype() if variable.values.dtype == object else None
-            written = file.create_variable(name, variable.dims, data=variable.values, dtype=kind)
+            text = variable.values.dtype == object
+            kind = h5netcdf.core.h5py.string_dtype() if text else None
+            checked = {} if text or not variable.dims else {"fletcher32": True}  # a damaged number is noticed
+            written = file.create_variable(name, variable.dims, data=variable.values, dtype=kind, **checked)
             written.attrs.update(variable.attrs)
     write_file(path, whole.getbuffer())
 
@@ -226,7 +228,10 @@ def read_variables(path: Path) -> dict[str, Any]:
         return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
 
     with h5netcdf.File(path, "r", decode_vlen_strings=True) as file:
-        arrays = {name: np.asarray(one[...]) for name, one in file.variables.items()}
+        try:
+            arrays = {name: np.asarray(one[...]) for name, one in file.variables.items()}
+        except OSError:
+            raise DataError(f"`{path.name}` is damaged: its numbers differ from their checksums.") from None
         about = {
             name: (one.dimensions, {key: plain(value) for key, value in one.attrs.items()})
             for name, one in file.variables.items()

@@ -105,9 +105,9 @@ def go_on_from(scenario: Scenario, what: Result | str | Path, at: units.Numeric 
 
     Raises:
         DataError: the file holds no result.
-        InputError: nothing was kept then, or it was another system.
+        InputError: no state was kept then, it is no state, or it was another system.
     """
-    from martensite.simulate.restarts import find_restart, require_names
+    from martensite.simulate.restarts import find_restart, require_names, require_sound
     from martensite.simulate.result import Result
 
     if isinstance(what, Result):
@@ -118,6 +118,7 @@ def go_on_from(scenario: Scenario, what: Result | str | Path, at: units.Numeric 
         known, names = read_restarts(read_labelled(what))
     found = find_restart(known, None if at is None else units.convert_number(at, "s"))
     require_names(scenario.whole, names)
+    require_sound(names, found)
     return replace(scenario, start=found)
 
 

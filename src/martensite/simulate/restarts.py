@@ -7,6 +7,7 @@ repeats, pass by pass, the legs that follow in the run that kept it, in all bits
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -19,6 +20,14 @@ from martensite.kernels import floats
 from martensite.kernels.nested import name_numbers
 from martensite.simulate.marching import Marched, MarchPlan, Row
 
+RANGES = {
+    **dict.fromkeys(("fraction", "martensite", "plus", "minus"), (0.0, 1.0)),
+    "oriented": (-1.0, 1.0),
+    "temperature": (0.0, 1e5),
+}
+"""Last part of the name of a number of a state -> its range: phase fractions, and temperatures [K]."""
+HAIR = 1e-6
+"""Beyond these ranges, by rounding."""
 SAME = 1e-12
 """Share of a duration by which two times are the same."""
 
@@ -130,6 +139,27 @@ def require_names(system: AbstractSystem, names: Sequence[str]) -> None:
             "That run was of another system: its state and that of this one differ"
             f"{f' from `{other}` on' if other else ''}. Go on with the same elements, laws and mechanism."
         )
+
+
+def require_sound(names: Sequence[str], restart: Restart) -> None:
+    """Raise `InputError` if a restart, whose state has numbers of these names, is damaged.
+
+    A state must have all its numbers, all finite, with temperatures above 0 K and phase fractions within their ranges.
+    """
+    for one in restart.passes:
+        if len(one.state) != len(names):
+            raise _describe_damage(restart, f"it has {len(one.state)} numbers, but the system has {len(names)}")
+        for name, value in zip(names, one.state, strict=True):
+            low, high = RANGES.get(name.rpartition(".")[2], (-math.inf, math.inf))
+            if not (math.isfinite(value) and low - HAIR <= value <= high + HAIR):
+                span = f"between {low:g} and {high:g}" if math.isfinite(low) else "finite"
+                raise _describe_damage(restart, f"`{name}` must be {span}, but is {value:g}")
+
+
+def _describe_damage(restart: Restart, reason: str) -> InputError:
+    return InputError(
+        f"The state at {restart.time:.6g} s is damaged: {reason}. Make the run that kept it again, and go on from that."
+    )
 
 
 @dataclass

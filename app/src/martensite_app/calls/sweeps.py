@@ -160,7 +160,7 @@ def read_points(request: Request, desk: Desk) -> JsonTable:
     drawn = SweepDrawing(Store(path))
     drawn.store.require_sound()
     asked = SweepRequest.of_spec(drawn.spec)
-    step = f"{asked.step!r} s" if asked.step else ""
+    step = f"{asked.step!r} s" if asked.step is not None else ""
     return {
         **_count_ended(drawn.store),
         **summarise_store(key, path),

@@ -10,7 +10,7 @@ from martensite.base.errors import InputError
 from martensite.scenario.scenario import load
 from martensite.show.terminal import print_json
 from martensite_app.documents import check_files
-from martensite_app.static_site.site_writer import can_offer, list_offered, measure_folder, prepare_folder, write_site
+from martensite_app.static_site.site_writer import can_offer, check_folder, list_offered, measure_folder, write_site
 
 
 def write_page(folder: Path, scenario: Path | None, json: bool) -> None:
@@ -20,7 +20,7 @@ def write_page(folder: Path, scenario: Path | None, json: bool) -> None:
         InputError: the page cannot run that scenario, or there is no compiler of WebAssembly.
         DataError: the folder holds something else, or the scenario names files.
     """
-    prepare_folder(folder)
+    check_folder(folder)
     texts = list_offered() if scenario is None else {scenario.stem: load(scenario).text}
     for name, text in texts.items():
         check_files(text, {})

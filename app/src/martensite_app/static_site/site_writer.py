@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from gzip import compress
 from importlib.metadata import version
@@ -56,12 +57,16 @@ def write_site(folder: Path, texts: Mapping[str, str], tell: Tell = lambda words
     """Write the page with scenarios, texts by name; the first is shown first.
 
     Raises:
-        DataError: the folder is there and holds something else.
+        DataError: the folder holds something else, or cannot be written; nothing is left of it.
         InputError: there is no compiler of WebAssembly.
         CompileError: the compiler failed.
     """
     find_wasm_compiler()
-    prepare_folder(folder)
+    with make_site_folder(folder):
+        return _fill_folder(folder, texts, tell)
+
+
+def _fill_folder(folder: Path, texts: Mapping[str, str], tell: Tell) -> JsonTable:
     listed = list[JsonTable]()
     with safe_children(), ProcessPoolExecutor(max(1, min(len(texts), os.cpu_count() or 1))) as pool:
         jobs = {name: pool.submit(describe_scenario_files, name, text) for name, text in texts.items()}
@@ -103,11 +108,39 @@ def name_module(source: RunSource) -> str:
     return f"{source.digest}.wasm"
 
 
-def prepare_folder(folder: Path) -> None:
-    """Make the folder; `DataError` if it holds something else than such a page."""
-    if folder.exists() and (not folder.is_dir() or (any(folder.iterdir()) and not (folder / RUNS).is_dir())):
+def check_folder(folder: Path) -> None:
+    """Raise `DataError` if a folder holds something else than such a page, or cannot be read."""
+    try:
+        other = folder.exists() and (not folder.is_dir() or (any(folder.iterdir()) and not (folder / RUNS).is_dir()))
+    except OSError as error:
+        raise _describe_failure(folder, error) from None
+    if other:
         raise DataError(f"`{folder}` holds something else than a static bench; name a new or empty folder.")
-    (folder / RUNS).mkdir(parents=True, exist_ok=True)
+
+
+@contextmanager
+def make_site_folder(folder: Path) -> Generator[None]:
+    """Make the folder of a page; if the page cannot be finished, remove the folders that were made for it.
+
+    Raises:
+        DataError: the folder holds something else, or cannot be written.
+    """
+    check_folder(folder)
+    runs = folder / RUNS
+    made = [one for one in (runs, *runs.parents) if not one.exists()]
+    try:
+        runs.mkdir(parents=True, exist_ok=True)
+        yield
+    except BaseException as error:
+        for one in made[-1:]:
+            shutil.rmtree(one, ignore_errors=True)
+        if isinstance(error, OSError):
+            raise _describe_failure(folder, error) from None
+        raise
+
+
+def _describe_failure(folder: Path, error: OSError) -> DataError:
+    return DataError(f"The folder `{folder}` cannot be written: {error.strerror}; name another one.")
 
 
 def write_manifest(folder: Path, scenarios: Sequence[JsonTable]) -> JsonTable:

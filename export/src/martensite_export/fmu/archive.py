@@ -20,7 +20,7 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, suggest_name
 from martensite.base.files import write_file
 from martensite.scenario.scenario import Scenario
-from martensite_export.c_names import checked_identifier, make_identifier
+from martensite_export.c_names import choose_identifier
 from martensite_export.fmu.binaries import TARGETS, build_library, checked_targets
 from martensite_export.fmu.description import build_description, write_description
 from martensite_export.fmu.plan import FmuPlan, plan_of, plan_port
@@ -100,7 +100,7 @@ def to_fmu(
     if fmi not in VERSIONS:
         raise InputError(f"No version of FMI named `{fmi}`. {suggest_name(fmi, VERSIONS)}")
     targets = checked_targets(platforms)
-    called = checked_identifier(make_identifier(path.stem) if name is None else name)
+    called = choose_identifier(name, path.stem)
     if port is not None and not ports:
         raise InputError("Argument `port` chooses the element of an FMU with ports; give `ports` too.")
     plan = plan_port(model, called, step, port) if ports else plan_of(model, called, step)

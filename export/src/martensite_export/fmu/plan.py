@@ -110,8 +110,10 @@ def _choose_step(system: AbstractSystem, scenario: Scenario | None, step: float 
         raise ParameterError(f"This model goes on in samples of {period:g} s; it has no step to choose.")
     if step is not None and not 0.0 < step < math.inf:
         raise ParameterError(f"Argument `step` must be above 0, but is {step}.")
-    if period or step is not None:
-        return float(step or period)
+    if step is not None:
+        return step
+    if period:
+        return float(period)
     if scenario is None:
         return longest_step(system)
     if scenario.step is not None:

@@ -10,7 +10,7 @@ from typer import Option
 
 from martensite.base.errors import InputError
 from martensite.base.summary import Block, DataTable, Sentence, Summary
-from martensite.cli.options import Force, Json, Text, read_positive, read_quantity, spread_options
+from martensite.cli.options import Force, Json, Text, read_positive, spread_options
 from martensite.cli.outputs import Outputs
 from martensite.cli.progress import open_bar
 from martensite_hardware.commands.options import (
@@ -73,7 +73,8 @@ def run(
     levels = read_levels(duty) if duty is not None else []
     with open_session(source) as session:
         scenario = session.scenario
-        seconds = read_quantity("duration", duration, "s") or (sum(t for t, _ in levels) or scenario.duration)
+        whole = sum(t for t, _ in levels) if levels else scenario.duration
+        seconds = whole if duration is None else read_positive("duration", duration, "s")
         if arm is None:
             with show_log("listening") as watch:
                 found = session.listen(0.5, watch)
@@ -107,7 +108,7 @@ def hil(
     outputs = Outputs(out, None).check(force, data=(".csv",))
     if arm is None:
         raise InputError("Hardware in the loop arms the board, with its switches open: say `--arm ARM`.")
-    seconds = read_quantity("duration", duration, "s")
+    seconds = read_positive("duration", duration, "s")
     with open_session(source) as session, open_bar("plant here, loop there", 1.0) as move:
         watch: Callable[[float], None] | None = move and (lambda share: move(completed=share))
         found = run_hil(session.scenario, session.link, session.firmware, word=arm, duration=seconds, watch=watch)
