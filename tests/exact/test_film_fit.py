@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,11 +23,12 @@ from martensite.characterise.film_coefficient import (
     FORMS,
     FilmPoints,
     fit_film,
+    fit_film_points,
     points_from_power,
     powers_from_voltage,
 )
 from martensite.characterise.film_report import judge_film
-from martensite.characterise.regression import LinearFit, fit_powers, fit_residuals
+from martensite.characterise.regression import LinearFit, fit_noisy_abscissae, fit_powers, fit_residuals
 
 MIGAONE = FilmPoints((47.65, 57.5, 72.0, 87.0), (47.83, 53.07, 57.28, 64.55), 38.5)
 VOLTS = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3)
@@ -134,27 +136,59 @@ def test_wrong_intervals_would_be_noticed() -> None:
 
 
 def test_migaone_numbers() -> None:
-    fits = judge_film(MIGAONE).fits
+    """Least squares of h, as the paper has them."""
     expected = {
         "h1=0": ((41.888, 0.0, 0.0030103), 0.98417, 0.976),
         "quadratic": ((30.729, 0.34525, 4.701e-4), 0.98896, 0.967),
         "linear": ((28.692, 0.40871), 0.98879, 0.983),
     }
     for form, (coefficients, r_squared, adjusted) in expected.items():
-        assert fits[form].coefficients == pytest.approx(coefficients, rel=3e-5)
-        assert fits[form].r_squared == pytest.approx(r_squared, abs=6e-6)
-        assert fits[form].adjusted == pytest.approx(adjusted, abs=6e-4)
-    assert fits["constant"].coefficients == pytest.approx((sum(MIGAONE.h) / 4,))
-    assert fits["constant"].r_squared == pytest.approx(0.0, abs=1e-12)
+        fit = fit_film(*points_of(MIGAONE), FORMS[form])
+        assert fit.coefficients == pytest.approx(coefficients, rel=3e-5)
+        assert fit.r_squared == pytest.approx(r_squared, abs=6e-6)
+        assert fit.adjusted == pytest.approx(adjusted, abs=6e-4)
+    constant = fit_film(*points_of(MIGAONE), (0,))
+    assert constant.coefficients == pytest.approx((sum(MIGAONE.h) / 4,))
+    assert constant.r_squared == pytest.approx(0.0, abs=1e-12)
+
+
+def fit_temperatures(points: FilmPoints, terms: tuple[int, ...], start: list[float]) -> Any:
+    """scipy makes the squares of temperatures least, each found by bisection from its flux; the ambient may be free."""
+
+    def residuals(numbers: np.ndarray) -> list[float]:
+        ambient = numbers[-1] if len(numbers) > len(terms) else points.ambient
+        found = []
+        for at, flux in zip(points.temperatures_degC, points.fluxes, strict=True):
+
+            def excess(t: float, flux: float = flux) -> float:
+                return sum(c * t**k for k, c in zip(terms, numbers, strict=False)) * (t - ambient) - flux
+
+            found.append(at - optimize.brentq(excess, ambient, 400.0, xtol=1e-13))
+        return found
+
+    return optimize.least_squares(residuals, start, x_scale=np.abs(start), xtol=1e-14, ftol=1e-14, gtol=1e-14)
+
+
+@pytest.mark.parametrize("form", ["constant", "linear", "h1=0"])
+def test_a_fit_of_temperatures_is_that_of_scipy(form: str) -> None:
+    for points in (MIGAONE, kossoski()):
+        start = fit_film(*points_of(points), FORMS[form])
+        fit = fit_film_points(points, FORMS[form])
+        found = fit_temperatures(points, FORMS[form], [start.coefficients[k] for k in FORMS[form]])
+        assert [fit.coefficients[k] for k in FORMS[form]] == pytest.approx(found.x, rel=1e-5)
+        assert fit.linear.squares == pytest.approx(2.0 * found.cost, rel=1e-7)
+        spread = np.linalg.inv(found.jac.T @ found.jac) * 2.0 * found.cost / fit.linear.freedom
+        assert [fit.error(k) for k in FORMS[form]] == pytest.approx(np.sqrt(np.diag(spread)), rel=1e-3)
+        constant = fit_film_points(points, FORMS["constant"])
+        assert fit.r_squared == pytest.approx(1.0 - fit.linear.squares / constant.linear.squares)
 
 
 def test_migaone_identifies_neither_curvature_nor_slope_nor_ambient() -> None:
     report = judge_film(MIGAONE)
     assert [verdict.supported for verdict in report.verdicts] == [False] * 3
-    assert "adjusted R² falls from 0.983 to 0.967" in report["curvature"].sentence
     assert "includes 0" in report["curvature"].sentence
     assert "rests on the ambient temperature" in report["slope"].sentence
-    assert "41.4 degC (+2.9 K)" in report["slope"].sentence
+    assert "but zero for an ambient of" in report["slope"].sentence
     assert "do not determine the ambient" in report["ambient"].sentence
     assert report.ambient is not None
     at_41 = report.ambient.shifts[-1]
@@ -187,27 +221,22 @@ def test_sensitivity_to_the_ambient_against_differences() -> None:
         above, below = points.at_ambient(ambient + step), points.at_ambient(ambient - step)
         expected = [(a - b) / (2 * step) for a, b in zip(above.h, below.h, strict=True)]
         assert film_ambient.film_per_kelvin(points) == pytest.approx(expected, rel=1e-6)
-        slopes = [fit_film(*points_of(p), (0, 1)).coefficients[1] for p in (above, below)]
+        slopes = [fit_film_points(p, (0, 1)).coefficients[1] for p in (above, below)]
         found = film_ambient.slope_per_kelvin(points)
-        assert found == pytest.approx((slopes[0] - slopes[1]) / (2 * step), rel=1e-6)
+        assert found == pytest.approx((slopes[0] - slopes[1]) / (2 * step), rel=1e-4)
         level = points.at_ambient(film_ambient.find_level_ambient(points))
-        assert fit_film(*points_of(level), (0, 1)).coefficients[1] == pytest.approx(0.0, abs=1e-8)
+        assert fit_film_points(level, (0, 1)).coefficients[1] == pytest.approx(0.0, abs=1e-6)
         assert level.at_ambient(ambient).h == pytest.approx(points.h)
 
 
 def test_free_ambient_is_the_nonlinear_fit_of_h_and_ambient() -> None:
-    """scipy fits q = (h0 + h1 θ)(θ - a) with three parameters; both minima must agree."""
-    at, fluxes = np.asarray(MIGAONE.temperatures_degC), np.asarray(MIGAONE.fluxes)
-
-    def residuals(p: np.ndarray) -> np.ndarray:
-        return (p[0] + p[1] * at) * (at - p[2]) - fluxes
-
-    found = optimize.least_squares(residuals, [30.0, 0.4, 38.0], x_scale=[30.0, 0.4, 1.0], xtol=1e-14)
+    """scipy fits θ of q = (h0 + h1 θ)(θ - a) with three parameters; both minima must agree."""
+    found = fit_temperatures(MIGAONE, (0, 1), [30.0, 0.4, 38.0])
     fit = fit_free_ambient(MIGAONE, 1)
     assert fit is not None
     assert fit.ambient == pytest.approx(found.x[2], abs=1e-4)
-    assert fit.leading == pytest.approx(found.x[1], rel=1e-4)
-    assert fit.flux.squares == pytest.approx(2.0 * found.cost, rel=1e-8)
+    assert fit.leading == pytest.approx(found.x[1], rel=1e-3)
+    assert fit.flux.squares == pytest.approx(2.0 * found.cost, rel=1e-6)
 
 
 def test_of_two_parts_of_the_ambient_interval_the_one_about_the_best_is_taken() -> None:
@@ -222,7 +251,7 @@ def test_of_two_parts_of_the_ambient_interval_the_one_about_the_best_is_taken() 
 
 @pytest.mark.parametrize("degree", [0, 1])
 def test_ends_of_the_ambient_interval_have_the_right_f(degree: int) -> None:
-    """At an end, holding the ambient there costs exactly t² s²: Fieller's region."""
+    """At an end, holding the ambient there costs t² s², to the accuracy of a linear fit: Fieller's region."""
     at = np.linspace(40.0, 100.0, 12)
     noise = np.random.default_rng(5).normal(0.0, 4.0, 12)
     h = 30.0 + (0.5 * at if degree else 0.0 * at) + noise / (at - 25.0)
@@ -231,12 +260,9 @@ def test_ends_of_the_ambient_interval_have_the_right_f(degree: int) -> None:
     assert fit is not None and fit.bounded()
     t = stats.t.ppf(0.975, fit.flux.freedom)
     for end in fit.ambient_interval():
-        fluxes = np.asarray(points.fluxes)
-        columns = np.stack([(at - end) * at**k for k in range(degree + 1)], axis=1)
-        best, *_ = np.linalg.lstsq(columns, fluxes, rcond=None)
-        left = float(np.sum((fluxes - columns @ best) ** 2))
-        cost = (left - fit.flux.squares) / fit.flux.deviation**2
-        assert cost == pytest.approx(t * t, rel=1e-5)
+        held = fit_noisy_abscissae(points.temperatures_degC, points.fluxes, range(degree + 1), end)
+        cost = (held.squares - fit.flux.squares) / fit.flux.deviation**2
+        assert cost == pytest.approx(t * t, rel=0.02)
     low, high = fit.ambient_interval()
     assert low < fit.ambient < high
     if degree:
@@ -254,7 +280,7 @@ def test_the_ambient_is_unbounded_where_the_slope_may_be_zero() -> None:
 
 def test_correlation_and_condition_by_finite_differences() -> None:
     at = np.asarray(MIGAONE.temperatures_degC)
-    line = fit_film(*points_of(MIGAONE), (0, 1))
+    line = fit_film_points(MIGAONE, (0, 1))
 
     def flux(level: float, slope: float, ambient: float) -> np.ndarray:
         return (level + slope * (at - at.mean())) * (at - ambient)

@@ -420,7 +420,7 @@ def test_operations_are_those_counted_by_hand() -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ({"name": "2wires"}, "`m_2wires` is one"),
+        ({"name": "2wires"}, "try `m_2wires`"),
         ({"name": "float"}, "must be an identifier"),
         ({"precision": "float16"}, "Did you mean `float"),
     ],

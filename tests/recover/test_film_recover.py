@@ -15,10 +15,10 @@ from scipy import stats
 
 from martensite.base.confidence import Interval, interval_contains
 from martensite.characterise.film_ambient import fit_free_ambient
-from martensite.characterise.film_coefficient import FORMS, FilmPoints, fit_film
+from martensite.characterise.film_coefficient import FORMS, FilmPoints, fit_film, fit_film_points
 from martensite.characterise.film_report import judge_film
 
-REPETITIONS = 200
+REPETITIONS, MANY = 200, 400
 AT = np.linspace(45.0, 95.0, 7)
 AMBIENT, H0, H1, H2 = 25.0, 30.0, 0.3, 1e-3
 ALLOWED = stats.binom.interval(0.9999, REPETITIONS, 0.95)
@@ -34,11 +34,29 @@ def film(seed: int, noise: float = 0.8, h2: float = H2) -> np.ndarray:
     return H0 + H1 * AT + h2 * AT**2 + np.random.default_rng(seed).normal(0.0, noise, AT.size)
 
 
-def heated(seed: int, noise: float) -> FilmPoints:
-    """Points whose fluxes have noise of equal size [W/m²]; h is a straight line."""
-    flux = (H0 + H1 * AT) * (AT - AMBIENT)
-    flux = flux + np.random.default_rng(seed).normal(0.0, noise, AT.size)
-    return FilmPoints(tuple(AT), tuple(flux / (AT - AMBIENT)), AMBIENT)
+def heated(seed: int, noise: float, rises: np.ndarray = AT - AMBIENT) -> FilmPoints:
+    """Points whose temperatures have noise of equal size [K]; h is a straight line."""
+    flux = (H0 + H1 * (rises + AMBIENT)) * rises
+    at = AMBIENT + rises + np.random.default_rng(seed).normal(0.0, noise, rises.size)
+    return FilmPoints(tuple(at), tuple(flux / (at - AMBIENT)), AMBIENT)
+
+
+@pytest.mark.parametrize("count", [4, 6, 12])
+@pytest.mark.parametrize("noise", [0.2, 1.0, 3.0])
+def test_intervals_hold_the_truth_where_temperatures_have_noise(count: int, noise: float) -> None:
+    """Rises of 20 to 80 K, over which the noise in h changes by a factor of 2 to 3."""
+    rises = np.linspace(20.0, 80.0, count)
+    fits = [fit_film_points(heated(seed, noise, rises), FORMS["linear"]) for seed in range(MANY)]
+    low, high = stats.binom.interval(0.9999, MANY, 0.95)
+    for term, truth in ((0, H0), (1, H1)):
+        assert low <= sum(interval_contains(fit.interval(term), truth) for fit in fits) <= high
+
+
+def test_least_squares_of_h_alone_are_too_sure() -> None:
+    """What the fit of temperatures is for: twelve points of 3 K noise."""
+    points = [heated(seed, 3.0, np.linspace(20.0, 80.0, 12)) for seed in range(MANY)]
+    fits = [fit_film(one.temperatures_degC, one.h, FORMS["linear"]) for one in points]
+    assert sum(interval_contains(fit.interval(0), H0) for fit in fits) < stats.binom.ppf(0.0001, MANY, 0.95)
 
 
 @pytest.mark.parametrize(("term", "truth"), [(0, H0), (1, H1), (2, H2)])
@@ -57,7 +75,7 @@ def test_bands_hold_the_truth() -> None:
     assert ALLOWED[0] <= held <= ALLOWED[1]
 
 
-@pytest.mark.parametrize("noise", [2.0, 40.0])
+@pytest.mark.parametrize("noise", [0.05, 1.0])
 def test_intervals_with_the_ambient_free_hold_the_truth(noise: float) -> None:
     """Also where the noise is so strong that the interval of the ambient is cut off."""
 

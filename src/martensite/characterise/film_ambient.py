@@ -12,8 +12,7 @@ a at which the fitted q could be zero (Fieller's argument),
     c(a)² ≤ t² vᵀ C v,    v = (1, a, a², …),    C the covariance of c,
 
 whose ends are roots of a polynomial; of several parts the one about the best a is taken. It is
-unbounded where the interval of h_n includes zero. Residuals are of equal size in q: a temperature
-read wrong by δ shifts q by h δ.
+unbounded where the interval of h_n includes zero. Temperatures have noise of one size, fluxes have none.
 
 What a film coefficient owes to the ambient temperature that it was computed with.
 
@@ -27,14 +26,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from martensite.base.confidence import LEVEL, Interval, student_quantile
-from martensite.characterise.film_coefficient import ABSOLUTE_ZERO, FORMS, FilmFit, FilmPoints, fit_film
-from martensite.characterise.regression import LinearFit, fit_powers
+from martensite.characterise.film_coefficient import ABSOLUTE_ZERO, FORMS, FilmFit, FilmPoints, fit_film_points
+from martensite.characterise.regression import LinearFit, fit_noisy_abscissae
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ def fit_free_ambient(points: FilmPoints, degree: int) -> FreeAmbient | None:
     if len(set(points.temperatures_degC)) < degree + 2:
         return None
     powers = tuple(range(degree + 2))
-    flux = fit_powers(points.temperatures_degC, points.fluxes, powers)
+    flux = fit_noisy_abscissae(points.temperatures_degC, points.fluxes, powers)
     return FreeAmbient(degree, flux, min(points.temperatures_degC))
 
 
@@ -126,6 +126,8 @@ def _real_roots(roots: Any) -> list[float]:
     return [float(r.real) for r in roots if abs(r.imag) <= 1e-9 * max(abs(r), 1.0)]
 
 
+NEAR = 1e-3
+"""Shift of the ambient [K] of a derivative."""
 SHIFTS = (-2.5, -1.0, 0.0, 1.0, 2.5)
 """Ambient temperatures tried, less the given one [K]."""
 
@@ -155,7 +157,7 @@ def shift_ambients(points: FilmPoints, shifts: tuple[float, ...] = SHIFTS) -> li
     coldest = min(points.temperatures_degC)
     ambients = [points.ambient + shift for shift in shifts]
     moved = [points.at_ambient(a) for a in ambients if ABSOLUTE_ZERO <= a < coldest]
-    return [AtAmbient(p, fit_film(p.temperatures_degC, p.h, FORMS["linear"])) for p in moved]
+    return [AtAmbient(p, fit_film_points(p, FORMS["linear"])) for p in moved]
 
 
 def film_per_kelvin(points: FilmPoints) -> tuple[float, ...]:
@@ -166,8 +168,13 @@ def film_per_kelvin(points: FilmPoints) -> tuple[float, ...]:
 
 def slope_per_kelvin(points: FilmPoints) -> float:
     """Derivative of the slope of h(T) with respect to the ambient [W/(m² K³)]."""
-    line = fit_powers(points.temperatures_degC, film_per_kelvin(points), FORMS["linear"])
-    return line.values[1]
+    low, high = (_fit_slope(points, points.ambient + shift) for shift in (-NEAR, NEAR))
+    return (high - low) / (2.0 * NEAR)
+
+
+def _fit_slope(points: FilmPoints, ambient: float) -> float:
+    """Slope of the straight line through h at another ambient [°C]."""
+    return fit_noisy_abscissae(points.temperatures_degC, points.fluxes, FORMS["linear"], ambient).values[1]
 
 
 def find_level_ambient(points: FilmPoints) -> float:
@@ -176,10 +183,7 @@ def find_level_ambient(points: FilmPoints) -> float:
 
     coldest = min(points.temperatures_degC)
 
-    def slope(ambient: float) -> float:
-        moved = points.at_ambient(ambient)
-        return fit_powers(moved.temperatures_degC, moved.h, FORMS["linear"]).values[1]
-
+    slope = partial(_fit_slope, points)
     low, high = ABSOLUTE_ZERO, coldest - 1e-6
     if slope(low) <= 0.0 or slope(high) >= 0.0:
         return math.nan
@@ -199,7 +203,7 @@ class Confounding:
 def find_confounding(points: FilmPoints) -> Confounding:
     """Sensitivities of the flux to level and slope of h and to the ambient, at the line fitted."""
     at = np.asarray(points.temperatures_degC)
-    line = fit_film(points.temperatures_degC, points.h, FORMS["linear"])
+    line = fit_film_points(points, FORMS["linear"])
     over = at - points.ambient
     film = np.asarray([line.film(float(t)) for t in at])
     columns = np.stack([over, (at - at.mean()) * over, -film], axis=1)

@@ -8,7 +8,11 @@ with the power P in the wire, its lateral surface S and the ambient temperature 
 measured is the flux P/S and T; h follows from them and from T_a, which is why the points keep
 their ambient temperature and can be moved to another one.
 
-Film coefficient against temperature: linear least squares of h = Σ h_k θ^k.
+Film coefficient against temperature: least squares of h = Σ h_k θ^k.
+
+The power is known well; the temperature has noise, of one size e at all points. That noise enters h
+by -h e/(T - T_a), most at low power. With a known ambient temperature the fit therefore makes the squares
+of the temperatures least, at the measured fluxes (`fit_film_points`). `fit_film` makes the squares of h least.
 
 θ is the temperature in °C, the form of the cooling model `polynomial` with its default
 reference, and k runs over the `terms` asked for; a coefficient that is not asked for is
@@ -32,7 +36,7 @@ from typing import Any
 from martensite.base.confidence import LEVEL, Interval
 from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.estimate import check_columns
-from martensite.characterise.regression import LinearFit, fit_powers
+from martensite.characterise.regression import LinearFit, fit_noisy_abscissae, fit_powers
 
 ABSOLUTE_ZERO = -273.15
 """[°C]"""
@@ -164,7 +168,7 @@ class FilmFit:
 
     @property
     def deviation(self) -> float:
-        """Standard deviation of the residuals [W/(m² K)]."""
+        """Standard deviation of the residuals: of temperatures [K] where the ambient is known, else of h [W/(m² K)]."""
         return self.linear.deviation
 
     @property
@@ -227,10 +231,37 @@ def film_r_squared(temperatures_degC: Sequence[float], h: Sequence[float], coeff
     mean = sum(h) / len(h)
     scatter = sum((value - mean) ** 2 for value in h)
     if scatter == 0.0:
-        raise DataError(f"All {len(h)} film coefficients are {h[0]:.6g}: R² is not defined.")
+        raise _describe_no_scatter(h)
     points = zip(temperatures_degC, h, strict=True)
     left = sum((value - film_value(coefficients, at)) ** 2 for at, value in points)
     return 1.0 - left / scatter
+
+
+def _describe_no_scatter(h: Sequence[float]) -> DataError:
+    return DataError(f"All {len(h)} film coefficients are {h[0]:.6g}: R² is not defined.")
+
+
+def fit_film_points(points: FilmPoints, terms: Sequence[int] = (0, 1, 2)) -> FilmFit:
+    """Fit a polynomial to film coefficients of which the temperatures have noise of one size.
+
+    R² is the share of the squares about a constant h that the form explains. Without an ambient temperature the
+    powers are not known, and the fit is that of `fit_film`.
+
+    Args:
+        points: steady states.
+        terms: powers of the temperature that are fitted; the others are zero.
+
+    Raises:
+        ParameterError: the terms are not distinct whole numbers from 0 on.
+        DataError: the points are too few, or do not determine the terms.
+    """
+    if points.ambient_degC is None:
+        return fit_film(points.temperatures_degC, points.h, terms)
+    at, fluxes, ambient = points.temperatures_degC, points.fluxes, points.ambient
+    linear, constant = (fit_noisy_abscissae(at, fluxes, one, ambient) for one in (terms, (0,)))
+    if constant.squares == 0.0:
+        raise _describe_no_scatter(points.h)
+    return _score_fit(linear, 1.0 - linear.squares / constant.squares)
 
 
 def fit_film(temperatures_degC: Sequence[float], h: Sequence[float], terms: Sequence[int] = (0, 1, 2)) -> FilmFit:
@@ -247,9 +278,15 @@ def fit_film(temperatures_degC: Sequence[float], h: Sequence[float], terms: Sequ
     """
     check_film_points(temperatures_degC, h)
     linear = fit_powers(temperatures_degC, h, terms)
+    return _score_fit(linear, film_r_squared(temperatures_degC, h, _spread_terms(linear)))
+
+
+def _spread_terms(linear: LinearFit) -> tuple[float, ...]:
     by_power = dict(zip(linear.terms, linear.values, strict=True))
-    coefficients = tuple(by_power.get(k, 0.0) for k in range(max(terms) + 1))
-    r_squared = film_r_squared(temperatures_degC, h, coefficients)
-    n, p = len(h), len(terms)
+    return tuple(by_power.get(k, 0.0) for k in range(max(linear.terms) + 1))
+
+
+def _score_fit(linear: LinearFit, r_squared: float) -> FilmFit:
+    n, p = linear.points, len(linear.terms)
     adjusted = 1.0 - (1.0 - r_squared) * (n - 1) / (n - p) if n > p else math.nan
-    return FilmFit(coefficients, r_squared, adjusted, linear)
+    return FilmFit(_spread_terms(linear), r_squared, adjusted, linear)

@@ -33,7 +33,7 @@ from martensite.characterise.film_ambient import (
     shift_ambients,
     slope_per_kelvin,
 )
-from martensite.characterise.film_coefficient import ABSOLUTE_ZERO, FORMS, FilmFit, FilmPoints, fit_film
+from martensite.characterise.film_coefficient import ABSOLUTE_ZERO, FORMS, FilmFit, FilmPoints, fit_film_points
 
 UNITS = ("W/m²/K", "W/m²/K²", "W/m²/K³")
 """Units of h₀, h₁, h₂."""
@@ -241,7 +241,7 @@ def judge_film(points: FilmPoints, level: float = LEVEL) -> FilmReport:
     """
     different = len(set(points.temperatures_degC))
     forms = {form: terms for form, terms in FORMS.items() if len(terms) <= max(different, 2)}
-    fits = {f: fit_film(points.temperatures_degC, points.h, terms) for f, terms in forms.items()}
+    fits = {form: fit_film_points(points, terms) for form, terms in forms.items()}
     report = None if points.ambient_degC is None else _report_ambient(points)
     free = {} if report is None else report.free
     bend = judge_curvature(points, fits, free, level)

@@ -8,6 +8,9 @@ for n points and p terms. Intervals are c_k ± t(level, n - p) times the standar
 no point to spare (n = p) the scatter is unknown: standard errors are NaN and intervals
 unbounded.
 
+Where the ordinates are exact and the abscissae have noise, as the temperatures of a wire under a known power, the
+squares of the abscissae are least (`fit_noisy_abscissae`); the same formulas hold with s in the unit of x.
+
 Nonlinear least squares of a handful of numbers, with the standard errors of each.
 
 The trust-region method of SciPy (`scipy.optimize.least_squares`) with central differences. With
@@ -23,7 +26,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -126,6 +130,70 @@ def fit_powers(x: Sequence[float], y: Sequence[float], terms: Sequence[int]) -> 
     return LinearFit(tuple(terms), _as_floats(values / units), tuple(map(_as_floats, spread)), squares, len(x))
 
 
+def fit_noisy_abscissae(
+    x: Sequence[float], y: Sequence[float], terms: Sequence[int], origin: float | None = None
+) -> LinearFit:
+    """Fit y = (x - origin) Σ c_k x^k to points whose x have noise of one size and whose y are exact.
+
+    The squares Σ (x_i - ξ_i)² are least, where ξ_i is the abscissa at which the fitted curve has the ordinate y_i. Each
+    turn linearises the curve about the last ξ: a linear fit with the weights (dx/dy)². If the turns do not settle, as
+    where the curve falls at a point, the first turn counts.
+
+    Args:
+        x: abscissae with noise.
+        y: exact ordinates.
+        terms: powers of x that are fitted.
+        origin: where the curve is zero; None: the curve is the polynomial alone.
+
+    Returns:
+        The coefficients, with their covariance; `squares` has the unit of x².
+
+    Raises:
+        ParameterError: the terms are not distinct whole numbers from 0 on.
+        DataError: the points are not finite, or do not determine the terms.
+    """
+    fit_powers(x, y, terms)  # checks points and terms
+    given, ordinates, scale = np.asarray(x, np.float64), np.asarray(y, np.float64), max(map(abs, x)) or 1.0
+    weigh = partial(_weigh_slopes, given / scale, ordinates, terms, None if origin is None else origin / scale)
+    first = last = weigh(given / scale, None)
+    for _ in range(TURNS):
+        before, last = last, weigh(last.fitted, last.values)
+        if np.abs(last.fitted - before.fitted).max() <= SETTLED * np.ptp(given) / scale:
+            break
+    else:
+        last = first
+    units = np.asarray([scale ** (k + (origin is not None)) for k in terms])
+    squares = float(np.sum((given / scale - last.fitted) ** 2))
+    freedom = len(x) - len(terms)
+    spread = last.spread / np.outer(units, units) * (squares / freedom if freedom else math.nan)
+    return LinearFit(
+        tuple(terms), _as_floats(last.values / units), tuple(map(_as_floats, spread)), scale**2 * squares, len(x)
+    )
+
+
+class _Turn(NamedTuple):
+    fitted: Any
+    values: Any
+    spread: Any
+    """(XᵀX)⁻¹, with rows of unit noise in x."""
+
+
+def _weigh_slopes(x: Any, y: Any, terms: Sequence[int], origin: float | None, fitted: Any, values: Any) -> _Turn:
+    """One turn of `fit_noisy_abscissae` about the abscissae of the last; without values, of a fit without weights."""
+    powers = np.stack([fitted**k for k in terms], axis=1)
+    slopes = np.stack([k * fitted ** max(k - 1, 0) for k in terms], axis=1)
+    arm = 1.0 if origin is None else (fitted - origin)[:, None]
+    columns, rises = powers * arm, slopes * arm + (0.0 if origin is None else powers)
+    if values is None:
+        values = np.linalg.lstsq(columns, y, rcond=None)[0]
+    rise = rises @ values
+    rise = np.maximum(rise, FLATTEST * np.abs(rise).max())
+    weighted = columns / rise[:, None]
+    found = np.linalg.lstsq(weighted, (y - rise * (x - fitted)) / rise, rcond=None)[0]
+    spread = np.linalg.pinv(weighted.T @ weighted)
+    return _Turn(fitted + (y - columns @ found) / rise, found, spread)
+
+
 def _as_floats(numbers: Any) -> tuple[float, ...]:
     return tuple(map(float, numbers))
 
@@ -135,6 +203,10 @@ def _check_terms(terms: Sequence[int]) -> None:
         raise ParameterError(f"Argument `terms` must be distinct powers from 0 on, but is {tuple(terms)}.")
 
 
+TURNS, SETTLED = 20, 1e-10
+"""Turns of `fit_noisy_abscissae`, and the change, as a share of the range of x, at which they end."""
+FLATTEST = 0.05
+"""Least slope of the curve at a point, as a share of its greatest, that weighs the point."""
 TOLERANCE = 1e-14
 """Relative change of the squares, the numbers and the gradient at which the search ends."""
 MOST = 200
