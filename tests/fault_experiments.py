@@ -2,7 +2,8 @@
 
     python tests/fault_experiments.py scenarios 17 18    these trials, with all words
     python tests/fault_experiments.py large TRIALS.jsonl [NAME ...]    the large run, or parts of it
-    python tests/fault_experiments.py page TRIALS.jsonl  the page of what came out
+
+`laboratory.faults` writes the page of what came out.
 
 Source of truth: the same work undisturbed, to the last bit, or a sentence.
 """
@@ -29,6 +30,7 @@ from typing import Any
 
 import numpy as np
 from command import Command
+from fault_surroundings import run_in_hostile_folder, run_with_foreign_cache
 from fault_trials import (
     HOSTILE,
     PATIENCE,
@@ -871,6 +873,26 @@ def judge_page(page: str, said: str, shown: bool) -> Verdict:
     return (Outcome.LOSS, f"{said!r} is not shown") if lost else (Outcome.ANSWERED, said)
 
 
+def write_inputs() -> None:
+    """The scenario and the logs of commands in hostile surroundings."""
+    Path("wire.toml").write_text(QUICK, encoding="utf-8")
+    for name in ("log.mat", "log.nc"):
+        raw, _ = save_log(name)
+        Path(name).write_bytes(raw)
+
+
+def try_hostile_folder(seed: int) -> Verdict:
+    """A command in a folder with modules such as numpy.py: none of them runs."""
+    with fresh_folder() as folder:
+        return run_in_hostile_folder(seed, folder, write_inputs)
+
+
+def try_foreign_cache(seed: int) -> Verdict:
+    """A cache of compiled programs that another user owns or may write: none of the programs runs."""
+    with fresh_folder():
+        return run_with_foreign_cache(seed, write_inputs)
+
+
 EXPERIMENTS: dict[str, Callable[[int], Verdict]] = {
     "scenarios": try_scenario,
     "commands": try_command,
@@ -891,8 +913,18 @@ EXPERIMENTS: dict[str, Callable[[int], Verdict]] = {
     "FMUs": try_fmu,
     "titles": try_title,
     "Markdown titles": try_markdown_title,
+    "hostile folders": try_hostile_folder,
+    "foreign caches": try_foreign_cache,
 }
-CAPS = {"scenarios": 40.0, "commands": 60.0, "models": 40.0, "materials": 40.0, "clusters": 60.0, "stores": 20.0}
+CAPS = {
+    "scenarios": 40.0,
+    "commands": 60.0,
+    "models": 40.0,
+    "materials": 40.0,
+    "clusters": 60.0,
+    "stores": 20.0,
+    "foreign caches": 40.0,
+}
 """CPU time [s] of a trial; 10 s for others."""
 LARGE = {
     "scenarios": 10_000,
@@ -914,6 +946,8 @@ LARGE = {
     "FMUs": 34,
     "titles": 400,
     "Markdown titles": 100,
+    "hostile folders": 40,
+    "foreign caches": 16,
 }
 """Trials of the large run."""
 
@@ -923,65 +957,12 @@ def list_wanted(name: str, count: int, first: int = 0) -> list[tuple[str, int]]:
     return [(name, seed) for seed in range(first, first + count)]
 
 
-PAGE = ROOT / "docs/explanation/fault-laboratory.md"
-INTRODUCTION = """# The laboratory of faults
-
-What becomes of an input that is wrong, of a file that is damaged, and of work that is killed half-way.
-Every trial is an experiment with a seed: something sound is broken at random, and what comes is put in
-one of these classes. *Answered*: complete, every number finite, and where an undisturbed answer exists
-equal to it to the last bit. *Refused*: one sentence, exit code 2. *Failed*: a run was begun and ended with
-a status and a sentence. *Left out*: sound, but more than 100 000 steps long. What must not come is a
-traceback (or a process that dies), a hang, a number that is none, or a silent loss.
-
-```sh
-python tests/fault_experiments.py scenarios 17               # a trial, with all its words
-python tests/fault_experiments.py large trials.jsonl         # all of them: hours
-python tests/fault_experiments.py page trials.jsonl          # this page
-```
-
-Trials that found something were made again once it was mended. A few hundred trials run in `make test`,
-all in `make test-all`; there too are the web bench under ten minutes of hostile requests beside half-open
-connections (`tests/app/test_hostile_load.py`), 10⁷ steps in bounded memory, and experiments that are wrong on
-purpose, of which every class must be noticed
-(`tests/faults/test_fault_laboratory.py`). Disks are of the laboratory's own and need root; exported code is
-compiled by gcc with the sanitizers of addresses and of undefined behaviour.
-"""
-HEAD = ("experiment", "what is broken", "trials", *Outcome)
-
-
-def write_page(trials: Sequence[Trial], path: Path = PAGE) -> None:
-    """The page of a large run."""
-    counts = count_trials(trials)
-    lines = [f"| {' | '.join(HEAD)} |", f"| --- | --- |{' ---: |' * (len(HEAD) - 2)}"]
-    for name in (name for name in EXPERIMENTS if name in counts):
-        told = (EXPERIMENTS[name].__doc__ or "").splitlines()[0].rstrip(".")
-        cells = [counts[name].get(outcome, 0) for outcome in Outcome]
-        lines.append(f"| {name} | {told} | {sum(cells)} | {' | '.join(map(str, cells))} |")
-    whole = [sum(row.get(outcome, 0) for row in counts.values()) for outcome in Outcome]
-    lines.append(f"| **all** | | {sum(whole)} | {' | '.join(map(str, whole))} |")
-    found = [trial for trial in trials if not trial.fine]
-    open_ones = "\n".join(f"- `{one.experiment} {one.seed}`: {one.outcome}" for one in pick_examples(found))
-    words = f"## Found open\n\nOne trial of every kind that is not as it must be:\n\n{open_ones}\n" if found else ""
-    day = time.strftime("%-d %B %Y")
-    path.write_text(
-        f"{INTRODUCTION}\nRun of {day}:\n\n" + "\n".join([*lines, "", words]).rstrip() + "\n", encoding="utf-8"
-    )
-
-
-def pick_examples(found: Sequence[Trial]) -> list[Trial]:
-    """The first trial of every experiment and outcome."""
-    return list({(one.experiment, one.outcome): one for one in reversed(found)}.values())[::-1]
-
-
 def main(command: str, *words: str) -> None:
     if command == "work":
         out = os.fdopen(os.dup(1), "w")
         os.dup2(2, 1)
         return work_off(EXPERIMENTS, CAPS, out)
     found: list[Trial] = []
-    if command == "page":
-        lines = Path(words[0]).read_text(encoding="utf-8").splitlines()
-        return write_page([Trial(**{**one, "outcome": Outcome(one["outcome"])}) for one in map(json.loads, lines)])
     if command == "large":
         for name in words[1:] or LARGE:
             found += run_trials(list_wanted(name, LARGE[name]), cap=300.0)

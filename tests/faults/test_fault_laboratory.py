@@ -33,6 +33,8 @@ SMALL = {
     "read-only folders": 1,
     "exported C": 1,
     "titles": 6,
+    "hostile folders": 1,
+    "foreign caches": 2,
 }
 """Trials of each experiment in the small run; the seeds are the first ones."""
 CHUNK = 500

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
 from multiprocessing import Pool
 from pathlib import Path
@@ -117,11 +117,11 @@ The table is written by `python -m laboratory.table`, in `tests` of a checkout.
 """
 
 
-def main() -> None:
-    """Run cases and write the page."""
+def main(words: Sequence[str] | None = None) -> None:
+    """Run cases and write the page; `words` are those of the command line."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--cases", type=int, default=1400)
-    count = parser.parse_args().cases
+    count = parser.parse_args(words).cases
     with Pool(2) as pool:
         outcomes = sorted(pool.imap_unordered(_try, range(count)), key=lambda one: one.seed)
     PAGE.write_text(page(outcomes), encoding="utf-8")
