@@ -52,8 +52,10 @@ def test_a_trial_moves_from_open_to_closed_and_back() -> None:
         Trial("logs", 2, Outcome.HANG, ""),
         Trial("logs", 3, Outcome.HANG, ""),
     ]
-    record = build_record(trials, [("logs", 1), ("logs", 3)], "abc")
-    assert record.open == [["logs", 2, "hang"]]
+    again = [Trial("logs", 2, Outcome.ANSWERED, ""), Trial("logs", 3, Outcome.HANG, "")]
+    record = build_record(trials, again, [("logs", 1), ("logs", 3)], "abc")
+    assert record.open == [["logs", 3, "hang"]]
+    assert record.unsteady == [["logs", 2, "hang"]]
     assert record.closed == [["logs", 1]]
     assert record.counts == {"logs": {"answered": 1, "hang": 2}}
     assert "commit `abc`" in record.page()

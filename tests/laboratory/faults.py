@@ -43,8 +43,8 @@ cd tests && python -m laboratory faults --share 0.02  # the same with 2 % of the
 ```
 
 The test `tests/faults/test_fault_record.py` runs the open and the closed trials of this page again: an open trial must
-still fail, and a closed trial must pass. Disks are mounted for the trial, which needs root. Exported code is compiled by
-gcc with the sanitizers of addresses and of undefined behaviour.
+still fail, and a closed trial must pass. Disks are mounted for the trial, which needs root. Exported code is compiled
+by gcc with the sanitizers of addresses and of undefined behaviour.
 """
 
 
@@ -57,7 +57,9 @@ class FaultRecord:
     counts: dict[str, dict[str, int]]
     """Trials by experiment and outcome."""
     open: Named
-    """One trial of every experiment and kind of fault."""
+    """One trial of every experiment and kind of fault, which failed twice."""
+    unsteady: Named
+    """Trials that failed once, and passed when they were repeated at once."""
     closed: Named
     """Trials that were open in an earlier run and are no more."""
 
@@ -82,9 +84,11 @@ class FaultRecord:
         lines.append(f"| **all** | | {sum(whole)} | {' | '.join(map(str, whole))} |")
         begin = f"Run of {self.day} at commit `{self.commit}`:"
         found = [f"- `{name} {seed}`: {outcome}" for name, seed, outcome in self.open] or ["No trial is open."]
+        once = [f"- `{name} {seed}`: {outcome}" for name, seed, outcome in self.unsteady] or ["No trial is unsteady."]
         closed = [f"- `{name} {seed}`" for name, seed in self.closed] or ["No trial was open in an earlier run."]
-        parts = ["## Open", *found, "", "## Closed", "", "Open in an earlier run, and closed since:", "", *closed]
-        parts.insert(1, "")
+        parts = ["## Open", "", "Failed, and failed again when repeated:", "", *found, ""]
+        parts += ["## Unsteady", "", "Failed, and passed when repeated; the machine may have been busy:", "", *once, ""]
+        parts += ["## Closed", "", "Open in an earlier run, and closed since:", "", *closed]
         return "\n".join([INTRODUCTION, begin, "", *lines, "", *parts, ""])
 
 
@@ -96,17 +100,23 @@ def write(share: float) -> None:
     wanted = [one for name in names for one in list_wanted(name, max(2, math.ceil(share * LARGE[name])))]
     begun = find_commit()
     found = run_trials(dict.fromkeys([*wanted, *known]), cap=300.0)
-    build_record(found, known, begun).write()
+    again = run_trials([(one.experiment, one.seed) for one in found if not one.fine], cap=300.0)
+    build_record(found, again, known, begun).write()
 
 
-def build_record(found: Sequence[Trial], known: Sequence[tuple[str, int]], commit: str) -> FaultRecord:
-    """The record of trials, among which are those that an earlier record knows."""
-    odd = {(one.experiment, one.outcome): one for one in reversed(found) if one.outcome not in FINE}
-    is_open: Named = [[one.experiment, one.seed, str(one.outcome)] for one in reversed(odd.values())]
+def build_record(
+    found: Sequence[Trial], again: Sequence[Trial], known: Sequence[tuple[str, int]], commit: str
+) -> FaultRecord:
+    """The record of trials, of those that were repeated, and of those that an earlier record knows."""
+    passed = {(one.experiment, one.seed) for one in again if one.fine}
+    odd = [one for one in found if one.outcome not in FINE]
+    steady = {(one.experiment, one.outcome): one for one in odd[::-1] if (one.experiment, one.seed) not in passed}
+    is_open: Named = [[one.experiment, one.seed, str(one.outcome)] for one in reversed(steady.values())]
+    once: Named = [[one.experiment, one.seed, str(one.outcome)] for one in odd if (one.experiment, one.seed) in passed]
     fine = {(one.experiment, one.seed) for one in found if one.fine}
     closed: Named = [[name, seed] for name, seed in known if (name, seed) in fine]
     counts = {name: {str(key): n for key, n in row.items()} for name, row in count_trials(found).items()}
-    return FaultRecord(commit, time.strftime("%-d %B %Y"), counts, is_open, closed)
+    return FaultRecord(commit, time.strftime("%-d %B %Y"), counts, is_open, once, closed)
 
 
 def find_commit() -> str:
