@@ -100,7 +100,7 @@ def run_with_foreign_cache(seed: int, write_inputs: Callable[[], None]) -> Verdi
 
 def read_numbers(name: str) -> dict[str, bytes]:
     """Numbers of a saved result, by name."""
-    from martensite.scenario.netcdf import open_result
+    from martensite.scenario.netcdf import read_labelled
 
-    variables = open_result(name).variables
+    variables = read_labelled(name).variables
     return {key: one.values.tobytes() for key, one in variables.items() if one.values.dtype.kind == "f"}

@@ -172,7 +172,7 @@ def test_a_damaged_number_in_a_file_is_noticed(tmp_path: Path) -> None:
     raw[raw.index(np.array(whole.restarts[-1].state).tobytes()) + 6] ^= 1
     path.write_bytes(raw)
     with pytest.raises(DataError, match=r"`out\.nc` is damaged: its numbers differ from their checksums"):
-        read_restarts(path)
+        read_labelled(path)
 
 
 def test_a_file_with_initial_numbers_is_checked_and_other_commands_refuse_it(tmp_path: Path) -> None:
