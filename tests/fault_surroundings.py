@@ -24,7 +24,7 @@ READING = (
     "data show log.mat",
     "data show log.nc",
     "identify log.mat --input duty --output position --stage oe(1,1,1) --starts 1",
-    "sweep wire.toml --over diameter=0.1..0.2mm:2 --out out.zarr --runtime floats --backend processes --workers 1",
+    "sweep wire.toml --over diameter=0.1..0.2mm:2 --out out.zarr --runtime floats --backend processes --workers 2",
     "run wire.toml --no-figure --out out.nc",
 )
 """Commands of which all but the last start further processes of Python."""
@@ -34,8 +34,8 @@ __attribute__((constructor)) static void speak(void) {{ FILE *f = fopen("{trace}
 
 
 def run_safely(command: str, **environment: str) -> tuple[int, str, str]:
-    """A command as the console script starts it: without the current folder on the path."""
-    words = [sys.executable, "-P", "-c", "from martensite.cli import main; main()", *command.split()]
+    """A command by its console script; `python -P` would hand its caution on to all processes that it starts."""
+    words = [str(Path(sys.executable).with_name("martensite")), *command.split()]
     done = subprocess.run(words, capture_output=True, text=True, check=False, env=os.environ | environment, timeout=240)
     return done.returncode, done.stdout, done.stderr
 
