@@ -71,11 +71,9 @@ def rows_inside(system: AbstractSystem, rows: Iterable[Row]) -> Iterator[Row]:
 def cut_outside(system: AbstractSystem, track: Track) -> Track:
     """Return the rows of a track of one run before the first one that is outside."""
     envelope = Envelope(system)
-    low, high = (np.array(limits) for limits in envelope.limits)
-    seen = track.values[:, envelope.places]
-    inside = np.logical_and(low <= seen, seen <= high).all(axis=1).tolist()
-    count = inside.index(False, 1) if False in inside[1:] else len(inside)
-    return track.cut(np.arange(len(inside)) < count)
+    rows: list[list[float]] = track.values[:, envelope.places].tolist()
+    gone = (k for k, row in enumerate(rows) if k and envelope.limits.find_exit(row) is not None)
+    return track.cut(np.arange(len(rows)) < next(gone, len(rows)))
 
 
 def describe_exit(system: AbstractSystem, time: float, place: int, value: float) -> str:
