@@ -15,7 +15,7 @@ import pytest
 from fences import ROOT
 
 import martensite as ms
-from martensite.base.kept import decode, encode
+from martensite.base.object_text import decode, encode
 from martensite.scenario.netcdf import KEPT_RESULT
 
 KINDS = {

@@ -19,7 +19,7 @@ import numpy as np
 
 from martensite.base.errors import DataError
 from martensite.base.files import write_file
-from martensite.base.kept import encode
+from martensite.base.object_text import encode
 from martensite.fit.problem import Evaluation, Problem
 
 TOGETHER = 32

@@ -25,8 +25,8 @@ import numpy as np
 from martensite.actuators.assembly import OUTPUTS, PROFILES
 from martensite.base.errors import DataError, UnknownNameError
 from martensite.base.files import write_file
-from martensite.base.kept import encode
 from martensite.base.lazy import import_extra
+from martensite.base.object_text import encode
 from martensite.physics.materials.base import Material
 from martensite.scenario.binary_files import read_apart
 from martensite.simulate.restarts import PassState, Restart
@@ -45,7 +45,7 @@ KEPT, WORST = ("lowest", "highest", "gap of"), ("ripple", "residual")
 """What is known of what is judged at a restart, and of the march."""
 LABELS = "labels of all variables"
 KEPT_RESULT = "martensite_result"
-"""Attribute with everything else that a `Result` holds, as `martensite.base.kept` writes it."""
+"""Attribute with everything else that a `Result` holds, as `martensite.base.object_text` writes it."""
 IN_VARIABLES = ("times", "columns", "profiles", "restarts")
 """Fields of a `Result` that are variables of the file."""
 NOT_KEPT = ("trace",)

@@ -11,8 +11,8 @@ from typing import Any
 from martensite.actuators.assembly import PROFILES
 from martensite.base.errors import DataError
 from martensite.base.files import replace_file
-from martensite.base.kept import decode
 from martensite.base.lazy import import_extra
+from martensite.base.object_text import decode
 from martensite.scenario.csv_files import format_heading, list_columns, write_csv
 from martensite.scenario.netcdf import (
     KEPT_RESULT,

@@ -26,7 +26,7 @@ from martensite.search.free_numbers import FreeNumber
 from martensite.signals.base import AbstractWaveform
 from martensite_control.tuning.gain_search import GainCosts, TuningSearch, build_free_gains, search_gains
 from martensite_control.tuning.goals import Cost, Course, Numbers, TuningGoal
-from martensite_control.tuning.judgement import MEASURES, JudgedLoop, Judgement, judge_loops
+from martensite_control.tuning.judgement import MEASURES, JudgedLoop, TuningJudgement, judge_loops
 from martensite_control.tuning.loop_runs import LoopRuns, Seen
 from martensite_control.tuning.measures import Measures, measure_loop
 from martensite_control.tuning.plant_spread import Plants
@@ -59,7 +59,7 @@ class TunedBench:
     """Runs with derivatives."""
     ends: tuple[float, ...]
     """Costs at which searches ended, best first."""
-    judgement: Judgement
+    judgement: TuningJudgement
     """Errors before and after on the plants that it is judged on."""
     notes: list[str] = field(default_factory=list[str])
     """Sentences on bounds that were hit."""

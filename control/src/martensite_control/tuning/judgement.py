@@ -36,7 +36,7 @@ class JudgedLoop(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Judgement:
+class TuningJudgement:
     """Errors of a loop on plants, before and after a tuning."""
 
     measure: str
@@ -98,7 +98,9 @@ class Judgement:
             raise InputError(f"{self.word}: {self.describe()}; not saved. Pass `force=True` to save it.")
 
 
-def judge_loops(before: JudgedLoop, after: JudgedLoop, plants: Plants | None = None, measure: str = "rms") -> Judgement:
+def judge_loops(
+    before: JudgedLoop, after: JudgedLoop, plants: Plants | None = None, measure: str = "rms"
+) -> TuningJudgement:
     """Run a loop before and after a tuning on the same plants, and compare the errors.
 
     Args:
@@ -117,7 +119,7 @@ def judge_loops(before: JudgedLoop, after: JudgedLoop, plants: Plants | None = N
     course = None if known is None else Course(known, period)
     unit = before.runs.bench.outputs()[before.runs.output].unit
     errors = [_measure_errors(row, course, measure, period) for row in rows]
-    return Judgement(measure, unit, errors[0], errors[1], plants is not None)
+    return TuningJudgement(measure, unit, errors[0], errors[1], plants is not None)
 
 
 def _run_plants(one: JudgedLoop, plants: Plants | None) -> Seen:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from martensite.base.summary import Block, Sentence, Summary
 from martensite.design.analysis.loop_check import LoopReport
 from martensite.show.summaries.loop import check_scenario_loop
-from martensite_control.tuning.judgement import Judgement
+from martensite_control.tuning.judgement import TuningJudgement
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 class TuningVerdict:
     """Errors before and after, and what `check` finds in the tuned loop."""
 
-    judgement: Judgement
+    judgement: TuningJudgement
     report: LoopReport
     was_sound: bool
     """Whether the loop before had no fault; only looked at if the tuned loop has one."""
@@ -57,7 +57,7 @@ class TuningVerdict:
         return {**self.judgement.to_dict(), "worse": self.worse, "check": self.report.to_dict()}
 
 
-def judge_scenario(scenario: Scenario, bench: Bench, judgement: Judgement) -> TuningVerdict:
+def judge_scenario(scenario: Scenario, bench: Bench, judgement: TuningJudgement) -> TuningVerdict:
     """Test the tuned bench of a scenario as `check` does, and the present one if the tuned one has a fault."""
     report = check_scenario_loop(scenario, bench)
     faulty = report.verdict == "not sound" and scenario.bench is not None
