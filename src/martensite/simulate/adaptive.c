@@ -387,6 +387,7 @@ static int judge_step(march *m, block *b) {
         LIVE(i) {
             b->ripple[i] = ripple[i] > b->ripple[i] ? ripple[i] : b->ripple[i];
             b->residual[i] = residual[i] > b->residual[i] ? residual[i] : b->residual[i];
+            if (b->error[i] > 1.0) b->residual[i] += m->tolerance * b->error[i]; /* no step is shorter */
         }
         if (last && !good) worst = 1.0;
         double change = change_of(worst);

@@ -407,7 +407,8 @@ class AdaptiveMarch(AbstractMarch):
         found.steps += parts
         found.longest = max(found.longest, length / parts)
         found.ripple = max(found.ripple, trial.ripple)
-        found.residual = max(found.residual, trial.residual)
+        missed = self.plan.tolerance * trial.error if trial.error > 1.0 else 0.0  # no step is shorter
+        found.residual = max(found.residual, trial.residual) + missed
         middle = self.time + 0.5 * length
         self.record_piece(FIRST, self.time, middle, trial.halves[0], trial.half)
         self.record_piece(SECOND, middle, end, trial.halves[1], trial.full)

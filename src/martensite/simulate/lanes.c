@@ -738,7 +738,9 @@ static void judge_steps(const march *m, block *b, flags_of_lanes taken) {
         const double planned = larger(grown, b->planned[i]);
         const double next = larger(kinked ? smaller(planned, bound) : planned, shortest);
         b->ripple[i] = t ? larger(ripple[i], b->ripple[i]) : b->ripple[i];
-        b->residual[i] = t ? larger(residual[i], b->residual[i]) : b->residual[i];
+        const int missed = b->error[i] > 1.0 && b->error[i] < HUGE_VAL; /* no step is shorter */
+        const double left = larger(residual[i], b->residual[i]) + (missed ? m->tolerance * b->error[i] : 0.0);
+        b->residual[i] = t ? left : b->residual[i];
         b->after_kink[i] = t ? after_kink : b->after_kink[i];
         b->at_kink[i] = t ? kinked : b->at_kink[i];
         b->rough[i] = t ? (kinked ? 0.0 : rough[i]) : b->rough[i];

@@ -18,8 +18,8 @@ from martensite.simulate.compiled import CompiledMarch, Functions
 Row = tuple[float, ...]
 SHORTEST = 1e-12
 """Length of a step, as a share of the run, that is taken whatever its error: a jump lies in it."""
-FINEST, ROUGHNESS = 1e-2, 3e-11
-"""Share of the first step of what moves with inertia that is the shortest: at most, and per tolerance."""
+FINEST, ROUGHNESS = 1e-4, 3e-11
+"""Fraction of the first step of a motion with inertia that is the shortest step: at most, and per tolerance."""
 HAIR = 1e-9
 """Share of a step that is none."""
 START, WHOLE, FIRST, SECOND = -1, 0, 1, 2
@@ -89,7 +89,7 @@ class MarchPlan:
     def shortest(self) -> float:
         """Step that is taken whatever its error [s].
 
-        Speeds are differences of places, which are solved for: the shorter a step, the rougher they are.
+        With inertia, an error that a solve leaves in a position is an error in the speed, larger in a shorter step.
         """
         return max(SHORTEST * self.times[-1], self.inertial * min(FINEST, ROUGHNESS / max(self.tolerance, ROUGHNESS)))
 
@@ -121,6 +121,7 @@ class Marched:
     ripple: float = 0.0
     """Largest temperature [K] that a mean of a drive left out."""
     residual: float = 0.0
+    """Largest of the solves, and the errors of all steps that could be no shorter, above their tolerance."""
     put_in: float = 0.0
     """Heat [J] that came into elements whose heat is known; without a meaning on given steps."""
     lost: float = 0.0

@@ -248,7 +248,7 @@ def join_legs(legs: Sequence[Marched], rows: list[Any], before: PassState | None
         rejected=sum(one.rejected for one in legs),
         longest=max(one.longest for one in legs),
         ripple=max([*(one.ripple for one in legs), before.ripple if before else 0.0]),
-        residual=max([*(one.residual for one in legs), before.residual if before else 0.0]),
+        residual=sum(one.residual for one in legs) + (before.residual if before else 0.0),
         put_in=sum(one.put_in for one in legs),
         lost=sum(one.lost for one in legs),
         accounts=tuple(map(sum, zip(*(one.accounts for one in legs), strict=True))),

@@ -86,7 +86,8 @@ class CondensedSystem(NamedTuple):
 class _Turn(NamedTuple):
     """What one pass hands to the next."""
 
-    position: Numbers
+    offsets: Numbers
+    """Of the position from its prediction."""
     tangents: tuple[Tangent, ...]
     turned: Scalar
     """0 before the first pass, then 1."""
@@ -113,7 +114,7 @@ class CondensedStep:
         scheme = self._choose_scheme(xp)
         shape = NestedShape(
             _Turn(
-                predict_position(self.memory.course, self.dt),
+                (0.0,) * len(self.memory.course.position),
                 tuple(self._first(xp)),
                 0.0,
                 tuple(load.state for load in self.loads),
@@ -131,13 +132,13 @@ class CondensedStep:
 
         _, *flat = xp.iterate(PASSES, turn, 1.0, *flatten_numbers(shape.example))
         end: _Turn = shape.rebuild(flat)
-        residual = xp.maximum(end.report.residual, end.relocate)
+        residual, course = xp.maximum(end.report.residual, end.relocate), scheme(end.offsets)
         if end.reactions:
-            gaps = self.mechanism.gaps(xp, end.position)
+            gaps = self.mechanism.gaps(xp, course.position)
             residual = xp.maximum(residual, measure_mismatch(xp, gaps, end.reactions))
         stiffness = [tangent.stiffness for tangent in end.tangents]
         report = end.report._replace(residual=residual)
-        return scheme(end.position), stiffness, end.reactions, list(end.states), report
+        return course, stiffness, end.reactions, list(end.states), report
 
     def _choose_scheme(self, xp: Namespace) -> Scheme:
         """That of the mechanism; with inertia, implicit Euler where something touches or is about to."""
@@ -161,8 +162,8 @@ class CondensedStep:
         if reactions:
             share = FARTHEST / xp.maximum(relocate, FARTHEST)
             change, relocate = [share * d for d in change], xp.maximum(relocate, unsettled)
-        position = tuple(q + d for q, d in zip(before.position, change, strict=True))
-        return _Turn(position, tuple(tangents), 1.0, tuple(states), report, relocate, reactions)
+        offsets = tuple(o + d for o, d in zip(before.offsets, change, strict=True))
+        return _Turn(offsets, tuple(tangents), 1.0, tuple(states), report, relocate, reactions)
 
     def _first(self, xp: Namespace) -> list[Tangent]:
         """Every element as it stands, as stiff as it was over the last step."""
@@ -183,7 +184,8 @@ class CondensedStep:
     def _linear(self, xp: Namespace, scheme: Scheme, before: _Turn) -> CondensedSystem:
         """Balance and slopes at a trial position, for elements that are their tangents."""
         mechanism, home = self.mechanism, self.memory.home
-        position, tangents, pushed = before.position, before.tangents, before.reactions
+        tangents, pushed, now = before.tangents, before.reactions, scheme(before.offsets).motion()
+        position = now.position
         paths, lever = compute_jacobian(xp, mechanism.contraction, position)
         elongations = [xp.store(start - path) for start, path in zip(home, paths, strict=True)]
         forces = [
@@ -194,11 +196,11 @@ class CondensedStep:
         def balance(xp: Namespace, trial: Column) -> list[Scalar]:
             motion = scheme(tuple(trial)).motion()
             needs = mechanism.demand(xp, motion, self.signals)
-            gives = mechanism.supply(xp, trial, forces, motion.velocity)
+            gives = mechanism.supply(xp, motion.position, forces, motion.velocity)
             return [n - g for n, g in zip(needs, gives, strict=True)]
 
-        missing, matrix = compute_jacobian(xp, balance, position)
-        shares = mechanism.transmission(xp, scheme(position).motion())
+        missing, matrix = compute_jacobian(xp, balance, before.offsets)
+        shares = mechanism.transmission(xp, now)
         found = CondensedSystem(elongations, lever, shares, matrix, missing, forces, None)
         if not pushed:
             return found

@@ -1,7 +1,8 @@
 r"""Motions of a mechanism over a step: positions, velocities and accelerations that fit together.
 
 Whatever the scheme, velocity and acceleration at the end of a step are straight lines in the
-position there, so the step is one system of equations in that position.
+position there, so the step is one system of equations. Its unknowns are the offsets δ of the position
+from its prediction. The position itself would not do: divided by Δt², its rounding would be an acceleration.
 
 `quasi-static`: no acceleration, and the velocity is that of the step, v = (q₁ - q₀)/Δt.
 
@@ -12,7 +13,7 @@ true one A,
     (1 - α_m) a₁ + α_m a₀ = (1 - α_f) A₁ + α_f A₀
     q₁ = q₀ + Δt v₀ + Δt² [(½ - β) a₀ + β a₁],        v₁ = v₀ + Δt [(1 - γ) a₀ + γ a₁]
 
-with α_m = (2ρ - 1)/(ρ + 1), α_f = ρ/(ρ + 1), γ = ½ + α_f - α_m, β = ¼ (γ + ½)². Second order and
+with the prediction q₀ + Δt v₀ + ½ Δt² a₀, and so a₁ = a₀ + δ/(β Δt²), and with α_m = (2ρ - 1)/(ρ + 1), α_f = ρ/(ρ + 1), γ = ½ + α_f - α_m, β = ¼ (γ + ½)². Second order and
 unconditionally stable; a share 1 - ρ of the fastest oscillation is lost in every step, slow
 ones keep their energy.
 
@@ -55,11 +56,11 @@ class MotionHistory(NamedTuple):
 
 
 Scheme = Callable[[Numbers], MotionHistory]
-"""The course after a step, from the position at its end."""
+"""The course after a step, from the offsets of the position at its end from `predict_position`."""
 
 
 def predict_position(course: MotionHistory, dt: Scalar) -> Numbers:
-    """A first guess of the position after a step of dt [s]."""
+    """Return the position after a step of dt [s] if the acceleration stays; without inertia, if nothing moves."""
     if not course.acceleration:
         return course.position
     rows = zip(course.position, course.velocity, course.smoothed, strict=True)
@@ -70,9 +71,9 @@ def quasi_static(xp: Namespace, course: MotionHistory, dt: Scalar) -> Scheme:
     """Motion without inertia."""
     rate = 1.0 / xp.maximum(dt, SHORTEST)
 
-    def after(position: Numbers) -> MotionHistory:
-        velocity = (rate * (q - q0) for q, q0 in zip(position, course.position, strict=True))
-        return MotionHistory(position, tuple(velocity))
+    def after(offsets: Numbers) -> MotionHistory:
+        position = tuple(q0 + d for q0, d in zip(course.position, offsets, strict=True))
+        return MotionHistory(position, tuple(rate * d for d in offsets))
 
     return after
 
@@ -82,19 +83,18 @@ def move_dynamically(xp: Namespace, course: MotionHistory, dt: Scalar, rho: Scal
     alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
     gamma = 0.5 + alpha_f - alpha_m
     beta = 0.25 * (gamma + 0.5) * (gamma + 0.5)
-    dt = xp.maximum(dt, SHORTEST)
-    per = 1.0 / (beta * dt * dt)
-    kept, share = (0.5 - beta) / beta, 1.0 / (1.0 - alpha_f)
+    ahead, dt = predict_position(course, dt), xp.maximum(dt, SHORTEST)
+    per, share = 1.0 / (beta * dt * dt), 1.0 / (1.0 - alpha_f)
 
-    def after(position: Numbers) -> MotionHistory:
+    def after(offsets: Numbers) -> MotionHistory:
+        position = tuple(q + d for q, d in zip(ahead, offsets, strict=True))
         velocity: list[Scalar] = []
         acceleration: list[Scalar] = []
         smoothed: list[Scalar] = []
-        for q, q0, v0, true0, a0 in zip(position, *course, strict=True):
-            a = per * (q - q0 - dt * v0) - kept * a0
+        for d, v0, true0, a0 in zip(offsets, *course[1:], strict=True):
+            a = a0 + per * d
             velocity.append(v0 + dt * ((1.0 - gamma) * a0 + gamma * a))
-            true = share * ((1.0 - alpha_m) * a + alpha_m * a0 - alpha_f * true0)
-            acceleration.append(true)
+            acceleration.append(share * ((1.0 - alpha_m) * a + alpha_m * a0 - alpha_f * true0))
             smoothed.append(a)
         return MotionHistory(position, tuple(velocity), tuple(acceleration), tuple(smoothed))
 
@@ -103,14 +103,17 @@ def move_dynamically(xp: Namespace, course: MotionHistory, dt: Scalar, rho: Scal
 
 def move_implicitly(xp: Namespace, course: MotionHistory, dt: Scalar, share: Scalar, usual: Scheme) -> Scheme:
     """Motion with inertia by implicit Euler steps where `share` is 1, and by the usual scheme where it is 0."""
-    per = 1.0 / xp.maximum(dt, SHORTEST)
+    dt = xp.maximum(dt, SHORTEST)
+    per = 1.0 / dt
 
-    def after(position: Numbers) -> MotionHistory:
-        other = usual(position)
-        velocity = [per * (q - q0) for q, q0 in zip(position, course.position, strict=True)]
-        acceleration = [per * (v - v0) for v, v0 in zip(velocity, course.velocity, strict=True)]
-        rows = zip((velocity, acceleration, acceleration), other[1:], strict=True)
-        mixed = (tuple(share * a + (1.0 - share) * b for a, b in zip(*row, strict=True)) for row in rows)
-        return MotionHistory(position, *mixed)
+    def after(offsets: Numbers) -> MotionHistory:
+        other = usual(offsets)
+        rows = zip(offsets, course.smoothed, strict=True)
+        changes = [per * d + (0.5 * dt) * a for d, a in rows]
+        velocity = [v + change for v, change in zip(course.velocity, changes, strict=True)]
+        acceleration = [per * change for change in changes]
+        columns = zip((velocity, acceleration, acceleration), other[1:], strict=True)
+        mixed = (tuple(share * a + (1.0 - share) * b for a, b in zip(*column, strict=True)) for column in columns)
+        return MotionHistory(other.position, *mixed)
 
     return after
