@@ -220,7 +220,7 @@ def _bound_errors(compiled: CompiledMarch, apart: Numbers, made: MarchRows) -> N
     known = np.isfinite(apart)
     worst = (np.where(known, apart, 0.0).max(axis=1) / scales).max(axis=1, initial=0.0)
     heat = scales[:, 0] if len(least) else 1.0
-    total = np.maximum(SURE * worst + made.numbers[:, RIPPLE] / heat, made.numbers[:, RESIDUAL])
+    total = np.maximum(SURE * worst + made.numbers[:, RIPPLE] / heat, SURE * made.numbers[:, RESIDUAL])
     sure = np.isfinite(total) & known[:, 0].all(axis=-1)
     return np.where(sure, np.maximum(total, LEAST), np.inf)
 
