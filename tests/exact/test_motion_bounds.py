@@ -1,7 +1,7 @@
 """The accuracy of motions with inertia is a bound, at tolerances near rounding and on steps that cannot be shorter.
 
-Sources of truth: the free vibration of a damped beam in closed form; SciPy's DOP853 over the equations of a rotor with an
-unbalance on a beam, solved by hand for their second derivatives; a motor with a winding in closed form.
+Sources of truth: the free vibration of a damped beam and the start of a motor in closed form; SciPy's DOP853 over
+the equations of a rotor with an unbalance on a beam, solved by hand for their second derivatives.
 """
 
 from __future__ import annotations

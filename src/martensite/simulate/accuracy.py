@@ -3,10 +3,11 @@
 A run is made twice, the second time to a local tolerance that is several times smaller. What the
 two differ by, times `SURE`, bounds the error of the second; where it is above the tolerance, a
 third one follows, and so on. To it comes what the means of drives leave out of ripple, which no run
-shows. Where steps could be no shorter although their error was above the tolerance, two runs hardly differ:
-the sum of those errors, times `SURE`, is a bound, too. Runs may have an error in common, such as a kink that both meet with the same step: nothing
-better than half of the tolerance is claimed. Between edges of a drive that cut all steps two runs
-may take the same ones: hence all but the first split the last of them.
+shows. Where steps could be no shorter although their error was above the tolerance, two runs hardly
+differ: the sum of those errors, times `SURE`, is a bound, too. Runs may have an error in common, such
+as a kink that both meet with the same step: nothing better than half of the tolerance is claimed.
+Between edges of a drive that cut all steps two runs may take the same ones: hence all but the first
+split the last of them.
 """
 
 from __future__ import annotations

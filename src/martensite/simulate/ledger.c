@@ -3,10 +3,11 @@
    Before this text stand martensite/simulate/marching.c with what it asks for, the kernels k_entries
    and k_flows, and: HELD energies and EFFORTS of k_entries, BALANCED if it ends with a loss;
    FLOWS numbers of k_flows, what comes in and, if a signal lets it out, what is lost;
-   ACCOUNT_OF all of them, TURNED_OVER of each effort whether it is exchanged, ENTRY_SIGNALS whether
-   k_entries asks for signals. */
+   ACCOUNT_OF all of them, STORE_OF each energy what it is to what is exchanged, TURNED_OVER of each effort
+   whether it is, ENTRY_SIGNALS whether k_entries asks for signals. */
 
 static const long account_of[HELD + EFFORTS + 1] = ACCOUNT_OF;
+static const long store_of[HELD + 1] = STORE_OF;
 static const long turned_over[EFFORTS + 1] = TURNED_OVER;
 
 static void enter_at(const march *m, block *b, const column *states, double time, int before,
@@ -32,7 +33,7 @@ static void add_flows(block *b, const column *states, const moments (*found)[DRI
 }
 
 /* the work of an effort in the step, all three numbers of both on parabolas */
-static void add_work(block *b, long k) {
+static void add_work(block *b, long k, column given) {
     const long at = HELD + 2 * k, account = account_of[HELD + k];
     const column *f = b->entries + at, *g = b->middle_entries + at, *h = b->last_entries + at;
     EACH(i) {
@@ -41,7 +42,7 @@ static void add_work(block *b, long k) {
                            h[0][i] * (3.0 * whole - half);
         const double work = sum * (1.0 / 6.0);
         b->accounts[account][i] += work;
-        if (turned_over[k]) b->accounts[ACCOUNTS - 1][i] += fabs(work);
+        if (turned_over[k]) given[i] += fabs(work);
     }
 }
 
@@ -57,9 +58,20 @@ static void keep_ledger(const march *m, block *b) {
     if (!ENTRIES) return;
     enter_at(m, b, b->half, b->time + 0.5 * b->length, 0, b->middle_entries);
     enter_at(m, b, b->full, b->time + b->length, 1, b->last_entries);
+    column swung[3], given;
+    memset(swung, 0, sizeof swung);
+    memset(given, 0, sizeof given);
     for (long k = 0; k < HELD; k++)
-        EACH(i) b->accounts[account_of[k]][i] += b->last_entries[k][i] - b->entries[k][i];
-    for (long k = 0; k < EFFORTS; k++) add_work(b, k);
+        EACH(i) {
+            const double change = b->last_entries[k][i] - b->entries[k][i];
+            b->accounts[account_of[k]][i] += change;
+            swung[store_of[k]][i] += 0.5 * fabs(change);
+        }
+    for (long k = 0; k < EFFORTS; k++) add_work(b, k, given);
+    EACH(i) {
+        b->accounts[ACCOUNTS - 2][i] += swung[1][i];
+        b->accounts[ACCOUNTS - 1][i] += given[i] > swung[2][i] ? given[i] : swung[2][i];
+    }
     if (BALANCED) {
         const double sixth = b->length * (1.0 / 6.0);
         const long k = ENTRIES - 1;

@@ -8,6 +8,9 @@ the parabolas through start, middle and end of a step,
 exact for any two of them, and so for every straight line between force and way. A power is
 integrated by Simpson's rule. `ledger.c` does the same.
 
+What changes places in a step, whichever way, is added up, too: work that elements and the outside give or take, or half
+of the changes of what is held where that is more, as in a free oscillation. Sums of it do not cancel over a cycle.
+
 From them follow two balances of a run, of its heat and of the work of its elements, each with a
 residual of its own: the heat balance that a step solves leaves mechanical work out, and a sum of both
 would be that of the heat, which is some hundred times larger.
@@ -21,13 +24,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import NamedTuple
 
-from martensite.actuators.assembly.ledger import ACCOUNTS, EXCHANGED
+from martensite.actuators.assembly.ledger import ACCOUNTS, EXCHANGED, HEAT, HELD
 
 SIXTH = 1.0 / 6.0
 SIMPSON = (SIXTH, 2.0 * SIXTH, 2.0 * SIXTH, SIXTH)
 """Shares of a step for what is known at both ends of its halves."""
 TURNED_OVER = tuple(ACCOUNTS.index(name) for name in ("work", "outside"))
 """Accounts whose work, whichever way it goes, is what is exchanged."""
+STORES = tuple(1 if name in HEAT else 2 if name in HELD[1:] else 0 for name in ACCOUNTS)
+"""Of every account 1 for a store of heat, 2 for one of mechanical energy outside of the elements, else 0."""
 LEAST_HEAT = 1e-9
 """Heat [J] below which there is nothing to balance."""
 LEAST_WORK = 1e-12
@@ -78,15 +83,20 @@ class Ledger:
 
     def enter(self, middle: Sequence[float], end: Sequence[float], length: float) -> None:
         """A step of a length [s], from where the last one ended."""
-        book, rows = self.book, (self.last, middle, end)
+        book, rows, given = self.book, (self.last, middle, end), 0.0
+        swung = [0.0, 0.0, 0.0]
         for k, account in enumerate(book.held):
-            self.accounts[account] += end[k] - self.last[k]
+            change = end[k] - self.last[k]
+            self.accounts[account] += change
+            swung[STORES[account]] += 0.5 * abs(change)
         for k, account in enumerate(book.efforts):
             at = len(book.held) + 2 * k
             work = integrate_effort([row[at] for row in rows], [row[at + 1] for row in rows])
             self.accounts[account] += work
             if account in TURNED_OVER:
-                self.accounts[ACCOUNTS.index(EXCHANGED)] += abs(work)
+                given += abs(work)
+        self.accounts[-2] += swung[1]
+        self.accounts[-1] += max(given, swung[2])
         if book.heat:
             first, half, last = (row[-1] for row in rows)
             self.lost += SIXTH * length * (first + 4.0 * half + last)
@@ -115,6 +125,8 @@ class HeatBalance:
     """More in the end than in the beginning, by temperature."""
     latent: float
     """More in the end than in the beginning, by transformation."""
+    exchanged: float = 0.0
+    """Half of all changes of both, whichever way they went."""
 
     @property
     def stored(self) -> float:
@@ -123,11 +135,11 @@ class HeatBalance:
 
     @property
     def residual(self) -> float | None:
-        """What is not accounted for, as a share of the largest of in, lost and stored.
+        """What is not accounted for, as a fraction of the largest of in, lost, stored and exchanged.
 
         None if there is less than `LEAST_HEAT`.
         """
-        most = max(abs(self.put_in), abs(self.lost), abs(self.stored))
+        most = max(abs(self.put_in), abs(self.lost), abs(self.stored), self.exchanged)
         missing = abs(self.put_in - self.lost - self.stored)
         return missing / most if most > LEAST_HEAT else None
 
@@ -145,7 +157,8 @@ class HeatBalance:
     def as_dict(self) -> dict[str, float | None]:
         """All its numbers, by name."""
         own = {"put_in": self.put_in, "lost": self.lost, "stored": self.stored}
-        return own | {"sensible": self.sensible, "latent": self.latent, "residual": self.residual}
+        more = {"sensible": self.sensible, "latent": self.latent, "exchanged": self.exchanged}
+        return own | more | {"residual": self.residual}
 
 
 @dataclass(frozen=True)
@@ -165,7 +178,7 @@ class WorkBalance:
     outside: float
     """Given to what prescribes a force, a travel or a voltage; less than 0 where that drives."""
     exchanged: float
-    """What elements and outside gave and took, whichever way it went: of this is the residual."""
+    """What elements, outside and stores gave and took, whichever way it went: of this is the residual."""
     elastic: float | None = None
     """Elastic energy in the elements, no part of the balance; None if one does not say."""
 
@@ -200,7 +213,7 @@ class WorkBalance:
 def balance_heat(put_in: float, lost: float, accounts: Sequence[float]) -> HeatBalance:
     """The heat balance of a run from what came in and was lost, and its accounts [J]."""
     own = dict(zip(ACCOUNTS, accounts, strict=True))
-    return HeatBalance(put_in, lost, own["sensible"], own["latent"])
+    return HeatBalance(put_in, lost, own["sensible"], own["latent"], own[EXCHANGED[0]])
 
 
 def balance_work(book: Book, accounts: Sequence[float]) -> WorkBalance:

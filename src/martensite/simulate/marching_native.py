@@ -27,7 +27,7 @@ from martensite.signals.base import AbstractWaveform
 from martensite.signals.moments import Segment
 from martensite.simulate import adaptive
 from martensite.simulate.compiled import CompiledMarch
-from martensite.simulate.ledger import EMPTY, TURNED_OVER
+from martensite.simulate.ledger import EMPTY, STORES, TURNED_OVER
 from martensite.simulate.marching import Marched, MarchPlan
 from martensite.simulate.native import spread_limits
 from martensite.simulate.track import Observe, record_width
@@ -426,6 +426,7 @@ class MarchKernel:
             "FLOWS": len(traced["flows"].outputs),
             "ACCOUNTS": len(ACCOUNTS),
             "ACCOUNT_OF": _format_list([*book.held, *book.efforts]),
+            "STORE_OF": _format_list([STORES[account] for account in book.held]),
             "TURNED_OVER": _format_list([int(account in TURNED_OVER) for account in book.efforts]),
             "ENTRY_SIGNALS": int(compiled.asks_for_signals("entries")),
             **{name: getattr(adaptive, name) for name in SHARED},

@@ -11,7 +11,7 @@ const MOST = 5;
 const FEW = 201;
 const LEAST = 1e-12;
 const SHORTEST = 1e-12;
-const FINEST = 1e-2;
+const FINEST = 1e-4;
 const ROUGHNESS = 3e-11;
 
 /** A plan but its tolerance; what moves with inertia bounds the shortest step. */
@@ -70,7 +70,7 @@ function boundError(scenario: Scenario, found: Marched, before: number[][], afte
     worst = larger(worst, apart / Math.max(found.ranges[k]!, least));
   });
   const heat = scenario.judged.length ? Math.max(found.ranges[0]!, scenario.judged[0]![1]) : 1;
-  const total = Math.max(SURE * worst + found.ripple / heat, found.residual, LEAST);
+  const total = Math.max(SURE * worst + found.ripple / heat, SURE * found.residual, LEAST);
   return Number.isFinite(total) ? total : Infinity;
 }
 

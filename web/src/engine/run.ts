@@ -262,7 +262,7 @@ function listUnbalanced(scenario: Scenario, inputs: Inputs, found: Marched): str
   };
   if (scenario.balances.heat) {
     const stored = sum("sensible", "latent");
-    const most = Math.max(Math.abs(found.putIn), Math.abs(found.lost), Math.abs(stored));
+    const most = Math.max(Math.abs(found.putIn), Math.abs(found.lost), Math.abs(stored), sum("exchanged_heat"));
     tell("heat", Math.abs(found.putIn - found.lost - stored), most, LEAST_HEAT);
   }
   if (scenario.balances.work) {

@@ -21,9 +21,9 @@ HELD = ("elastic", "springs", "gravity", "kinetic", "magnetic")
 """Accounts of mechanical energy that is held; the elastic one by the elements."""
 FLOWING = ("work", "dissipated", "outside")
 """Accounts of work: of the elements, of what resists, and against the outside."""
-EXCHANGED = "exchanged"
-"""Account of what elements and outside gave and took, whichever way it went."""
-ACCOUNTS: tuple[str, ...] = (*HEAT, *HELD, *FLOWING, EXCHANGED)
+EXCHANGED = ("exchanged_heat", "exchanged")
+"""Accounts of heat and of work that changed places, whichever way it went: the scales of the residuals."""
+ACCOUNTS: tuple[str, ...] = (*HEAT, *HELD, *FLOWING, *EXCHANGED)
 
 
 @dataclass

@@ -13,9 +13,9 @@ true one A,
     (1 - α_m) a₁ + α_m a₀ = (1 - α_f) A₁ + α_f A₀
     q₁ = q₀ + Δt v₀ + Δt² [(½ - β) a₀ + β a₁],        v₁ = v₀ + Δt [(1 - γ) a₀ + γ a₁]
 
-with the prediction q₀ + Δt v₀ + ½ Δt² a₀, and so a₁ = a₀ + δ/(β Δt²), and with α_m = (2ρ - 1)/(ρ + 1), α_f = ρ/(ρ + 1), γ = ½ + α_f - α_m, β = ¼ (γ + ½)². Second order and
-unconditionally stable; a share 1 - ρ of the fastest oscillation is lost in every step, slow
-ones keep their energy.
+with the prediction q₀ + Δt v₀ + ½ Δt² a₀, and so a₁ = a₀ + δ/(β Δt²). Here α_m = (2ρ - 1)/(ρ + 1),
+α_f = ρ/(ρ + 1), γ = ½ + α_f - α_m, β = ¼ (γ + ½)². Second order and unconditionally stable; a
+fraction 1 - ρ of the fastest oscillation is lost in every step, slow ones keep their energy.
 
 `dynamic`, where a unilateral constraint pushes or would be overrun: implicit Euler steps, v₁ = (q₁ - q₀)/Δt and
 A₁ = (v₁ - v₀)/Δt. What closes a gap stands still in the next step: an impact without rebound, and no force that turns
