@@ -39,7 +39,8 @@ _SENTENCES = {
     ),
     Status.UNSOLVED: (
         "The coupling of law, heat and mechanism was not solved to its tolerance. "
-        "Try a shorter step, or check the input for a jump far beyond the wire's rating."
+        "Give a `tolerance` instead of a fixed step, or another step. Check transformation ranges below 0.1 K, "
+        "and the input for a jump far beyond the wire's rating."
     ),
     Status.OUT_OF_RANGE: (
         "A phase fraction left the interval from 0 to 1. "

@@ -500,7 +500,12 @@ static void step_aside(const march *m, block *b, double time, column *x) {
     memcpy(x, b->ends, sizeof(column) * SIZE);
 #else
     k_solve(LANES, *b->c, *x, *b->whole);
-    memcpy(x, b->whole, sizeof(column) * SIZE);
+    /* where that is not solved, a straight line between states that were */
+    const double share = (time - begin) / (0.5 * b->length);
+    const column *from = late ? b->half : b->state, *to = late ? b->full : b->half;
+    for (long k = 0; k < SIZE; k++)
+        EACH(i) x[k][i] = b->whole[SIZE][i] <= SOLVED ? b->whole[k][i]
+                                                     : from[k][i] + share * (to[k][i] - from[k][i]);
 #endif
 }
 

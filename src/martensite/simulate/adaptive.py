@@ -488,7 +488,11 @@ class AdaptiveMarch(AbstractMarch):
         begin, state = (middle, trial.half) if late else (self.time, self.state)
         if time - begin > HAIR * trial.length:
             inputs = self._feed_step(self._collect_inputs(begin, time), int(late))
-            state = self.functions[name](*state, *inputs, time - begin)[: self.size]
+            found = self.functions[name](*state, *inputs, time - begin)
+            if name == "solve" and not found[self.size] <= SOLVED:  # a straight line between states that were solved
+                share, ahead = (time - begin) / (0.5 * trial.length), trial.full if late else trial.half
+                return tuple(a + share * (b - a) for a, b in zip(state, ahead, strict=True))
+            state = found[: self.size]
         return state
 
     def _scale(self, k: int, value: float | None = None) -> float:

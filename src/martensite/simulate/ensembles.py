@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.status import Status
-from martensite.simulate.accuracy import FINER, FLOOR, LEAST, LOCAL, MOST, SURE, choose_samples, march_to
+from martensite.simulate.accuracy import FINER, LEAST, LOCAL, MOST, SURE, choose_samples, find_floor, march_to
 from martensite.simulate.adaptive import AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.envelope import envelope_of, rows_inside
@@ -203,7 +203,7 @@ def march_in_lanes(
         made = march(finer)
         now = made.outputs[:, compared]
         apart = np.abs(rows[:, :, seen] - now[:, :, seen])
-        accuracy = np.maximum(_bound_errors(compiled, apart, made), FLOOR * tolerance)
+        accuracy = np.maximum(_bound_errors(compiled, apart, made), find_floor(compiled) * tolerance)
         measured = measuring.measure_march(finer, made)
         found.place_runs(left, _judge_runs(made, names, accuracy, measured, plan.times))
         rest = accuracy > tolerance

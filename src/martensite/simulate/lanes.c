@@ -53,7 +53,7 @@ typedef struct {
     long count;
     flags_of_lanes run, sample, leaving;
     column begin, end, c[CONSTANTS], x[SIZE + INPUTS + 1], y[ANSWERS], row[OUTPUTS + 1];
-    column owed[DRIVES + 1];
+    column owed[DRIVES + 1], line[SIZE + 1]; /* on a straight line between states that were solved */
     drives_of_lanes then[DRIVES + 1];
 } steps_aside;
 
@@ -911,6 +911,8 @@ static void finish_aside(const march *m, steps_aside *q) {
     k_rosenbrock(LANES, *q->c, *q->x, *q->y);
 #else
     k_solve(LANES, *q->c, *q->x, *q->y);
+    for (long k = 0; k < SIZE; k++)
+        EACH(i) q->y[k][i] = q->y[SIZE][i] <= SOLVED ? q->y[k][i] : q->line[k][i];
 #endif
     memcpy(q->x, q->y, sizeof(column) * SIZE);
     for (long k = 0; k < DRIVES && (OBSERVE_SIGNALS || JUDGE_SIGNALS); k++)
@@ -940,6 +942,11 @@ static void put_aside(const march *m, block *b, long i, double time, long leavin
     q->end[j] = time;
     for (long k = 0; k < CONSTANTS; k++) q->c[k][j] = b->c[k][i];
     for (long k = 0; k < SIZE; k++) q->x[k][j] = state[k][i];
+#if ORDER == 2
+    const column *ahead = late ? b->full : b->half;
+    const double share = (time - q->begin[j]) / (0.5 * b->length[i]);
+    for (long k = 0; k < SIZE; k++) q->line[k][j] = state[k][i] + share * (ahead[k][i] - state[k][i]);
+#endif
     for (long k = 0; k < DRIVES; k++) {
         q->owed[k][j] = late ? 0.0 : b->owed[k][i];
         copy_lane(b->now + k, i, q->then + k, j);

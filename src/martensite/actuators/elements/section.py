@@ -232,8 +232,8 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         return self.uniform and super().exchanges
 
     def points(self, xp: Namespace, state: Any) -> list[MaterialPoint]:
-        """The surface: what one of many fibres begins or ends bends the answer of all little."""
-        return super().points(xp, state) if self.uniform else points_of(xp, self.law, state.memories[-1:])
+        """Every fibre: a kink that all runs miss is an error that they have in common."""
+        return super().points(xp, state) if self.uniform else points_of(xp, self.law, state.memories)
 
     def heat_content(self, xp: Namespace, state: Any) -> Scalar | None:
         """C T - λ ξ [J], if the latent heat λ is a number."""
