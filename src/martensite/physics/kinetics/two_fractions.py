@@ -182,6 +182,19 @@ def relocate_memory(
     return TwoFractionMemory(*fractions, memory.branch, *reaches, stress, temperature, recalled)
 
 
+def list_kinks(xp: Namespace, rule: str, diagram: Diagram, memory: TwoFractionMemory) -> list[Scalar]:
+    """Return how far S, T and reverse are from where they start or go on [-]; 1 where nothing is left to them."""
+    at, oriented, twinned = memory.stress, 1.0 - memory.oriented, 1.0 - memory.martensite
+    rows = (
+        (diagram.loading, xp.maximum(memory.temperature, diagram.bend), memory.loading, oriented),
+        (diagram.cooling, memory.temperature, memory.cooling, twinned),
+        (diagram.reverse, memory.temperature, memory.reverse, memory.martensite),
+    )
+    reaches = (UNSET if rule == RESTART else reach for *_, reach, _ in rows)
+    ahead = [strip.distance(at, kelvin) - reach for (strip, kelvin, *_), reach in zip(rows, reaches, strict=True)]
+    return [xp.where(left > 0.0, one, 1.0) for one, (*_, left) in zip(ahead, rows, strict=True)]
+
+
 def find_kink(
     xp: Namespace, bend: Scalar, start: PathPoint, stress: Scalar, temperature: Scalar
 ) -> tuple[Flag, Scalar, Scalar]:

@@ -188,6 +188,10 @@ class Brinson(AbstractSidedDiagram):
             memory = self.commit(xp, memory, move, fractions, *between, dt)
         return super().kinetics(xp, memory, stress, temperature, dt)
 
+    def kinks(self, xp: Namespace, memory: TwoFractionMemory) -> list[Scalar]:
+        """Where S, T and the reverse process start or go on."""
+        return two_fractions.list_kinks(xp, self.history, self.diagram(), memory)
+
     def young(self, fractions: Fractions) -> Scalar:
         """E(ξ) = E_A + ξ (E_M - E_A) [Pa]."""
         return self.mixture(fractions)
