@@ -176,9 +176,10 @@ def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[Marched, 
     some = replace(plan, times=[plan.times[k] for k in compared], recorded=False)
     found = march(replace(some, tolerance=local))
     rows, accuracy = found.rows, math.inf
-    for _ in range(MOST):
+    for turn in range(MOST):
         local /= FINER
-        found = march(replace(plan, tolerance=local, ranges=found.ranges, parted=True))
+        ranges = found.ranges if turn or not shares_stress(plan.compiled) else ()
+        found = march(replace(plan, tolerance=local, ranges=ranges, parted=True))
         before, rows = rows, [found.rows[k] for k in compared if k < len(found.rows)]
         found.gaps = measure_gaps(plan.compiled, before, rows)[1 if found.gap else 0 :]
         accuracy = max(bound_error(plan.compiled, found), find_floor(plan.compiled) * tolerance)
@@ -188,11 +189,17 @@ def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[Marched, 
 
 
 def find_floor(compiled: CompiledMarch) -> float:
-    """Return the least accuracy that is claimed, as a fraction of the tolerance.
+    """Return the least accuracy that is claimed, as a fraction of the tolerance."""
+    return 2.0 * FLOOR if shares_stress(compiled) else FLOOR
 
-    Where fibres or cells put load on each other, stress amplifies errors of temperature that two runs have in common.
+
+def shares_stress(compiled: CompiledMarch) -> bool:
+    """Return whether fibres or cells of an element put load on each other.
+
+    Stress then amplifies errors of temperature. The second run must be finer from its start: it is judged by ranges as
+    far as they are known, as the first one.
     """
-    return 2.0 * FLOOR if any(point.weight < 1.0 for point in compiled.points) else FLOOR
+    return any(point.weight < 1.0 for point in compiled.points)
 
 
 def choose_samples(count: int, skipped: int = 0) -> list[int]:

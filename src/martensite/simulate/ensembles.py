@@ -16,7 +16,17 @@ from numpy.typing import NDArray
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.status import Status
-from martensite.simulate.accuracy import FINER, LEAST, LOCAL, MOST, SURE, choose_samples, find_floor, march_to
+from martensite.simulate.accuracy import (
+    FINER,
+    LEAST,
+    LOCAL,
+    MOST,
+    SURE,
+    choose_samples,
+    find_floor,
+    march_to,
+    shares_stress,
+)
 from martensite.simulate.adaptive import AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.envelope import envelope_of, rows_inside
@@ -197,9 +207,10 @@ def march_in_lanes(
     rows, numbers = before.outputs, before.numbers
     found = Ensemble.empty(names, runs.count, len(plan.times), Status.OK, len(measuring.measures))
     left = np.arange(runs.count)
-    for _ in range(MOST):
+    for turn in range(MOST):
         local /= FINER
-        finer = replace(whole, plan=replace(plan, tolerance=local, parted=True)).choose(left, numbers[:, RANGES:])
+        known = float(turn > 0 or not shares_stress(compiled)) * numbers[:, RANGES:]
+        finer = replace(whole, plan=replace(plan, tolerance=local, parted=True)).choose(left, known)
         made = march(finer)
         now = made.outputs[:, compared]
         apart = np.abs(rows[:, :, seen] - now[:, :, seen])
