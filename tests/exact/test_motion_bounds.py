@@ -101,7 +101,8 @@ def test_steps_that_cannot_be_shorter_are_part_of_the_bound(
     """All passes sit on steps longer than the time constant of the winding, and so do not differ."""
     monkeypatch.setattr(marching, "FINEST", 0.2)
     monkeypatch.setattr(marching, "ROUGHNESS", 1.0)
-    motor = Machine(mechanism=BeamMotor(**(BEAM | MOTOR)))
+    numbers: dict[str, Any] = BEAM | MOTOR
+    motor = Machine(mechanism=BeamMotor(**numbers))
     found = run(motor, {"motor": Constant(level=VOLTS)}, 0.3, samples=101, tolerance=1e-7, **how)
     claimed: Any = found.accuracy if found.variants is None else found.variants.accuracy
     claimed = np.atleast_1d(claimed)[0]

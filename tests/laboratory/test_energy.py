@@ -177,10 +177,9 @@ def test_the_heat_of_a_superelastic_cycle_that_closes_is_balanced(runtime: str, 
 @pytest.mark.parametrize("runtime", ["floats", "c"])
 def test_the_work_of_a_free_oscillation_is_balanced(runtime: str, c_compiler: None) -> None:
     """Two periods of a beam that nothing damps: the energy swings between spring and mass and ends where it began."""
-    beam = BeamMotor(
-        mass=0.2, stiffness=500.0, damping=0.0, unbalance=0.0, eccentricity=0.0, rotor_inertia=1e-4,
-        torque_constant=0.0, back_emf=0.0, resistance=6.0, inductance=3e-3,
-    )  # fmt: skip
+    still = dict.fromkeys(("damping", "unbalance", "eccentricity", "torque_constant", "back_emf"), 0.0)
+    rest: dict[str, Any] = still | {"rotor_inertia": 1e-4, "resistance": 6.0, "inductance": 3e-3}
+    beam = BeamMotor(mass=0.2, stiffness=500.0, **rest)
     periods = 4.0 * math.pi * math.sqrt(0.2 / 500.0)
     drive, start = {"motor": Constant(level=0.0)}, {"displacement": 0.01}
     found = run(Machine(mechanism=beam), drive, periods, samples=101, runtime=runtime, initial=start)
