@@ -80,7 +80,8 @@ typedef struct {
     column coarse[SEEN + 1], middle[SEEN + 1], fine[SEEN + 1];
     column points_half[NUMBERS + 1], points_full[NUMBERS + 1];
     column ripple_half[1], ripple_full[1], row[OUTPUTS + 1];
-    column lowest[OUTPUTS + 1], highest[OUTPUTS + 1], sum[OUTPUTS + 1], last_row[OUTPUTS + 1]; /* of totals.c */
+    column lowest[OUTPUTS + 1], highest[OUTPUTS + 1], sum[OUTPUTS + 1]; /* of totals.c */
+    column last_middle[OUTPUTS + 1], last_row[OUTPUTS + 1];
     steps_aside aside;
 } block;
 

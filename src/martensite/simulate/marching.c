@@ -52,7 +52,8 @@ typedef struct {
     column entries[ENTRIES + 1], middle_entries[ENTRIES + 1], last_entries[ENTRIES + 1];
     column points_half[NUMBERS + 1], points_full[NUMBERS + 1];
     column ripple_half[1], ripple_full[1], error, row[OUTPUTS + 1];
-    column lowest[OUTPUTS + 1], highest[OUTPUTS + 1], sum[OUTPUTS + 1], last_row[OUTPUTS + 1]; /* of totals.c */
+    column lowest[OUTPUTS + 1], highest[OUTPUTS + 1], sum[OUTPUTS + 1]; /* of totals.c */
+    column last_middle[OUTPUTS + 1], last_row[OUTPUTS + 1];
 } block;
 
 typedef struct {

@@ -3,7 +3,8 @@
 
    Before this text stand marching.c or lanes.c with what they ask for. A drive that is not constant in a half step is
    replaced by four levels with its mean, its mean square and its extremes. If it jumps or swings there (its lapse is
-   above 0), these extremes are those of the outputs, too. Between the nodes of other steps outputs follow a parabola. */
+   above 0), these extremes are those of the outputs, too. Between the nodes of other steps outputs follow a parabola,
+   if its second derivative is near that half a step before: there is no kink. */
 
 static void find_levels(double mean, double square, double low, double high, double *level, double *share) {
     const double centre = 0.5 * (low + high), reach = high > low ? 0.5 * (high - low) : 1.0;
@@ -39,13 +40,16 @@ static void count_row(block *b, const column *row, const column weight, const lo
         }
 }
 
-/* peaks between the nodes of steps in which no drive jumps or swings */
+/* peaks between the nodes of steps in which no drive jumps or swings, and before which none does */
 static void count_peaks(block *b, const column (*rows)[OUTPUTS + 1], const long long *counts) {
     for (long k = 0; k < OUTPUTS; k++)
         for (long i = 0; i < LANES; i++) {
             const double first = rows[0][k][i], middle = rows[1][k][i], last = rows[2][k][i];
             const double bend = first - 2.0 * middle + last, rise = last - first;
-            if (!counts[i] || !(fabs(rise) < 2.0 * fabs(bend))) continue;
+            if (!counts[i] || OF_LANE(b->at_edge, i) || !(fabs(rise) < 2.0 * fabs(bend))) continue;
+            const double half = 0.5 * OF_LANE(b->length, i), before = OF_LANE(b->last_half, i), per = half / before;
+            const double earlier = 2.0 * (middle - first - (first - b->last_middle[k][i]) * per) / (1.0 + per) * per;
+            if (!(fabs(earlier - bend) <= 0.1 * fabs(bend))) continue;
             const double top = middle - rise * rise / (8.0 * bend);
             b->lowest[k][i] = top < b->lowest[k][i] ? top : b->lowest[k][i];
             b->highest[k][i] = top > b->highest[k][i] ? top : b->highest[k][i];
@@ -148,7 +152,10 @@ static void add_totals(march *m, block *b, const long long *taken) {
 #endif
     for (long k = 0; k < OUTPUTS; k++)
         for (long i = 0; i < LANES; i++)
-            if (taken[i]) b->last_row[k][i] = rows[2][k][i];
+            if (taken[i]) {
+                b->last_middle[k][i] = rows[1][k][i];
+                b->last_row[k][i] = rows[2][k][i];
+            }
 }
 
 static void tell_totals(const march *m, const block *b, long run, long i) {
