@@ -310,7 +310,7 @@ def add_warnings(result: Result) -> Result:
     result.warnings.extend(alarm.sentence for alarm in result.alarms)
     if result.status is Status.LONG_STEP:
         result.warnings.append(f"Warning: {result.status.sentence}")
-    result.warnings.extend(_describe_doubts(result, result.columns))
+    result.warnings.extend(_describe_doubts(result, result.list_rows()[1]))
     return result
 
 

@@ -15,6 +15,7 @@ from martensite.design.analysis.energy import EnergyCourses, integrate_energies
 from martensite.show.figures.panels import add_panels, write_headline
 from martensite.show.figures.style import COOLING, FAINT, HEATING, INK, SIMULATED, make_figure, use_style
 from martensite.signals.sampling.sampled import Numbers
+from martensite.simulate.curve_rows import add_step_rows
 from martensite.simulate.result import Result
 
 if TYPE_CHECKING:
@@ -54,6 +55,7 @@ def compute_cycle_energies(result: Result, period: float, *, pairs: Sequence[Pai
     Raises:
         InputError: there is no whole cycle, a column is missing, or the mechanism needs `pairs`.
     """
+    result = add_step_rows(result)
     times = np.asarray(result.times)
     cycles = math.floor((times[-1] - times[0]) / period * (1.0 + 1e-9)) if period > 0.0 else 0
     if cycles < 1:

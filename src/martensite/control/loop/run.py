@@ -113,12 +113,14 @@ def warn_of_loops(result: Result, bench: Bench, duration: float) -> Result:
 
 def warn_of_guard(result: Result, bench: Bench) -> Result:
     """The result with a warning for every alarm of the supervisor: which check, when first, for how long."""
-    raised = result.columns.get(ALARM, [])
+    if ALARM not in result.columns:
+        return result
+    times, columns = result.list_rows([ALARM])
+    raised, lengths = columns[ALARM], np.diff(times, append=times[-1] + bench.period)
     checks = bench.supervisor.name_checks() if bench.supervisor is not None else {}
     said: list[str] = []
-    for number in sorted({value for value in raised if value}):
-        first = next(time for time, value in zip(result.times, raised, strict=False) if value == number)
-        length = bench.period * sum(value == number for value in raised)
+    for number in np.unique(raised[raised != 0.0]).tolist():
+        first, length = times[raised == number][0], lengths[raised == number].sum()
         names = ", ".join(f"`{name}`" for name in checks.get(int(number) % LIMITED, ["supervisor"]))
         acted = "limited" if number > LIMITED else "cut"
         said.append(

@@ -8,8 +8,9 @@ counts what the element gave: η = W/E. What E − Q leaves is in the element, a
 or as work; over a cycle that repeats it is 0 but for the net work, which these heat balances leave
 out (see the documentation of the heat balance).
 
-Powers of a system in discrete time hold for a period; others are integrated by trapezoids on the
-samples of the result, so that a signal with jumps needs many samples.
+Powers of a system in discrete time hold for a period. Powers of other systems are integrated over
+the accepted steps of the run, or by trapezoids over the samples where only samples are known. Work
+is integrated by trapezoids over both.
 """
 
 from __future__ import annotations
@@ -19,7 +20,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.elements.base import AbstractElement
 from martensite.actuators.elements.rows import AbstractRow
 from martensite.actuators.elements.wire import Wire
@@ -78,30 +78,35 @@ def find_length(element: AbstractElement) -> float | None:
 
 
 def integrate_energies(result: Result, ways: Sequence[tuple[Numbers, Numbers]]) -> EnergyCourses:
-    """Energies of a run over its samples.
+    """Return the energies of a run up to its samples.
 
     `ways` are forces [N] with the coordinates [m] that grow as they pull, or torques with angles.
     """
-    times = np.asarray(result.times)
-    power, lost = (_add_columns(result, name) for name in ("power", "heat_loss"))
-    work = np.zeros((2, len(times)))
+    work = np.zeros((2, len(result.times)))
     for f, x in ways:
         done = 0.5 * (f[1:] + f[:-1]) * np.diff(x)
         work[0, 1:] += np.cumsum(np.maximum(done, 0.0))
         work[1, 1:] += np.cumsum(np.maximum(-done, 0.0))
     held = result.system.sample_time() > 0.0
-    given, taken = _integrate_column(times, power, held), _integrate_column(times, lost, False)
+    given, taken = _integrate_outputs(result, "power", held), _integrate_outputs(result, "heat_loss", False)
     return EnergyCourses(given, taken, work[0], work[1])
 
 
-def _add_columns(result: Result, name: str) -> Numbers:
-    """A column of all elements, added up."""
-    system: AbstractSystem = result.system
-    columns = [np.asarray(result.columns[system.label(port, name)]) for port in system.actuators()]
-    return np.sum(columns, axis=0) if columns else np.zeros(len(result.times))
-
-
-def _integrate_column(times: Numbers, values: Numbers, held: bool) -> Numbers:
-    """Integral up to every sample."""
-    middles = values[:-1] if held else 0.5 * (values[1:] + values[:-1])
-    return np.concatenate([[0.0], np.cumsum(middles * np.diff(times))])
+def _integrate_outputs(result: Result, name: str, held: bool) -> Numbers:
+    """Return the integral of an output of all elements up to every sample."""
+    labels = [result.system.label(port, name) for port in result.system.actuators()]
+    if not labels:
+        return np.zeros(len(result.times))
+    times, columns = result.list_rows(labels)
+    values = np.sum([np.asarray(column) for column in columns.values()], axis=0)
+    if result.track is None or held:
+        middles = values[:-1] if held else 0.5 * (values[1:] + values[:-1])
+        sums = np.concatenate([[0.0], np.cumsum(middles * np.diff(times))])
+    else:
+        weighted = result.track.weights * values
+        sums = np.cumsum(weighted)
+        sums[:-1] -= 0.5 * weighted[:-1]
+        sums[0] = 0.0
+    found = np.interp(result.times, times, sums)
+    found[-1] = sums[-1]
+    return found

@@ -19,8 +19,6 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from martensite.actuators.mechanisms.load_line import DeadWeight
 from martensite.base.errors import SolveError
 from martensite.design.sizing.cycle import STEPS, find_current, simulate_cooling
@@ -125,7 +123,7 @@ def _check_row(size: WireSize, strand: Strand, stress: float) -> CheckRow:
     _, cooling = simulate_cooling(system, LEFT * strand.length, current, PULSE, strand.time_constant())
     cell = size.cooling_70 if strand.alloy == "70" else size.cooling_90
     run = simulate(system, Step(high=current), PULSE, step=PULSE / STEPS, samples=STEPS + 1)
-    lost, given = (float(np.trapezoid(run[name], run.times)) for name in ("heat_loss", "power"))
+    lost, given = (run.measure(f"integral({name})") for name in ("heat_loss", "power"))
     numbers = list_alloy_numbers(strand.alloy)
     taken = strand.mass * (65.0 * numbers["heat_capacity"] + numbers["latent_heat"])
     stored = size.current.value**2 * strand.resistance * PULSE / taken

@@ -7,16 +7,16 @@ reached; the return counts as done when 2 % of the stroke is left.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
 from scipy.optimize import root_scalar
 
 from martensite.actuators.assembly import System
 from martensite.base.status import Status
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.signals.step import Step
-from martensite.simulate.alarms import Alarm, find_excursion
+from martensite.simulate.alarms import Alarm, Values, find_excursion
 from martensite.simulate.api import simulate
 from martensite.simulate.judgement import judge_run
 from martensite.simulate.result import Result
@@ -70,7 +70,7 @@ def simulate_pulse(system: System, current: float, time: float) -> float:
     """
     run = simulate(system, Step(high=current), time, step=time / STEPS, samples=STEPS + 1)
     left = run.status is Status.OUT_OF_ENVELOPE
-    return max(run.columns["position"]) if left else run.columns["position"][-1]
+    return run.find_range("position")[1] if left else run.columns["position"][-1]
 
 
 def find_current(system: System, position: float, time: float, guess: float) -> float | None:
@@ -98,14 +98,15 @@ def find_reach_time(system: System, position: float, current: float, longest: fl
     samples = 10 * STEPS + 1
     step = longest / (samples - 1)
     run = simulate(system, Step(high=current), longest, step=step, samples=samples)
-    return find_crossing(run.times, run.columns["position"], position)
+    times, columns = run.draw_curves(["position"])
+    return find_crossing(times, columns["position"], position)
 
 
 def simulate_cycle(system: System, position: float, current: float, heating: float, time_constant: float) -> PulseCycle:
     """The cooling after a pulse of `current` [A] that lasts `heating` [s]."""
     left = RETURNED * position
     run, cooling = simulate_cooling(system, left, current, heating, time_constant)
-    return PulseCycle(current, heating, cooling, max(run.columns["temperature"]), exceeded=judge_run(run).alarms)
+    return PulseCycle(current, heating, cooling, run.find_range("temperature")[1], exceeded=judge_run(run).alarms)
 
 
 def repeat_pulse(system: System, found: PulseCycle, rate: float) -> PulseCycle:
@@ -117,7 +118,7 @@ def repeat_pulse(system: System, found: PulseCycle, rate: float) -> PulseCycle:
     step = max(found.heating / STEPS, 1.0 / rate / MOST_STEPS * RUNNING)
     run = simulate(system, pulses, RUNNING / rate, step=step, samples=401)
     exceeded = judge_run(run).alarms or found.exceeded
-    return replace(found, running=max(run.columns["temperature"]), exceeded=exceeded)
+    return replace(found, running=run.find_range("temperature")[1], exceeded=exceeded)
 
 
 def simulate_cooling(
@@ -141,13 +142,13 @@ def _run_pulse(system: System, pulse: Step, duration: float) -> Result:
 
 def _find_fall_time(run: Result, start: float, level: float) -> float | None:
     """Time after `start` [s] at which the position has fallen to a level [m]."""
-    after = [i for i, time in enumerate(run.times) if time >= start]
-    times = [run.times[i] for i in after]
-    time = find_crossing(times, [-run.columns["position"][i] for i in after], -level)
+    times, columns = run.draw_curves(["position"])
+    after = times >= start
+    time = find_crossing(times[after], -columns["position"][after], -level)
     return None if time is None else time - start
 
 
-def find_crossing(times: Sequence[float], values: Sequence[float], level: float) -> float | None:
-    """First time at which `values` exceed `level`, between samples on a line; None if never."""
-    above = find_excursion(times, [value - level for value in values])
+def find_crossing(times: Values, values: Values, level: float) -> float | None:
+    """Return the first time at which `values` exceed `level`, on straight lines between their points; None if never."""
+    above = find_excursion(times, np.asarray(values, float) - level)
     return None if above is None else above.first

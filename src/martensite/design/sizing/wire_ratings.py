@@ -268,7 +268,7 @@ def _find_cycle(
     if current is None:
         return None, None
     run, cooling = simulate_cooling(system, back, current, wire.pulse, slowness)
-    cycle = PulseCycle(current, wire.pulse, cooling, max(run.columns["temperature"]), exceeded=judge_run(run).alarms)
+    cycle = PulseCycle(current, wire.pulse, cooling, run.find_range("temperature")[1], exceeded=judge_run(run).alarms)
     return cycle, None if current <= most else find_reach_time(system, contracted, most, 16.0 * slowness + wire.pulse)
 
 

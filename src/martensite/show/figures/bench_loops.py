@@ -107,10 +107,13 @@ def list_estimates(result: Result, found: Sequence[Loop]) -> list[str]:
 
 def find_alarmed_spans(result: Result) -> list[tuple[float, float]]:
     """Times between which the supervisor raised an alarm [s]."""
-    raised = [value > 0.5 for value in result.columns.get(ALARM, ())]
+    if ALARM not in result.columns:
+        return []
+    times, columns = result.list_rows([ALARM])
+    raised = columns[ALARM] > 0.5
     found: list[tuple[float, float]] = []
     begin: float | None = None
-    for time, on in zip(result.times, raised, strict=False):
+    for time, on in zip(times.tolist(), raised.tolist(), strict=True):
         if on and begin is None:
             begin = time
         if not on and begin is not None:

@@ -44,6 +44,7 @@ from martensite.show.figures.record_overlays import (
     list_recorded,
 )
 from martensite.show.figures.style import SIMULATED, check_format, make_figure, use_style, write_figure
+from martensite.simulate.curve_rows import add_step_rows
 from martensite.simulate.result import Result
 
 if TYPE_CHECKING:
@@ -181,8 +182,9 @@ def draw_timeseries(
     panels: Sequence[Any], result: Result, names: Sequence[str], records: Sequence[MeasuredRecord] = ()
 ) -> None:
     """Draw one quantity per axes, measured records over it; only the last names the time."""
+    fine = add_step_rows(result)
     for axes, name in zip(panels, names, strict=True):
-        draw_panel(axes, result, name, records)
+        draw_panel(axes, fine, name, records)
     panels[-1].set_xlabel(describe_axis(result, "time").label)
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from martensite.base.formats import typeset_unit, write_difference, write_quantity
 from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
 from martensite.control.loop.names import describe_controllers
+from martensite.simulate.curve_rows import add_step_rows
 from martensite.simulate.measures.base import parse_measure
 from martensite.simulate.path_stages import PathStage, list_stages, residual_strain
 
@@ -154,8 +155,9 @@ def _list_energies(result: Result) -> Iterator[tuple[str, str]]:
     actuators = result.system.actuators().values()
     if not actuators or any(one.source.sets_temperature for one in actuators):
         return
-    ways = find_ways(result)
-    found = integrate_energies(result, ways or [])
+    fine = add_step_rows(result)
+    ways = find_ways(fine)
+    found = integrate_energies(fine, ways or [])
     yield "electrical energy in", f"{found.electrical[-1]:.4g} J"
     yield "heat to the surroundings", f"{found.lost[-1]:.4g} J"
     if ways is not None:

@@ -1,0 +1,32 @@
+"""Rows for curves: the samples of a run together with its accepted steps, so that no peak is left out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from martensite.simulate.result import Result
+
+
+def add_step_rows(result: Result) -> Result:
+    """Return a single run with rows at its accepted steps, on both sides of jumps, among the samples.
+
+    Columns that are no outputs of the system, and profiles, are on straight lines between samples.
+    """
+    if result.track is None or result.variants is not None:
+        return result
+    samples = np.asarray(result.times, float)
+    steps, own = result.list_rows()
+    times = np.concatenate([steps, samples])
+    order = np.argsort(times, kind="stable")
+    times = times[order]
+    columns = {name: np.interp(times, samples, column).tolist() for name, column in result.columns.items()}
+    for name in own.keys() & columns.keys():
+        columns[name] = np.concatenate([own[name], result[name]])[order].tolist()
+    profiles = {
+        name: [np.interp(times, samples, cell).tolist() for cell in cells] for name, cells in result.profiles.items()
+    }
+    found = replace(result, times=times.tolist(), columns=columns, profiles=profiles)
+    vars(found)["track"] = result.track  # computed once
+    return found
