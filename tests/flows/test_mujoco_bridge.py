@@ -100,14 +100,26 @@ def test_steps_by_hand_are_a_run() -> None:
     assert solved.tensions == pytest.approx([bridge.observe()["wire"]["force"]], rel=1e-9)
 
 
+def limited() -> MujocoBridge:
+    """A mass on a wire that may be 330 K hot."""
+    one = actuator(start_force=MASS * GRAVITY, law=law_a())
+    limits = one.element.limits.with_values({"temperature_limit": 330.0})
+    return MujocoBridge(hanging(2e-3, MASS), [one.with_parts(element=one.element.with_parts(limits=limits))])
+
+
 def test_alarms_name_the_tendon() -> None:
-    law = law_a()
-    hot = actuator(start_force=MASS * GRAVITY, law=law)
-    limits = hot.element.limits.with_values({"temperature_limit": 330.0})
-    hot = hot.with_parts(element=hot.element.with_parts(limits=limits))
-    result = MujocoBridge(hanging(2e-3, MASS), [hot]).run(1.0, {"wire": 12.0})
+    result = limited().run(1.0, {"wire": 12.0})
     assert [(alarm.kind, alarm.port) for alarm in result.alarms] == [("temperature", "wire")]
     assert result.warnings[0].startswith("Warning: `wire`: temperature reaches")
+
+
+def test_alarms_come_from_every_step_and_not_from_the_samples() -> None:
+    """Source of truth: a run with a sample at every step."""
+    pulse = Table(times=(0.0, 0.1, 0.11, 0.6, 0.61, 4.0), values=(0.0, 0.0, 12.0, 12.0, 0.0, 0.0))
+    few, many = (limited().run(4.0, {"wire": pulse}, samples=samples) for samples in (2, 2001))
+    assert few.alarms == many.alarms
+    assert [alarm.kind for alarm in few.alarms] == ["temperature"]
+    assert few["wire.temperature"][-1] < 320.0
 
 
 @pytest.mark.parametrize("name", ELEMENTS.names())

@@ -172,21 +172,25 @@ class MujocoBridge:
             raise InputError(f"A run has 2 samples or more, and at most {MOST_STEPS:,} steps.")
         places, every = scalar_joints(self.model, joints), math.ceil(steps / (samples - 1))
         result = MujocoResult(self.plant.dt)
-        self._sample(result, waves, places)
+        self._observe(result, waves, places)
         for k in range(1, steps + 1):
             time = self.plant.time
             solved = self.step(self._signals(waves, time))
             worst = max(strand.status for strand in self.strands)
             result.note(worst, time, solved.error, solved.turns, solved.asked)
-            if k % every == 0 or k == steps:
-                self._sample(result, waves, places)
+            self._observe(result, waves, places if k % every == 0 or k == steps else None)
         for strand in self.strands:
             result.judge(strand)
         return result
 
-    def _sample(self, result: MujocoResult, waves: Mapping[str, AbstractWaveform], places: dict[str, int]) -> None:
-        now = {name: wave.value(self.plant.time) for name, wave in waves.items()}
-        result.sample(self.data, self.observe(now), places)
+    def _observe(
+        self, result: MujocoResult, waves: Mapping[str, AbstractWaveform], places: dict[str, int] | None
+    ) -> None:
+        """Follow what alarms are about, and keep a sample if `places` of joints are given."""
+        rows = self.observe({name: wave.value(self.plant.time) for name, wave in waves.items()})
+        result.follow(self.plant.time, rows)
+        if places is not None:
+            result.sample(self.data, rows, places)
 
     def _signals(self, waves: Mapping[str, AbstractWaveform], time: float) -> dict[str, float]:
         found: dict[str, float] = {}

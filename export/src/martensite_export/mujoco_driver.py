@@ -133,9 +133,10 @@ def run(scenario, bridge, viewer=None):
     steps = max(1, math.ceil(scenario.duration / dt - 1e-9))
     every, begun = math.ceil(steps / (scenario.samples - 1)), time.monotonic()
     for k in range(steps + 1):
+        rows = bridge.observe({tendon: wave.value(data.time) for tendon, wave, _ in played})
+        result.follow(data.time, rows)  # alarms are judged at every step
         if k % every == 0 or k == steps:
-            now = {tendon: wave.value(data.time) for tendon, wave, _ in played}
-            result.sample(data, bridge.observe(now), joints)
+            result.sample(data, rows, joints)
         if k == steps or (viewer and not viewer.is_running()):
             break
         mujoco.mj_step1(model, data)  # positions, velocities and sensors are those of now

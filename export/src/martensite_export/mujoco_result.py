@@ -8,7 +8,7 @@ from typing import Any
 
 from martensite.base.errors import UnknownNameError
 from martensite.base.status import Status
-from martensite.simulate.alarms import Alarm, alarms_of
+from martensite.simulate.alarms import JUDGED, Alarm, alarms_of
 from martensite_export.strand import TracedStrand
 
 
@@ -38,6 +38,8 @@ class MujocoResult:
     """Most lines that were laid in a step; 1 where nothing but free motion happened."""
     asked: int = 0
     """Most often that all elements were asked in a step."""
+    followed: dict[str, dict[str, list[float]]] = field(default_factory=dict[str, dict[str, list[float]]])
+    """By tendon the `time` and the outputs that alarms are about, at every step; filled by `follow`."""
     alarms: list[Alarm] = field(default_factory=list[Alarm])
     """Exceeded limits, slack, a saturated supply; `port` is the tendon."""
 
@@ -77,8 +79,17 @@ class MujocoResult:
             for name, value in row.items():
                 columns[name].append(value)
 
+    def follow(self, time: float, rows: Mapping[str, Mapping[str, float]]) -> None:
+        """Keep what alarms are about, at a time [s]: call it after every step, with rows of outputs by tendon."""
+        for tendon, row in rows.items():
+            judged = {"time": time} | {name: row[name] for name in JUDGED if name in row}
+            columns = self.followed.setdefault(tendon, {name: [] for name in judged})
+            for name, value in judged.items():
+                columns[name].append(value)
+
     def judge(self, strand: TracedStrand) -> None:
-        """Note the alarms of an element."""
-        for alarm in alarms_of(strand.system, self.times, self.tendons[strand.name]):
+        """Add the alarms of an element: at every step that was followed, else at the samples."""
+        columns = self.followed.get(strand.name) or {"time": self.times, **self.tendons[strand.name]}
+        for alarm in alarms_of(strand.system, columns["time"], columns):
             words = alarm.sentence.replace("Warning: ", f"Warning: `{strand.name}`: ", 1)
             self.alarms.append(replace(alarm, port=strand.name, sentence=words))
