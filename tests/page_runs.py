@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import subprocess
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,10 @@ from node_js import WEB, node
 from martensite.actuators.assembly.lengths import measure_lengths
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState
 from martensite.scenario.scenario import Scenario
+from martensite.simulate.alarms import add_warnings
 from martensite.simulate.result import Result
+from martensite.simulate.tracing import AbstractTrace
+from martensite.simulate.track import StepRows, Track
 from martensite_app.messages import write_message
 from martensite_app.views.formulas import write_number
 
@@ -45,6 +49,7 @@ def _strip_run(scenario: Scenario, result: Result) -> dict[str, Any]:
         "text": scenario.text,
         "times": result.times,
         "columns": result.columns,
+        "track": None if result.track is None else _tabulate_track(result),
         "status": result.status.name,
         "accuracy": result.accuracy,
         "steps": result.steps,
@@ -54,6 +59,33 @@ def _strip_run(scenario: Scenario, result: Result) -> dict[str, Any]:
         "warnings": [],
         "cautions": scenario.cautions,
     }
+
+
+def _tabulate_track(result: Result) -> dict[str, Any]:
+    times, columns = result.list_rows()
+    return {"times": times, "columns": columns, "weights": result.track.weights}
+
+
+@dataclass(frozen=True)
+class KeptTrace(AbstractTrace):
+    """A track that is known."""
+
+    track: Track
+
+    def compute_track(self) -> Track:
+        return self.track
+
+
+def keep_rows(result: Result) -> Result:
+    """Return a run judged at the rows of its track alone, as the page judges it, without curves between them."""
+    track = result.track
+    if track is None:
+        return result
+    none = StepRows(track.steps.rows[:0], track.steps.joined[:0], track.steps.plain[:0])
+    rows = replace(track, steps=none)
+    fresh = add_warnings(replace(result, trace=KeptTrace(rows), alarms=[], warnings=[]))
+    guard = [one for one in result.warnings if one.startswith("Warning: The guard")]
+    return replace(fresh, warnings=[*fresh.warnings, *guard])
 
 
 def draw_row(system: Any, result: Result, row: int) -> list[DrawingShape]:

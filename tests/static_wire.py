@@ -1,6 +1,7 @@
 """A page of files with the default wire, for tests: a module that is committed, and a map of a few controls.
 
-`TABLE` is the same wire with another drive, a table, for which the module holds as well.
+`TABLE` and `PULSE` are the same wire with other drives, a table and one short pulse in a long run, for which the
+module holds as well.
 
 The module is named by what it is compiled of. Where that has changed, `python tests/static_wire.py` makes it anew; it
 needs zig (`pip install 'martensite[cc]'`), which the tests do not.
@@ -35,6 +36,9 @@ ROW = "drive.waveform.values"
 _ROWS = 'kind = "table", times = ["0 s", "1 s", "2 s", "5 s"], values = ["0 W", "0.5 W", "0.5 W", "0 W"]'
 TABLE = re.sub("title = .*", 'title = "Power of a table"', re.sub("waveform = .*", f"waveform = {{ {_ROWS} }}", TEXT))
 
+_PULSE = 'kind = "step", high = "9 W", at = "30.1 s", until = "30.2 s"'
+PULSE = re.sub("waveform = .*", f"waveform = {{ {_PULSE} }}", TEXT).replace('"10 s"', '"3600 s"')
+
 
 def measure_wire(text: str = TEXT, controls: Sequence[str] = CONTROLS) -> tuple[InputMap, RunSource]:
     """The map of the default wire, and the C of its runs."""
@@ -43,10 +47,12 @@ def measure_wire(text: str = TEXT, controls: Sequence[str] = CONTROLS) -> tuple[
 
 
 def write_wire(folder: Path, page: bool = False, table: bool = False) -> None:
-    """Write what the page reads of the wire, of that with a table as well, and the page if it is asked for."""
+    """Write what the page reads of the wire, with the other drives as well, and the page if it is asked for."""
     (folder / RUNS).mkdir(parents=True)
     entries = [_write_runs(folder / RUNS, FIRST, TEXT, CONTROLS)]
-    entries += [_write_runs(folder / RUNS, "table", TABLE, (ROW, "drive.waveform.times"))] if table else []
+    if table:
+        entries.append(_write_runs(folder / RUNS, "table", TABLE, (ROW, "drive.waveform.times")))
+        entries.append(_write_runs(folder / RUNS, "pulse", PULSE, ("mechanism.preload",)))
     write_manifest(folder, entries)
     if page:
         copy_page(folder)

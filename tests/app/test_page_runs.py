@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from page_runs import PageRuns
+from page_runs import PageRuns, keep_rows
 
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.show.figures.hysteresis import find_senses, split_runs
@@ -17,7 +17,7 @@ from martensite.simulate.alarms import add_warnings
 from martensite.simulate.result import Result
 from martensite_app.documents import FOLDER, list_standalone
 from martensite_app.messages import write_message
-from martensite_app.views.columns import choose_rows, list_columns
+from martensite_app.views.columns import list_columns
 from martensite_app.views.diagrams import describe_energy
 from martensite_app.views.formulas import Formulas, explore_choices
 from martensite_app.views.page import describe_page
@@ -42,17 +42,17 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
 
 def run(name: str, changes: dict[str, Any], runtime: str | None = "floats") -> tuple[Scenario, Result]:
     scenario = read_scenario(list_standalone()[name], FOLDER / "scenario.toml", changes or None)
-    return scenario, scenario.run(runtime=runtime)
+    return scenario, keep_rows(scenario.run(runtime=runtime))
 
 
 def expect_run(scenario: Scenario, result: Result) -> dict[str, Any]:
     """All but the phase diagram and the scene, of which there are no others in Python (see `test_scene`)."""
-    kept = choose_rows(len(result.times))
-    system = result.system
-    heated = {port: result.columns[system.label(port, "temperature")] for port in system.actuators()}
-    runs = {port: split_runs(find_senses([one[i] for i in kept])) for port, one in heated.items()}
+    drawn, system = list_columns(result), result.system
+    heated = {port: drawn["columns"][system.label(port, "temperature")] for port in system.actuators()}
+    runs = {port: split_runs(find_senses(one)) for port, one in heated.items()}
+    last = len(drawn["times"]) - 1
     return {
-        **list_columns(result),
+        **drawn,
         "stroke": result.stroke,
         "alarms": list_alarms(result),
         "warnings": [one for one in result.warnings if not one.startswith(MARCH)],
@@ -60,7 +60,7 @@ def expect_run(scenario: Scenario, result: Result) -> dict[str, Any]:
         "loops": list_loops(result),
         "energy": describe_energy(result),
         "key": tabulate_key_results(result).rows,
-        "stretches": {port: own if len(own) <= 32 else [(0, 0, len(kept) - 1)] for port, own in runs.items()},
+        "stretches": {port: own if len(own) <= 32 else [(0, 0, last)] for port, own in runs.items()},
     }
 
 
@@ -124,7 +124,7 @@ def test_alarms_that_are_rare_are_told_alike(page_runs: PageRuns) -> None:
     ]
     columns["martensite_fraction"] = [1.0 - math.sin(math.pi * k / 1000) for k in range(1001)]
     columns["oriented_fraction"] = [(0.5 + 4e-4 * k) * xi for k, xi in enumerate(columns["martensite_fraction"])]
-    result = add_warnings(replace(plain, columns=columns, alarms=[], warnings=[]))
+    result = add_warnings(replace(plain, columns=columns, trace=None, alarms=[], warnings=[]))
     assert {alarm["kind"] for alarm in list_alarms(result)} >= {"slack", "drift"}
     assert compare(page_runs, {"rare": (scenario, result)}) == {}
 

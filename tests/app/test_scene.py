@@ -14,6 +14,7 @@ from page_runs import PageRuns, draw_row
 from martensite.actuators.mechanisms.drawing import KINDS, DrawingShape, DrawingState
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley
 from martensite.scenario.scenario import Scenario, read_scenario
+from martensite.simulate.curve_rows import add_step_rows
 from martensite.simulate.result import Result
 from martensite_app.documents import FOLDER, list_standalone
 from martensite_app.views.page import describe_page
@@ -111,6 +112,7 @@ def test_a_coil_is_drawn_as_one(drawn: dict[str, Drawn]) -> None:
 
 def test_slack_is_told(drawn: dict[str, Drawn]) -> None:
     _, result, found = drawn["slack"]
+    result = add_step_rows(result)
     rows = [result.times.index(time) for time in found["times"]]
     told = [names["slack"] for names in found["ports"].values()]
     assert {0, 1} <= {flag for flags in told for flag in flags}

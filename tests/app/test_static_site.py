@@ -12,10 +12,12 @@ import numpy as np
 import pytest
 from command import Command
 from node_js import WEB, node
-from static_wire import MODULES, ROW, TABLE, TEXT, measure_wire, write_wire
+from static_wire import MODULES, PULSE, ROW, TABLE, TEXT, measure_wire, write_wire
 
 from martensite.base.errors import CompileError, DataError
+from martensite.show.summaries.run import tabulate_key_results
 from martensite.simulate.compiled import compile_march
+from martensite.simulate.result import Result
 from martensite_app.documents import build_packaged, list_standalone
 from martensite_app.static_site.flat_inputs import list_inputs
 from martensite_app.static_site.input_map import InputMap, measure_map, write_quantity
@@ -147,6 +149,13 @@ def test_a_row_is_read_as_it_is_typed(folder: Path) -> None:
         assert said in one["refused"]
 
 
+def test_a_short_pulse_of_a_long_run_is_in_the_numbers_of_the_page(folder: Path) -> None:
+    (found,) = play(folder, "pulse", {})
+    require_run(found, build_packaged(PULSE))
+    assert found["alarms"]
+    assert found["ends"]["hottest"][1] > max(found["columns"]["hottest"]) + 50.0
+
+
 def require_run(found: dict[str, Any], scenario: Any) -> None:
     """Steps, status, heat and columns are those of `martensite run`."""
     meant = scenario.run(runtime="floats")
@@ -159,6 +168,25 @@ def require_run(found: dict[str, Any], scenario: Any) -> None:
         assert np.abs(np.subtract(found["columns"][name], column)).max() <= CLOSE * size, name
     assert meant.heat is not None
     assert math.isclose(found["putIn"], meant.heat.put_in, rel_tol=1e-9)
+    require_numbers(found, meant)
+
+
+def require_numbers(found: dict[str, Any], meant: Result) -> None:
+    """Require the printed numbers of the page to be those of the summary, and its ends to be the extremes.
+
+    The page has no peaks between the ends of steps: hence the allowance.
+    """
+    for (words, text), (meant_words, meant_text) in zip(found["key"], tabulate_key_results(meant).rows, strict=True):
+        (number, *unit), (meant_number, *meant_unit) = text.split(" "), meant_text.split(" ")
+        assert (words, unit) == (meant_words, meant_unit)
+        assert float(number) == pytest.approx(float(meant_number), rel=1e-3, abs=1e-3), words
+    for name, (low, high) in meant.extremes.items():
+        size = 1e-3 * max(high - low, 1e-9)
+        assert found["ends"][name] == pytest.approx([low, high], abs=size), name
+    alarms = [(one["kind"], one["first"], one["duration"], one["worst"]) for one in found["alarms"]]
+    wanted = [(one.kind, one.first, one.duration, one.worst) for one in meant.alarms]
+    assert [kind for kind, *_ in alarms] == [kind for kind, *_ in wanted]
+    assert [x for _, *own in alarms for x in own] == pytest.approx([x for _, *own in wanted for x in own], rel=1e-3)
 
 
 def test_what_the_page_cannot_do_is_said(played: Played) -> None:

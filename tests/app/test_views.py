@@ -10,10 +10,10 @@ import pytest
 
 from martensite.base.errors import DataError, InputError
 from martensite.design.analysis.energy import find_length
-from martensite.scenario.scenario import load
+from martensite.scenario.scenario import load, read_scenario
 from martensite.show.summaries.run import tabulate_key_results
 from martensite.simulate.result import Result
-from martensite_app.calls.scenarios import compare_documents
+from martensite_app.calls.scenarios import compare_documents, run_scenario
 from martensite_app.messages import BadMessageError
 from martensite_app.views.diagrams import NO_ELEMENT, PRESCRIBED, describe_energy
 from martensite_app.views.traces import list_alarms, list_loops, list_panels
@@ -30,6 +30,53 @@ def ran(name: str, *changes: tuple[str, Any]) -> Result:
 
 def power(watt: str) -> Result:
     return ran("constant_power", ("drive.waveform.high", watt))
+
+
+SHORT_PULSE = """
+title = "thin wire, one short pulse in an hour"
+[element]
+kind = "wire"
+material = "flexinol-90"
+law = { kind = "liang-rogers", modulus = "mixture" }
+diameter = "0.1 mm"
+length = "100 mm"
+[environment]
+temperature = "22 degC"
+cooling = { kind = "constant", h = "150 W/m^2/K" }
+[mechanism]
+kind = "dead-weight"
+mass = "100 g"
+[drive]
+kind = "current"
+waveform = { kind = "step", high = "1.2 A", at = "30.1 s", until = "30.2 s" }
+[run]
+duration = "3600 s"
+"""
+
+
+def test_numbers_of_the_bench_are_those_of_the_accepted_steps() -> None:
+    """Source of truth: extremes, measures and alarms of the run; its samples are 3.6 s apart and miss the pulse."""
+    run = run_scenario({"text": SHORT_PULSE}, Desk(Path()))
+    result = read_scenario(SHORT_PULSE, Path("pulse.toml")).run(runtime="floats")
+    (alarm,), (told,) = result.alarms, run["alarms"]
+    energy, columns = {one["key"]: one["values"] for one in run["energy"]["courses"]}, run["columns"]
+    low, high = result.extremes["hottest"]
+    key = dict(run["key"])
+    for found, wanted in (
+        (run["stroke"], result.measure("stroke")),
+        (run["ends"]["hottest"], (low, high)),
+        (run["ends"]["power"][1], result.measure("max(power)")),
+        (max(columns["hottest"]), high),
+        (max(columns["position"]) - min(columns["position"]), run["stroke"]),
+        (energy["electrical"][-1], result.measure("energy")),
+        (energy["lost"][-1], result.measure("integral(heat_loss)")),
+        (told["spans"], [(alarm.first, alarm.first + alarm.duration)]),
+        (float(key["peak temperature"].split()[0]), high - 273.15),
+        (float(key["electrical energy in"].split()[0]), result.measure("energy")),
+        (float(key["time beyond limits"].split()[0]), alarm.duration),
+    ):
+        assert np.asarray(found) == pytest.approx(np.asarray(wanted), rel=5e-4)
+    assert high > max(result.columns["hottest"]) + 100.0
 
 
 def test_every_column_stands_in_one_panel() -> None:

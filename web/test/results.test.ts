@@ -3,6 +3,7 @@ import { test } from "node:test";
 import type { Run } from "../src/lib/types.ts";
 import { insightOf, writePromise } from "../src/views/insight.ts";
 import { scaledRow } from "../src/views/remedies.ts";
+import { endsOf } from "../src/views/columns.ts";
 import { isConcerned, cycleOf, measureDeviation, measures } from "../src/views/results.ts";
 
 const how = (unit: string, shown = unit, factor = 1, offset = 0) => ({ unit, shown, factor, offset, long_name: unit, symbol: unit });
@@ -22,7 +23,7 @@ function made(back: number, wait = 1, extra: Partial<Run> = {}): Run {
     outputs: { position: how("m", "mm", 1000), hottest: how("K", "degC", 1, -273.15), stress: how("Pa", "MPa", 1e-6) },
     energy: { courses: [{ key: "electrical", values: electrical }], efficiency: times.map(() => 0.02), sentence: "" },
   };
-  return { ...run, ...extra } as unknown as Run;
+  return { ...run, ends: endsOf(run.columns), ...extra } as unknown as Run;
 }
 
 const near = (value: number | null | undefined, wanted: number): void => assert.ok(Math.abs((value ?? NaN) - wanted) < 2 * STEP, `${value} is not ${wanted}`);

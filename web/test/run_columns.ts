@@ -7,6 +7,7 @@ import { fillForm, findKnown, readChanges, writeChanged } from "../src/engine/do
 import { listControls, predictInputs, type Changes } from "../src/engine/inputs.ts";
 import { RunModule } from "../src/engine/march.ts";
 import { runScenario } from "../src/engine/run.ts";
+import { describeRun } from "../src/views/run.ts";
 import type { Manifest, Scenario } from "../src/engine/types.ts";
 
 const [folder = "", name = "", ...all] = process.argv.slice(2);
@@ -30,7 +31,8 @@ for (const given of all) {
     const columns = Object.fromEntries(Object.entries(run.columns).map(([key, one]) => [key, [...one]]));
     const form = fillForm(scenario, text, changes, predictInputs(scenario, changes));
     const rows = Object.fromEntries(listControls(form.sections).flatMap((one) => (one.sort === "row" ? [[one.path, one.value]] : [])));
-    found = { ...run, times: [...run.times], columns, profiles: null, parameters: null, seconds: again.seconds, rows };
+    const { key, ends, alarms } = describeRun(run, scenario);
+    found = { ...run, track: null, key, ends, alarms, times: [...run.times], columns, profiles: null, parameters: null, seconds: again.seconds, rows };
   } catch (error) {
     found = { refused: error instanceof Error ? error.message : String(error) };
   }

@@ -31,12 +31,14 @@ export function marchTo(module: RunModule, scenario: Scenario, base: Base, toler
   let found = module.march(planMarch(some, local));
   let rows = pickJudged(scenario, found, null);
   let accuracy = Infinity;
+  const floor = module.layout.shares ? 2 * FLOOR : FLOOR;
   for (let run = 0; run < MOST; run++) {
     local /= FINER;
-    found = module.march(planMarch(base, local, found.ranges, true));
+    const ranges = run || !module.layout.shares ? found.ranges : null;
+    found = module.march({ ...planMarch(base, local, ranges, true), recorded: true });
     const before = rows;
     rows = pickJudged(scenario, found, compared);
-    accuracy = Math.max(boundError(scenario, found, before, rows), FLOOR * tolerance);
+    accuracy = Math.max(boundError(scenario, found, before, rows), floor * tolerance);
     if (accuracy <= tolerance) break;
   }
   return [found, accuracy];

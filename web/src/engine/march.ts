@@ -2,6 +2,7 @@
 // given_steps.c. What it is told lies in the memory of the module, as `_March` of
 // marching_native.py says, with words and pointers of 4 bytes.
 
+import { recordWidth, type TrackRows } from "./track.ts";
 import type { Layout } from "./types.ts";
 
 /** Segments (start, level, slope, bend) and tones (amplitude, rate, phase) of a drive, column by column. */
@@ -27,6 +28,8 @@ export interface Plan {
   drives: DriveTable[];
   /** State from which the run goes on; it begins at rest where there is none. */
   state?: Float64Array | null;
+  /** Whether accepted steps are recorded. */
+  recorded?: boolean;
 }
 
 export interface Marched {
@@ -48,6 +51,8 @@ export interface Marched {
   accounts: Float64Array;
   /** At the end. */
   state: Float64Array;
+  /** Pieces of accepted steps, in the layout of martensite/simulate/track.py; empty if they were not recorded. */
+  record: Float64Array;
 }
 
 /** A grid of a system in discrete time; see `TimeGrid`. */
@@ -71,8 +76,11 @@ export const UNSOLVED = 2;
 export const NOT_FINITE = 4;
 export const OUT_OF_ENVELOPE = 7;
 
-const DONE = 0;
-const MARCH = 112;
+const [DONE, RECORD] = [0, 3];
+const FIRST_RECORD = 1024;
+/** Rows of which the outputs are computed at once. */
+const OBSERVED = 4096;
+const MARCH = 120;
 const DRIVE = 56;
 const ROUNDS = 4096;
 /** Steps after which a run is given up. */
@@ -84,6 +92,7 @@ interface Exports {
   list_losses(p: number, y: number): number;
   march_on?(march: number, block: number, begin: number): number;
   size_of_block?(): number;
+  observe_rows?(runs: number, counts: number, p: number, x: number, y: number): void;
   march?(...numbers: number[]): void;
 }
 
@@ -110,8 +119,16 @@ export class RunModule {
     const at = this.top;
     this.top = (at + bytes + 15) & ~15;
     const missing = this.top - this.calls.memory.buffer.byteLength;
-    if (missing > 0) this.calls.memory.grow(Math.ceil(missing / 65536));
+    if (missing > 0) this.grow(missing);
     return at;
+  }
+
+  private grow(bytes: number): void {
+    try {
+      this.calls.memory.grow(Math.ceil(bytes / 65536));
+    } catch {
+      throw new TooLong();
+    }
   }
 
   private put(values: Float64Array | Int32Array): number {
@@ -169,19 +186,48 @@ export class RunModule {
     const states = plan.state ? this.put(plan.state) : this.fill(layout.size, 0);
     const extremes = this.put(new Float64Array(2 * judged).fill(-Infinity, judged).fill(Infinity, 0, judged));
     const block = this.take(calls.size_of_block!());
+    const width = recordWidth(layout.drives, layout.recorded);
+    let capacity = plan.recorded ? FIRST_RECORD : 0;
+    const record = this.take(8 * width * capacity); // the last, so that it can become longer
     const view = new DataView(calls.memory.buffer);
     // runs, samples, rounds, recording, parted, recorded, capacity
-    [1, samples, ROUNDS, 0, Number(plan.parted), 0, 0].forEach((x, k) => view.setInt32(at + 4 * k, x, true));
+    [1, samples, ROUNDS, Number(capacity > 0), Number(plan.parted), 0, capacity].forEach((x, k) => view.setInt32(at + 4 * k, x, true));
     [plan.tolerance, plan.times[samples - 1]!, plan.step, plan.shortest].forEach((x, k) => view.setFloat64(at + 32 + 8 * k, x, true));
-    [p, first, when, drives, bounds, ranges, rows, numbers, 0, states, extremes, Number(!!plan.state)].forEach((x, k) =>
+    [p, first, when, drives, bounds, ranges, rows, numbers, record, states, extremes, Number(!!plan.state), 0].forEach((x, k) =>
       view.setInt32(at + 64 + 4 * k, x, true),
     );
-    let begin = 1;
-    for (let round = 0; calls.march_on!(at, block, begin) !== DONE; round++) {
+    let answer = calls.march_on!(at, block, 1);
+    for (let round = 1; answer !== DONE; round++) {
       if (round * ROUNDS > MOST_STEPS) throw new TooLong();
-      begin = 0;
+      if (answer === RECORD) {
+        this.take(8 * width * capacity);
+        capacity *= 2;
+        new DataView(calls.memory.buffer).setInt32(at + 24, capacity, true);
+      }
+      answer = calls.march_on!(at, block, 0);
     }
-    return { ...this.read(plan, this.get(rows, samples * outputs), this.get(numbers, said + judged)), state: this.get(states, layout.size) };
+    const recorded = new DataView(calls.memory.buffer).getInt32(at + 20, true);
+    return {
+      ...this.read(plan, this.get(rows, samples * outputs), this.get(numbers, said + judged)),
+      state: this.get(states, layout.size),
+      record: this.get(record, width * recorded),
+    };
+  }
+
+  /** Outputs of states under signals, row by row. */
+  observe(parameters: Float64Array, { times, inputs }: TrackRows): Float64Array {
+    const { outputs, recorded, drives } = this.layout;
+    const [width, found] = [recorded + drives, new Float64Array(outputs * times.length)];
+    for (let from = 0; from < times.length; from += OBSERVED) {
+      const count = Math.min(OBSERVED, times.length - from);
+      this.clear();
+      const p = this.put(parameters);
+      const x = this.put(Float64Array.from(inputs.slice(width * from, width * (from + count))));
+      const y = this.fill(outputs * count, NaN);
+      this.calls.observe_rows!(1, this.put(Int32Array.of(count)), p, x, y);
+      found.set(this.get(y, outputs * count), outputs * from);
+    }
+    return found;
   }
 
   private putDrives(drives: DriveTable[]): number {
@@ -202,7 +248,7 @@ export class RunModule {
     return at;
   }
 
-  private read(plan: Plan, rows: Float64Array, numbers: Float64Array): Omit<Marched, "state"> {
+  private read(plan: Plan, rows: Float64Array, numbers: Float64Array): Omit<Marched, "state" | "record"> {
     const { outputs, said } = this.layout;
     const [status = 0, time = 0, place = -1, value = 0, steps = 0, rejected = 0, longest = 0] = numbers;
     const failed = status >= UNSOLVED;

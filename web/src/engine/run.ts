@@ -4,9 +4,10 @@ import { Refusal } from "../lib/refusal.ts";
 import { hasFailed, marchTo, planMarch, type Base } from "./accuracy.ts";
 import { readSignal, tableOf } from "./drives.ts";
 import { listSaid, predictInputs, type Changes } from "./inputs.ts";
+import { listTrackRows, weighTrapezoids } from "./track.ts";
 import { LONG_STEP, MOST_STEPS, NOT_FINITE, OK, OUT_OF_ENVELOPE, TooLong, UNSOLVED, type Grid, type Marched, type RunModule } from "./march.ts";
 import { formatGeneral } from "../views/formulas.ts";
-import type { RunCore, Scenario } from "./types.ts";
+import type { RunCore, Scenario, Track } from "./types.ts";
 
 const SOLVED = 1e-8;
 const COARSE = 0.2;
@@ -16,6 +17,8 @@ const LEAST_WORK = 1e-12;
 const ENDS_ELSEWHERE = 1e-6;
 /** Share of a range that is seen in a curve. */
 const VISIBLE = 1e-3;
+/** Steps of a run in discrete time up to which its outputs are kept at the end of each. */
+const MOST_ROWS = 200_000;
 
 /** What a run needs, from the inputs. */
 export interface Inputs {
@@ -72,10 +75,14 @@ type Found = Omit<RunCore, "name" | "text" | "changes" | "parameters" | "duratio
 function march(scenario: Scenario, module: RunModule, inputs: Inputs): Found {
   const times = Float64Array.from({ length: inputs.samples }, (_, k) => (inputs.duration * k) / (inputs.samples - 1));
   const base = planBase(scenario, module, inputs, times);
+  const follow = (found: Marched): Track => {
+    const rows = listTrackRows(found.record, scenario.layout.recorded, base.drives);
+    return trackOf(scenario, inputs, rows, module.observe(inputs.parameters, rows), found.status === OUT_OF_ENVELOPE);
+  };
   try {
-    if (base.step) return describeMarch(scenario, inputs, times, module.march(planMarch(base, inputs.tolerance)), null);
+    if (base.step) return describeMarch(scenario, inputs, times, module.march({ ...planMarch(base, inputs.tolerance), recorded: true }), null, follow);
     const [found, accuracy] = marchTo(module, scenario, base, inputs.tolerance);
-    return describeMarch(scenario, inputs, times, found, accuracy);
+    return describeMarch(scenario, inputs, times, found, accuracy, follow);
   } catch (error) {
     if (!(error instanceof TooLong)) throw error;
     throw new Refusal(`This run needs more than ${MOST_STEPS.toLocaleString("en")} steps. Make it shorter, or its tolerance larger.`, "input", 400);
@@ -98,7 +105,7 @@ export function planBase({ places }: Scenario, module: RunModule, inputs: Inputs
   };
 }
 
-function describeMarch(scenario: Scenario, inputs: Inputs, times: Float64Array, found: Marched, accuracy: number | null): Found {
+function describeMarch(scenario: Scenario, inputs: Inputs, times: Float64Array, found: Marched, accuracy: number | null, follow: (found: Marched) => Track): Found {
   refuseFailure(scenario, found.status, found.time);
   const leaves = found.status === OUT_OF_ENVELOPE;
   const reached = leaves ? countInside(scenario, inputs, found.rows, found.reached) : found.reached;
@@ -116,6 +123,7 @@ function describeMarch(scenario: Scenario, inputs: Inputs, times: Float64Array, 
   }
   return {
     ...spread(scenario, found.rows, times, reached),
+    track: follow(found),
     status: leaves ? "OUT_OF_ENVELOPE" : found.status === LONG_STEP ? "LONG_STEP" : "OK",
     statusTime: found.status === OK ? null : found.time,
     accuracy,
@@ -135,7 +143,8 @@ function describeMarch(scenario: Scenario, inputs: Inputs, times: Float64Array, 
 function marchGiven(scenario: Scenario, module: RunModule, inputs: Inputs): Found {
   const { places } = scenario;
   const interval = inputs.all[places.interval]!;
-  const [grid, times] = gridOf(scenario, inputs, interval);
+  const { grid, rows, samples } = gridOf(scenario, inputs, interval);
+  const times = samples.map((k) => k * interval);
   const found = module.marchGiven(inputs.parameters, grid, inputs.low, inputs.high);
   const [residual = 0, crossing = 0] = found.worst;
   const status = !found.rows.every(Number.isFinite) || !Number.isFinite(residual)
@@ -155,7 +164,8 @@ function marchGiven(scenario: Scenario, module: RunModule, inputs: Inputs): Foun
     );
   }
   return {
-    ...spread(scenario, found.rows, times, times.length),
+    ...spread(scenario, rows === samples ? found.rows : pickOutputs(found.rows, scenario.names.length, samples), times, times.length),
+    track: rows === samples ? null : trackOf(scenario, inputs, trackSteps(rows, interval), found.rows, false),
     status: status === LONG_STEP ? "LONG_STEP" : "OK",
     statusTime: null,
     accuracy: null,
@@ -172,20 +182,32 @@ function marchGiven(scenario: Scenario, module: RunModule, inputs: Inputs): Foun
   };
 }
 
-/** The grid of a system in discrete time (`grid_of_samples`), and its samples. */
-function gridOf(scenario: Scenario, inputs: Inputs, interval: number): [Grid, Float64Array] {
+function trackSteps(rows: Float64Array, interval: number): { times: Float64Array; weights: Float64Array } {
+  const times = rows.map((k) => k * interval);
+  return { times, weights: weighTrapezoids(times) };
+}
+
+const pickOutputs = (rows: Float64Array, width: number, places: Float64Array): Float64Array => {
+  const found = new Float64Array(width * places.length);
+  places.forEach((k, i) => found.set(rows.subarray(width * k, width * (k + 1)), width * i));
+  return found;
+};
+
+/** The grid of a system in discrete time (`grid_of_samples`): steps at which it has a row, and those that are samples. */
+function gridOf(scenario: Scenario, inputs: Inputs, interval: number): { grid: Grid; rows: Float64Array; samples: Float64Array } {
   const { layout, places } = scenario;
   const steps = Math.floor(inputs.duration / interval + 1e-9);
   if (!(steps >= 1 && steps <= MOST_STEPS)) {
     throw new Refusal(`A run of ${formatGeneral(inputs.duration, 6)} s in samples of ${formatGeneral(interval, 6)} s has ${steps} steps.`, "input", 400);
   }
   const pieces = Math.min(inputs.samples - 1, steps);
-  const ends = Array.from({ length: pieces + 1 }, (_, i) => roundHalfEven((steps * i) / pieces));
+  const samples = Float64Array.from({ length: pieces + 1 }, (_, i) => roundHalfEven((steps * i) / pieces));
+  const rows = steps <= MOST_ROWS ? Float64Array.from({ length: steps + 1 }, (_, k) => k) : samples;
   const instants = Float64Array.from({ length: steps + 1 }, (_, k) => (k + JUST_AFTER) * interval);
   const signals = places.drives.map((drive) => readSignal(scenario, drive, inputs.all, instants));
   const count = signals.length;
-  const sampled = new Float64Array((pieces + 1) * count);
-  ends.forEach((k, i) => signals.forEach((one, d) => (sampled[i * count + d] = one[k]!)));
+  const sampled = new Float64Array(rows.length * count);
+  rows.forEach((k, i) => signals.forEach((one, d) => (sampled[i * count + d] = one[k]!)));
   const drives = new Float64Array(Math.max(1, steps * layout.inputs));
   for (let k = 0; k < steps; k++) {
     signals.forEach((one, d) => (drives[k * layout.inputs + layout.places[d]!] = one[k + (places.drives[d]!.ahead ? 1 : 0)]!));
@@ -193,11 +215,11 @@ function gridOf(scenario: Scenario, inputs: Inputs, interval: number): [Grid, Fl
   const grid = {
     first: sampled.slice(0, count),
     sampled: sampled.slice(count),
-    counts: Int32Array.from({ length: pieces }, (_, i) => ends[i + 1]! - ends[i]!),
+    counts: Int32Array.from({ length: rows.length - 1 }, (_, i) => rows[i + 1]! - rows[i]!),
     drives,
     lengths: new Float64Array(steps).fill(interval),
   };
-  return [grid, Float64Array.from(ends, (k) => k * interval)];
+  return { grid, rows, samples };
 }
 
 function roundHalfEven(x: number): number {
@@ -223,6 +245,13 @@ function countInside(scenario: Scenario, inputs: Inputs, rows: Float64Array, rea
     if (!inside) return k;
   }
   return reached;
+}
+
+/** The rows of a track from their outputs; of a run that leaves the envelope those before it is outside. */
+function trackOf(scenario: Scenario, inputs: Inputs, rows: { times: ArrayLike<number>; weights: ArrayLike<number> }, outputs: Float64Array, leaves: boolean): Track {
+  const count = leaves ? countInside(scenario, inputs, outputs, rows.times.length) : rows.times.length;
+  const { times, columns } = spread(scenario, outputs, Float64Array.from(rows.times), count);
+  return { times, columns, weights: Float64Array.from(rows.weights).subarray(0, count) };
 }
 
 /** Columns and profiles, by name. */

@@ -6,6 +6,14 @@ import type { Loop, Output, Panel } from "../lib/types.ts";
 import type { Views } from "../views/types.ts";
 
 /** A run, with all its samples, in SI. */
+/** Rows of a run at its accepted steps, on both sides of jumps; see martensite/simulate/track.py. */
+export interface Track {
+  times: Float64Array;
+  columns: Record<string, Float64Array>;
+  /** Weight of every row in an integral over time [s]. */
+  weights: Float64Array;
+}
+
 export interface RunCore {
   name: string;
   /** The document with its changes, TOML. */
@@ -15,6 +23,8 @@ export interface RunCore {
   /** Samples that were reached; fewer than asked for if the run left the envelope. */
   times: Float64Array;
   columns: Record<string, Float64Array>;
+  /** Outputs at accepted steps, from which numbers and alarms come; null where only samples are known. */
+  track: Track | null;
   /** Temperature and fractions along elements, by the name of the output, without a port. */
   profiles: Record<string, Float64Array>;
   status: "OK" | "LONG_STEP" | "OUT_OF_ENVELOPE";
@@ -55,6 +65,10 @@ export interface Layout {
   /** Where among the inputs of a step the signal of every drive is. */
   places: number[];
   outputs: number;
+  /** Numbers of the state that outputs depend on. */
+  recorded: number;
+  /** Whether fibres or cells of an element share a stress; see `shares_stress` in martensite/simulate/accuracy.py. */
+  shares: boolean;
   judged: number;
   envelope: number;
   parameters: number;

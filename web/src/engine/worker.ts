@@ -87,6 +87,7 @@ onmessage = async (event: MessageEvent<Asked | AskedStep | Expected>) => {
   if ("fetch" in event.data) return void compileOnce(event.data.fetch).catch(() => undefined); // said when it is asked for
   if (!("id" in event.data)) return postMessage(await step(event.data));
   const found = await answer(event.data);
-  const arrays = "run" in found ? [found.run.times, ...Object.values(found.run.columns), ...Object.values(found.run.profiles)] : [];
+  const arrays = "run" in found ? [found.run, found.run.track].flatMap((one) => (one ? [one.times, ...Object.values(one.columns)] : [])) : [];
+  if ("run" in found) arrays.push(...Object.values(found.run.profiles));
   postMessage(found, { transfer: arrays.map((one) => one.buffer) });
 };

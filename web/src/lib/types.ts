@@ -150,6 +150,8 @@ export interface RunTold {
   seconds: number;
   times: number[];
   columns: Record<string, number[]>;
+  /** Lowest and highest value of every column in the run. */
+  ends: Record<string, [low: number, high: number]>;
   outputs: Record<string, Output>;
   traces: Panel[];
   loops: Loop[];

@@ -3,7 +3,7 @@
 import { changeDocument, readToml, Written, writeToml } from "../engine/toml.ts";
 import type { RunCore, Scenario } from "../engine/types.ts";
 import type { Run, SceneData } from "../lib/types.ts";
-import { chooseRows, listStretches, pickRows } from "../views/columns.ts";
+import { chooseRows, endsOf, listStretches, pickRows } from "../views/columns.ts";
 import { describePhase } from "../views/diagrams.ts";
 import { drawScene } from "../views/drawing.ts";
 import { describeRun } from "../views/run.ts";
@@ -70,6 +70,7 @@ export class Recording {
       ...before,
       times: pickRows(this.times, rows),
       columns,
+      ends: endsOf(columns),
       stretches: Object.fromEntries(scenario.ports.map((port) => [port, listStretches(columns[temperature(port)]!)])),
       phase: describePhase(columns, parameters, scenario.views),
       scene: this.drawScene(parameters),
@@ -95,7 +96,7 @@ export class Recording {
     const { scenario, times } = this;
     const columns = Object.fromEntries(scenario.names.slice(0, scenario.columns).map((name, k) => [name, Float64Array.from(this.samples[k]!)]));
     const core: RunCore = {
-      name: scenario.name, text, changes: {}, times: Float64Array.from(times), columns, profiles: {},
+      name: scenario.name, text, changes: {}, times: Float64Array.from(times), columns, track: null, profiles: {},
       status: "OK", statusTime: null, accuracy: null, steps: this.steps, rejected: 0, step: 0, ripple: 0, residual: 0,
       putIn: 0, lost: 0, accounts: [], exit: null, parameters, duration: this.end, tolerance: 1, samples: times.length, seconds: this.seconds,
       warnings: [], cautions,

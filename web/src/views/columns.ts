@@ -1,5 +1,6 @@
 // Columns as they are drawn: rows that are kept, stretches of heating and cooling.
 
+import type { RunCore } from "../engine/types.ts";
 import type { Panel, Stretch } from "../lib/types.ts";
 import { TOGETHER } from "./alarms.ts";
 import type { Numbers } from "./excursions.ts";
@@ -13,6 +14,8 @@ const MOST_TURNS = 32;
 const RIPPLE = 0.04;
 /** Range of temperature of an isothermal path [K]. */
 const STILL = 1e-6;
+/** Share of the largest value of a column that is 0. */
+const ROUNDING = 1e-9;
 
 /** Rows, at most so many, first and last among them. */
 export function chooseRows(count: number, most = MOST_ROWS): number[] {
@@ -21,6 +24,47 @@ export function chooseRows(count: number, most = MOST_ROWS): number[] {
 }
 
 export const pickRows = (column: Numbers, rows: number[]): number[] => rows.map((k) => column[k]!);
+
+/** Rows of a run that are drawn: evenly chosen ones, and the lowest and highest of every column. */
+export function chooseCurveRows(count: number, columns: Record<string, Numbers>): number[] {
+  const kept = chooseRows(count);
+  if (kept.length === count) return kept;
+  const ends = Object.values(columns).flatMap((column) => [placeOf(column, 1), placeOf(column, -1)]);
+  return [...new Set([...kept, ...ends])].sort((a, b) => a - b);
+}
+
+/** First row of the highest value of a column, or of the lowest where the sign is -1. */
+function placeOf(column: Numbers, sign: 1 | -1): number {
+  let found = 0;
+  for (let k = 1; k < column.length; k++) if (sign * column[k]! > sign * column[found]!) found = k;
+  return found;
+}
+
+/** Samples and accepted steps of a run, in the order of time. */
+export function mergeRows({ times, columns, track }: Pick<RunCore, "times" | "columns" | "track">): Pick<RunCore, "times" | "columns"> {
+  if (!track) return { times, columns };
+  const all = join(track.times, times);
+  const order = Array.from(all, (_, k) => k).sort((a, b) => all[a]! - all[b]! || a - b);
+  const merge = (both: Float64Array): Float64Array => Float64Array.from(order, (k) => both[k]!);
+  return { times: merge(all), columns: Object.fromEntries(Object.entries(columns).map(([name, own]) => [name, merge(join(track.columns[name]!, own))])) };
+}
+
+function join(one: Float64Array, other: Float64Array): Float64Array {
+  const found = new Float64Array(one.length + other.length);
+  found.set(one);
+  found.set(other, one.length);
+  return found;
+}
+
+/** Lowest and highest value of every column; a tiny share of the largest is 0, as in `Result.find_range`. */
+export const endsOf = (columns: Record<string, Numbers>): Record<string, [low: number, high: number]> =>
+  Object.fromEntries(
+    Object.entries(columns).map(([name, column]) => {
+      const [low, high] = [lowest(column), highest(column)];
+      const nothing = ROUNDING * Math.max(Math.abs(low), Math.abs(high));
+      return [name, [Math.abs(low) > nothing ? low : 0, Math.abs(high) > nothing ? high : 0]];
+    }),
+  );
 
 export const highest = (column: Numbers): number => {
   let found = -Infinity;

@@ -1,9 +1,10 @@
 // Energies of a run over time; see martensite.design.analysis.energy.
 
+import type { RunCore } from "../engine/types.ts";
 import type { Energy } from "../lib/types.ts";
 import { pickRows } from "./columns.ts";
 import type { Numbers } from "./excursions.ts";
-import { Computed, fillRow, type Columns, type Values } from "./formulas.ts";
+import { Computed, fillRow, type Values } from "./formulas.ts";
 import type { Views } from "./types.ts";
 
 const PRESCRIBED = "A drive that prescribes the temperature takes whatever energy it needs; there is no balance.";
@@ -20,21 +21,27 @@ export interface Energies {
 
 const label = (views: Views, port: string, name: string): string => (views.elements.prefixed ? `${port}.${name}` : name);
 
-/** Energies up to every sample [J]; or why there are none. */
-export function integrateEnergies(times: Numbers, columns: Columns, parameters: Values, views: Views): Energies | string {
+/** Energies up to every row that is drawn [J]; or why there are none. */
+export function integrateEnergies(core: RunCore, { times, columns }: Pick<RunCore, "times" | "columns">, parameters: Values, views: Views): Energies | string {
   const ports = Object.entries(views.elements.ports);
   if (!ports.length) return NO_ELEMENT;
   if (ports.some(([, one]) => one.prescribed)) return PRESCRIBED;
+  const given = core.track ?? core;
   const add = (name: string): Float64Array => {
-    const sum = new Float64Array(times.length);
+    const sum = new Float64Array(given.times.length);
     for (const [port] of ports) {
-      const own = columns[label(views, port, name)]!;
+      const own = given.columns[label(views, port, name)]!;
       for (let k = 0; k < sum.length; k++) sum[k]! += own[k]!;
     }
     return sum;
   };
-  const electrical = integrate(times, add("power"), views.held);
-  const lost = integrate(times, add("heat_loss"), false);
+  const total = (name: string, held: boolean): Float64Array => {
+    const values = add(name);
+    const sums = core.track && !held ? sumWeighted(core.track.weights, values) : integrate(given.times, values, held);
+    return interpolate(times, given.times, sums);
+  };
+  const electrical = total("power", views.held);
+  const lost = total("heat_loss", false);
   if (ports.some(([, one]) => one.way === null && one.length === null)) return { electrical, lost, work: null, returned: null };
   const known = new Computed(views.elements, parameters, columns, [0]);
   const [work, returned] = [new Float64Array(times.length), new Float64Array(times.length)];
@@ -70,6 +77,28 @@ function integrate(times: Numbers, values: Numbers, held: boolean): Float64Array
     found[k] = found[k - 1]! + middle * (times[k]! - times[k - 1]!);
   }
   return found;
+}
+
+/** Sums of weighted values up to every row: all of the rows before it, and half of its own. */
+function sumWeighted(weights: Float64Array, values: Float64Array): Float64Array {
+  let sum = 0;
+  return values.map((value, k) => {
+    const own = weights[k]! * value;
+    sum += own;
+    return k === 0 ? 0 : k === values.length - 1 ? sum : sum - 0.5 * own;
+  });
+}
+
+/** Values at ascending times, on straight lines between rows; the last one at the end. */
+function interpolate(times: Float64Array, rows: Float64Array, values: Float64Array): Float64Array {
+  let place = 0;
+  return times.map((time, k) => {
+    while (place + 2 < rows.length && rows[place + 1]! <= time) place++;
+    if (k === times.length - 1 || rows.length < 2) return values[values.length - 1]!;
+    const length = rows[place + 1]! - rows[place]!;
+    const share = length > 0 ? Math.min(Math.max((time - rows[place]!) / length, 0), 1) : 1;
+    return values[place]! + share * (values[place + 1]! - values[place]!);
+  });
 }
 
 /** Work over electrical energy; no number without any. */

@@ -45,10 +45,11 @@ export interface Measure {
 const SECONDS = { shown: "s", factor: 1, offset: 0 };
 const SHARE = { shown: "%", factor: 100, offset: 0 };
 
+const namesOf = (run: Run, name: string): string[] => (run.ports.length > 1 ? run.ports.map((port) => `${port}.${name}`) : [name]);
+
 /** Columns of this name, of all ports. */
 export function columnsOf(run: Run, name: string): Column[] {
-  const names = run.ports.length > 1 ? run.ports.map((port) => `${port}.${name}`) : [name];
-  return names.flatMap((one) => (run.columns[one] ? [run.columns[one]] : []));
+  return namesOf(run, name).flatMap((one) => (run.columns[one] ? [run.columns[one]] : []));
 }
 
 /** How the columns of this name are shown. */
@@ -56,8 +57,7 @@ export const howOf = (run: Run, name: string): Output | undefined => run.outputs
 
 /** Highest value of all columns of a name; null if there is none. */
 export function peakOf(run: Run, name: string): number | null {
-  let found = -Infinity;
-  for (const column of columnsOf(run, name)) for (let k = 0; k < column.length; k++) found = Math.max(found, column[k]!);
+  const found = Math.max(...namesOf(run, name).map((one) => run.ends[one]?.[1] ?? -Infinity));
   return Number.isFinite(found) ? found : null;
 }
 

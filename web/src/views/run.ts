@@ -3,11 +3,11 @@
 import type { RunCore, Scenario } from "../engine/types.ts";
 import type { Alarm, KeyResult, Run } from "../lib/types.ts";
 import { listAlarms } from "./alarms.ts";
-import { chooseRows, dropRepeated, highest, listStretches, lowest, pickRows } from "./columns.ts";
+import { chooseCurveRows, dropRepeated, endsOf, listStretches, mergeRows, pickRows } from "./columns.ts";
 import { describePhase } from "./diagrams.ts";
 import { drawScene } from "./drawing.ts";
 import { describeEnergy, efficiencyAt, integrateEnergies, type Energies } from "./energies.ts";
-import { formatGeneral, type Columns, type Values } from "./formulas.ts";
+import { formatGeneral, type Values } from "./formulas.ts";
 import type { Views } from "./types.ts";
 import { listWarnings } from "./warnings.ts";
 
@@ -19,12 +19,14 @@ export type Described = Pick<Scenario, "title" | "described" | "outputs" | "coor
 
 /** The run as the server tells it (martensite_app.calls.scenarios). */
 export function describeRun(core: RunCore, scenario: Described, values: Values = core.parameters): Run {
-  const { times, columns } = core;
   const { views, outputs, ports } = scenario;
-  const rows = chooseRows(times.length);
+  const judged = core.track ?? core;
+  const { times, columns } = mergeRows(core);
+  const ends = endsOf(columns);
+  const rows = chooseCurveRows(times.length, columns);
   const thinned = Object.fromEntries(Object.entries(columns).map(([name, column]) => [name, pickRows(column, rows)]));
-  const { alarms, warnings } = listAlarms({ times, columns, outputs, parameters: values, views }, (found) => listWarnings(core, views, values, found));
-  const energies = integrateEnergies(times, columns, values, views);
+  const { alarms, warnings } = listAlarms({ times: judged.times, columns: judged.columns, outputs, parameters: values, views }, (found) => listWarnings(core, views, values, found));
+  const energies = integrateEnergies(core, { times, columns }, values, views);
   const temperature = (port: string): string => (views.elements.prefixed ? `${port}.temperature` : "temperature");
   return {
     text: core.text,
@@ -34,7 +36,8 @@ export function describeRun(core: RunCore, scenario: Described, values: Values =
     accuracy: core.accuracy,
     steps: core.steps,
     step: core.step,
-    stroke: range(columns, scenario.coordinate),
+    stroke: range(ends, scenario.coordinate),
+    ends,
     coordinate: scenario.coordinate,
     ports,
     cautions: core.cautions,
@@ -45,25 +48,27 @@ export function describeRun(core: RunCore, scenario: Described, values: Values =
     times: pickRows(times, rows),
     columns: thinned,
     outputs,
-    traces: dropRepeated(scenario.traces, columns),
+    traces: dropRepeated(scenario.traces, core.columns),
     loops: scenario.loops,
     stretches: Object.fromEntries(ports.map((port) => [port, listStretches(thinned[temperature(port)]!)])),
     phase: describePhase(columns, values, views),
     energy: describeEnergy(energies, rows),
-    key: listKeyResults(columns, views, energies, alarms.filter((one) => one.kind !== "supervisor")),
+    key: listKeyResults(ends, views, energies, alarms.filter((one) => one.kind !== "supervisor")),
     scene: drawScene(times, columns, values, views),
   };
 }
 
-const range = (columns: Columns, name: string): number => highest(columns[name]!) - lowest(columns[name]!);
+type Ends = Record<string, [low: number, high: number]>;
+
+const range = (ends: Ends, name: string): number => ends[name]![1] - ends[name]![0];
 const spell = (number: string, unit: string): string => (unit ? `${number} ${unit}` : number);
 
 /** The few numbers by which runs are compared; see martensite.show.summaries.run. */
-function listKeyResults(columns: Columns, { key }: Views, energies: Energies | string, alarms: Alarm[]): KeyResult[] {
-  const strokes = key.strokes.map((one): KeyResult => [one.words, spell(formatGeneral(range(columns, one.column) / one.size, 4), one.unit)]);
+function listKeyResults(ends: Ends, { key }: Views, energies: Energies | string, alarms: Alarm[]): KeyResult[] {
+  const strokes = key.strokes.map((one): KeyResult => [one.words, spell(formatGeneral(range(ends, one.column) / one.size, 4), one.unit)]);
   const peaks = key.peaks.map((one): KeyResult => {
-    const ends = one.columns.map((name) => (one.least ? lowest : highest)(columns[name]!));
-    const value = one.least ? Math.min(...ends) : Math.max(...ends);
+    const own = one.columns.map((name) => ends[name]![one.least ? 0 : 1]);
+    const value = one.least ? Math.min(...own) : Math.max(...own);
     return [one.words, spell(formatGeneral(((Math.abs(value) > NOTHING ? value : 0) - one.zero) / one.size, 4), one.unit)];
   });
   const beyond = alarms.reduce((sum, one) => sum + one.duration, 0);

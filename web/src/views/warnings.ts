@@ -24,7 +24,7 @@ export function listWarnings(core: RunCore, views: Views, values: Values, alarms
 }
 
 function describeDoubts(core: RunCore, views: Views, values: Values, law: LawWords): string[] {
-  const column = (name: string): Numbers => core.columns[views.elements.prefixed ? `${law.port}.${name}` : name]!;
+  const column = (name: string): Numbers => (core.track ?? core).columns[views.elements.prefixed ? `${law.port}.${name}` : name]!;
   const stress = column("stress");
   const found: string[] = [];
   if (law.loops && countOpenTurns(column("martensite_fraction")) >= 2 * law.loops)
@@ -67,14 +67,16 @@ function countOpenTurns(values: Numbers): number {
 
 /** What the guard of a loop did. */
 function describeGuard(core: RunCore, { guard }: Views): string[] {
-  const raised = guard && core.columns[guard.column];
+  const { times, columns } = core.track ?? core;
+  const raised = guard && columns[guard.column];
   if (!raised) return [];
+  const lengthAt = (k: number): number => (k + 1 < times.length ? times[k + 1]! - times[k]! : guard.period);
   return [...new Set(raised)].filter(Boolean).sort((a, b) => a - b).map((number) => {
-    const samples = raised.filter((value) => value === number).length;
+    const duration = raised.reduce((sum, value, k) => (value === number ? sum + lengthAt(k) : sum), 0);
     const names = (guard.checks[String(Math.trunc(number) % guard.limited)] ?? ["supervisor"]).map((name) => `\`${name}\``).join(", ");
     return (
       `Warning: The guard ${number > guard.limited ? "limited" : "cut"} a signal by ${names} (alarm ${number.toFixed(0)}), ` +
-      `first at t = ${formatGeneral(core.times[raised.indexOf(number)]!, 4)} s, for ${formatGeneral(guard.period * samples, 3)} s in all.`
+      `first at t = ${formatGeneral(times[raised.indexOf(number)]!, 4)} s, for ${formatGeneral(duration, 3)} s in all.`
     );
   });
 }

@@ -16,6 +16,7 @@ from martensite.kernels.c99 import c_source
 from martensite.kernels.program import Program
 from martensite.scenario.scenario import Scenario
 from martensite.signals.base import AbstractWaveform
+from martensite.simulate.accuracy import shares_stress
 from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.marching_native import RANGES, MarchKernel
 from martensite.simulate.native import march_source
@@ -27,7 +28,7 @@ STRING = """#include <stddef.h>
 void *memcpy(void *, const void *, size_t);
 void *memset(void *, int, size_t);
 """
-EXPORTED = {"march": ("march",), "march_on": ("march_on", "size_of_block")}
+EXPORTED = {"march": ("march",), "march_on": ("march_on", "size_of_block", "observe_rows")}
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,8 @@ def describe_layout(compiled: CompiledMarch, source: RunSource) -> dict[str, Any
         "inputs": compiled.inputs,
         "places": compiled.signals_in_step(),
         "outputs": len(compiled.outputs),
+        "recorded": sum(compiled.states_observed(range(len(compiled.outputs)))),
+        "shares": shares_stress(compiled),
         "judged": len(compiled.convergence_scales),
         "envelope": len(compiled.envelope),
         "parameters": len(compiled.paths),

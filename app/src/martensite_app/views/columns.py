@@ -7,6 +7,7 @@ from typing import Any
 
 from martensite.base import units
 from martensite.base.formats import choose_difference_unit
+from martensite.simulate.curve_rows import add_step_rows
 from martensite.simulate.result import Result
 from martensite_app.messages import JsonTable
 
@@ -17,15 +18,18 @@ MOST_CORNERS = 400
 
 
 def list_columns(result: Result) -> JsonTable:
-    """Times [s], columns in SI, and what each is called.
+    """Return times [s] and columns in SI at samples and accepted steps, with ends and names of the columns.
 
+    `ends` are the lowest and the highest value of every column in the run; the rows may have fewer peaks.
     `outputs` gives for every column its SI unit, the unit it is shown in with factor and offset
     (shown = SI · factor + offset), its long name and its symbol.
     """
-    kept = choose_rows(len(result.times))
+    fine = add_step_rows(result)
+    kept = choose_curve_rows(fine)
     return {
-        "times": [result.times[i] for i in kept],
-        "columns": {name: [c[i] for i in kept] for name, c in result.columns.items()},
+        "times": [fine.times[i] for i in kept],
+        "columns": {name: [c[i] for i in kept] for name, c in fine.columns.items()},
+        "ends": {name: list(result.find_range(name)) for name in result.columns},
         "outputs": {name: describe_column(result, name) for name in result.columns},
     }
 
@@ -35,6 +39,15 @@ def choose_rows(count: int, most: int = MOST_ROWS) -> list[int]:
     if count <= most:
         return list(range(count))
     return [round(i * (count - 1) / (most - 1)) for i in range(most)]
+
+
+def choose_curve_rows(result: Result) -> list[int]:
+    """Return the rows of a run that are drawn: evenly chosen ones, and the lowest and highest of every column."""
+    kept = choose_rows(len(result.times))
+    if len(kept) == len(result.times):
+        return kept
+    ends = [place for name in result.columns for place in (int(result[name].argmin()), int(result[name].argmax()))]
+    return sorted({*kept, *ends})
 
 
 def describe_column(result: Result, name: str) -> JsonTable:

@@ -20,10 +20,11 @@ from martensite.base.parameters import describe_structure
 from martensite.design.analysis.energy import find_ways, integrate_energies
 from martensite.physics.laws.base import AbstractLaw
 from martensite.show.figures.phase_diagram import CRITICAL, LEAST_STRESS, SHIFTED, Band, confirm_lines, find_bands
+from martensite.simulate.curve_rows import add_step_rows
 from martensite.simulate.result import Result
 from martensite.simulate.transformation_points import find_isobar
 from martensite_app.messages import JsonTable
-from martensite_app.views.columns import choose_rows
+from martensite_app.views.columns import choose_curve_rows
 from martensite_app.views.formulas import Formulas, rebuild_recorded
 
 PRESCRIBED = "A drive that prescribes the temperature takes whatever energy it needs; there is no balance."
@@ -45,9 +46,10 @@ def describe_energy(result: Result) -> JsonTable:
         return _describe_missing(NO_ELEMENT)
     if any(one.source.sets_temperature for one in actuators.values()):
         return _describe_missing(PRESCRIBED)
+    result = add_step_rows(result)
     ways = find_ways(result)
     found = integrate_energies(result, ways or [])
-    kept = choose_rows(len(result.times))
+    kept = choose_curve_rows(result)
     stored = found.electrical - found.lost
     named: list[tuple[str, str, str, str, float, Any]] = [
         ("electrical", "E", "electrical energy in", "J", 1.0, found.electrical),
@@ -82,8 +84,8 @@ def _find_limits(result: Result) -> tuple[float, float]:
     """Highest stress [Pa] and lowest temperature [K] of the diagrams, rounded outwards."""
     system = result.system
     ports = list(system.actuators())
-    stress = max((max(result[system.label(p, "stress")]) for p in ports), default=0.0)
-    cold = min((min(result[system.label(p, "temperature")]) for p in ports), default=300.0)
+    stress = max((result.find_range(system.label(p, "stress"))[1] for p in ports), default=0.0)
+    cold = min((result.find_range(system.label(p, "temperature"))[0] for p in ports), default=300.0)
     highest = STRESSES * math.ceil(max(LEAST_STRESS, HEADROOM * stress) / STRESSES)
     return highest, TEMPERATURES * math.floor((cold - 8.0) / TEMPERATURES)
 

@@ -3,14 +3,16 @@
 A panel holds what belongs together: a coordinate with its reference and its readings, a
 temperature with the hottest place. Columns of an actuator stand under its port, all others
 under the port with the empty name. Margins of alarms are those by which `martensite.simulate.alarms`
-judges, linear between samples.
+judges, on the same curves.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from itertools import pairwise
+
+import numpy as np
 
 from martensite.actuators.assembly.outputs import OUTPUTS
 from martensite.control.loop.bench import Bench
@@ -20,7 +22,7 @@ from martensite.show.figures.bench_loops import find_alarmed_spans
 from martensite.show.figures.bench_loops import find_loops as controlled
 from martensite.show.figures.hysteresis import LOOPS
 from martensite.show.figures.labels import FRACTIONS
-from martensite.simulate.alarms import Alarm, farthest_changes, undelivered_margins
+from martensite.simulate.alarms import Alarm, Numbers, farthest_changes, undelivered_margins
 from martensite.simulate.result import Result
 from martensite_app.messages import JsonTable
 from martensite_app.views.columns import describe_column
@@ -154,7 +156,7 @@ def list_alarms(result: Result) -> list[JsonTable]:
 def _describe_alarm(result: Result, alarm: Alarm) -> JsonTable:
     port = alarm.port or next(iter(result.system.actuators()))
     column = _name_judged(result, alarm, port)
-    spans = list(_find_spans(result.times, list_margins(result, alarm, port)))
+    spans = list(_find_spans(*list_margins(result, alarm, port)))
     return {
         **asdict(alarm),
         "column": column,
@@ -165,17 +167,17 @@ def _describe_alarm(result: Result, alarm: Alarm) -> JsonTable:
     }
 
 
-def list_margins(result: Result, alarm: Alarm, port: str) -> Sequence[float]:
-    """How far beyond its limit the quantity is at every sample."""
-    system = result.system
-    values = result.columns[_name_judged(result, alarm, port)]
+def list_margins(result: Result, alarm: Alarm, port: str) -> tuple[Numbers, Numbers]:
+    """Return times [s], and how far beyond its limit the quantity is then, on the curve that alarms are judged by."""
+    system, judged = result.system, _name_judged(result, alarm, port)
+    names = [judged, system.label(port, "resistance")] if alarm.kind == "supply" else [judged]
+    times, columns = result.draw_curves(names, [judged])
+    values = columns[judged]
     if alarm.kind == "slack":
-        return [1.0 if value <= 0.0 else -1.0 for value in values]
+        return times, np.where(values <= 0.0, 1.0, -1.0)
     if alarm.kind == "supply":
-        ohms = result.columns[system.label(port, "resistance")]
-        return undelivered_margins(system.actuators()[port].source, values, ohms).tolist()
-    judged = farthest_changes(values) if alarm.kind == "strain" else values
-    return [value - alarm.limit for value in judged]
+        return times, undelivered_margins(system.actuators()[port].source, values, columns[names[1]])
+    return times, (farthest_changes(values) if alarm.kind == "strain" else values) - alarm.limit
 
 
 def _name_judged(result: Result, alarm: Alarm, port: str) -> str:
@@ -183,8 +185,9 @@ def _name_judged(result: Result, alarm: Alarm, port: str) -> str:
     return alarm.quantity if alarm.kind == "rig" else result.system.label(port, alarm.quantity)
 
 
-def _find_spans(times: Sequence[float], margins: Sequence[float]) -> Iterator[Span]:
-    """Spans in which a margin, linear between samples, is above zero."""
+def _find_spans(times: Numbers, margins: Numbers) -> Iterator[Span]:
+    """Yield the spans in which a margin, linear between its points, is above zero."""
+    times, margins = times.tolist(), margins.tolist()
     begin = times[0] if margins[0] > 0.0 else None
     for (t0, m0), (t1, m1) in pairwise(zip(times, margins, strict=True)):
         if (m0 > 0.0) == (m1 > 0.0):
