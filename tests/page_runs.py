@@ -49,7 +49,7 @@ def _strip_run(scenario: Scenario, result: Result) -> dict[str, Any]:
         "text": scenario.text,
         "times": result.times,
         "columns": result.columns,
-        "track": None if result.track is None else _tabulate_track(result),
+        "track": None if result.track is None else _tabulate_track(result, result.track),
         "status": result.status.name,
         "accuracy": result.accuracy,
         "steps": result.steps,
@@ -61,9 +61,9 @@ def _strip_run(scenario: Scenario, result: Result) -> dict[str, Any]:
     }
 
 
-def _tabulate_track(result: Result) -> dict[str, Any]:
+def _tabulate_track(result: Result, track: Track) -> dict[str, Any]:
     times, columns = result.list_rows()
-    return {"times": times, "columns": columns, "weights": result.track.weights}
+    return {"times": times, "columns": columns, "weights": track.weights}
 
 
 @dataclass(frozen=True)
