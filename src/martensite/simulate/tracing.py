@@ -11,19 +11,23 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.status import Status
-from martensite.simulate.accuracy import FINER, FLOOR, LOCAL, SURE, RunEngine
+from martensite.simulate.accuracy import FINER, FLOOR, LOCAL, SURE, RunEngine, bound_error
 from martensite.simulate.envelope import cut_outside
 from martensite.simulate.marching import Marched, MarchPlan
 from martensite.simulate.measures.base import AbstractMeasure
 from martensite.simulate.measures.run_table import tabulate_track
 from martensite.simulate.restarts import Relay
 from martensite.simulate.track import Track, build_track, tabulate_tones, track_rows
+
+ROUNDING = 1e-11
+"""No bound is claimed below this fraction of a measure, or of the values that it reads."""
 
 
 class AbstractTrace(ABC):
@@ -76,6 +80,14 @@ class RunTrace(AbstractTrace):
         track = build_track(np.asarray(found.record, float), compiled.drives, tones, swinging, observe, plan.tolerance)
         return cut_outside(self.system, track) if found.status is Status.OUT_OF_ENVELOPE else track
 
+    @cached_property
+    def _earlier(self) -> Track:
+        """The outputs of the pass before the last one, which is made again."""
+        plan = self.plan
+        local = LOCAL[plan.order] * plan.tolerance / FINER ** (len(self.relay.made) - 2)
+        again = replace(self.relay, made=[])
+        return self._observe(again(replace(plan, tolerance=local, times=[plan.times[0], plan.times[-1]])))
+
     def bound_measure(self, one: AbstractMeasure, track: Track) -> float | None:
         """Return the bound from the pass before the last one; None for given steps and for runs that stopped early."""
         plan, outputs = self.plan, list(self.system.outputs())
@@ -84,17 +96,15 @@ class RunTrace(AbstractTrace):
         names = one.columns(self.system)
         places = [outputs.index(name) for name in names]
         own = tabulate_track(track, places, 1, one.follows_curve)
-        local = LOCAL[plan.order] * plan.tolerance / FINER ** (len(self.relay.made) - 2)
-        again = replace(self.relay, made=[])
-        before = again(replace(plan, tolerance=local, times=[plan.times[0], plan.times[-1]]))
-        other = tabulate_track(self._observe(before), places, 1, one.follows_curve)
-        apart = abs(float(one.value(own)[0]) - float(one.value(other)[0]))
+        other = tabulate_track(self._earlier, places, 1, one.follows_curve)
+        value = float(one.value(own)[0])
+        apart = abs(value - float(one.value(other)[0]))
+        thinned = [own.thin(first) for first in (0, 1)] if one.follows_curve else []
+        drawn = max((abs(value - float(one.value(few)[0])) for few in thinned), default=0.0)
         least = dict(plan.compiled.convergence_scales)
         scales = np.array([max(np.ptp(own.values[k]), least.get(name, 0.0)) for k, name in enumerate(names)])
-        slopes, values = np.abs(one.derivatives(own)[:, :, 0]), np.abs(own.values[:, :, 0])
-        read = slopes.sum(axis=1)
-        off = float((slopes * np.minimum(values, scales[:, None])).sum() if one.averages else read @ scales)
-        kelvin = [self.system.outputs()[name].unit == "K" for name in names]
-        missed = self.found.ripple * float(read @ np.array(kelvin, float))
-        total = max(SURE * apart, FLOOR * plan.tolerance * off) + missed
+        kelvin = np.array([self.system.outputs()[name].unit == "K" for name in names], float)
+        share = max(FLOOR * plan.tolerance, bound_error(plan.compiled, self.found))
+        off = one.spread(own, share * scales + ROUNDING * np.abs(own.values[:, :, 0]).max(axis=1))
+        total = max(SURE * apart, off, drawn, ROUNDING * abs(value)) + one.spread(own, self.found.ripple * kelvin)
         return total if np.isfinite(total) else None

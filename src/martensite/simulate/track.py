@@ -13,7 +13,7 @@ the duration of each level is right, their order is not. A tone is read at Gauss
 at its extremes.
 
 A column follows the polynomial through the five nearest nodes on one side of a jump where its term
-of the fourth order is small, else a straight line. Peaks between nodes come from that polynomial.
+of the fourth order is small, or much less than that of the second, else a straight line. Peaks between nodes come from that polynomial.
 Integrals use Simpson's rule over the halves of a step, and the trapezoidal rule over whole steps.
 
 Source: interpolation and quadrature, textbook (Stoer and Bulirsch, Introduction to Numerical Analysis).
@@ -21,6 +21,7 @@ Source: interpolation and quadrature, textbook (Stoer and Bulirsch, Introduction
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -45,6 +46,8 @@ WEIGHTS = {WHOLE: (0.5, 0.5), FIRST: (1.0 / 3.0, 2.0 / 3.0), SECOND: (2.0 / 3.0,
 """Weights of both ends of a piece in an integral, as fractions of its length."""
 JUMP = 1e-9
 """Relative change of a signal below which it does not jump."""
+STEEP = 0.5
+"""Relative change of a signal in a piece from which on its course is followed."""
 RESOLVED_ANGLE = 4.0
 """Angle [rad] of a tone in a piece up to which its course is followed."""
 LOBATTO = (0.08488805186071652, 0.2655756032646429, 0.5, 0.7344243967353571, 0.9151119481392835)
@@ -55,11 +58,15 @@ LOBATTO_END = 0.0238095238095238
 LOOKED_AT = 17
 """Points of a piece or a step among which extremes are looked for."""
 REFINED = 8
-"""StepRows in which a peak is looked for: those that promise the highest."""
+"""Steps in which a peak is looked for: those that promise the highest."""
 LAST = 1e9
 """Order of the row at the end of a piece."""
 SMOOTH = 2.0
 """Largest term of the fourth order of a polynomial that is trusted, in tolerances."""
+UNEVEN = 8.0
+"""Ratio of the lengths of two steps up to which one polynomial is put through both."""
+CONVERGING = 0.005
+"""Largest term of the fourth order that is trusted in any case, as a fraction of the second difference."""
 TOLERANCE = 1e-4
 """Accepted error as a fraction of the range of a column, of runs to no tolerance."""
 NOTICED = 0.1
@@ -191,11 +198,16 @@ class Track:
 
     def _place_peaks(self) -> tuple[Places, Numbers]:
         """Return step and place of the highest and the lowest value of every column, where they are within a step."""
-        both = [self.find_peaks(sign) for sign in (1.0, -1.0)]
+        both = [self.find_peaks(sign, 0.0) for sign in (1.0, -1.0)]
         return np.concatenate([one.step for one in both]), np.concatenate([one.share for one in both])
 
-    def find_peaks(self, sign: float) -> Peaks:
-        """Return the peaks within steps that are above all rows of their run; below them if `sign` is -1."""
+    def find_peaks(self, sign: float, noticed: float = NOTICED) -> Peaks:
+        """Return the peaks within steps that are beyond all rows of their run.
+
+        Args:
+            sign: 1 for highest values, -1 for lowest ones.
+            noticed: height above all rows from which on a peak counts, in tolerances.
+        """
         rows = self.steps.rows
         if not len(rows):
             places, numbers = NOWHERE
@@ -203,7 +215,7 @@ class Track:
         starts = np.flatnonzero(np.append(True, self.run[1:] != self.run[:-1]))
         own = np.searchsorted(self.run[starts], self.run[rows[:, 0]])
         least = np.maximum.reduceat(sign * self.values, starts, axis=0)
-        least = least + NOTICED * self.tolerance * np.ptp(self.values, axis=0)
+        least = least + noticed * self.tolerance * np.ptp(self.values, axis=0)
         a, b, c = (sign * self.values[rows[:, k]] for k in range(3))
         bend, rise = a - 2.0 * b + c, c - a
         turns = (bend < 0.0) & (np.abs(rise) < 2.0 * np.abs(bend))
@@ -249,7 +261,8 @@ class Track:
             stencil, known = self._find_stencil(some, ahead)
             if known.any():
                 curve, fourth = interpolate_nodes(self.times[stencil], table[stencil], at, times)
-                good = known[:, None] & (fourth <= extent) & (plain[:, None] | ~swinging)
+                bend = CONVERGING * np.abs(values[:, 0] - 2.0 * values[:, 1] + values[:, 2])
+                good = known[:, None] & (fourth <= np.maximum(extent, bend)) & (plain[:, None] | ~swinging)
                 found = np.where(good[:, None, :], curve, found)
         return found
 
@@ -257,8 +270,9 @@ class Track:
         """Return five nodes about some steps, with the step before or ahead, and which of the steps have them."""
         last = len(self.steps.rows) - 1
         other = np.clip(some + 1 if ahead else some - 1, 0, last)
-        known = self.steps.joined[other if ahead else some] & (other != some)
         rows, more = self.steps.rows[some], self.steps.rows[other]
+        ratio = np.log(np.divide(*(self.times[one[:, 2]] - self.times[one[:, 0]] for one in (rows, more))))
+        known = self.steps.joined[other if ahead else some] & (other != some) & (np.abs(ratio) < math.log(UNEVEN))
         stencil = np.concatenate([rows, more[:, 1:]] if ahead else [more[:, :2], rows], axis=1)
         return np.where(known[:, None], stencil, rows[:, [0, 0, 0, 1, 2]]), known
 
@@ -362,6 +376,18 @@ class _Pieces:
         size = np.maximum(np.abs(after), np.abs(before))
         return (np.abs(after - before) > JUMP * size).any(axis=1) & ~self.begins
 
+    def pair_halves(self, some: Flags) -> Flags:
+        """Return some pieces, and the other half of the step of each."""
+        first = (self.part == FIRST) & (np.roll(self.part, -1) == SECOND)
+        second = np.roll(first, 1)
+        return some | first & np.roll(some, -1) | second & np.roll(some, 1)
+
+    def find_steep(self) -> Flags:
+        """Return for every piece whether a drive changes in it by much of itself, as on the way from 0."""
+        after, before = self.of_drives[:, :, AFTER], self.of_drives[:, :, BEFORE]
+        size = np.maximum(np.abs(after), np.abs(before))
+        return (np.abs(after - before) > STEEP * size).any(axis=1) & ~self.begins
+
     def list_ends(self, first: Flags, varied: Flags, toned: Flags) -> list[_Rows]:
         """Return the rows at the ends of all pieces, and at the starts of the `first` ones.
 
@@ -447,13 +473,14 @@ class _Pieces:
                 found.append(_Rows(own, at, at, np.zeros(len(own)), self.read_signals(own, at)))
         return found
 
-    def list_steps(self, ends: Places, starts: Places, jumps: Flags, varied: Flags) -> StepRows:
+    def list_steps(self, ends: Places, starts: Places, jumps: Flags, varied: Flags, toned: Flags) -> StepRows:
         """Return the steps with halves, from the rows at the ends of all pieces."""
         second = np.flatnonzero((self.part == SECOND) & (np.roll(self.part, 1) == FIRST))
         first = second - 1
         rows = np.stack([starts[first], ends[first], ends[second]], axis=1)
         joined = ~jumps[first] & (self.part[first - 1] == SECOND) & ~varied[first - 1]
-        return StepRows(rows, joined, ~(varied[first] | varied[second] | jumps[second]))
+        filled = varied | toned
+        return StepRows(rows, joined, ~(filled[first] | filled[second] | jumps[second]))
 
 
 def spread_levels(moments: Numbers) -> tuple[Numbers, Numbers]:
@@ -499,7 +526,8 @@ def build_track(
     lapsed = (pieces.of_drives[:, :, LAPSE] > 0.0).any(axis=1) & ~pieces.begins
     turning = (pieces.angle > 0.0).any(axis=1) & ~pieces.begins
     followed = turning & (pieces.angle <= RESOLVED_ANGLE).all(axis=1)
-    toned = followed & asks
+    halved = pieces.pair_halves(pieces.find_steep() | lapsed)
+    toned = (followed | halved & ~lapsed & ~turning) & asks
     varied = lapsed & ~followed & asks
     rows = pieces.list_ends(jumps & asks, varied, toned)
     if varied.any():
@@ -518,5 +546,5 @@ def build_track(
     starts = np.roll(ends, 1)
     firsts = np.flatnonzero(order == -1.0)
     starts[piece[firsts]] = firsts
-    steps = pieces.list_steps(ends, starts, jumps, varied | toned)
+    steps = pieces.list_steps(ends, starts, jumps, varied, toned)
     return Track(run, times, observe(states, signals, run), weight, steps, swinging, tolerance)

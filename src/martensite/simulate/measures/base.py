@@ -52,6 +52,17 @@ class AbstractMeasure(Parametrised):
         Where the number has none, as between two rows that are both the largest, it is the derivative on one side.
         """
 
+    def spread(self, table: RunTable, off: Numbers) -> float:
+        """Return how far the number of the first run may be off.
+
+        Args:
+            table: of the run.
+            off: how far values may be off, (columns,).
+        """
+        slopes = np.abs(self.derivatives(table)[:, :, 0])
+        most = np.minimum(np.abs(table.values[:, :, 0]), off[:, None]) if self.averages else off[:, None]
+        return float((slopes * most).sum())
+
     def columns(self, system: AbstractSystem) -> tuple[str, ...]:
         """Names of the outputs that are looked at.
 

@@ -6,6 +6,8 @@ is at an infinite time, and so is every crossing of a change that is rounding.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from copy import copy
 from typing import TypeAlias
 
 import numpy as np
@@ -57,18 +59,26 @@ class RiseTime(AbstractMeasure):
         later = np.where(begin.time <= end.time, 1.0, -1.0)
         return (end.slopes() - begin.slopes()) * np.where(counted, later, 0.0)[:, None, :]
 
+    def spread(self, table: RunTable, off: Numbers) -> float:
+        """Return how far both crossings move together."""
+        levels = (self.low, self.high)
+        return sum(measure_spread(lambda way: self._cross(table, way), table, share, off) for share in levels)
+
     def _crossing(self, table: RunTable, share: float) -> Crossing:
-        """The last crossing of a share of the way before the turn."""
-        return cross_outwards(table, share)
+        """Return the crossing of a share of the way."""
+        return self._cross(table, ColumnCrossings(table.values, share))
+
+    def _cross(self, table: RunTable, way: ColumnCrossings) -> Crossing:
+        """Return the last crossing before the turn."""
+        return cross_outwards(table, way)
 
 
 @MEASURES.register("fall-time")
 class FallTime(RiseTime):
     """Time from nine tenths to a tenth of the way, back; infinite if it does not come back."""
 
-    def _crossing(self, table: RunTable, share: float) -> Crossing:
-        """The first crossing of a share of the way after the turn."""
-        way = ColumnCrossings(table.values, share)
+    def _cross(self, table: RunTable, way: ColumnCrossings) -> Crossing:
+        """Return the first crossing after the turn."""
         found: Flags = (way.beyond[:, :-1] > 0.0) & (way.beyond[:, 1:] <= 0.0) & ~way.out
         return Crossing(table.times, way, np.where(found.any(axis=1), found.argmax(axis=1), -1))
 
@@ -87,13 +97,20 @@ class ReachTime(AbstractMeasure):
 
     def value(self, table: RunTable) -> Numbers:
         """t(share) − t(start)."""
-        return (cross_outwards(table, self.share).time - table.times[0]).max(axis=0)
+        return (self._crossing(table).time - table.times[0]).max(axis=0)
 
     def derivatives(self, table: RunTable) -> Numbers:
         """Derivatives of the crossing that is last; 0 where it never happens."""
-        found = cross_outwards(table, self.share)
+        found = self._crossing(table)
         longest = np.arange(len(table.values))[:, None] == found.time.argmax(axis=0)
         return found.slopes() * longest[:, None, :]
+
+    def spread(self, table: RunTable, off: Numbers) -> float:
+        """Return how far the crossing moves."""
+        return measure_spread(lambda way: cross_outwards(table, way), table, self.share, off)
+
+    def _crossing(self, table: RunTable) -> Crossing:
+        return cross_outwards(table, ColumnCrossings(table.values, self.share))
 
 
 @MEASURES.register("peak-time")
@@ -119,6 +136,13 @@ class PeakTime(AbstractMeasure):
             _add_sample(found, place + k - 1, slope * longest)
         return found
 
+    def spread(self, table: RunTable, off: Numbers) -> float:
+        """Return how far the farthest row is from all rows that may be farther."""
+        gone = np.abs(table.values - table.values[:, :1])[:, :, 0]
+        near = gone >= gone.max(axis=1, keepdims=True) - 2.0 * off[:, None]
+        when, times = self._find_peaks(table)[0][:, 0], table.times[:, 0]
+        return float(np.where(near, np.abs(times - when[:, None]), 0.0).max())
+
     def _find_peaks(self, table: RunTable) -> tuple[Numbers, Places, list[Numbers]]:
         """Return time, inner row next to it, and derivatives by three rows, of every column and run."""
         seen, times = table.values, np.broadcast_to(table.times, table.values.shape)
@@ -135,15 +159,34 @@ class PeakTime(AbstractMeasure):
         start, length = middle - 0.5 * first, 0.5 * (first + second)
         by_rise, by_fall = (np.where(inner, length * one / bend**2, 0.0) for one in (-fall, rise))
         slopes = [-by_rise / first, by_rise / first - by_fall / second, by_fall / second]
-        return np.where(inner, start + length * rise / bend, _take_sample(times, turn)), place, slopes
+        vertex = inner & (table.highest is None)  # else there is a row at the peak
+        return np.where(vertex, start + length * rise / bend, _take_sample(times, turn)), place, slopes
 
 
-def cross_outwards(table: RunTable, share: float) -> Crossing:
-    """The last crossing of a share of the way before the turn."""
-    way = ColumnCrossings(table.values, share)
+def cross_outwards(table: RunTable, way: ColumnCrossings) -> Crossing:
+    """Return the last crossing before the turn."""
     found: Flags = (way.beyond[:, :-1] <= 0.0) & (way.beyond[:, 1:] > 0.0) & way.out
     last: Places = found.shape[1] - 1 - found[:, ::-1].argmax(axis=1)
     return Crossing(table.times, way, np.where(found.any(axis=1), last, -1))
+
+
+def measure_spread(
+    cross: Callable[[ColumnCrossings], Crossing], table: RunTable, share: float, off: Numbers
+) -> float:
+    """Return how far a crossing of the first run may be off, infinite if it may never happen.
+
+    Args:
+        cross: the crossing of a way.
+        table: of the run.
+        share: of the way.
+        off: how far values may be off, (columns,). The turn may be at any row that is nearly the farthest.
+    """
+    here = ColumnCrossings(table.values, share)
+    meant, ends = cross(here), here.find_turns(2.0 * off)
+    found = [cross(here.shift(turn, level * off)) for turn in ends for level in (-2.0, 2.0)]
+    with np.errstate(invalid="ignore"):
+        apart = np.abs(np.stack([one.time[:, 0] for one in found]) - meant.time[:, 0])
+    return float(np.where(np.isnan(apart), np.inf, apart).max())
 
 
 class Crossing:
@@ -187,6 +230,19 @@ class ColumnCrossings:
         intervals = np.arange(seen.shape[1] - 1, dtype=np.intp)[None, :, None]
         self.out: Flags = intervals < self.turn[:, None, :]
         """Whether an interval is before the turn."""
+
+    def find_turns(self, off: Numbers) -> tuple[Places, Places]:
+        """Return the first and the last row that are not nearer than the turn by more than `off`, (columns, runs)."""
+        level = _take_sample(self.beyond, self.turn) - off[:, None]
+        near = self.beyond >= level[:, None]
+        return near.argmax(axis=1), near.shape[1] - 1 - near[:, ::-1].argmax(axis=1)
+
+    def shift(self, turn: Places, off: Numbers) -> ColumnCrossings:
+        """Return the way with another turn, to a level that is farther by `off`, (columns,)."""
+        intervals = np.arange(self.out.shape[1], dtype=np.intp)[None, :, None]
+        found = copy(self)
+        found.turn, found.out, found.beyond = turn, intervals < turn[:, None, :], self.beyond - off[:, None, None]
+        return found
 
 
 def _take_sample(samples: Numbers, place: Places) -> Numbers:

@@ -33,6 +33,21 @@ class RunTable:
         """Length of every run [s], (runs,)."""
         return self.times[-1] - self.times[0]
 
+    def thin(self, first: int) -> RunTable:
+        """Return the table of the first run without every second row, save at jumps and at extreme values.
+
+        Args:
+            first: 0 to leave out the rows 0, 2, 4, …, 1 to leave out the rows 1, 3, 5, ….
+        """
+        times, kept = self.times[:, 0], np.arange(len(self.times)) % 2 != first
+        jumps = np.diff(times) == 0.0
+        kept[0] = kept[-1] = True
+        kept[:-1] |= jumps
+        kept[1:] |= jumps
+        kept[self.values[:, :, 0].argmax(axis=1)] = kept[self.values[:, :, 0].argmin(axis=1)] = True
+        ends = (None if one is None else one[:, :1] for one in (self.highest, self.lowest))
+        return RunTable(self.times[kept, :1], self.values[:, kept, :1], self.weights[kept, :1], *ends)
+
     def find_highest(self) -> Numbers:
         """Return the highest value of every column, (columns, runs)."""
         return self.values.max(axis=1) if self.highest is None else self.highest
