@@ -13,7 +13,8 @@ the duration of each level is right, their order is not. A tone is read at Gauss
 at its extremes.
 
 A column follows the polynomial through the five nearest nodes on one side of a jump where its term
-of the fourth order is small, or much less than that of the second, else a straight line. Peaks between nodes come from that polynomial.
+of the fourth order is small, or much less than that of the second order, else a straight line. Peaks
+between nodes come from that polynomial.
 Integrals use Simpson's rule over the halves of a step, and the trapezoidal rule over whole steps.
 
 Source: interpolation and quadrature, textbook (Stoer and Bulirsch, Introduction to Numerical Analysis).
@@ -61,7 +62,7 @@ REFINED = 8
 """Steps in which a peak is looked for: those that promise the highest."""
 LAST = 1e9
 """Order of the row at the end of a piece."""
-SMOOTH = 2.0
+SMOOTH = 0.2
 """Largest term of the fourth order of a polynomial that is trusted, in tolerances."""
 UNEVEN = 8.0
 """Ratio of the lengths of two steps up to which one polynomial is put through both."""
@@ -299,8 +300,8 @@ def interpolate_nodes(nodes: Numbers, values: Numbers, at: Numbers, step: Number
         found = terms[4][:, None, :]
         for order in (3, 2, 1, 0):
             found = terms[order][:, None, :] + (at - nodes[:, order : order + 1])[:, :, None] * found
-        quarter = step[:, 0] + 0.25 * (step[:, 2] - step[:, 0])
-        reached = np.abs(np.prod(quarter[:, None] - nodes[:, :4], axis=1))
+        quarters = step[:, :1] + np.array([0.25, 0.75]) * (step[:, 2:] - step[:, :1])
+        reached = np.abs(np.prod(quarters[:, :, None] - nodes[:, None, :4], axis=2)).max(axis=1)
         fourth = np.abs(terms[4]) * reached[:, None]
     return found, np.where(np.isfinite(fourth), fourth, np.inf)
 

@@ -170,9 +170,7 @@ def cross_outwards(table: RunTable, way: ColumnCrossings) -> Crossing:
     return Crossing(table.times, way, np.where(found.any(axis=1), last, -1))
 
 
-def measure_spread(
-    cross: Callable[[ColumnCrossings], Crossing], table: RunTable, share: float, off: Numbers
-) -> float:
+def measure_spread(cross: Callable[[ColumnCrossings], Crossing], table: RunTable, share: float, off: Numbers) -> float:
     """Return how far a crossing of the first run may be off, infinite if it may never happen.
 
     Args:
