@@ -93,7 +93,7 @@ class FaultRecord:
 
 
 def write(share: float) -> None:
-    """Make a share of the trials of a whole run, and those of the record; write record and page."""
+    """Run a fraction of all trials and the recorded trials; write the record and the page."""
     before = FaultRecord.read()
     known = [(name, seed) for name, seed, *_ in (*before.open, *before.closed)]
     names = [name for name in LARGE if name not in NEEDS_ROOT or can_mount()]

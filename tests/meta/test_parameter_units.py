@@ -72,7 +72,7 @@ def name_quantity(meaning: str) -> str:
 
 
 def is_wrong(one: Declared) -> bool:
-    """Whether the unit is none of the quantity that is named."""
+    """Return whether the unit does not fit the quantity that the meaning names."""
     quantity = name_quantity(one.doc)
     return quantity in UNITS and one.unit not in UNITS[quantity]
 

@@ -54,7 +54,7 @@ def warmed(system: AbstractSystem, celsius: float) -> AbstractSystem:
 
 
 def hold(system: AbstractSystem, seconds: float, steps: int = 3) -> tuple[dict[str, float], dict[str, float]]:
-    """What is judged at the start, and after a hold at zero drive."""
+    """Return the judged outputs at the start, and after a hold at zero drive."""
     drives = [0.0] * len(system.drives())
     state = system.init(floats, *drives)
     seen = [dict(zip(system.outputs(), system.observe(floats, state, *drives), strict=True))]

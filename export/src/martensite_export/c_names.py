@@ -26,7 +26,7 @@ within Boolean Integer Real String
 KEYWORDS = frozenset(_WORDS.split())
 """Of C and C++."""
 MODELICA = KEYWORDS | frozenset(_MODELICA_WORDS.split())
-"""Of Modelica, whose package carries functions in C, too."""
+"""Keywords of Modelica; its package has functions in C, too."""
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,7 @@ def make_cache(*names: str) -> Path:
 
 
 def require_cache(*names: str) -> Path:
-    """Return the same folder; `DataError`, in place of `OSError`, says what to do."""
+    """Return the same folder; raise `DataError` with a remedy instead of `OSError`."""
     try:
         return make_cache(*names)
     except OSError as error:

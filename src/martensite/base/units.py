@@ -67,7 +67,7 @@ SIGNAL_RATE, REFERENCE_RATE, REFERENCE_ACCELERATION = "signal/s", "reference/s",
 OF_LOOPS = (*OF_GAINS, SIGNAL_RATE, REFERENCE_RATE, REFERENCE_ACCELERATION)
 OF_READINGS = (LEVEL, DIFFERENCE, RATE, *OF_LOOPS)
 DRIVE = "drive"
-"""Declared unit of a level of a waveform: that of what it drives, which depends on the place."""
+"""Declared unit of a level of a waveform; the source that it drives gives the unit."""
 OF_PLACE = (DRIVE, *OF_READINGS)
 """Declared units that depend on the place."""
 

@@ -45,7 +45,7 @@ one of order four takes the solution of order four, and its error is that of ord
 SURE = 2.0
 """Bound on an error over the difference of two runs by which it is seen."""
 FLOOR = 0.5
-"""No better accuracy is claimed, as a fraction of the tolerance; twice as much where many points share a stress."""
+"""Smallest accuracy that is reported, as a fraction of the tolerance; twice this where many points share a stress."""
 FINER = 5.0
 """By what local tolerances go down from run to run."""
 MOST = 5

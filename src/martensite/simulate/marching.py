@@ -68,7 +68,7 @@ class MarchPlan:
     recorded: bool = True
     """Whether the accepted steps are recorded (`martensite.simulate.track`)."""
     totalled: bool = False
-    """Whether a march in C keeps lowest, highest and integral of every output (`totals.c`)."""
+    """True if a march in C keeps the lowest and highest value and the integral of every output (`totals.c`)."""
     step: float | None = None
     """Longest step [s] of a march on equal steps between samples and edges, without control."""
     parted: bool = False

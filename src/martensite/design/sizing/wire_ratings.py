@@ -98,7 +98,7 @@ class WireRatings:
         return tuple(found)
 
     def _describe_supply(self, needed: float) -> str:
-        """What the supply lacks for a current [A], and what would do."""
+        """Return the shortfall of the supply for a current [A], and a pulse or a supply that is enough."""
         most, options = self.supply_current, list[str]()
         if self.supply_time is not None and (pulse := math.ceil(10.2 * self.supply_time) / 10.0) <= LONGEST:
             options.append(f'--pulse "{pulse:.4g} s"')

@@ -242,7 +242,7 @@ def _list_limits(one: Actuator, margin: float) -> Iterator[tuple[str, str, float
 
 
 def describe_life(constraints: Sequence[Constraint], margin: float | None, missed: Sequence[str] = ()) -> str:
-    """What is claimed of the life, and what is not; a margin of None ignores all limits, `missed` are not kept."""
+    """Return sentences on the life of a design; a margin of None ignores all limits, and `missed` limits are exceeded."""
     if margin is None:
         return "Life: the limits that the elements declare are ignored, as asked, so nothing is known of it."
     if not constraints:
