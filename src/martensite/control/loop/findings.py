@@ -1,4 +1,4 @@
-"""Findings of a check of loops that need no run: impossible signals, and guard limits above the limits of the element."""
+"""Findings of a check of loops that need no run: impossible signals, guard limits above those of the element."""
 
 from __future__ import annotations
 

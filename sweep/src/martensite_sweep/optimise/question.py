@@ -242,7 +242,7 @@ def _list_limits(one: Actuator, margin: float) -> Iterator[tuple[str, str, float
 
 
 def describe_life(constraints: Sequence[Constraint], margin: float | None, missed: Sequence[str] = ()) -> str:
-    """Return sentences on the life of a design; a margin of None ignores all limits, and `missed` limits are exceeded."""
+    """Return sentences on the life of a design; without a margin limits are ignored, `missed` ones are exceeded."""
     if margin is None:
         return "Life: the limits that the elements declare are ignored, as asked, so nothing is known of it."
     if not constraints:
