@@ -1,9 +1,12 @@
 """How a result computes its track when it is asked for a measure, and bounds the error of the measure.
 
 A run to a tolerance is made at least twice. The bound of a measure is twice the difference of the
-measure between the last run and the run before, which is made again for this. It is not less than the
-change of the measure if every value it reads were off by half of the tolerance: of the range of its
-column, or, for integrals, of the value itself if this is less.
+measure between the last run and the run before, which is made again for this. It is not less than
+- the change of the measure if every value it reads is off by the accuracy of the run: a fraction of
+  the range of the column, or, for integrals, of the value itself if this is less. A crossing or a
+  peak may then move to another one that is almost as high;
+- the change if every second point of the curve is left out, for measures of the curve between steps;
+- the error of the quadrature, for integrals.
 """
 
 from __future__ import annotations
@@ -28,6 +31,9 @@ from martensite.simulate.track import Track, build_track, tabulate_tones, track_
 
 ROUNDING = 1e-11
 """No bound is claimed below this fraction of a measure, or of the values that it reads."""
+
+LEAST_RANGE = 0.01
+"""Least range of outputs whose error is not controlled, as a fraction of their largest value."""
 
 
 class AbstractTrace(ABC):
@@ -102,9 +108,14 @@ class RunTrace(AbstractTrace):
         thinned = [own.thin(first) for first in (0, 1)] if one.follows_curve else []
         drawn = max((abs(value - float(one.value(few)[0])) for few in thinned), default=0.0)
         least = dict(plan.compiled.convergence_scales)
-        scales = np.array([max(np.ptp(own.values[k]), least.get(name, 0.0)) for k, name in enumerate(names)])
+        nothing = LEAST_RANGE * np.abs(own.values[:, :, 0]).max(axis=1)
+        scales = np.array([max(np.ptp(own.values[k]), least.get(n, nothing[k])) for k, n in enumerate(names)])
         kelvin = np.array([self.system.outputs()[name].unit == "K" for name in names], float)
         share = max(FLOOR * plan.tolerance, bound_error(plan.compiled, self.found))
         off = one.spread(own, share * scales + ROUNDING * np.abs(own.values[:, :, 0]).max(axis=1))
+        if one.averages:
+            read = np.abs(one.derivatives(own)[:, :, 0])
+            weights = np.where(own.weights[:, 0] > 0.0, own.weights[:, 0], np.inf)
+            drawn = float((read / weights).max(axis=1) @ track.choose(places).bound_quadrature())
         total = max(SURE * apart, off, drawn, ROUNDING * abs(value)) + one.spread(own, self.found.ripple * kelvin)
         return total if np.isfinite(total) else None
