@@ -13,7 +13,7 @@ import argparse
 
 from laboratory import faults, table
 
-PAGES = {"faults": lambda share: faults.write(share), "accuracy": lambda share: table.main([])}
+PAGES = {"faults": lambda share: faults.write(share), "accuracy": lambda share: table.write(share)}
 """Laboratory -> what makes its trials and writes its page."""
 
 if __name__ == "__main__":

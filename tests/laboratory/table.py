@@ -1,19 +1,19 @@
 """Runs many cases and writes the page of the laboratory.
 
-In the folder `tests`: `python -m laboratory.table`.
+In the folder `tests`: `python -m laboratory accuracy`.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
 from multiprocessing import Pool
 from pathlib import Path
 from statistics import median
 
 from laboratory.layers import make_layers
+from laboratory.measures import MeasureRecord, run_trials
 from laboratory.scenarios import DRIVES, JUDGED, SAMPLES, Scenario, make_scenario, true_error
 from martensite.simulate.api import simulate
 
@@ -22,6 +22,8 @@ PAGE = ROOT / "docs/explanation/laboratory.md"
 NUMBERS = ROOT / "docs/explanation/laboratory.json"
 TOLERANCES = (1e-3, 1e-4, 1e-5)
 RATES = "any, law of rates"
+CASES, SCENARIOS = 1400, 1200
+"""Random wires beside other equations, and scenarios of measures, of a whole run."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,7 @@ def quantile(ratios: Iterable[float], share: float) -> float:
     return ordered[min(len(ordered) - 1, int(share * len(ordered)))]
 
 
-def page(outcomes: list[Outcome]) -> str:
+def page(outcomes: list[Outcome], measured: MeasureRecord) -> str:
     """The page, in Markdown."""
     rows = [
         "| drive | cases | worst true error / tolerance | true / claimed: median | 99 % | worst | steps, median |",
@@ -96,7 +98,7 @@ def page(outcomes: list[Outcome]) -> str:
             f"{median(one.steps for one in some):.0f}",
         )
         rows.append("| " + " | ".join(cells) + " |")
-    return HEAD + "\n".join(rows) + "\n"
+    return HEAD + "\n".join(rows) + "\n" + measured.page()
 
 
 HEAD = """# The laboratory
@@ -112,22 +114,23 @@ times the power that holds the wire hot. *pwm*: 10 to 100 Hz, *fast pwm*: 100 Hz
 quarter of the wires is of layers that jump at rates (`mas`), under all of these drives; their
 reference is integrated by Radau.
 
-The table is written by `python -m laboratory.table`, in `tests` of a checkout.
-
 """
 
 
-def main(words: Sequence[str] | None = None) -> None:
-    """Run cases and write the page; `words` are those of the command line."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--cases", type=int, default=1400)
-    count = parser.parse_args(words).cases
+def write(share: float) -> None:
+    """Run a share of the cases and scenarios of a whole run, and write the page."""
+    run_trials(round(share * SCENARIOS)).write()
     with Pool(2) as pool:
-        outcomes = sorted(pool.imap_unordered(_try, range(count)), key=lambda one: one.seed)
-    PAGE.write_text(page(outcomes), encoding="utf-8")
-    rows = [asdict(one) for one in outcomes]
-    NUMBERS.write_text(json.dumps(rows, indent=0) + "\n", encoding="utf-8")
+        outcomes = sorted(pool.imap_unordered(_try, range(round(share * CASES))), key=lambda one: one.seed)
+    NUMBERS.write_text(json.dumps([asdict(one) for one in outcomes], indent=0) + "\n", encoding="utf-8")
+    write_page()
 
 
-if __name__ == "__main__":
-    main()
+def write_page() -> None:
+    """Write the page of what was found."""
+    PAGE.write_text(page(read_outcomes(), MeasureRecord.read()), encoding="utf-8")
+
+
+def read_outcomes() -> list[Outcome]:
+    """The outcomes of the page."""
+    return [Outcome(**row) for row in json.loads(NUMBERS.read_text(encoding="utf-8"))]

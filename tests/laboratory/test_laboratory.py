@@ -6,7 +6,6 @@ The truth is that of `laboratory.reference`; the many cases are in the documenta
 
 from __future__ import annotations
 
-import json
 import math
 import subprocess
 import sys
@@ -19,8 +18,10 @@ import numpy as np
 import pytest
 from builders import LAW_A, SINE_A, problem_a, wire_a
 
+from laboratory.measure_trials import try_trial
+from laboratory.measures import ALLOWED, MeasureRecord
 from laboratory.scenarios import DRIVES, JUDGED, make_scenario, true_error
-from laboratory.table import NUMBERS, PAGE, Outcome, page, quantile, try_case, try_layers
+from laboratory.table import PAGE, page, quantile, read_outcomes, try_case, try_layers
 from martensite.base.status import Status
 from martensite.physics.laws.base import AbstractLaw
 from martensite.physics.laws.strip_laws import Elahinia, Tanaka
@@ -58,13 +59,39 @@ def test_the_accuracy_bounds_the_error_of_many(drive: str) -> None:
 
 
 def test_the_page_is_of_its_numbers_and_they_are_good() -> None:
-    rows = [Outcome(**row) for row in json.loads(NUMBERS.read_text(encoding="utf-8"))]
-    assert PAGE.read_text(encoding="utf-8") == page(rows)
+    rows = read_outcomes()
+    assert PAGE.read_text(encoding="utf-8") == page(rows, MeasureRecord.read())
     ratios = [one.ratio for one in rows]
     assert len(rows) >= 1000
     assert quantile(ratios, 0.99) <= 1.0
     assert max(ratios) <= 3.0
     assert float(np.median(ratios)) >= 0.05
+
+
+def test_measures_of_random_scenarios_are_within_their_bounds() -> None:
+    """The reference is the same run at a tight tolerance, read from its steps and from many samples."""
+    found = MeasureRecord.read()
+    every = found.measures[-1]
+    assert found.scenarios >= 1000
+    assert every.most <= 1.0
+    assert every.worst <= ALLOWED
+
+
+@needs_c
+def test_measures_are_within_their_bounds() -> None:
+    """Some trials: peaks under tones, a root of a drive, kinks within long steps, and a triangle from 0."""
+    for seed in (41, 54, 57, 60):
+        rows = try_trial(seed)
+        assert len(rows) > 10
+        assert max(one.ratio for one in rows) <= ALLOWED, max(rows, key=lambda one: one.ratio)
+
+
+@needs_c
+def test_measures_of_loops_come_from_every_step_and_have_no_bound() -> None:
+    runs = [load(ROOT / "examples/closed_loop.toml", {"run.samples": count}).run() for count in (11, 1001)]
+    for words in ("max(power)", "stroke", "energy", "rise-time(temperature)"):
+        assert runs[0].bound(words) is None
+        assert runs[0].measure(words) == runs[1].measure(words)
 
 
 @needs_c
