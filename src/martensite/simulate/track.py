@@ -275,12 +275,11 @@ class Track:
 
         It comes from the terms of the fourth order of the polynomials through the nodes.
         """
-        nothing: Numbers = np.zeros(self.values.shape[1])
         if not len(self.steps.rows):
-            return nothing
+            return np.zeros(len(self.swinging))
         some = np.arange(len(self.steps.rows))
         times = self.times[self.steps.rows]
-        worst = np.zeros((len(some), self.values.shape[1]))
+        worst = np.zeros((len(some), len(self.swinging)))
         for ahead in (False, True):
             stencil, known = self._find_stencil(some, ahead)
             nodes = self.times[stencil], self.values[stencil]
