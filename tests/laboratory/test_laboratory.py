@@ -72,7 +72,6 @@ def test_measures_of_random_scenarios_are_within_their_bounds() -> None:
     """The reference is the same run at a tight tolerance, read from its steps and from many samples."""
     found = MeasureRecord.read()
     every = found.measures[-1]
-    assert found.scenarios >= 1000
     assert every.most <= 1.0
     assert every.worst <= ALLOWED
 
