@@ -130,7 +130,7 @@ def test_without_a_compiler_it_says_what_brings_one(scenario: str, monkeypatch: 
     ("arguments", "words"),
     [
         (("--part", "plants"), "Did you mean `plant`"),
-        (("--name", "a-b"), "`a_b` is one"),
+        (("--name", "a-b"), "try `a_b`"),
         (("--out", "a/b"), "folder `a`"),
     ],
 )

@@ -41,6 +41,7 @@ class Brinson(AbstractSidedDiagram):
     orders = (*WIDTHS, ("sigma_s", "sigma_f"))
     twins = True
     one_way = False
+    kinks_of_one = False  # steps of one point see them by their error; steps that end there met them less often
 
     sigma_s: Number = param("Pa", "start stress of detwinning below M_s", above=0.0, high=1e10, typical="80 MPa")
     sigma_f: Number = param("Pa", "finish stress of detwinning below M_s", above=0.0, high=1e10, typical="150 MPa")
