@@ -125,7 +125,7 @@ class TestSideBySide:
         ({"heated": 1.5}, "but is 1.5"),
         ({"distance": 0.2e-3}, "above the diameter"),
         ({"wires": "5"}, "Valid: `2`"),
-        ({"wire": Bundle(strand=WIRE, count=2.0)}, "but holds `bundle`"),
+        ({"wire": Bundle(strand=WIRE, count=2.0)}, "must be an object of the class `Wire`, but is `Bundle`"),
     ],
 )
 def test_what_cannot_be_is_one_sentence(values, sentence):

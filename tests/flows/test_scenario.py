@@ -156,7 +156,7 @@ def test_loading_a_scenario_needs_no_heavy_package(tmp_path: Path) -> None:
     code = (
         "import sys; from martensite.scenario.scenario import load;"
         f"load({str(path)!r}).run(tolerance=0.01, runtime='floats');"
-        "print({'pint', 'numpy', 'jax', 'xarray', 'typer', 'matplotlib'} & sys.modules.keys())"
+        "print({'pint', 'jax', 'xarray', 'typer', 'matplotlib'} & sys.modules.keys())"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"
@@ -274,8 +274,8 @@ def test_missing_scenario_names_the_nearest_file(tmp_path: Path) -> None:
 def test_folder_and_binary_file_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="Cannot read the scenario file"):
         load(tmp_path)
-    (tmp_path / "x.toml").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(InputError, match="Cannot read the scenario file"):
+    (tmp_path / "x.toml").write_bytes(b"\x80\x81\x00")
+    with pytest.raises(InputError, match="is not UTF-8"):
         load(tmp_path / "x.toml")
 
 
@@ -311,7 +311,7 @@ def test_text_of_a_changed_scenario_builds_the_same_again() -> None:
     "setting, expected",
     [
         ("element.diametr=1 mm", "Did you mean `diameter`"),
-        ("elment.diameter=1 mm", "Did you mean `element`"),
+        ("elment.diameter=1 mm", "Did you mean `element.diameter`"),
         ("element.diameter=0.25", "without a unit"),
         ("element.diameter.x=1 mm", "must be"),
         ("element.law.A_ss=70 degC", "Did you mean `A_s`"),

@@ -378,7 +378,7 @@ def _require_countable_edges(waveform: Waveforms, duration: float) -> None:
 def _build_bench(assembly: Assembly, plant: AbstractSystem, places: Places) -> tuple[Bench | None, bool]:
     """Return the bench around a system, if there is one, and whether its sensors have noise."""
     if not is_bench(assembly.document):
-        if "seed" in section_of(assembly.document, "run", {}):
+        if section_of(assembly.document, "run", {}).get("seed", 0) not in (0, "0"):  # forms write the default
             raise ParameterError("[run] `seed` has no effect, since there is no [sensor] that has noise; remove it.")
         return None, False
     from martensite.scenario.bench import BenchBuilder

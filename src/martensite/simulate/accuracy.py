@@ -36,7 +36,7 @@ PATIENCE = 0.5
 HASTE = 0.1
 """The same where everything is compiled already, but not loaded."""
 NATIVE = "martensite.simulate.marching_native"
-"""What is not imported, nor NumPy with it, for a run that is over soon."""
+"""Module that a run which is over soon does not import."""
 OFTEN = 0.1
 """Time [s] between two calls of what watches."""
 LOCAL = {2: 0.15, 4: 0.6}
@@ -139,9 +139,9 @@ class RunEngine:
         runs = Runs(plan, self.values, 1, tuple(outputs), 1)
         return march_runs(runs, self._watch("simulating")).take_run(0, plan.times)
 
-    def observe(self, plan: MarchPlan, outputs: Sequence[int]) -> Observe:
-        """Return the function that computes outputs of recorded states, where the last run was made."""
-        if self.used == "C":
+    def observe(self, plan: MarchPlan, outputs: Sequence[int], used: str) -> Observe:
+        """Return the function that computes outputs of the states that a run recorded on the runtime `used`."""
+        if used == "C":
             from martensite.simulate.marching_native import Runs, observe_in_c
 
             every = tuple(range(len(self.compiled.outputs)))

@@ -111,11 +111,12 @@ def simulate(
         return march(Relay(engine, start, [stop for stop in relay.stops if stop < plan.times[-1]]), plan)
 
     plan, found, accuracy = end_at_envelope(system, plan, *march(relay, plan), march_again)
+    marched_on = engine.used
     compared = choose_samples(len(times), plan.skipped) if step is None else [-1]
     kept = relay.list_restarts([times[k] for k in compared])
     if runtime == "jax" and not found.status.failed:
         found, accuracy = _on_jax(engine, plan, found, accuracy, start)
-    trace = RunTrace(system, engine, plan, found, relay)
+    trace = RunTrace(system, engine, plan, found, relay, marched_on)
     result = _build_result(system, waveform, plan, found, accuracy, engine.used, trace)
     result = replace(result, restarts=kept, start=describe_start(result, start))
     if accuracy is not None and accuracy > tolerance and not found.status.failed:

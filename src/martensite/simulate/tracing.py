@@ -73,16 +73,18 @@ class RunTrace(AbstractTrace):
     found: Marched
     relay: Relay
     """It made the passes of the run."""
+    used: str
+    """Runtime of the last pass, `C` or `floats`; its records differ."""
 
     def compute_track(self) -> Track:
         """Return the outputs of the last pass."""
-        return self._observe(self.found)
+        return self._observe(self.found, self.used)
 
-    def _observe(self, found: Marched) -> Track:
+    def _observe(self, found: Marched, used: str) -> Track:
         plan, outputs = self.plan, range(len(self.system.outputs()))
         compiled = plan.compiled
         swinging = np.array(compiled.swinging[: len(outputs)], np.bool_)
-        tones, observe = tabulate_tones([plan.waveforms]), self.engine.observe(plan, outputs)
+        tones, observe = tabulate_tones([plan.waveforms]), self.engine.observe(plan, outputs, used)
         track = build_track(np.asarray(found.record, float), compiled.drives, tones, swinging, observe, plan.tolerance)
         return cut_outside(self.system, track) if found.status is Status.OUT_OF_ENVELOPE else track
 
@@ -92,7 +94,8 @@ class RunTrace(AbstractTrace):
         plan = self.plan
         local = LOCAL[plan.order] * plan.tolerance / FINER ** (len(self.relay.made) - 2)
         again = replace(self.relay, made=[])
-        return self._observe(again(replace(plan, tolerance=local, times=[plan.times[0], plan.times[-1]])))
+        before = again(replace(plan, tolerance=local, times=[plan.times[0], plan.times[-1]]))
+        return self._observe(before, self.engine.used)
 
     def bound_measure(self, one: AbstractMeasure, track: Track) -> float | None:
         """Return the bound from the pass before the last one; None for given steps and for runs that stopped early."""

@@ -87,7 +87,7 @@ def prepare_plan(scenario: Scenario, wanted: SweepRequest) -> tuple[SweepPlan, S
         InputError: something that was asked for is wrong; measures are tried on an empty run.
     """
     plan = build_plan(scenario, wanted)
-    plan.lost(range(1))
+    plan.try_measures()
     return plan, replace(wanted, step=plan.course.step, runtime=plan.course.runtime)
 
 

@@ -172,6 +172,11 @@ class SweepPlan:
         lost = Ensemble.empty(self.outputs, len(rows), len(self.times), Status.LOST, len(self.measures))
         return self._kept(self.values(rows), lost)
 
+    def try_measures(self) -> None:
+        """Raise `InputError` where a measure does not fit the runs; it is tried on an empty run."""
+        times = self.times
+        self._ready.measuring.measure_samples(times, np.zeros((len(self.outputs), len(times), 1)))
+
     @cached_property
     def _ready(self) -> VariantSetup:
         """The course with its outputs and measures; without traces it keeps as many samples as runs are compared at."""
