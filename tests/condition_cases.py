@@ -11,6 +11,7 @@ import numpy as np
 
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.simulate.measures.base import parse_measure
+from martensite.simulate.measures.run_table import tabulate_samples
 
 COIL = """
 title = "Coil against a spring"
@@ -55,7 +56,7 @@ def measure_run(settings: Mapping[str, Any]) -> list[float]:
     for words, factor in MEASURES.items():
         one = parse_measure(words)
         column = np.array(result["force" if one.of else "position"])
-        found.append(factor * float(one.value(times, column[None, :, None])[0]))
+        found.append(factor * float(one.value(tabulate_samples(times, column[None, :, None]))[0]))
     return found
 
 

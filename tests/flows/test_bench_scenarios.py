@@ -24,7 +24,8 @@ from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.usual_models import AS_MODELLED, USUAL
 from martensite.control.sensors.position import PositionSensor
-from martensite.scenario.netcdf import open_result, save_result
+from martensite.scenario.netcdf import read_labelled as open_result
+from martensite.scenario.netcdf import save_result
 from martensite.scenario.overrides import as_toml, change_document
 from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.signals.sine import Sine

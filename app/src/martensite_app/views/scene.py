@@ -28,11 +28,10 @@ def describe_shapes(whole: AbstractSystem, result: Result) -> JsonTable:
     """The drawing of the mechanism; or a sentence, if it cannot be recorded."""
     table = Formulas()
     system, columns = rebuild_recorded(whole, table), result.columns
-    firsts: Any = {name: [table.leaf("first", name, column[0])] for name, column in columns.items()}
     outputs: Any = {name: table.leaf("y", name, columns[name][0]) for name in system.mechanism.outputs()}
     ports = {port: {name: system.label(port, name) for name in SHOWN} for port in system.actuators()}
     try:
-        shapes = system.mechanism.draw_shapes(DrawingState(outputs, measure_lengths(system, firsts)))
+        shapes = system.mechanism.draw_shapes(DrawingState(outputs, measure_lengths(whole, columns, system)))
     except TypeError:
         sentence = NOT_RECORDED.format(system.mechanism.registered_name)
         return {"rows": [], "choices": [], "shapes": [], "ports": ports, "newton": NEWTON, "sentence": sentence}

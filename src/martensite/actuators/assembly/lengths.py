@@ -7,12 +7,22 @@ from martensite.actuators.elements.base import AbstractElement
 from martensite.kernels.recordable_numbers import xp
 
 
-def measure_lengths(system: AbstractSystem, columns: Mapping[str, Sequence[float]]) -> dict[str, float]:
-    """Length of the element at each port at rest [m], from the first sample of the columns of a run."""
+def measure_lengths(
+    system: AbstractSystem, columns: Mapping[str, Sequence[float]], drawn: AbstractSystem | None = None
+) -> dict[str, float]:
+    """Return the length of the element at each port at the start [m], from the first sample of the columns of a run.
+
+    Args:
+        system: what was run.
+        columns: of the run.
+        drawn: the same system with recorded numbers: lengths follow its natural lengths, the elongations are those
+            of the run.
+    """
     forces = system.mechanism.first_forces(xp, [columns[name][0] for name in system.mechanism.signals()])
     starts = [columns[system.label(port, "drive")][0] for port in system.actuators()]
+    named = (drawn or system).actuators()
     return {
-        port: _find_natural_length(one.element) + one.element.elongation(xp, one.start(xp, force, drive), force)
+        port: _find_natural_length(named[port].element) + one.element.elongation(xp, one.start(xp, force, drive), force)
         for (port, one), force, drive in zip(system.actuators().items(), forces, starts, strict=True)
     }
 
