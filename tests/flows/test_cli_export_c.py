@@ -168,7 +168,7 @@ def test_a_file_is_not_replaced_unless_wanted() -> None:
         (("driven.toml", "--part", "loop"), "has no loop"),
         (("driven.toml", "--part", "plants"), "Did you mean `plant`"),
         (("driven.toml", "--precision", "float16"), "Did you mean `float"),
-        (("driven.toml", "--name", "a-b"), "`a_b` is one"),
+        (("driven.toml", "--name", "a-b"), "try `a_b`"),
         (("driven.toml", "--out", "none/deeper"), "There is no folder `none`"),
         (("drivn.toml",), "Did you mean `driven.toml`"),
     ],
