@@ -80,8 +80,8 @@ def test_modules_of_ones_own_are_found_by_the_workers(here: Path) -> None:
         "from martensite.simulate.measures.extremes import Largest\n"
         "@MEASURES.register('twice')\n"
         "class Twice(Largest):\n"
-        "    def value(self, times, seen):\n"
-        "        return 2.0 * super().value(times, seen)\n"
+        "    def value(self, table):\n"
+        "        return 2.0 * super().value(table)\n"
     )
     outputs = "--output", "twice(stress)", "--output", "max(stress)"
     words = *AXES, *outputs, "--import", "twice_as_much.py", "--runtime", "floats", "--workers", "1"

@@ -27,7 +27,7 @@ from martensite.simulate.marching import Marched, MarchPlan
 from martensite.simulate.measures.base import AbstractMeasure
 from martensite.simulate.measures.run_table import tabulate_track
 from martensite.simulate.restarts import Relay
-from martensite.simulate.track import Track, build_track, tabulate_tones, track_rows
+from martensite.simulate.track import Track, build_long_track, build_track, tabulate_tones, track_rows
 
 ROUNDING = 1e-11
 """No bound is claimed below this fraction of a measure, or of the values that it reads."""
@@ -85,7 +85,8 @@ class RunTrace(AbstractTrace):
         compiled = plan.compiled
         swinging = np.array(compiled.swinging[: len(outputs)], np.bool_)
         tones, observe = tabulate_tones([plan.waveforms]), self.engine.observe(plan, outputs, used)
-        track = build_track(np.asarray(found.record, float), compiled.drives, tones, swinging, observe, plan.tolerance)
+        shape = compiled.drives, tones, swinging, observe, plan.tolerance
+        track = build_long_track(np.asarray(found.record, float), lambda record: build_track(record, *shape))
         return cut_outside(self.system, track) if found.status is Status.OUT_OF_ENVELOPE else track
 
     @cached_property

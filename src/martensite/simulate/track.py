@@ -26,7 +26,8 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -52,6 +53,8 @@ STEEP = 0.5
 """Relative change of a signal in a piece from which on its course is followed."""
 RESOLVED_ANGLE = 4.0
 """Angle [rad] of a tone in a piece up to which its course is followed."""
+FINE_ANGLE, FINE_ANGLE_OF_HALVES = 0.01, 0.02
+"""Angle [rad] of a tone up to which the ends of a whole step, or of the halves of a step, are enough."""
 LOBATTO = (0.08488805186071652, 0.2655756032646429, 0.5, 0.7344243967353571, 0.9151119481392835)
 """Inner nodes of the Gauss-Lobatto rule of seven points on [0, 1]."""
 LOBATTO_WEIGHTS = (0.1384130236807830, 0.2158726906049313, 0.2438095238095238, 0.2158726906049313, 0.1384130236807830)
@@ -63,6 +66,8 @@ REFINED = 8
 """Steps in which a peak is looked for: those that promise the highest."""
 QUADRATURE = 0.25
 """Error of Simpson's rule in a step over its length and the term of the fourth order: 0.14 if smooth, more at kinks."""
+MOST_PIECES = 50_000
+"""Pieces of a record whose outputs are computed at a time."""
 LAST = 1e9
 """Order of the row at the end of a piece."""
 SMOOTH = 0.2
@@ -528,6 +533,29 @@ def spread_levels(moments: Numbers) -> tuple[Numbers, Numbers]:
     return np.stack([low, *inner, high], axis=2), np.stack([ends[0], rest, rest, ends[1]], axis=2)
 
 
+def build_long_track(record: Numbers, build: Callable[[Numbers], Track]) -> Track:
+    """Compute the track of one run piece by piece of its record, so that little memory is held at a time."""
+    if len(record) <= MOST_PIECES:
+        return build(record)
+    cuts, tracks, first = [0], list[Track](), 0
+    while cuts[-1] + MOST_PIECES < len(record):
+        last = cuts[-1] + MOST_PIECES
+        cuts.append(last + int(record[last - 1, 1] == FIRST))
+    for begin, end in pairwise([*cuts, len(record)]):
+        some = record[max(begin - 1, 0) : end].copy()
+        if begin:
+            some[0, 1], some[0, 2], some[0, 3] = START, some[0, 2] + some[0, 3], 0.0
+        track = build(some)
+        rows = StepRows(track.steps.rows + first, track.steps.joined, track.steps.plain)
+        tracks.append(replace(track, steps=rows))
+        first += len(track.times)
+    joined = {
+        name: np.concatenate([getattr(one, name) for one in tracks]) for name in ("run", "times", "values", "weights")
+    }
+    steps = StepRows(*(np.concatenate([getattr(one.steps, n) for one in tracks]) for n in ("rows", "joined", "plain")))
+    return replace(tracks[0], steps=steps, **joined)
+
+
 def build_track(
     record: Numbers, drives: int, tones: Numbers, swinging: Flags, observe: Observe, tolerance: float = TOLERANCE
 ) -> Track:
@@ -547,7 +575,8 @@ def build_track(
     pieces = _Pieces(record, drives, tones)
     asks, jumps = bool(swinging.any()), pieces.find_jumps()
     lapsed = (pieces.of_drives[:, :, LAPSE] > 0.0).any(axis=1) & ~pieces.begins
-    turning = (pieces.angle > 0.0).any(axis=1) & ~pieces.begins
+    fine = np.where(pieces.part == WHOLE, FINE_ANGLE, FINE_ANGLE_OF_HALVES)[:, None]
+    turning = (pieces.angle > fine).any(axis=1) & ~pieces.begins
     followed = turning & (pieces.angle <= RESOLVED_ANGLE).all(axis=1)
     halved = pieces.pair_halves(pieces.find_steep() | lapsed)
     toned = (followed | halved & ~lapsed & ~turning) & asks

@@ -175,7 +175,7 @@ class SweepPlan:
     def try_measures(self) -> None:
         """Raise `InputError` where a measure does not fit the runs; it is tried on an empty run."""
         times = self.times
-        self._ready.measuring.measure_samples(times, np.zeros((len(self.outputs), len(times), 1)))
+        self._ready.measuring.measure_samples(times.tolist(), np.zeros((len(self.outputs), len(times), 1)))
 
     @cached_property
     def _ready(self) -> VariantSetup:
