@@ -47,8 +47,18 @@ EVENTS = ("rise-time", "fall-time", "reach-time", "peak-time")
 READ = ("temperature", "hottest", "stress", "strain", "force", "current", "voltage", "power", "resistance")
 """Outputs of elements that are measured, besides all coordinates of the mechanism."""
 VARIED = (
-    "diameter", "length", "heat_capacity", "latent_heat", "h", "h0", "stiffness", "preload", "mass", "E_A", "damping"
-)  # fmt: skip
+    "diameter",
+    "length",
+    "heat_capacity",
+    "latent_heat",
+    "h",
+    "h0",
+    "stiffness",
+    "preload",
+    "mass",
+    "E_A",
+    "damping",
+)
 """Numbers that a trial changes, by the ends of their paths."""
 EXTREMES, NEAR = ("max", "min", "stroke", "change"), 100
 """Measures of extreme values, and samples next to which a peak may be."""
