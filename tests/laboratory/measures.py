@@ -41,7 +41,8 @@ A scenario compares 16 measures, drawn at random. *Claimed* is the bound that `R
 means that it returns no bound, for example for an event that may not occur. The worst value of an alarm is compared
 with the bound of the extreme value. Times of an alarm are compared with their change if the limit is off by that bound.
 
-The tables are written by `python -m laboratory accuracy`, in the folder `tests` of a checkout.
+The functions of `python -m laboratory accuracy`, in the folder `tests` of a checkout, compute the tables. A run of
+fewer than 1000 scenarios leaves out slow structures.
 """
 
 
