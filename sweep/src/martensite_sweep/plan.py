@@ -124,7 +124,8 @@ class SweepPlan:
 
     def cautions(self) -> list[str]:
         """Return sentences about what is allowed but probably not meant."""
-        if self.measures and self.course.runtime in ACCELERATED:
+        kept = self.course.runtime == "cuda" and self.course.controlled and self._ready.measuring.totalled
+        if self.measures and self.course.runtime in ACCELERATED and not kept:
             name = NAMES[self.course.runtime]
             return [
                 f"On {name}, measures are computed from {self.course.samples:,} stored samples: a pulse between two of "

@@ -227,7 +227,7 @@ class AbstractLaw(Parametrised):
         return 0.0
 
     kinks_of_one: ClassVar[bool] = True
-    """Whether steps end on the kinks of a single material point, too, not only on those of many that share a stress."""
+    """True if steps also end on the kinks of a single material point; they always end on kinks of fibres and cells."""
 
     def kinks(self, xp: Namespace, memory: Any) -> list[Scalar]:
         """Numbers that fall through 0 where a transformation starts or ends on the way on [-].
