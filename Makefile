@@ -23,12 +23,12 @@ UV := $(shell command -v uv 2>/dev/null)
 # uv finds (or fetches) an interpreter by itself; it is told which only if the user says so.
 UV_PYTHON_WISH := $(if $(filter file,$(origin PYTHON)),,--python $(PYTHON))
 # $(call sync,UV,PYTHON): what uv.lock holds, for the extras of a stamp
-sync = UV_PROJECT_ENVIRONMENT=$(VENV) $(1) sync --frozen --inexact $(2) --extra studies $(if $(extra),--extra $(extra))
+sync = UV_PROJECT_ENVIRONMENT=$(VENV) $(1) sync --frozen --inexact $(2) $(if $(extra),--extra $(extra))
 # Quieter than --quiet, which warns of every package that an index of this machine lacks.
 PIP_INSTALL := $(BIN)/python -m pip install -qq --disable-pip-version-check --no-compile
 PYRIGHT := NODE_OPTIONS="--max-semi-space-size=64" $(BIN)/pyright
 # Types of tests are half of the work, and tests are run: test-all checks them.
-SHIPPED := src app/src control/src export/src hardware/src studies/src sweep/src testing/src
+SHIPPED := src
 
 .DEFAULT_GOAL := help
 .PHONY: help env demo test test-all lint docs site web web-packages bench format lock clean distclean
@@ -97,13 +97,13 @@ distclean: clean ## clean, and remove .venv too
 	rm -rf $(VENV)
 
 # One stamp per set of extras, so that the environment is touched only when its declaration changed.
-# Every set contains the core, the studies and what they tune by, those of developers the web bench, exports, suites and sweeps too; nothing
+# Every set contains the core; nothing
 # is uninstalled on the way from one to another.
 $(VENV)/.stamp-core: extra =
 $(VENV)/.stamp-dev: extra = dev
 $(VENV)/.stamp-bench: extra = bench
 $(VENV)/.stamp-cc: extra = cc
-$(VENV)/.stamp-%: pyproject.toml $(wildcard */pyproject.toml) uv.lock
+$(VENV)/.stamp-%: pyproject.toml uv.lock
 ifneq ($(UV),)
 	$(call sync,$(UV),$(UV_PYTHON_WISH))
 else
@@ -112,6 +112,6 @@ else
 		exit 1; }
 	$(PYTHON) -m venv $(VENV)
 	{ $(PIP_INSTALL) uv && $(call sync,$(BIN)/uv,--quiet --python $(BIN)/python); } || $(PIP_INSTALL) \
-		-e '.$(if $(extra),[$(extra)])' -e ./control -e ./studies $(if $(extra),-e ./app -e ./export -e ./hardware -e ./sweep -e ./testing)
+		-e '.$(if $(extra),[$(extra)])'
 endif
 	@touch $(VENV)/.stamp-core $@

@@ -20,13 +20,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import martensite as ms
-from martensite_hardware.board_log import BoardLog
-from martensite_hardware.emulators.avr import SimavrBoard
-from martensite_hardware.emulators.toolchains import compile_sketch
-from martensite_hardware.firmware.project import build_firmware
-from martensite_hardware.link.frames import FrameReader, LinkCounts, encode_frame
-from martensite_hardware.link.host import BoardLink
-from martensite_hardware.link.messages import KINDS, Message
+from martensite.boards.board_log import BoardLog
+from martensite.boards.emulators.avr import SimavrBoard
+from martensite.boards.emulators.toolchains import compile_sketch
+from martensite.boards.firmware.project import build_firmware
+from martensite.boards.link.frames import FrameReader, LinkCounts, encode_frame
+from martensite.boards.link.host import BoardLink
+from martensite.boards.link.messages import KINDS, Message
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "closed_loop.toml"
 PERIOD = 1000

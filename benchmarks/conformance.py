@@ -27,9 +27,9 @@ from benchmarks.page_machine import compiled_by, processor
 from benchmarks.process import ROOT
 from benchmarks.throughput_runs import readme_scenario
 from martensite.base.errors import SolveError
+from martensite.export.c_kernels import CKernel, kernels_text, precision_of
 from martensite.kernels.compiler import load_library
 from martensite.scenario.scenario import Scenario, load
-from martensite_export.c_kernels import CKernel, kernels_text, precision_of
 
 WIRE = "wire of README.md"
 EXAMPLES = {

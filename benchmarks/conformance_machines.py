@@ -22,6 +22,11 @@ import numpy as np
 from benchmarks.wasm_runs import play_module, say_missing, write_module
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import SolveError
+from martensite.export.c_core import build_c_core
+from martensite.export.c_kernels import precision_of
+from martensite.export.fmu import to_fmu
+from martensite.export.fmu.binaries import find_target
+from martensite.export.wasm import build_wasm
 from martensite.kernels.arrays import ArrayNamespace
 from martensite.kernels.c99 import c_source
 from martensite.kernels.c99_lanes import BLOCK, lanes_source
@@ -29,11 +34,6 @@ from martensite.kernels.compiler import load_library
 from martensite.kernels.jax_setup import has_jax, jax_namespace
 from martensite.simulate.compiled import Compiled, bind_system, compile_system
 from martensite.simulate.lanes import Lanes
-from martensite_export.c_core import build_c_core
-from martensite_export.c_kernels import precision_of
-from martensite_export.fmu import to_fmu
-from martensite_export.fmu.binaries import find_target
-from martensite_export.wasm import build_wasm
 
 ROUNDS = 5
 
@@ -284,8 +284,8 @@ def play_cuda(program: Program, precision: str = "float64") -> Any:
     from cuda_on_host import HostMemory, HostProgram
 
     from martensite.signals.held import Held
+    from martensite.simulate.cuda import device, march, to_ends
     from martensite.simulate.variants import VariantSetup
-    from martensite_sweep.cuda import device, march, to_ends
 
     kept = device.open_device, device.DeviceProgram, device.DeviceMemory
     replace: Any = device
@@ -314,7 +314,7 @@ def play_cuda(program: Program, precision: str = "float64") -> Any:
 def size_cuda(program: Program, precision: str) -> int:
     """The text of its march."""
     from martensite.simulate.compiled import compile_march
-    from martensite_sweep.cuda.source import MarchSource
+    from martensite.simulate.cuda.source import MarchSource
 
     compiled = compile_march(program.system)
     wanted = tuple(range(len(compiled.convergence_scales)))

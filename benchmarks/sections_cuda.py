@@ -30,10 +30,10 @@ from martensite.kernels.jax_setup import has_jax
 from martensite.scenario.scenario import load
 from martensite.simulate.arrays import devices_of
 from martensite.simulate.batch import simulate_batch
+from martensite.simulate.cuda.device import Resources, compile_source, open_device, take_answer
+from martensite.simulate.cuda.march import GivenStepsMarch, load_march, march_batch
+from martensite.simulate.cuda.source import MarchSource
 from martensite.simulate.native import march_lanes
-from martensite_sweep.cuda.device import Resources, compile_source, open_device, take_answer
-from martensite_sweep.cuda.march import GivenStepsMarch, load_march, march_batch
-from martensite_sweep.cuda.source import MarchSource
 
 CORES = 2
 C_NAME = "C, two cores"

@@ -27,7 +27,7 @@ from martensite.identify.chains.estimate import Options as Search
 from martensite.identify.chains.estimate import estimate_chain, refine_chain
 from martensite.identify.chains.scores import compute_rms
 from martensite.signals.sampling.sampled import Sampled
-from martensite_studies.public_benchmarks import SKIP, read_silverbox, read_wiener_hammerstein
+from martensite.studies.public_benchmarks import SKIP, read_silverbox, read_wiener_hammerstein
 
 PEER = "jax-sysid"
 Records = Mapping[str, Sampled]

@@ -1,6 +1,6 @@
 """The sections `sweep` and `writing`: cost of a run and memory of a process against the number of runs of a sweep.
 
-What: `martensite_sweep` with the backend `serial` on a short scenario (`sweep_once`), from
+What: `martensite.design.sweep` with the backend `serial` on a short scenario (`sweep_once`), from
 one run
 to `Options.most` in powers of ten, every sweep in a process of its own. Every number is measured,
 none continued from a smaller one: what the time budget leaves no room for is left out, and the

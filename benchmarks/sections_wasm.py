@@ -19,10 +19,10 @@ from benchmarks.process import ROOT
 from benchmarks.report import Table
 from benchmarks.sections import Options, section
 from benchmarks.wasm_runs import NativeLanes, play_module, say_missing, write_module
+from martensite.export.c_example import Step, played_by_system
+from martensite.export.wasm import build_wasm
 from martensite.scenario.scenario import load
 from martensite.simulate.compiled import bind_system
-from martensite_export.c_example import Step, played_by_system
-from martensite_export.wasm import build_wasm
 
 WIRE = ("element.diameter", "element.length", "environment.temperature", "element.law.A_f")
 EXAMPLES = ("pwm_bias_spring", "finger", "closed_loop_sensorless", "hand")

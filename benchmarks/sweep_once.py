@@ -19,9 +19,9 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.throughput_once import peak
+from martensite.design.sweep.api import SweepExecution, begin_sweep
+from martensite.design.sweep.job import MEASURES, SweepRequest
 from martensite.scenario.scenario import read_scenario
-from martensite_sweep.api import SweepExecution, begin_sweep
-from martensite_sweep.job import MEASURES, SweepRequest
 
 SCENARIO = """
 title = "A short pulse"

@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
+from martensite.export.c_core import CCore
+from martensite.export.c_example import Step
+from martensite.export.fmu.binaries import find_zig
+from martensite.export.wasm import WasmModule
+from martensite.export.wasm.module import list_sources
+from martensite.export.wasm.slopes import CoreSlopes
 from martensite.kernels.compiler import find_compiler
-from martensite_export.c_core import CCore
-from martensite_export.c_example import Step
-from martensite_export.fmu.binaries import find_zig
-from martensite_export.wasm import WasmModule
-from martensite_export.wasm.module import list_sources
-from martensite_export.wasm.slopes import CoreSlopes
 
 PLAY = """
 import { readFileSync, writeFileSync } from "node:fs";

@@ -24,11 +24,11 @@ import numpy as np
 from benchmarks.sweep_once import OVER, SCENARIO
 from benchmarks.throughput_once import peak
 from martensite.base.status import Status
+from martensite.design.sweep.api import PlannedSweep, Progress, SweepExecution, begin_sweep
+from martensite.design.sweep.job import MEASURES, SweepJob, SweepRequest
+from martensite.design.sweep.plan import DETAILS, SweepPiece
 from martensite.scenario.scenario import read_scenario
-from martensite_sweep.api import PlannedSweep, Progress, SweepExecution, begin_sweep
-from martensite_sweep.job import MEASURES, SweepJob, SweepRequest
-from martensite_sweep.plan import DETAILS, SweepPiece
-from martensite_sweep.summaries import summarise_sweep
+from martensite.show.summaries.sweep import summarise_sweep
 
 BASE = 100_000
 TENTHS = 10

@@ -19,7 +19,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-NAME = "martensite_export.gymnasium:martensite/Wire-v0"
+NAME = "martensite.export.gymnasium:martensite/Wire-v0"
 STROKE, PERIOD, LENGTH, DUTY = 4e-3, 0.02, 600, 0.9
 POPULATION, PLANTS, BEST, ROUNDS = 64, 16, 10, 50
 NUMBERS = {

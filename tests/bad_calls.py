@@ -16,7 +16,7 @@ CALLS = {
     "bug": "def answer(request, desk):\n    return 1 / request['zero']\n",
     "full": "import errno\ndef answer(request, desk):\n    raise OSError(errno.ENOSPC, 'No space left on device')\n",
     "prints": "def answer(request, desk):\n    print('not a message')\n    return {'fine': True}\n",
-    "garbage": "import os, martensite_app.worker as worker\n"
+    "garbage": "import os, martensite.app.worker as worker\n"
     "def answer(request, desk):\n"
     "    line = bytes(request['line'], 'utf-8')\n"
     "    desk.tell.__closure__[0].cell_contents._out.write(line + b'\\n')\n"
@@ -33,7 +33,7 @@ CALLS = {
 }
 MAIN = """import sys
 sys.path.insert(0, {folder!r})
-from martensite_app import routes, worker
+from martensite.app import routes, worker
 routes.CALLS, worker.MEMORY = "bad_calls_made", 2**29
 routes.ROUTES = {{name: (name, "answer") for name in {names!r}}}
 worker.main()

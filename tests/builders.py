@@ -36,8 +36,8 @@ from martensite.physics.thermal.ends import ENDS
 from martensite.physics.thermal.films import ConstantCooling, PolynomialCooling
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
 from martensite.signals.moments import Segment, Tone
-from martensite_testing.examples import build_example, label_part, list_variants
-from martensite_testing.laws import find_strain, follow_path, trace_kinetics
+from martensite.testing.examples import build_example, label_part, list_variants
+from martensite.testing.laws import find_strain, follow_path, trace_kinetics
 
 ZERO = 273.15
 REGISTRIES: dict[str, Registry[Any]] = {

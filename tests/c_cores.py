@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from martensite.export.c_core import CCore
 from martensite.kernels.compiler import find_compiler
-from martensite_export.c_core import CCore
 
 STRICT = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Werror")
 OK, LONG_STEP, UNSOLVED, OUT_OF_RANGE, NOT_FINITE, BAD_INPUT = range(6)

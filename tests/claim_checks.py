@@ -10,8 +10,8 @@ from typing import Any
 
 from martensite.scenario.citations import read_bibliography
 from martensite.studies.base import GROUNDS, Answer, Claim
-from martensite_studies.claim_tables import settle_part
-from martensite_studies.tables import TableStudy
+from martensite.studies.claim_tables import settle_part
+from martensite.studies.tables import TableStudy
 
 
 def check_complete(answer: Answer, *, all_computed: bool = True) -> None:

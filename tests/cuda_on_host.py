@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from martensite.kernels.compiler import load_library
-from martensite_sweep.cuda.source import THREADS
+from martensite.simulate.cuda.source import THREADS
 
 WORDS = """
 #include <math.h>

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from martensite.design.optimise.evaluate import DesignEvaluator
+from martensite.design.optimise.question import read_question
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.simulate.waveform_levels import WaveformLevels
-from martensite_sweep.optimise.evaluate import DesignEvaluator
-from martensite_sweep.optimise.question import read_question
 
 BUNDLE = """
 title = "bundle"

@@ -108,7 +108,7 @@ def call_command(words: Sequence[str], *files: str) -> Verdict:
 
 def spoil_scenario(seed: int) -> tuple[str, str]:
     """A scenario with one to three faults, and which example it was."""
-    from martensite.scenario.overrides import as_toml
+    from martensite.base.toml_text import as_toml
 
     rng = random.Random(seed)
     name = rng.choice(RUN_ALONE)
@@ -123,8 +123,8 @@ def spoil_scenario(seed: int) -> tuple[str, str]:
 
 def load_check_run(text: str, runtime: str = "auto") -> Verdict:
     """Build a scenario, check it, run it."""
+    from martensite.app.documents import count_steps
     from martensite.scenario.scenario import load
-    from martensite_app.documents import count_steps
 
     Path("wire.toml").write_text(text, encoding="utf-8")
     for name in ("migaone_table2.csv", "kossoski_table2.csv"):
@@ -297,7 +297,7 @@ def try_model(seed: int) -> Verdict:
 
 def try_material(seed: int) -> Verdict:
     """A material file with faults: a run with its numbers."""
-    from martensite.scenario.overrides import as_toml
+    from martensite.base.toml_text import as_toml
 
     rng = random.Random(seed)
     path = ROOT / "src/martensite/physics/materials/data/flexinol-90.toml"
@@ -380,7 +380,7 @@ def sweep_store(path: Path, **how: Any) -> Any:
     """Make or go on with the sweep of the experiments."""
     from sweep_cases import wanted, wire
 
-    from martensite_sweep.api import SweepExecution, begin_sweep
+    from martensite.design.sweep.api import SweepExecution, begin_sweep
 
     return begin_sweep(wire(), wanted(), path, SweepExecution(**{"backend": "serial", **how})).run()
 
@@ -398,7 +398,7 @@ def try_store(seed: int) -> Verdict:
     """A store with a file that is damaged or gone: read, and gone on with."""
     from sweep_cases import arrays
 
-    from martensite_sweep.reading import read_sweep
+    from martensite.design.sweep.reading import read_sweep
 
     rng = random.Random(seed)
     expected = make_whole()
@@ -575,7 +575,7 @@ def try_cluster(seed: int) -> Verdict:
     """A worker of a Dask cluster is killed while a sweep is made."""
     from sweep_cases import arrays, undisturbed, wanted, wire
 
-    from martensite_sweep.api import SweepExecution, begin_sweep
+    from martensite.design.sweep.api import SweepExecution, begin_sweep
 
     distributed: Any = import_module("distributed")
     rng = random.Random(seed)

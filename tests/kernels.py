@@ -40,7 +40,7 @@ from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.mas import MullerAchenbachSeelecke
 from martensite.physics.thermal.base import Cylinder
 from martensite.signals.moments import Moments
-from martensite_testing.readings import find_range
+from martensite.testing.readings import find_range
 
 LANES = 256
 

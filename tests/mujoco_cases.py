@@ -9,11 +9,11 @@ import numpy as np
 from builders import hanging_wire
 
 from martensite.actuators.elements.wire import Wire
+from martensite.export.mujoco_bridge import MujocoBridge, TendonActuator
+from martensite.export.strand import ForceWeights
 from martensite.physics.thermal.base import Environment
 from martensite.physics.thermal.films import ConstantCooling
 from martensite.signals.base import AbstractWaveform
-from martensite_export.mujoco_bridge import MujocoBridge, TendonActuator
-from martensite_export.strand import ForceWeights
 
 GRAVITY = 9.81
 LAGGED = ForceWeights(0.0, 1.0, 0.0)

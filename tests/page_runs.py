@@ -12,13 +12,13 @@ from node_js import WEB, node
 
 from martensite.actuators.assembly.lengths import measure_lengths
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState
+from martensite.app.messages import write_message
+from martensite.app.views.formulas import write_number
 from martensite.scenario.scenario import Scenario
 from martensite.simulate.alarms import add_warnings
 from martensite.simulate.result import Result
 from martensite.simulate.tracing import AbstractTrace
 from martensite.simulate.track import StepRows, Track
-from martensite_app.messages import write_message
-from martensite_app.views.formulas import write_number
 
 
 class PageRuns:

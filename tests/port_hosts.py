@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from martensite.export.ports.kernel import PortKernel, compile_port
+from martensite.export.ports.material import MaterialPort
+from martensite.export.ports.opensees import write_opensees
+from martensite.export.ports.umat import count_state_variables, write_umat
 from martensite.kernels.compiler import find_compiler
 from martensite.physics.laws.base import AbstractLaw
-from martensite_export.ports.kernel import PortKernel, compile_port
-from martensite_export.ports.material import MaterialPort
-from martensite_export.ports.opensees import write_opensees
-from martensite_export.ports.umat import count_state_variables, write_umat
 
 FLAGS = ("-std=c99", "-O0", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-ffp-contract=off")
 ZERO = 273.15

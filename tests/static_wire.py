@@ -14,13 +14,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from martensite_app.documents import list_standalone
-from martensite_app.messages import write_message
-from martensite_app.static_site.flat_inputs import list_waveforms
-from martensite_app.static_site.input_map import InputMap, measure_map
-from martensite_app.static_site.run_module import RunSource, write_source
-from martensite_app.static_site.scenario_table import describe_static
-from martensite_app.static_site.site_writer import FIRST, RUNS, copy_page, name_module, write_manifest
+from martensite.app.documents import list_standalone
+from martensite.app.messages import write_message
+from martensite.app.static_site.flat_inputs import list_waveforms
+from martensite.app.static_site.input_map import InputMap, measure_map
+from martensite.app.static_site.run_module import RunSource, write_source
+from martensite.app.static_site.scenario_table import describe_static
+from martensite.app.static_site.site_writer import FIRST, RUNS, copy_page, name_module, write_manifest
 
 MODULES = Path(__file__).parent / "app" / "modules"
 CONTROLS = (

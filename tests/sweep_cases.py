@@ -13,11 +13,11 @@ import numpy as np
 from thin_wire import THIN_WIRE
 
 from martensite.base.status import Status
+from martensite.design.sweep.api import Progress, SweepExecution, begin_sweep, run_chunks
+from martensite.design.sweep.backends.base import AbstractBackend, Report
+from martensite.design.sweep.job import SweepJob, SweepRequest
+from martensite.design.sweep.plan import SweepPiece
 from martensite.scenario.scenario import Scenario, read_scenario
-from martensite_sweep.api import Progress, SweepExecution, begin_sweep, run_chunks
-from martensite_sweep.backends.base import AbstractBackend, Report
-from martensite_sweep.job import SweepJob, SweepRequest
-from martensite_sweep.plan import SweepPiece
 
 WIRE = (
     THIN_WIRE

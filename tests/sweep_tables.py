@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from martensite.design.sweep.axes import SweepAxis
+from martensite.design.sweep.sampling.samples import parse_sampling
+from martensite.design.sweep.table import SweepColumn, SweepTable
 from martensite.search.free_numbers import Target
-from martensite_sweep.axes import SweepAxis
-from martensite_sweep.sampling.samples import parse_sampling
-from martensite_sweep.table import SweepColumn, SweepTable
 
 Function = Callable[[np.ndarray], np.ndarray]
 ISHIGAMI_A, ISHIGAMI_B = 7.0, 0.1

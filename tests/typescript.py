@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from martensite_app.messages import write_message
+from martensite.app.messages import write_message
 
 SOURCES = Path(__file__).parents[1] / "web" / "src"
 _TOKEN = re.compile(r"\s+|/\*\*.*?\*/|//[^\n]*|(\"[^\"]*\"|[A-Za-z_]\w*|.)", re.DOTALL)

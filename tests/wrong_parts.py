@@ -39,7 +39,7 @@ from martensite.physics.thermal.ends import AbstractEnds
 from martensite.physics.thermal.films import ConstantCooling
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.simulate.measures.extremes import Largest
-from martensite_testing import build_example
+from martensite.testing import build_example
 
 
 class Falling(ConstantCooling):

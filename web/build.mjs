@@ -1,9 +1,9 @@
-// Bundles the page into app/src/martensite_app/static, which is committed: users need no Node.
+// Bundles the page into src/martensite/app/static, which is committed: users need no Node.
 //   node build.mjs [FOLDER]     another folder, which the server takes from MARTENSITE_STATIC
 import { build } from "esbuild";
 import { copyFile, mkdir, readdir, readFile, rm, writeFile } from "node:fs/promises";
 
-const out = process.argv[2] ?? "../app/src/martensite_app/static";
+const out = process.argv[2] ?? "../src/martensite/app/static";
 
 await rm(out, { recursive: true, force: true });
 await mkdir(out, { recursive: true });

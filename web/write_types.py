@@ -15,7 +15,7 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent
-SOURCES = (ROOT / "src/martensite/scenario/catalogue.py", ROOT / "app/src/martensite_app/forms/form_types.py")
+SOURCES = (ROOT / "src/martensite/scenario/catalogue.py", ROOT / "src/martensite/app/forms/form_types.py")
 TARGET = HERE / "src" / "form" / "types.ts"
 HEAD = "// Written by write_types.py from what Python declares; do not edit.\n"
 PLAIN = {"str": "string", "int": "number", "float": "number", "bool": "boolean", "Any": "unknown"}

@@ -9,10 +9,10 @@ import ast
 import re
 from pathlib import Path
 
-import martensite_app
-from martensite_app.routes import ROUTES
+import martensite.app
+from martensite.app.routes import ROUTES
 
-APP = Path(martensite_app.__file__).parent
+APP = Path(martensite.app.__file__).parent
 
 
 def docstring(path: Path) -> str:

@@ -18,9 +18,9 @@ from pathlib import Path
 import live
 from drawings import shorten_drawing
 
+from martensite.app.documents import check_files
+from martensite.app.static_site.site_writer import can_offer, list_offered, measure_folder, write_site
 from martensite.base.errors import DataError, MartensiteError
-from martensite_app.documents import check_files
-from martensite_app.static_site.site_writer import can_offer, list_offered, measure_folder, write_site
 
 DOCS = Path(__file__).resolve().parents[1]
 TREES = DOCS / "_build" / "site"

@@ -21,15 +21,15 @@ from martensite.base import units
 from martensite.base.parameters import Parametrised
 from martensite.base.registry import Registry
 from martensite.base.status import Status
+from martensite.design.sweep.backends.base import BACKENDS
+from martensite.design.sweep.sampling.samples import DESIGNS
 from martensite.physics.materials.base import DOUBTFUL, NAMES, Material, load_material, material_names
 from martensite.scenario import catalogue
 from martensite.show.summaries.parts import write_default
 from martensite.simulate.measures.base import MEASURES
 from martensite.studies.base import VERDICTS, AbstractStudy, Answer, Claim, load_study, study_names
-from martensite_studies.shipped_numbers import find_changes, find_figure
-from martensite_studies.tables import TableStudy
-from martensite_sweep.backends.base import BACKENDS
-from martensite_sweep.sampling.samples import DESIGNS
+from martensite.studies.shipped_numbers import find_changes, find_figure
+from martensite.studies.tables import TableStudy
 
 _logger = logging.getLogger(__name__)
 _SPACES = re.compile(r"[ \t\n]+")  # not those that keep words together
@@ -315,7 +315,7 @@ def _warn_of_changes(found: AbstractStudy) -> None:
     """Compute a study, whose figure has left most of its runs, and compare it with what was shipped."""
     for sentence in find_changes(found, wandering=False) if isinstance(found, TableStudy) else ():
         _logger.warning(
-            "Study %s: %s `python -m martensite_studies.shipped_numbers` writes it anew.", found.key, sentence
+            "Study %s: %s `python -m martensite.studies.shipped_numbers` writes it anew.", found.key, sentence
         )
 
 

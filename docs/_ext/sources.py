@@ -19,8 +19,8 @@ from parts import cited, figure, plain, table, unbroken
 
 from martensite.scenario.citations import list_entries
 from martensite.studies.base import AbstractStudy, Answer, Claim, load_study
-from martensite_studies.shipped_numbers import read_results
-from martensite_studies.tables import TableStudy
+from martensite.studies.shipped_numbers import read_results
+from martensite.studies.tables import TableStudy
 
 CITATION = Path(__file__).parents[2] / "CITATION.cff"
 _FIELD = re.compile(r"\{\{([a-z-]+): (.+?)\}\}")

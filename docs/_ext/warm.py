@@ -27,12 +27,12 @@ from martensite.cli import app
 
 PACKAGES = (
     "martensite",
-    "martensite_control",
-    "martensite_export",
-    "martensite_hardware",
-    "martensite_studies",
-    "martensite_sweep",
-    "martensite_testing",
+    "martensite.control",
+    "martensite.export",
+    "martensite.boards",
+    "martensite.studies",
+    "martensite.design.sweep",
+    "martensite.testing",
 )
 OTHERS = ("control", "dask", "fmu", "gymnasium", "mujoco", "numpyro")
 """What only some pages need; they import it themselves."""

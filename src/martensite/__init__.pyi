@@ -8,11 +8,11 @@ from martensite import parts as parts
 from martensite import scenario as _data
 from martensite import signals as signals
 from martensite import simulate as simulate
+from martensite import studies as studies
 from martensite import testing as testing
 from martensite.actuators import elements as elements
 from martensite.actuators import mechanisms as mechanisms
 from martensite.actuators.assembly.actuator import Actuator as Actuator
-from martensite.actuators.assembly.actuator import Group as Group
 from martensite.actuators.assembly.systems import Machine as Machine
 from martensite.actuators.assembly.systems import System as System
 from martensite.actuators.elements.coil_spring import CoilSpring as CoilSpring

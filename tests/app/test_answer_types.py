@@ -6,9 +6,9 @@ from typing import Any
 import pytest
 from typescript import check_answer
 
-from martensite_app.documents import list_standalone
-from martensite_app.routes import find_call
-from martensite_app.worker import Desk
+from martensite.app.documents import list_standalone
+from martensite.app.routes import find_call
+from martensite.app.worker import Desk
 
 POWER = list_standalone()["constant_power"]
 PLAN = {"over": ["mechanism.mass=0.1..0.2 kg:3"], "measures": ["stroke"]}

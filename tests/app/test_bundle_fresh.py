@@ -33,7 +33,7 @@ def test_the_types_of_forms_are_what_python_declares(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     shutil.copytree(WEB / "src" / "form", tmp_path / "web" / "src" / "form")
     shutil.copy(WEB / "write_types.py", tmp_path / "web")
-    for name in ("src/martensite/scenario/catalogue.py", "app/src/martensite_app/forms/form_types.py"):
+    for name in ("src/martensite/scenario/catalogue.py", "src/martensite/app/forms/form_types.py"):
         place = tmp_path / name
         place.parent.mkdir(parents=True)
         text = (WEB.parent / name).read_text("utf-8")

@@ -12,6 +12,16 @@ from fit_cases import HEATED, ISOBARIC, TRUE, heated, isobaric, repeated, write_
 from typescript import check_answer
 from websockets.sync.client import connect
 
+from martensite.app.calls.fits import run_fit as fit
+from martensite.app.calls.fits import write_fit_file as written
+from martensite.app.calls.logs import LOSS_WORDS, METHOD_WORDS
+from martensite.app.calls.logs import describe_records as records
+from martensite.app.calls.logs import list_followers as starts
+from martensite.app.calls.logs import match_scenario as beside
+from martensite.app.calls.scenarios import run_scenario as run
+from martensite.app.uploads import UploadFolder
+from martensite.app.views.columns import find_corners
+from martensite.app.worker import Desk
 from martensite.base.errors import InputError, SolveError
 from martensite.fit.api import fit_logs as library_fit
 from martensite.fit.losses import LOSSES
@@ -19,16 +29,6 @@ from martensite.fit.material_files import write_material
 from martensite.fit.solve import METHODS
 from martensite.scenario.scenario import read_scenario
 from martensite.scenario.tables import read_table
-from martensite_app.calls.fits import run_fit as fit
-from martensite_app.calls.fits import write_fit_file as written
-from martensite_app.calls.logs import LOSS_WORDS, METHOD_WORDS
-from martensite_app.calls.logs import describe_records as records
-from martensite_app.calls.logs import list_followers as starts
-from martensite_app.calls.logs import match_scenario as beside
-from martensite_app.calls.scenarios import run_scenario as run
-from martensite_app.uploads import UploadFolder
-from martensite_app.views.columns import find_corners
-from martensite_app.worker import Desk
 
 COLUMNS = [
     {"at": 0, "name": "time", "unit": "s"},

@@ -9,6 +9,10 @@ import pytest
 from app_server import Bench
 from typescript import check_answer
 
+from martensite.app.calls.form import build_form as answer
+from martensite.app.documents import FOLDER, list_standalone
+from martensite.app.forms import controls, documents
+from martensite.app.worker import Desk
 from martensite.base import units
 from martensite.base.errors import InputError, UnknownNameError
 from martensite.base.files import toml_document
@@ -17,10 +21,6 @@ from martensite.base.parameters import Declared, Number, param
 from martensite.physics.laws.base import LAWS
 from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.scenario.scenario import read_scenario
-from martensite_app.calls.form import build_form as answer
-from martensite_app.documents import FOLDER, list_standalone
-from martensite_app.forms import controls, documents
-from martensite_app.worker import Desk
 
 TEXT = list_standalone()["constant_power"]
 DESK = Desk(Path())

@@ -14,10 +14,9 @@ from app_server import Bench
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-import martensite_app as app
-from martensite.base.errors import DataError, MartensiteError, ParameterError
-from martensite_app.documents import check_files, read_request_scenario
-from martensite_app.messages import (
+import martensite.app as app
+from martensite.app.documents import check_files, read_request_scenario
+from martensite.app.messages import (
     DEEPEST_NESTING,
     BadMessageError,
     describe_refusal,
@@ -25,9 +24,10 @@ from martensite_app.messages import (
     require_entry,
     write_message,
 )
-from martensite_app.routes import ROUTES, find_call
-from martensite_app.uploads import UploadFolder
-from martensite_app.worker import Desk
+from martensite.app.routes import ROUTES, find_call
+from martensite.app.uploads import UploadFolder
+from martensite.app.worker import Desk
+from martensite.base.errors import DataError, MartensiteError, ParameterError
 
 SOURCES = Path(app.__file__).parent
 ENTRIES = sorted(
@@ -334,6 +334,6 @@ def test_the_fuzzing_notices_a_bug(monkeypatch: pytest.MonkeyPatch, folder: Path
     def broken(request: dict[str, Any], desk: Desk) -> Any:
         return 1 / 0
 
-    monkeypatch.setattr("martensite_app.calls.scenarios.list_scenarios", broken)
+    monkeypatch.setattr("martensite.app.calls.scenarios.list_scenarios", broken)
     with pytest.raises(AssertionError, match="Unexpected error: ZeroDivisionError"):
         outcome("scenarios", {}, folder)

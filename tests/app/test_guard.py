@@ -14,10 +14,10 @@ from app_server import TAB, Bench, running
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
+from martensite.app.earlier_tokens import LONGEST_KEPT, TokenRecord, digest_token
+from martensite.app.request_guard import NAMES
+from martensite.app.server import bind_socket, make_folder
 from martensite.base.errors import InputError
-from martensite_app.earlier_tokens import LONGEST_KEPT, TokenRecord, digest_token
-from martensite_app.request_guard import NAMES
-from martensite_app.server import bind_socket, make_folder
 
 ELSEWHERE = ("http://evil.example", "null", "http://127.0.0.1:1", "https://127.0.0.1", "")
 """Origins of other pages; an empty one is none that a browser sends."""

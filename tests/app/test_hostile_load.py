@@ -18,8 +18,8 @@ import pytest
 from app_server import Bench, running
 from fault_trials import HOSTILE, spoil_bytes
 
-from martensite_app.messages import write_message
-from martensite_app.routes import ROUTES
+from martensite.app.messages import write_message
+from martensite.app.routes import ROUTES
 
 TEXT = (Path(__file__).parents[2] / "examples/constant_power.toml").read_text("utf-8")
 LONG = ("size_catalogue", "study")

@@ -21,12 +21,12 @@ from bad_calls import command
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
-from martensite_app.jobs import AT_ONCE, LONGEST_TRAIL
+from martensite.app.jobs import AT_ONCE, LONGEST_TRAIL
 
 SERVER = """import json, sys
 from pathlib import Path
-from martensite_app import worker_pool
-from martensite_app.server import serve_bench
+from martensite.app import worker_pool
+from martensite.app.server import serve_bench
 worker_pool.COMMAND, worker_pool.STOP_LIMIT = {command!r}, 2.0
 def ready(at):
     print(json.dumps([at.port, at.token]), flush=True)

@@ -9,12 +9,12 @@ from typing import Any
 import pytest
 from typescript import check_answer
 
+from martensite.app.calls.fits import run_fit, write_fit_file
+from martensite.app.calls.logs import describe_records, describe_table, overlay_logs, place_sample, propose_fit
+from martensite.app.identify.mapped_table import read_record
+from martensite.app.uploads import UploadFolder
+from martensite.app.worker import Desk
 from martensite.base.errors import InputError
-from martensite_app.calls.fits import run_fit, write_fit_file
-from martensite_app.calls.logs import describe_records, describe_table, overlay_logs, place_sample, propose_fit
-from martensite_app.identify.mapped_table import read_record
-from martensite_app.uploads import UploadFolder
-from martensite_app.worker import Desk
 
 MEASURED = Path(__file__).parents[3] / "shared" / "data"
 LOOP = [(30.0 + 2.0 * (k if k < 50 else 100 - k), k) for k in range(101)]

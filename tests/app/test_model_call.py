@@ -10,13 +10,13 @@ import pytest
 from node_js import WEB
 
 from martensite.actuators.mechanisms.base import MECHANISMS
+from martensite.app.calls.models import build_model
+from martensite.app.documents import list_standalone
+from martensite.app.static_site import stepped_model
+from martensite.app.static_site.run_module import RunSource
+from martensite.app.worker import Desk
 from martensite.base.errors import InputError
-from martensite_app.calls.models import build_model
-from martensite_app.documents import list_standalone
-from martensite_app.static_site import stepped_model
-from martensite_app.static_site.run_module import RunSource
-from martensite_app.worker import Desk
-from martensite_export.wasm import module
+from martensite.export.wasm import module
 
 HANDLE = re.compile(r'^  "?([a-z-]+)"?: \{ path: "mechanism\.(\w+)"', re.MULTILINE)
 DESK = Desk(Path(), lambda note: None)

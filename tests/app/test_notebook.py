@@ -9,13 +9,13 @@ from typing import Any
 import pytest
 from static_wire import TEXT
 
+from martensite.app.documents import build_packaged
+from martensite.app.messages import write_message
+from martensite.app.notebook import BenchWidget
+from martensite.app.routes import find_call
+from martensite.app.worker import Desk
 from martensite.base.errors import DataError, InputError
 from martensite.scenario.scenario import Scenario
-from martensite_app.documents import build_packaged
-from martensite_app.messages import write_message
-from martensite_app.notebook import BenchWidget
-from martensite_app.routes import find_call
-from martensite_app.worker import Desk
 
 CHANGES = {"element.diameter": "0.12 mm"}
 
@@ -90,7 +90,7 @@ def test_a_scenario_with_files_of_its_own_is_refused() -> None:
 
 
 def test_without_the_extra_a_sentence_names_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "martensite_app.notebook", None)
+    monkeypatch.setitem(__import__("sys").modules, "martensite.app.notebook", None)
     scenario: Scenario = build_packaged(TEXT)
     with pytest.raises(InputError, match=r"pip install 'martensite\[notebook\]'"):
         scenario.show_bench()

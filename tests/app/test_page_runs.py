@@ -9,19 +9,19 @@ from typing import Any
 import pytest
 from page_runs import PageRuns, keep_rows
 
+from martensite.app.documents import FOLDER, list_standalone
+from martensite.app.messages import write_message
+from martensite.app.views.columns import list_columns
+from martensite.app.views.diagrams import describe_energy
+from martensite.app.views.formulas import Formulas, explore_choices
+from martensite.app.views.page import describe_page
+from martensite.app.views.traces import list_alarms, list_loops, list_panels
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.show.figures.hysteresis import find_senses, split_runs
 from martensite.show.figures.phase_diagram import find_bands
 from martensite.show.summaries.run import tabulate_key_results
 from martensite.simulate.alarms import add_warnings
 from martensite.simulate.result import Result
-from martensite_app.documents import FOLDER, list_standalone
-from martensite_app.messages import write_message
-from martensite_app.views.columns import list_columns
-from martensite_app.views.diagrams import describe_energy
-from martensite_app.views.formulas import Formulas, explore_choices
-from martensite_app.views.page import describe_page
-from martensite_app.views.traces import list_alarms, list_loops, list_panels
 
 MARCH = ("The run stopped", "Warning: The trial step", "Warning: The run ends")
 """How sentences begin that a run in the page says itself (`web/src/engine/run.ts`)."""

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from martensite_app.site import STATIC, WIDGET
+from martensite.app.site import STATIC, WIDGET
 
 MOST = 500_000
 """Bytes of the page with all that it may load, as they go over the wire, compressed."""

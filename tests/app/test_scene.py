@@ -13,12 +13,12 @@ from page_runs import PageRuns, draw_row
 
 from martensite.actuators.mechanisms.drawing import KINDS, DrawingShape, DrawingState
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley
+from martensite.app.documents import FOLDER, list_standalone
+from martensite.app.views.page import describe_page
+from martensite.app.views.scene import describe_shapes
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.simulate.curve_rows import add_step_rows
 from martensite.simulate.result import Result
-from martensite_app.documents import FOLDER, list_standalone
-from martensite_app.views.page import describe_page
-from martensite_app.views.scene import describe_shapes
 
 MOST, LEAST = 241, 61
 

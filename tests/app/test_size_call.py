@@ -7,16 +7,16 @@ import pytest
 from app_server import Bench
 from typescript import check_answer
 
+from martensite.app.calls import size_map, sizing
+from martensite.app.calls.sizing import EXAMPLE
+from martensite.app.messages import BadMessageError
+from martensite.app.worker import Desk
 from martensite.base.errors import InputError
 from martensite.design.sizing.candidates import judge_candidate, size_wire
 from martensite.design.sizing.remarks import find_tightest, list_margins
 from martensite.design.sizing.request import WireRequest
 from martensite.scenario.exact_text import convert_to_plain
 from martensite.scenario.scenario import read_scenario
-from martensite_app.calls import size_map, sizing
-from martensite_app.calls.sizing import EXAMPLE
-from martensite_app.messages import BadMessageError
-from martensite_app.worker import Desk
 
 SMALL = {"force": "0.5 N", "stroke": "3 mm", "rate": "0.2 Hz", "supply": "5 V", "alloy": "90"}
 

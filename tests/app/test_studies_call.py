@@ -8,12 +8,12 @@ import pytest
 from app_server import Bench
 from typescript import check_answer
 
+from martensite.app.calls import studies
+from martensite.app.worker import Desk
 from martensite.base.errors import InputError, UnknownNameError
 from martensite.base.registry import Registry
 from martensite.scenario.scenario import read_scenario
 from martensite.studies.base import AbstractStudy, Answer, Claim, load_study, study_names
-from martensite_app.calls import studies
-from martensite_app.worker import Desk
 
 QUICK = "wire-heating"
 

@@ -18,24 +18,24 @@ from typer.testing import CliRunner
 from typescript import check_answer
 from websockets.sync.client import connect
 
+from martensite.app.calls import sweep_form
+from martensite.app.calls.sweeps import delete_sweep as delete
+from martensite.app.calls.sweeps import estimate_indices as indices
+from martensite.app.calls.sweeps import find_front as front
+from martensite.app.calls.sweeps import list_sweeps as listed
+from martensite.app.calls.sweeps import read_points as points
+from martensite.app.calls.sweeps import read_row as row
+from martensite.app.calls.sweeps import run_sweep as sweep
+from martensite.app.sweeping.sweep_drawing import MOST_DRAWN, SweepDrawing
+from martensite.app.sweeping.sweep_folder import SweepFolder, hold_store, make_slug
+from martensite.app.sweeping.sweep_request import quote_words
+from martensite.app.worker import Desk
 from martensite.base.errors import DataError, InputError
 from martensite.cli.app import app
-from martensite_app.calls import sweep_form
-from martensite_app.calls.sweeps import delete_sweep as delete
-from martensite_app.calls.sweeps import estimate_indices as indices
-from martensite_app.calls.sweeps import find_front as front
-from martensite_app.calls.sweeps import list_sweeps as listed
-from martensite_app.calls.sweeps import read_points as points
-from martensite_app.calls.sweeps import read_row as row
-from martensite_app.calls.sweeps import run_sweep as sweep
-from martensite_app.sweeping.sweep_drawing import MOST_DRAWN, SweepDrawing
-from martensite_app.sweeping.sweep_folder import SweepFolder, hold_store, make_slug
-from martensite_app.sweeping.sweep_request import quote_words
-from martensite_app.worker import Desk
-from martensite_sweep.indices import compute_sensitivity as sensitivity_indices
-from martensite_sweep.pareto import find_pareto_front
-from martensite_sweep.reading import read_sweep
-from martensite_sweep.store import Store
+from martensite.design.sweep.indices import compute_sensitivity as sensitivity_indices
+from martensite.design.sweep.pareto import find_pareto_front
+from martensite.design.sweep.reading import read_sweep
+from martensite.design.sweep.store import Store
 
 TEXT = (Path(__file__).parents[2] / "examples/constant_power.toml").read_text("utf-8")
 SHORT = TEXT.replace('duration = "10 s"', 'duration = "2 s"\nsamples = 41')

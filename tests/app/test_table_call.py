@@ -9,13 +9,13 @@ import pytest
 from app_server import Bench
 from typescript import check_answer
 
+from martensite.app.calls.logs import describe_records as records
+from martensite.app.calls.logs import describe_table as table
+from martensite.app.calls.logs import place_sample
+from martensite.app.uploads import UploadFolder
+from martensite.app.worker import Desk
 from martensite.base.errors import InputError
 from martensite.scenario.datasets import describe_dataset
-from martensite_app.calls.logs import describe_records as records
-from martensite_app.calls.logs import describe_table as table
-from martensite_app.calls.logs import place_sample
-from martensite_app.uploads import UploadFolder
-from martensite_app.worker import Desk
 
 LOG = "Time_s;T (C);F/N;remark\n0;20,5;1;=cmd()\n1;;2;\n2;21,5;3;+1+1\n"
 BAD = {

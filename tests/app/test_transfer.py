@@ -13,9 +13,9 @@ import pytest
 from app_server import Bench
 from bad_calls import command
 
-from martensite_app import worker_pool
-from martensite_app.messages import COLUMNS_TYPE, NUMBERS, SHORTEST_COLUMN, Refusal, pack_columns, write_message
-from martensite_app.worker_pool import WorkerPool
+from martensite.app import worker_pool
+from martensite.app.messages import COLUMNS_TYPE, NUMBERS, SHORTEST_COLUMN, Refusal, pack_columns, write_message
+from martensite.app.worker_pool import WorkerPool
 
 TEXT = (Path(__file__).parents[2] / "examples/constant_power.toml").read_text("utf-8")
 SMALL: dict[str, Any] = {

@@ -12,10 +12,10 @@ from app_server import Bench
 from hypothesis import given
 from hypothesis import strategies as st
 
+from martensite.app import uploads
+from martensite.app.messages import Refusal
+from martensite.app.uploads import UploadFolder, clean_name
 from martensite.base.errors import DataError
-from martensite_app import uploads
-from martensite_app.messages import Refusal
-from martensite_app.uploads import UploadFolder, clean_name
 
 NAMES = (
     "../../etc/passwd",

@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 import pytest
 
+from martensite.app.calls.scenarios import compare_documents, run_scenario
+from martensite.app.messages import BadMessageError
+from martensite.app.views.diagrams import NO_ELEMENT, PRESCRIBED, describe_energy
+from martensite.app.views.traces import list_alarms, list_loops, list_panels
+from martensite.app.worker import Desk
 from martensite.base.errors import DataError, InputError
-from martensite.design.analysis.energy import find_length
 from martensite.scenario.scenario import load, read_scenario
 from martensite.show.summaries.run import tabulate_key_results
+from martensite.simulate.cycle_energies import compute_cycle_energies
+from martensite.simulate.energy import find_length
 from martensite.simulate.result import Result
-from martensite_app.calls.scenarios import compare_documents, run_scenario
-from martensite_app.messages import BadMessageError
-from martensite_app.views.diagrams import NO_ELEMENT, PRESCRIBED, describe_energy
-from martensite_app.views.traces import list_alarms, list_loops, list_panels
-from martensite_app.worker import Desk
-from martensite_sweep.cycle_energies import compute_cycle_energies
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

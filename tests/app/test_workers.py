@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 from bad_calls import command
 
-from martensite_app import worker_pool
-from martensite_app.messages import Refusal, Written
-from martensite_app.worker_pool import Worker, WorkerPool
+from martensite.app import worker_pool
+from martensite.app.messages import Refusal, Written
+from martensite.app.worker_pool import Worker, WorkerPool
 
 pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning")
 

@@ -5,8 +5,8 @@ import re
 import pytest
 from playwright.sync_api import Page, expect
 
-pytest.importorskip("martensite_hardware", reason="boards are a distribution of their own")
-from martensite_hardware.live_run import find_missing
+pytest.importorskip("martensite.boards", reason="boards are a distribution of their own")
+from martensite.boards.live_run import find_missing
 
 STARTED = 90_000
 """Firmware compiled and emulator started, on a busy machine [ms]."""

@@ -10,8 +10,8 @@ import pytest
 from playwright.sync_api import FrameLocator, Page, expect
 from static_wire import TEXT
 
-from martensite_app.documents import build_packaged
-from martensite_app.notebook import BenchWidget
+from martensite.app.documents import build_packaged
+from martensite.app.notebook import BenchWidget
 
 ADDRESS = "http://127.0.0.1:9/notebook"
 MODEL = """async ([esm, state]) => {

@@ -20,7 +20,7 @@ from command import Command
 from playwright.sync_api import Page, expect
 from static_wire import ROW, TABLE, TEXT, write_wire
 
-from martensite_app.documents import build_packaged
+from martensite.app.documents import build_packaged
 
 
 class Quiet(SimpleHTTPRequestHandler):

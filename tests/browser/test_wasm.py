@@ -12,8 +12,8 @@ import pytest
 from benchmarks.wasm_runs import say_missing, write_module
 from fences import ROOT, fences
 
+from martensite.export.wasm import build_wasm
 from martensite.scenario.scenario import load
-from martensite_export.wasm import build_wasm
 
 
 class Quiet(SimpleHTTPRequestHandler):

@@ -19,10 +19,10 @@ from martensite.scenario.citations import read_bibliography
 from martensite.scenario.scenario import load
 from martensite.scenario.tables import read_table
 from martensite.studies.base import Answer, load_study, study_names
-from martensite_studies.electrothermal import ElectrothermalStaircase, model, record, record_numbers
-from martensite_studies.electrothermal.model_numbers import KEPT, calibrate_numbers
-from martensite_studies.electrothermal.record import RecordStaircase
-from martensite_studies.tables import printed_numbers
+from martensite.studies.electrothermal import ElectrothermalStaircase, model, record, record_numbers
+from martensite.studies.electrothermal.model_numbers import KEPT, calibrate_numbers
+from martensite.studies.electrothermal.record import RecordStaircase
+from martensite.studies.tables import printed_numbers
 
 NAME = "electrothermal-staircase"
 STATED = printed_numbers("electrothermal")

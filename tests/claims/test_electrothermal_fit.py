@@ -14,11 +14,11 @@ import pytest
 from claim_checks import numbers_of
 
 from martensite.fit.profiling import profile_likelihood
-from martensite_studies.electrothermal import ElectrothermalStaircase, model, record, resistance_numbers
-from martensite_studies.electrothermal import heating_fit as heating
-from martensite_studies.electrothermal import resistance_fit as fitting
-from martensite_studies.electrothermal.record import RecordStaircase
-from martensite_studies.tables import printed_numbers
+from martensite.studies.electrothermal import ElectrothermalStaircase, model, record, resistance_numbers
+from martensite.studies.electrothermal import heating_fit as heating
+from martensite.studies.electrothermal import resistance_fit as fitting
+from martensite.studies.electrothermal.record import RecordStaircase
+from martensite.studies.tables import printed_numbers
 
 STATED = printed_numbers("electrothermal")
 OFFSETS = (fitting.LOWER, STATED.offset, fitting.UPPER)

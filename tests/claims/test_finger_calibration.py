@@ -17,9 +17,9 @@ from claim_checks import check_complete, check_decides, numbers_of, verdicts_of
 from martensite.kernels.compiler import find_compiler
 from martensite.scenario.citations import read_bibliography
 from martensite.studies.base import load_study
-from martensite_studies.finger_calibration import FingerCalibration, bench, gauge_numbers, record_numbers
-from martensite_studies.finger_calibration.bench import EVERY, FAR, JOINT, NEAR
-from martensite_studies.finger_calibration.searches import (
+from martensite.studies.finger_calibration import FingerCalibration, bench, gauge_numbers, record_numbers
+from martensite.studies.finger_calibration.bench import EVERY, FAR, JOINT, NEAR
+from martensite.studies.finger_calibration.searches import (
     ALL,
     COORDINATE,
     FEW,
@@ -29,7 +29,7 @@ from martensite_studies.finger_calibration.searches import (
     moving_starts,
     run_search,
 )
-from martensite_studies.tables import PrintedRows, printed_numbers
+from martensite.studies.tables import PrintedRows, printed_numbers
 
 PRINTED = printed_numbers("finger_calibration")
 TABLE = record_numbers.table_numbers(PRINTED)
@@ -301,7 +301,7 @@ def test_sources_are_known():
 
 
 def test_without_a_compiler_it_says_so(monkeypatch, tmp_path):
-    for module in ("martensite.kernels.compiler", "martensite_studies.finger_calibration.figure"):
+    for module in ("martensite.kernels.compiler", "martensite.studies.finger_calibration.figure"):
         monkeypatch.setattr(f"{module}.find_compiler", lambda: None)
     (claim,) = FingerCalibration().claims()
     assert (claim.verdict, claim.differs) == ("not comparable", "this machine has no C compiler")

@@ -15,8 +15,8 @@ from claim_checks import check_complete, check_decides, numbers_of, verdicts_of
 from martensite.kernels.compiler import find_compiler
 from martensite.scenario.citations import read_bibliography
 from martensite.studies.base import Answer, load_study
-from martensite_studies.finger import FingerStudy, bench, bending_numbers, crystal_numbers, loop_numbers, wire_numbers
-from martensite_studies.tables import printed_numbers
+from martensite.studies.finger import FingerStudy, bench, bending_numbers, crystal_numbers, loop_numbers, wire_numbers
+from martensite.studies.tables import printed_numbers
 
 PRINTED = printed_numbers("finger")
 PER_KELVIN = 200.0 * math.pi * 0.1e-3 * 0.44

@@ -12,9 +12,9 @@ from claim_checks import check_complete, numbers_of
 
 from martensite.kernels.compiler import find_compiler
 from martensite.studies.base import Answer, load_study
-from martensite_studies.hammerstein_wiener import HammersteinWiener, comparisons, loop, loops, models
-from martensite_studies.hammerstein_wiener.bench import INTERVAL
-from martensite_studies.hammerstein_wiener.fit_numbers import BETTER, PAPER, WHOLE
+from martensite.studies.hammerstein_wiener import HammersteinWiener, comparisons, loop, loops, models
+from martensite.studies.hammerstein_wiener.bench import INTERVAL
+from martensite.studies.hammerstein_wiener.fit_numbers import BETTER, PAPER, WHOLE
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="needs a C compiler")
 

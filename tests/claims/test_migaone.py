@@ -17,8 +17,8 @@ from martensite.characterise.film_coefficient import film_r_squared, fit_film
 from martensite.scenario.citations import read_bibliography
 from martensite.simulate.result import Result
 from martensite.studies.base import Answer, load_study, study_names
-from martensite_studies.migaone import MigaOne, bench, film_numbers, motion_numbers, wire_numbers
-from martensite_studies.tables import Printed, PrintedRows, printed_numbers
+from martensite.studies.migaone import MigaOne, bench, film_numbers, motion_numbers, wire_numbers
+from martensite.studies.tables import Printed, PrintedRows, printed_numbers
 
 PRINTED = printed_numbers("migaone")
 POINTS = PRINTED.steps.column("temperature"), PRINTED.steps.column("film")

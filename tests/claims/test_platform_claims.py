@@ -20,11 +20,11 @@ from platform_reference import bisected
 from martensite.base.errors import DataError
 from martensite.scenario.citations import read_bibliography
 from martensite.simulate.result import Result
+from martensite.studies import readings
 from martensite.studies.base import Answer, load_study, study_names
-from martensite_studies import readings
-from martensite_studies.platform import Platform, bench, control_numbers, equation_numbers, loop, response_numbers
-from martensite_studies.platform.bench import AS_PRINTED, CASES, IN_SERIES, VARIANTS, Case
-from martensite_studies.tables import printed_numbers
+from martensite.studies.platform import Platform, bench, control_numbers, equation_numbers, loop, response_numbers
+from martensite.studies.platform.bench import AS_PRINTED, CASES, IN_SERIES, VARIANTS, Case
+from martensite.studies.tables import printed_numbers
 
 PRINTED = printed_numbers("platform")
 VERDICTS = {

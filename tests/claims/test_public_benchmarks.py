@@ -15,7 +15,7 @@ from martensite.identify.chains.estimate import Options, estimate_chain, refine_
 from martensite.identify.chains.scores import compute_rms
 from martensite.scenario import datasets
 from martensite.signals.sampling.sampled import Sampled
-from martensite_studies.public_benchmarks import SKIP, read_silverbox, read_wiener_hammerstein
+from martensite.studies.public_benchmarks import SKIP, read_silverbox, read_wiener_hammerstein
 
 FILE = "silverbox/SNLS80mV.csv"
 OTHER = "wiener-hammerstein-2009/WienerHammerstein_train.hdf5"

@@ -27,8 +27,8 @@ from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
 from martensite.studies.base import Answer, load_study, study_names
-from martensite_studies.readings import choose_runtime
-from martensite_studies.sommerfeld import (
+from martensite.studies.readings import choose_runtime
+from martensite.studies.sommerfeld import (
     Sommerfeld,
     actuator,
     averages,
@@ -39,7 +39,7 @@ from martensite_studies.sommerfeld import (
     runs,
     wire,
 )
-from martensite_studies.tables import printed_numbers
+from martensite.studies.tables import printed_numbers
 
 PRINTED = printed_numbers("sommerfeld")
 K, C, M, U, ECC = 541.0, 0.07, 0.25, 0.012, 0.02

@@ -18,8 +18,8 @@ from martensite.base.errors import DataError
 from martensite.scenario.citations import read_bibliography
 from martensite.simulate.result import Result
 from martensite.studies.base import Answer, load_study, study_names
-from martensite_studies.tables import Printed, printed_numbers
-from martensite_studies.wire_heating import WireHeating, bench, closures, steady_numbers
+from martensite.studies.tables import Printed, printed_numbers
+from martensite.studies.wire_heating import WireHeating, bench, closures, steady_numbers
 
 PRINTED = printed_numbers("wire_heating")
 D, L = 375e-6, 0.1

@@ -5,15 +5,16 @@ from typing import Any
 
 import pytest
 
+from martensite.app.calls.form import NEW, build_form
+from martensite.app.documents import FOLDER, list_standalone
+from martensite.app.forms import documents
+from martensite.app.worker import Desk
 from martensite.base.files import toml_document
+from martensite.base.toml_text import as_toml
 from martensite.physics.materials.base import material_names
 from martensite.scenario.catalogue import list_registries
-from martensite.scenario.overrides import as_toml, change_document
+from martensite.scenario.overrides import change_document
 from martensite.scenario.scenario import read_scenario
-from martensite_app.calls.form import NEW, build_form
-from martensite_app.documents import FOLDER, list_standalone
-from martensite_app.forms import documents
-from martensite_app.worker import Desk
 
 ALL = list_registries()
 SCENARIOS = {**list_standalone(), "new": NEW.read_text("utf-8")}

@@ -1,7 +1,7 @@
 """Every registered block of a dynamic model is the same in C and JAX, with its derivatives.
 
 Source of truth: central differences of the simulation for derivatives, JAX for those of the bare
-kernel, plain Python for C. What the interface promises is in `martensite_testing.blocks`.
+kernel, plain Python for C. What the interface promises is in `martensite.testing.blocks`.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.side_by_side import SideBySide
 from martensite.identify.chains.engine import ChainEngine
 from martensite.kernels.jax_setup import jax_namespace
-from martensite_testing import build_example
-from martensite_testing.blocks import DT, draw_numbers, find_slope_error, lead_block, make_record
+from martensite.testing import build_example
+from martensite.testing.blocks import DT, draw_numbers, find_slope_error, lead_block, make_record
 
 KINKED = {
     "bouc-wen",

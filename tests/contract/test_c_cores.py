@@ -14,10 +14,10 @@ from builders import example, example_system, registered
 from c_cores import LONG_STEP, UNSOLVED, Called, compiled
 
 from martensite.base.parameters import Parametrised
+from martensite.export.c_core import build_c_core
 from martensite.scenario.scenario import load
 from martensite.simulate.compiled import compile_system
 from martensite.simulate.march import SOLVED
-from martensite_export.c_core import build_c_core
 
 pytestmark = pytest.mark.usefixtures("c_compiler")
 

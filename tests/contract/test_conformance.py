@@ -25,8 +25,8 @@ from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.physics.materials.base import Material, material_names
 from martensite.physics.thermal.films import ConstantCooling
 from martensite.scenario.catalogue import list_registries
-from martensite_testing import check_conformance, check_material, observers
-from martensite_testing.conformance import SUITES, check_part, find_checks
+from martensite.testing import check_conformance, check_material, observers
+from martensite.testing.conformance import SUITES, check_part, find_checks
 
 SLOW = {
     "lagoudas-none-waisted-work",

@@ -1,6 +1,6 @@
 """Every registered controller closes a loop in C as on plain floats, within its limits.
 
-What a controller promises is in `martensite_testing.controllers`; here each one is tuned so that
+What a controller promises is in `martensite.testing.controllers`; here each one is tuned so that
 the wire of problem A moves under it.
 """
 

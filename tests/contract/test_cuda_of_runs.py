@@ -23,15 +23,15 @@ from slope_cases import under_weight
 
 from martensite.base.errors import InputError
 from martensite.base.status import Status
+from martensite.design.sweep.subject import list_waveforms
 from martensite.scenario.scenario import load
 from martensite.simulate.batch import OutputSensitivity, compute_sensitivity, simulate_batch
+from martensite.simulate.cuda import device, march, to_ends
+from martensite.simulate.cuda.slopes import print_slopes
+from martensite.simulate.cuda.source import MarchSource
 from martensite.simulate.ensembles import Ensemble
 from martensite.simulate.marching_native import kernel_of
 from martensite.simulate.variants import VariantSetup
-from martensite_sweep.cuda import device, march, to_ends
-from martensite_sweep.cuda.slopes import print_slopes
-from martensite_sweep.cuda.source import MarchSource
-from martensite_sweep.subject import list_waveforms
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 STEP = 0.02

@@ -14,9 +14,9 @@ import pytest
 from scipy.stats import qmc
 
 from martensite.base.errors import InputError
+from martensite.design.sweep.axes import SweepAxis, parse_axis
+from martensite.design.sweep.sampling.samples import DESIGNS, AbstractSample, parse_sampling
 from martensite.search.free_numbers import Target
-from martensite_sweep.axes import SweepAxis, parse_axis
-from martensite_sweep.sampling.samples import DESIGNS, AbstractSample, parse_sampling
 
 COUNT = 60
 TARGETS = {

@@ -32,9 +32,9 @@ from martensite.actuators.mechanisms.drawing import (
 from martensite.actuators.mechanisms.load_line import DeadWeight
 from martensite.actuators.mechanisms.multibody import AbstractMultibody
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley
+from martensite.app.views.scene import describe_shapes
 from martensite.physics.electrical.sources import PrescribedTemperature
 from martensite.simulate.api import simulate
-from martensite_app.views.scene import describe_shapes
 
 NATURAL = 0.25
 """Length of the elements of the tests at zero elongation [m]."""

@@ -14,13 +14,13 @@ from martensite.base.errors import InputError, MissingMethodError
 from martensite.base.interfaces import require_methods
 from martensite.base.parameters import Number, Parametrised, param
 from martensite.base.registry import Registry
+from martensite.design.sweep.backends.base import BACKENDS
+from martensite.design.sweep.sampling.samples import DESIGNS
 from martensite.physics.kinetics.strips import AbstractStripLaw
 from martensite.physics.laws.base import LAWS
 from martensite.scenario.catalogue import list_registries
 from martensite.simulate.measures.base import MEASURES
 from martensite.studies.base import STUDIES
-from martensite_sweep.backends.base import BACKENDS
-from martensite_sweep.sampling.samples import DESIGNS
 
 EVERY: dict[str, Registry[Any]] = {
     **list_registries(blocks=True),

@@ -18,11 +18,11 @@ from builders import problem_a
 import martensite as ms
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.status import Status
+from martensite.design.sweep.subject import list_waveforms
 from martensite.scenario.scenario import load
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.ensembles import Ensemble
 from martensite.simulate.variants import VariantSetup
-from martensite_sweep.subject import list_waveforms
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SAMPLES = 101

@@ -1,6 +1,6 @@
 """Measures of curves whose extremes, crossings, means and integrals are known, and their words.
 
-What every measure promises is in `martensite_testing.waveforms`.
+What every measure promises is in `martensite.testing.waveforms`.
 """
 
 from __future__ import annotations

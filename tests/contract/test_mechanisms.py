@@ -22,7 +22,7 @@ from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite_testing.mechanisms import is_consistent
+from martensite.testing.mechanisms import is_consistent
 
 LIKE_OTHERS = {"hand-quasi-static-separate-given-springs", "hand-quasi-static-separate-hanging-stops"}
 """Forms of many elements whose options others of them or of the finger try."""

@@ -19,6 +19,9 @@ from martensite.actuators.assembly import System
 from martensite.actuators.elements.base import ELEMENTS
 from martensite.actuators.mechanisms.testing_machine import TensileTestingMachine
 from martensite.base.errors import InputError, ParameterError, SolveError
+from martensite.export.ports.batch import PortBatch, UniaxialModel
+from martensite.export.ports.element import build_element_port
+from martensite.export.ports.kernel import compile_port
 from martensite.kernels import floats
 from martensite.physics.electrical.sources import PowerSource
 from martensite.physics.laws.base import LAWS, Fractions
@@ -27,9 +30,6 @@ from martensite.physics.thermal.films import ConstantCooling
 from martensite.scenario.scenario import load
 from martensite.simulate.compiled import bind_system
 from martensite.simulate.point import PathLeg, material_point
-from martensite_export.ports.batch import PortBatch, UniaxialModel
-from martensite_export.ports.element import build_element_port
-from martensite_export.ports.kernel import compile_port
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 WARM = 335.0
@@ -234,6 +234,6 @@ def test_a_step_that_no_part_solves_is_refused(monkeypatch: pytest.MonkeyPatch) 
     kernel = compile_port(material_of(example(LAWS["brinson"])))
     batch = PortBatch(kernel.system, runtime="floats")  # type: ignore[arg-type]
     states = batch.start([[0.0, WARM]])
-    monkeypatch.setattr("martensite_export.ports.kernel.SOLVED", -1.0)
+    monkeypatch.setattr("martensite.export.ports.kernel.SOLVED", -1.0)
     with pytest.raises(SolveError, match="point 0"):
         batch.step(states, [[0.01, WARM]], 1.0)

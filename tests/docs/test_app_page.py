@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 from fences import ROOT, fences
 
-from martensite_app.routes import ROUTES
+from martensite.app.routes import ROUTES
 
 PAGE = ROOT / "docs" / "howto" / "app.md"
 CELL, PROGRAM = [block.text for block in fences(PAGE) if block.language == "python"]
@@ -24,7 +24,7 @@ CELL, PROGRAM = [block.text for block in fences(PAGE) if block.language == "pyth
     for block in fences(ROOT / "docs" / "tutorial.md")
     if "%%writefile lift.toml" in block.text
 ]
-APP = ROOT / "app" / "src" / "martensite_app"
+APP = ROOT / "src" / "martensite" / "app"
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 from fences import ROOT
 
-from martensite_testing.conformance import SUITES
+from martensite.testing.conformance import SUITES
 
 PAGES = ("own-parts", "own-law", "own-mechanism", "own-wire")
 _FILE = re.compile(r"%%writefile (\S+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
@@ -28,7 +28,7 @@ SHOWN_BY_OTHERS = {"ends", "fluid", "check"}
 """Kinds made like another one: fluids and ends like a heat loss, a check like a supervisor."""
 TRY = """
 import json, sys
-from martensite_testing import check_target
+from martensite.testing import check_target
 
 found = [(name, one) for name in sys.argv[1:] for one in check_target(name)]
 print(json.dumps([[n, o.kind, o.name, [vars(f) for f in o.faults]] for n, o in found]))

@@ -16,7 +16,7 @@ import pytest
 from fences import ROOT, pages
 
 import martensite
-import martensite_sweep
+import martensite.design.sweep
 from martensite.base.registry import Registry
 from martensite.physics.materials.base import load_material, material_names
 from martensite.scenario import catalogue, citations
@@ -47,7 +47,7 @@ def test_every_part_and_parameter_is_there(extension: ModuleType) -> None:
 def all_registries() -> list[Registry[Any]]:
     """Every registry that a module of the package holds, or one of the sweeps."""
     found: dict[str, Registry[Any]] = {}
-    packages = (martensite, martensite_sweep)
+    packages = (martensite, martensite.design.sweep)
     for module in (m for one in packages for m in pkgutil.walk_packages(one.__path__, f"{one.__name__}.")):
         if module.name.endswith((".base", ".samples")) or "supervisor" in module.name:
             for one in vars(import_module(module.name)).values():

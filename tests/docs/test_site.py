@@ -16,8 +16,8 @@ from fences import ROOT
 from matplotlib.figure import Figure
 from static_wire import TEXT
 
+from martensite.app.static_site.site_writer import list_offered
 from martensite.base.errors import DataError
-from martensite_app.static_site.site_writer import list_offered
 
 DOCS = ROOT / "docs"
 WORD = r"[A-Za-z]|-?\d[\d.]*(?:e[+-]?\d+)?"

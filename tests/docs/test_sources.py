@@ -18,7 +18,7 @@ from fences import ROOT, fences
 
 from martensite.physics.materials.base import load_material
 from martensite.studies.base import load_study
-from martensite_studies.tables import printed_numbers
+from martensite.studies.tables import printed_numbers
 
 FOLDER = ROOT / "docs" / "sources"
 PAGES = sorted(path for path in FOLDER.glob("*.md") if path.stem != "index")

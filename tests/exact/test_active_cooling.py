@@ -11,13 +11,13 @@ import pytest
 
 import martensite as ms
 from martensite.base.errors import ParameterError
+from martensite.export.strand import TracedStrand
 from martensite.kernels import floats
 from martensite.physics.thermal import ChurchillBernstein, ChurchillChu, CombinedCooling, ConstantCooling, Cylinder
 from martensite.physics.thermal.active_cooling import Fan, Peltier
 from martensite.scenario.scenario import read_scenario
 from martensite.signals.moments import Moments
 from martensite.simulate.ledger import HeatBalance
-from martensite_export.strand import TracedStrand
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "fan_cooled.toml"
 WIRE, WARM, AROUND = Cylinder(0.25e-3, 0.2), 370.0, 295.0

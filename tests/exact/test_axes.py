@@ -12,8 +12,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from martensite.base.errors import InputError, ParameterError, UnitError
+from martensite.design.sweep.axes import SweepAxis, parse_axis
 from martensite.search.free_numbers import Target
-from martensite_sweep.axes import SweepAxis, parse_axis
 
 TARGETS = {
     name: Target(name, name, unit, nominal)

@@ -13,14 +13,14 @@ import pytest
 
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.pid import Gains
+from martensite.control.tuning.measures import build_steps, measure_steps
 from martensite.kernels import floats
 from martensite.scenario import datasets
 from martensite.scenario.tables import read_table
-from martensite_control.tuning.measures import build_steps, measure_steps
-from martensite_studies.hammerstein_wiener import branches, loop, records
-from martensite_studies.hammerstein_wiener.bench import INTERVAL, ReferenceBench, RunningBench
-from martensite_studies.hammerstein_wiener.branches import GRID, ZERO
-from martensite_studies.hammerstein_wiener.preisach import Cell, everett_function
+from martensite.studies.hammerstein_wiener import branches, loop, records
+from martensite.studies.hammerstein_wiener.bench import INTERVAL, ReferenceBench, RunningBench
+from martensite.studies.hammerstein_wiener.branches import GRID, ZERO
+from martensite.studies.hammerstein_wiener.preisach import Cell, everett_function
 
 CORRELATION = 0.85
 C, LATENT = 1.1, 31.9

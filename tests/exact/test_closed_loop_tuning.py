@@ -15,13 +15,13 @@ from scipy.signal import lfilter
 
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.pid import Gains, PidLaw
+from martensite.control.tuning.closed_loop import ControlledModel, Trajectory, compute_logarithms
+from martensite.control.tuning.measures import StepResponse, build_steps
+from martensite.control.tuning.tuning import ModelTuning, compute_cost, tune_model
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.chains.chain import Chain
 from martensite.kernels import floats
-from martensite_control.tuning.closed_loop import ControlledModel, Trajectory, compute_logarithms
-from martensite_control.tuning.measures import StepResponse, build_steps
-from martensite_control.tuning.tuning import ModelTuning, compute_cost, tune_model
 
 DT = 0.05
 WIDE = PidLaw(low=-1e6, high=1e6)

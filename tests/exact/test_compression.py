@@ -15,7 +15,7 @@ from martensite.physics.laws.brinson import Brinson
 from martensite.physics.laws.lagoudas import Lagoudas
 from martensite.physics.laws.strip_laws import Elahinia, LiangRogers, Tanaka
 from martensite.simulate.point import PathLeg, material_point
-from martensite_testing.laws import Point, find_end, follow_path
+from martensite.testing.laws import Point, find_end, follow_path
 
 OTHER: dict[str, Any] = {"eps_L_compression": 0.025, "C_M_compression": 12e6, "C_A_compression": 15e6}
 HOT, COLD = 90.0 + ZERO, 20.0 + ZERO

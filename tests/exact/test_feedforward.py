@@ -21,6 +21,7 @@ from martensite.control.controllers.state_feedback import NumberedGains
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers, MountedSensor, Sensors
 from martensite.control.sensors.position import PositionSensor
+from martensite.control.synthesis.inverse_hysteresis import fit_rising_curve, identify_hysteresis
 from martensite.identify.blocks.gain import Gain
 from martensite.identify.blocks.prandtl_ishlinskii import PrandtlIshlinskii
 from martensite.identify.chains.chain import Chain
@@ -36,7 +37,6 @@ from martensite.signals.sine import Sine
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.simulate.compiled import bind_system
-from martensite_control.synthesis.inverse_hysteresis import fit_rising_curve, identify_hysteresis
 
 PERIOD = 0.02
 SINE = Sine(low=1e-3, high=6e-3, frequency=0.05, phase="low")

@@ -17,7 +17,7 @@ import martensite as ms
 from martensite.kernels import floats
 from martensite.physics.thermal.base import Cylinder
 from martensite.physics.thermal.convection import LAWS
-from martensite_studies.tables import printed_numbers
+from martensite.studies.tables import printed_numbers
 
 ZERO = 273.15
 FREE = {"lefevre-ede": ms.thermal.LeFevreEde, "churchill-chu": ms.thermal.ChurchillChu, "morgan": ms.thermal.Morgan}

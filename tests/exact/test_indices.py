@@ -13,16 +13,16 @@ import pytest
 from sweep_tables import ANGLES, ishigami, ishigami_indices, table, with_status, with_value
 
 from martensite.base.errors import DataError, InputError, UnknownNameError
-from martensite_sweep.given_data_indices import (
+from martensite.design.sweep.given_data_indices import (
     estimate_delta,
     estimate_first_order,
     estimate_indices,
     fit_slopes,
     rank_columns,
 )
-from martensite_sweep.indices import SensitivityIndices, compute_sensitivity, estimate_block_indices
-from martensite_sweep.sampling.samples import parse_sampling
-from martensite_sweep.table import SweepTable
+from martensite.design.sweep.indices import SensitivityIndices, compute_sensitivity, estimate_block_indices
+from martensite.design.sweep.sampling.samples import parse_sampling
+from martensite.design.sweep.table import SweepTable
 
 BASE = 2048
 

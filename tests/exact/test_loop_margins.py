@@ -16,15 +16,15 @@ from command import Command
 from martensite.base.errors import InputError
 from martensite.control.controllers.relay import OnOff
 from martensite.control.loop.parts import Controllers
-from martensite.design.analysis.loop_check import LoopCase
-from martensite.design.synthesis.operating_point import find_operating_point
+from martensite.control.margins.linear_loop import LinearLoop, measure_noise
+from martensite.control.margins.loop_check import LoopCase
+from martensite.control.margins.loop_points import find_validity, linearise_case
+from martensite.control.margins.margins import compute_margins
 from martensite.identify.chains.linear_system import LinearSystem
 from martensite.scenario.scenario import load
+from martensite.show.figures.margins import plot_margins, to_control_system
 from martensite.simulate.lanes import Lanes
-from martensite_control.loops.linear_loop import LinearLoop, measure_noise
-from martensite_control.loops.loop_points import find_validity, linearise_case
-from martensite_control.loops.margin_figure import plot_margins, to_control_system
-from martensite_control.loops.margins import compute_margins
+from martensite.simulate.operating_point import find_operating_point
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "closed_loop.toml"
 PERIOD, TAU, LATE = 0.05, 2.0, 4

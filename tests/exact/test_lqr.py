@@ -17,20 +17,15 @@ from martensite.control.controllers.pid import Pid, PidLaw
 from martensite.control.controllers.state_feedback import StateFeedback
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers
-from martensite.design.synthesis.linear import Readings, average_plants, linearise_plant, realise_readings
-from martensite.design.synthesis.operating_point import (
-    Direction,
-    SteadyPoint,
-    find_operating_level,
-    find_operating_point,
-)
+from martensite.control.synthesis.linear import Readings, average_plants, linearise_plant, realise_readings
+from martensite.control.synthesis.lqr import LqrSizes, Regulator, augment_plant, design_regulator, solve_riccati
 from martensite.identify.chains.linear_system import LinearSystem
 from martensite.kernels import floats
 from martensite.signals.constant import Constant
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.simulate.compiled import bind_system
-from martensite_control.synthesis.lqr import LqrSizes, Regulator, augment_plant, design_regulator, solve_riccati
+from martensite.simulate.operating_point import Direction, SteadyPoint, find_operating_level, find_operating_point
 
 PERIOD, LEVEL = 0.02, 3e-3
 PLANT = problem_a()

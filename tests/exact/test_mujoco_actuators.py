@@ -18,10 +18,10 @@ pytest.importorskip("mujoco", reason="MuJoCo is not installed (pip install mujoc
 from mujoco_cases import actuator, hanging, lever
 
 from martensite.base.errors import InputError, SolveError
+from martensite.export.mujoco_actuators import MujocoActuators
+from martensite.export.mujoco_bridge import MujocoBridge
+from martensite.export.mujoco_plant import load_mujoco
 from martensite.kernels.compiler import find_compiler
-from martensite_export.mujoco_actuators import MujocoActuators
-from martensite_export.mujoco_bridge import MujocoBridge
-from martensite_export.mujoco_plant import load_mujoco
 
 mujoco: Any = load_mujoco()
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")

@@ -29,10 +29,10 @@ from mujoco_cases import (
 
 from martensite.actuators.assembly import System
 from martensite.actuators.mechanisms.load_line import DeadWeight
+from martensite.export.mujoco_bridge import COUPLINGS, MujocoBridge
 from martensite.signals.sine import Sine
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
-from martensite_export.mujoco_bridge import COUPLINGS, MujocoBridge
 
 
 def pushed(bridge: MujocoBridge, joint: str, speed: float, steps: int) -> np.ndarray:

@@ -27,6 +27,10 @@ from martensite.actuators.mechanisms.finger import Finger
 from martensite.actuators.mechanisms.multibody import AbstractMultibody
 from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform
 from martensite.base.errors import InputError, ParameterError
+from martensite.export import mjcf
+from martensite.export.mjcf import bridge_of, start_forces, tendon_signals, to_mjcf
+from martensite.export.mujoco_bridge import read_model
+from martensite.export.mujoco_result import MujocoResult
 from martensite.kernels import floats
 from martensite.kernels.compiler import find_compiler
 from martensite.kernels.dual import compute_jacobian
@@ -38,10 +42,6 @@ from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.simulate.drive_waveforms import Waveforms
 from martensite.simulate.result import Result
-from martensite_export import mjcf
-from martensite_export.mjcf import bridge_of, start_forces, tendon_signals, to_mjcf
-from martensite_export.mujoco_bridge import read_model
-from martensite_export.mujoco_result import MujocoResult
 
 mujoco: Any = installed
 RUNTIME = "c" if find_compiler() else "floats"

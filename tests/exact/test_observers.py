@@ -15,6 +15,7 @@ from sensing_cases import PERIOD, run, sensing_bench, sensing_plant, shaken
 
 from martensite.actuators.assembly import Actuator, Group, Machine
 from martensite.base.errors import InputError, ParameterError
+from martensite.control.loop.consistency import check_consistency
 from martensite.control.observers import covariance, hidden_states
 from martensite.control.observers.base import OBSERVERS, ObserverPeriod
 from martensite.control.observers.covariance import UnknownReading
@@ -28,7 +29,6 @@ from martensite.physics.electrical.resistances import PerLengthResistance
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.signals.sine import Sine
-from martensite_control.consistency import check_consistency
 
 FILTERS = [ExtendedKalman, UnscentedKalman]
 PLANT = sensing_plant()

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from sweep_tables import table, with_status, with_value
 
 from martensite.base.errors import DataError, ParameterError, UnknownNameError
-from martensite_sweep.pareto import BLOCK, find_pareto_front, find_unbeaten
-from martensite_sweep.table import SweepTable
+from martensite.design.sweep.pareto import BLOCK, find_pareto_front, find_unbeaten
+from martensite.design.sweep.table import SweepTable
 
 
 def by_definition(values: np.ndarray) -> list[int]:

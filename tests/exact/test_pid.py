@@ -16,12 +16,12 @@ from scipy.signal import lfilter, step
 
 from martensite.base.errors import InputError, ParameterError
 from martensite.control.controllers.pid import Gains, Pid, PidLaw, PidMemory, per_sample
+from martensite.control.tuning.measures import build_steps, measure_steps
 from martensite.kernels import floats
 from martensite.physics.electrical.sources import PowerSource
 from martensite.signals.constant import Constant
 from martensite.signals.step import Step
 from martensite.simulate.controlled_run import simulate_controlled
-from martensite_control.tuning.measures import build_steps, measure_steps
 
 WIDE: dict[str, Any] = {"low": -1e9, "high": 1e9}
 GAINS = Gains(1.7, 0.05, 3.0)

@@ -32,7 +32,7 @@ from martensite.physics.thermal.films import ConstantCooling
 from martensite.signals.constant import Constant
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite_studies.platform.workspace import compute_crosswise
+from martensite.studies.platform.workspace import compute_crosswise
 
 MASS, GRAVITY = 0.075, 9.81
 RATE = 17e9 * WIRE**4 / (8 * TURNS * COIL**3)

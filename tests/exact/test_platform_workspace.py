@@ -19,7 +19,7 @@ from scipy.optimize import brentq, fsolve
 from martensite.actuators.mechanics.platform_kinematics import Plates, compute_length_slopes, compute_lengths
 from martensite.base.errors import ParameterError
 from martensite.kernels import floats
-from martensite_studies.platform.workspace import (
+from martensite.studies.platform.workspace import (
     Legs,
     Workspace,
     compute_crosswise,

@@ -21,9 +21,9 @@ from builders import example
 from port_hosts import ZERO, UmatHost, material_of
 from scipy.linalg import solveh_banded
 
+from martensite.export.ports.umat import write_umat
 from martensite.kernels.compiler import find_compiler
 from martensite.physics.laws.base import LAWS
-from martensite_export.ports.umat import write_umat
 
 pytestmark = pytest.mark.usefixtures("c_compiler")
 

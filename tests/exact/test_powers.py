@@ -9,6 +9,7 @@ import pytest
 from kernels import RUNTIMES, Kernel, on_lanes, traced
 
 from martensite.base.parameters import Parametrised
+from martensite.export.c_kernels import count_operations, precision_of
 from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian, value_and_slope
 from martensite.kernels.floats import expand_power, find_whole_exponent
@@ -17,7 +18,6 @@ from martensite.kernels.jax_setup import jax_namespace
 from martensite.kernels.printer import Printer
 from martensite.kernels.program import Program
 from martensite.kernels.slopes import compute_gradient, compute_partials, differentiate_program
-from martensite_export.c_kernels import count_operations, precision_of
 
 RNG = np.random.default_rng(5)
 POINTS = np.column_stack([RNG.uniform(0.05, 20.0, 48), RNG.uniform(-4.0, 4.0, 48)])

@@ -11,7 +11,7 @@ from builders import ZERO, FunctionWaveform, chamber, law_a, problem_a, through
 
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.simulate.api import simulate
-from martensite_studies.readings import choose_runtime
+from martensite.studies.readings import choose_runtime
 
 
 def strokes(rule, duty, step=1e-3):

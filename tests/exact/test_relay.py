@@ -15,8 +15,8 @@ from scipy.optimize import brentq
 from tuning_cases import DELAY, DT, linear_bench
 
 from martensite.base.errors import DataError, ParameterError
+from martensite.control.rules.relay import RELAY_CITES, RELAY_RULES, LimitCycle, gains_by_relay, run_relay_test
 from martensite.scenario.citations import read_bibliography
-from martensite_control.rules.relay import RELAY_CITES, RELAY_RULES, LimitCycle, gains_by_relay, run_relay_test
 
 LATE = (DELAY - 1.0) * DT
 SWING = 0.25

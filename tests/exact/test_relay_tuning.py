@@ -20,9 +20,9 @@ from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers
 from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.loop.run import simulate_bench
+from martensite.control.rules.relay import gains_by_relay, run_relay_test
 from martensite.control.supervisors.guard import Guard
 from martensite.signals.constant import Constant
-from martensite_control.rules.relay import gains_by_relay, run_relay_test
 
 LEVEL, BIAS, SWING = 1.3, 0.4, 0.25
 GIVEN: dict[str, Any] = {"level": LEVEL, "bias": BIAS, "amplitude": SWING, "form": "pi"}

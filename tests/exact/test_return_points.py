@@ -27,7 +27,7 @@ from martensite.simulate.api import simulate
 from martensite.simulate.batch import compute_sensitivity
 from martensite.simulate.compiled_law import compile_law
 from martensite.simulate.point import PathLeg, material_point
-from martensite_testing.laws import trace_kinetics
+from martensite.testing.laws import trace_kinetics
 
 COLDEST, HOTTEST = 43.0, 77.0
 LAWS = pytest.mark.parametrize("name", ["liang-rogers mixture", "elahinia", "tanaka austenite"])

@@ -13,7 +13,7 @@ import pytest
 from builders import label
 
 from martensite.control.sensors.base import SENSORS
-from martensite_testing.sensors import change_sensor, choose_truth, find_deviation, record_readings, silence_sensor
+from martensite.testing.sensors import change_sensor, choose_truth, find_deviation, record_readings, silence_sensor
 
 EXAMPLES: list[Any] = builders.examples("sensor")
 NUMBERS: dict[str, float] = {

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 
 import martensite as ms
 from martensite.base.errors import InputError, ParameterError
+from martensite.export.mjcf import start_forces
 from martensite.kernels import floats
 from martensite.physics.electrical import (
     CurrentSource,
@@ -22,7 +23,6 @@ from martensite.physics.electrical import (
     VoltageSource,
 )
 from martensite.physics.electrical.shared_supply import Consumer
-from martensite_export.mjcf import start_forces
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "three_rails.toml"
 SWITCH = PwmVoltage(supply=12.0)

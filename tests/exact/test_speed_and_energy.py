@@ -19,14 +19,14 @@ from tuning_cases import DELAY, DT, linear_bench
 from martensite.actuators.assembly import System
 from martensite.base.errors import InputError, ParameterError
 from martensite.control.loop.bench import Bench
+from martensite.design.analysis.frequency_response import measure_frequency_response
+from martensite.design.analysis.speeds import compute_speeds
+from martensite.show.figures.responses import plot_frequency_response, plot_speeds
 from martensite.signals.held import Held
 from martensite.signals.sine import Sine
 from martensite.simulate.api import simulate
+from martensite.simulate.cycle_energies import compute_cycle_energies, plot_energy
 from martensite.simulate.result import Result
-from martensite_sweep.cycle_energies import compute_cycle_energies, plot_energy
-from martensite_sweep.frequency_response import measure_frequency_response
-from martensite_sweep.response_figures import plot_frequency_response, plot_speeds
-from martensite_sweep.speeds import compute_speeds
 
 GAIN, MASS, H = 2.0, 1.0, 100.0
 WIRE: System = hanging_wire(mass=MASS, h=H)

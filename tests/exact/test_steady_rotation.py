@@ -1,6 +1,6 @@
 """Folds of steady rotations: the Sommerfeld effect.
 
-Source of truth: the averaged equations (`martensite_studies.sommerfeld.averages`), which leave out that the speed
+Source of truth: the averaged equations (`martensite.studies.sommerfeld.averages`), which leave out that the speed
 swings within a turn; and runs, which stay on one side of a fold and jump on the other.
 """
 
@@ -15,8 +15,8 @@ from scipy import optimize
 import martensite as ms
 from martensite.base.errors import InputError, ParameterError, SolveError
 from martensite.simulate.api import longest_step
-from martensite_studies.sommerfeld import averages, machines
-from martensite_studies.tables import printed_numbers
+from martensite.studies.sommerfeld import averages, machines
+from martensite.studies.tables import printed_numbers
 
 BEAM = Path(__file__).parents[2] / "examples" / "sommerfeld_beam.toml"
 MOTOR = machines.printed_motor(printed_numbers("sommerfeld"))

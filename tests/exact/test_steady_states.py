@@ -15,12 +15,12 @@ from scipy import optimize
 
 import martensite as ms
 from martensite.base.errors import InputError, SolveError
+from martensite.control.loop.switched_cycles import SwitchedMotion
 from martensite.signals.constant import Constant
 from martensite.signals.pwm import PulseWidthModulation
-from martensite_studies.platform import bench, loop
-from martensite_studies.tables import printed_numbers
-from martensite_sweep.steady.periodic_motion import judge_stability
-from martensite_sweep.steady.switched_cycles import SwitchedMotion
+from martensite.simulate.steady.periodic_motion import judge_stability
+from martensite.studies.platform import bench, loop
+from martensite.studies.tables import printed_numbers
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 ZERO = 273.15
@@ -86,7 +86,7 @@ def test_hysteresis_has_two_branches_and_what_lies_between() -> None:
     system = problem_a()
     cold = ms.simulate.find_steady_state(system, 1.9)
     hot = ms.simulate.find_steady_state(system, 1.9, start="hot", high=4.0)
-    same = ms.design.find_operating_point(system, 1.9, direction="cooling", high=4.0)
+    same = ms.simulate.find_operating_point(system, 1.9, direction="cooling", high=4.0)
     assert hot.outputs["position"] == pytest.approx(same.outputs["position"], abs=1e-9)
     assert hot.outputs["position"] > cold.outputs["position"] + 1e-3
     assert cold.stability.neutral > 0 and cold.stable and hot.stable
@@ -164,13 +164,13 @@ def test_the_cycle_of_an_on_off_loop_is_that_of_the_run() -> None:
     printed = printed_numbers("platform")
     plant = bench.build_machine(bench.CASES["A"], printed, printed.high)
     target, band = math.radians(printed.target), math.radians(loop.BAND)
-    sampled = ms.simulate.Switch("alpha", target, band, printed.high, drive=bench.HOT, sampling=0.02)
-    found = ms.simulate.find_switched_cycle(plant, sampled, step=0.02)
+    sampled = ms.control.Switch("alpha", target, band, printed.high, drive=bench.HOT, sampling=0.02)
+    found = ms.control.find_switched_cycle(plant, sampled, step=0.02)
     times = loop.switching_times(loop.run_controlled(bench.CASES["A"], printed, loop.Sampling(130.0, 0.02)))
     off, on = np.diff(times)[-4:-2]
     assert (found.period, found.on_time) == pytest.approx((off + on, max(off, on)), abs=1e-9)
-    always = ms.simulate.Switch("alpha", target, band, printed.high, drive=bench.HOT)
-    exact = ms.simulate.find_switched_cycle(plant, always, step=0.02)
+    always = ms.control.Switch("alpha", target, band, printed.high, drive=bench.HOT)
+    exact = ms.control.find_switched_cycle(plant, always, step=0.02)
     assert found.period - 0.08 < exact.period < found.period
     assert exact.stable and exact.outputs["alpha"].max() == pytest.approx(target, abs=1e-12)
     assert exact.outputs["alpha"].min() == pytest.approx(target - band, abs=2e-5)
@@ -179,7 +179,7 @@ def test_the_cycle_of_an_on_off_loop_is_that_of_the_run() -> None:
 def test_the_slope_of_an_on_off_cycle_is_that_of_its_map() -> None:
     """The multiplier is what is left, after a period, of a change of temperature at switching off."""
     scenario = ms.load(EXAMPLES / "pwm_bias_spring.toml")
-    switch = ms.simulate.Switch("temperature", 400.0, 5.0, 4.0, delay=0.013)
+    switch = ms.control.Switch("temperature", 400.0, 5.0, 4.0, delay=0.013)
     motion = SwitchedMotion(scenario.system, switch, 2e-3)
     state = motion.go_on(motion.heat_up())
     _, slopes = motion.march(state)

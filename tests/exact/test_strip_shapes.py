@@ -15,7 +15,7 @@ from martensite.kernels import floats
 from martensite.physics.kinetics.hardening import apply_waist, compute_hardening
 from martensite.physics.laws.lagoudas import Lagoudas
 from martensite.physics.laws.strip_laws import LiangRogers
-from martensite_testing.laws import find_end, follow_path
+from martensite.testing.laws import find_end, follow_path
 
 SHAPES: dict[str, Any] = {"n_1": 0.3, "n_2": 0.6, "n_3": 0.8, "n_4": 0.2, "waist_f": 0.7, "waist_r": 0.9}
 CURVES: dict[str, Any] = {"curvature_f": 1e-16, "curvature_r": -5e-17, "widening_f": 6e-8, "widening_r": 2e-8}

@@ -13,8 +13,7 @@ import pytest
 from tuning_cases import DELAY, DT, linear_bench
 
 from martensite.base.errors import DataError, ParameterError
-from martensite.scenario.citations import read_bibliography
-from martensite_control.rules.formulas import (
+from martensite.control.rules.formulas import (
     FORMS,
     RULES,
     FirstOrder,
@@ -23,7 +22,8 @@ from martensite_control.rules.formulas import (
     convert_series,
     gains_by_rule,
 )
-from martensite_control.rules.step_test import find_holding_signals, fit_first_order, run_step_test
+from martensite.control.rules.step_test import find_holding_signals, fit_first_order, run_step_test
+from martensite.scenario.citations import read_bibliography
 
 LAG = FirstOrder(2.0, 5.0, 1.0)
 

@@ -17,7 +17,7 @@ from martensite.kernels import floats
 from martensite.parts import LAWS
 from martensite.physics.laws.wear import Wear
 from martensite.simulate.api import simulate
-from martensite_testing.examples import build_example
+from martensite.testing.examples import build_example
 
 ZERO, COLD, HOT = 273.15, 283.15, 413.15
 CYCLES = ms.signals.Triangle(low=COLD, high=HOT, frequency=0.01)

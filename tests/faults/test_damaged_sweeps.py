@@ -15,8 +15,8 @@ from command import Command
 from sweep_cases import AXES, WIRE, arrays, wanted, wire
 
 from martensite.base.errors import DataError
-from martensite_sweep.api import Progress, SweepExecution, begin_sweep
-from martensite_sweep.reading import open_sweep, read_sweep
+from martensite.design.sweep.api import Progress, SweepExecution, begin_sweep
+from martensite.design.sweep.reading import open_sweep, read_sweep
 
 Damage = Callable[[Path], object]
 SERIAL = SweepExecution("serial")

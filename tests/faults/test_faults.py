@@ -7,6 +7,7 @@ import math
 from typing import Any
 
 import pytest
+from benchmarks.control.faults import build_faults
 from builders import plain_system, problem_a
 
 from martensite.actuators.assembly import Actuator, Group, Machine
@@ -22,7 +23,6 @@ from martensite.kernels import floats
 from martensite.physics.electrical.sources import CurrentSource, PrescribedTemperature, VoltageSource
 from martensite.physics.electrical.switches import PwmVoltage
 from martensite.signals.constant import Constant
-from martensite_control.benchmark.faults import build_faults
 
 PLANT = problem_a(source=PwmVoltage(supply=6.0))
 DUTY = 0.2

@@ -18,17 +18,17 @@ from command import Command
 from fences import ROOT
 
 import martensite as ms
+from martensite.app.calls import sweep_form
 from martensite.base.errors import DataError
 from martensite.base.files import replace_together, write_file
 from martensite.base.summary import Sentence, Summary
+from martensite.export.fmu import to_fmu
+from martensite.export.mujoco_render import _write_gif, _write_png
 from martensite.scenario.csv_files import write_csv
 from martensite.scenario.model_files import write_model
 from martensite.scenario.sampled_files import write_sampled
 from martensite.show.pages import write_page
 from martensite.signals.sampling.sampled import Sampled
-from martensite_app.calls import sweep_form
-from martensite_export.fmu import to_fmu
-from martensite_export.mujoco_render import _write_gif, _write_png
 
 EXAMPLE = ROOT / "examples" / "constant_power.toml"
 SMALL = 512

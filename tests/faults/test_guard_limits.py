@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from benchmarks.control.faults import build_faults
 from builders import problem_a
 
 from martensite.actuators.elements.limits import ElementLimits
@@ -34,7 +35,6 @@ from martensite.physics.electrical.switches import Mosfet
 from martensite.scenario.guard_report import collect_guard
 from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.signals.held import Held
-from martensite_control.benchmark.faults import build_faults
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LOOP = EXAMPLES / "closed_loop.toml"

@@ -16,12 +16,12 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
+from martensite.app.messages import Refusal
+from martensite.app.worker_pool import Worker
 from martensite.base.child_python import python_command, python_environment
+from martensite.design.sweep.backends.dask_cluster import DaskCluster, _import_distributed, _open_client
+from martensite.design.sweep.backends.processes import _open_pool
 from martensite.scenario.binary_files import read_arrays
-from martensite_app.messages import Refusal
-from martensite_app.worker_pool import Worker
-from martensite_sweep.backends.dask_cluster import DaskCluster, _import_distributed, _open_client
-from martensite_sweep.backends.processes import _open_pool
 
 TRACE = 'with open({!r}, "w") as file:\n    file.write("{}")\n'
 

@@ -13,8 +13,8 @@ import pytest
 from command import Command
 from design_cases import BUNDLE
 
-import martensite_control.tuning.tune_run
-import martensite_sweep.optimise.cli
+import martensite.cli.design
+import martensite.cli.tune_run
 from martensite.scenario.scenario import load
 
 LOOP = (Path(__file__).parents[2] / "examples" / "closed_loop.toml").read_text(encoding="utf-8")
@@ -53,7 +53,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_a_design_goes_on_from_the_best_so_far(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     words = "--free", "strand.diameter=0.08..0.14 mm", "--free", "element.count=2..3", "--subject", "stroke >= 7 mm"
     quick = *words, "--sample", "16", "--descents", "1"
-    said = interrupt(Command("design"), martensite_sweep.optimise.cli, monkeypatch, "bundle.toml", *quick)
+    said = interrupt(Command("design"), martensite.cli.design, monkeypatch, "bundle.toml", *quick)
     assert "the best so far is in `bundle-interrupted.toml`" in said
     text = Path("bundle-interrupted.toml").read_text(encoding="utf-8")
     assert text.startswith("# best so far")
@@ -62,15 +62,13 @@ def test_a_design_goes_on_from_the_best_so_far(folder: Path, monkeypatch: pytest
     diameter = [float(one.system.value_of("element.strand.diameter")) for one in (best, given)]
     assert 0.08e-3 <= diameter[0] <= 0.14e-3
     assert diameter[0] != diameter[1]
-    interrupt(
-        Command("design"), martensite_sweep.optimise.cli, monkeypatch, "bundle.toml", *quick, "--save", "found.toml"
-    )
+    interrupt(Command("design"), martensite.cli.design, monkeypatch, "bundle.toml", *quick, "--save", "found.toml")
     assert Path("found.toml").read_text(encoding="utf-8") == text
 
 
 def test_a_tuning_goes_on_from_the_best_so_far(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     quick = "--free", "Kp=1..1000,Ki=1..1000", "--duration", "2 s"
-    said = interrupt(Command("tune"), martensite_control.tuning.tune_run, monkeypatch, "loop.toml", *quick)
+    said = interrupt(Command("tune"), martensite.cli.tune_run, monkeypatch, "loop.toml", *quick)
     assert "the best so far is in `loop-interrupted.toml`: the same command with it goes on from there." in said
     before, after = (load(name).bench for name in ("loop.toml", "loop-interrupted.toml"))
     assert before is not None

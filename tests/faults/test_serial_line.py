@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import pytest
 
 from martensite.base.errors import MartensiteError, SolveError
-from martensite_hardware.link.host import BoardLink, Port, open_port
+from martensite.boards.link.host import BoardLink, Port, open_port
 
 pty = pytest.importorskip("pty")
 PATIENCE = 20.0

@@ -16,8 +16,8 @@ import pytest
 import uvicorn
 from app_server import running
 
-from martensite_app import request_guard
-from martensite_app.request_guard import REQUEST_WAIT, TimedProtocol
+from martensite.app import request_guard
+from martensite.app.request_guard import REQUEST_WAIT, TimedProtocol
 
 WAIT = 0.3
 HEAD = b"GET / HTTP/1.1\r\nHost: here\r\n"

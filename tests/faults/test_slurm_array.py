@@ -23,9 +23,9 @@ from command import Command
 from sweep_cases import WIRE, arrays, undisturbed
 
 from martensite.base.errors import InputError, StoppedError
-from martensite_sweep import slurm_array
-from martensite_sweep.slurm_options import SlurmOptions, parse_slurm_options
-from martensite_sweep.store import MADE, Store
+from martensite.design.sweep import slurm_array
+from martensite.design.sweep.slurm_options import SlurmOptions, parse_slurm_options
+from martensite.design.sweep.store import MADE, Store
 
 submitit: Any = pytest.importorskip("submitit")
 SWEEP = Command("sweep")

@@ -18,10 +18,10 @@ from sweep_cases import Doubling, Poison, arrays, ran, undisturbed, wanted, wire
 
 from martensite.base.errors import DataError, InputError, StoppedError
 from martensite.base.status import Status
-from martensite_sweep.api import Progress, SweepExecution, begin_sweep
-from martensite_sweep.backends.base import MOST_LOST, keep_runs
-from martensite_sweep.backends.processes import Serial
-from martensite_sweep.store import Store
+from martensite.design.sweep.api import Progress, SweepExecution, begin_sweep
+from martensite.design.sweep.backends.base import MOST_LOST, keep_runs
+from martensite.design.sweep.backends.processes import Serial
+from martensite.design.sweep.store import Store
 
 SERIAL = SweepExecution("serial")
 PATIENCE = 60.0

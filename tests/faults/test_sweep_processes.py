@@ -17,10 +17,10 @@ import pytest
 from sweep_cases import AXES, OVER, WIRE, Doubling, arrays, ran, undisturbed, wanted
 
 from martensite.base.status import Status
+from martensite.design.sweep.api import SweepExecution, begin_sweep
+from martensite.design.sweep.backends.processes import Processes
+from martensite.design.sweep.store import Store
 from martensite.scenario.scenario import load
-from martensite_sweep.api import SweepExecution, begin_sweep
-from martensite_sweep.backends.processes import Processes
-from martensite_sweep.store import Store
 
 PATIENCE = 60.0
 
@@ -47,7 +47,7 @@ def test_a_process_that_cannot_start_is_no_lost_run(tmp_path: Path) -> None:
     script.write_text(
         "from pathlib import Path\n"
         "from sweep_cases import Doubling\n"
-        "from martensite_sweep.backends.processes import Processes\n"
+        "from martensite.design.sweep.backends.processes import Processes\n"
         f"list(Processes(1).run(Doubling(Path({str(tmp_path)!r}), size=4), [0]))\n"
     )
     done = subprocess.run(
@@ -157,7 +157,7 @@ def test_a_process_whose_parent_is_killed_ends(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(
         "import os, sys, time\n"
-        "from martensite_sweep.backends.processes import _open_pool\n"
+        "from martensite.design.sweep.backends.processes import _open_pool\n"
         'if __name__ == "__main__":\n'
         "    with _open_pool(1) as pool:\n"
         "        print(pool.submit(os.getpid).result(), flush=True)\n"

@@ -15,6 +15,7 @@ from thin_wire import THIN_WIRE
 
 from martensite.base.errors import InputError, ParameterError, UnitError
 from martensite.base.formats import write_quantity
+from martensite.base.toml_text import as_toml
 from martensite.control.controllers.mpc import Mpc
 from martensite.control.controllers.pid import Pid, PidLaw
 from martensite.control.controllers.scheduled_pid import ScheduledPid
@@ -26,7 +27,7 @@ from martensite.control.observers.usual_models import AS_MODELLED, USUAL
 from martensite.control.sensors.position import PositionSensor
 from martensite.scenario.netcdf import read_labelled as open_result
 from martensite.scenario.netcdf import save_result
-from martensite.scenario.overrides import as_toml, change_document
+from martensite.scenario.overrides import change_document
 from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.signals.sine import Sine
 

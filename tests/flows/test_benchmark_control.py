@@ -12,10 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
-
-from martensite.cli.app import app
-from martensite_control.benchmark.competition import (
+from benchmarks.control.competition import (
     BenchmarkRow,
     BenchmarkTable,
     EntryRuns,
@@ -24,11 +21,14 @@ from martensite_control.benchmark.competition import (
     read_table,
     run_benchmark,
 )
-from martensite_control.benchmark.entries import find_entry, load_entries, load_gains
-from martensite_control.benchmark.guard_runs import run_guards
-from martensite_control.benchmark.strangers import read_stranger
-from martensite_control.benchmark.tasks import find_task, load_plant, load_tasks
-from martensite_control.benchmark.wires import draw_wires
+from benchmarks.control.entries import find_entry, load_entries, load_gains
+from benchmarks.control.guard_runs import run_guards
+from benchmarks.control.strangers import read_stranger
+from benchmarks.control.tasks import find_task, load_plant, load_tasks
+from benchmarks.control.wires import draw_wires
+from typer.testing import CliRunner
+
+from martensite.cli.app import app
 
 STORED = Path(__file__).parents[2] / "docs" / "reference" / "benchmarks" / "control.json"
 STRANGERS = {

@@ -15,13 +15,13 @@ from command import Command
 
 from martensite.base.errors import InputError
 from martensite.control.loop.findings import LoopFinding, check_guard, check_signals
-from martensite.design.analysis.loop_check import LoopCase, LoopReport, check_loop, check_reach, check_sign
+from martensite.control.margins.loop_check import LoopCase, LoopReport, check_loop, check_reach, check_sign
+from martensite.control.margins.loop_points import linearise_case
+from martensite.control.margins.loop_tests import check_band, check_derivative, check_offset, judge_margins
+from martensite.control.margins.observability import check_observability, find_slopes
+from martensite.control.margins.pace import check_pace, follow_fastest
 from martensite.scenario.scenario import load
 from martensite.simulate.drive_waveforms import by_name
-from martensite_control.loops.loop_points import linearise_case
-from martensite_control.loops.loop_tests import check_band, check_derivative, check_offset, judge_margins
-from martensite_control.loops.observability import check_observability, find_slopes
-from martensite_control.loops.pace import check_pace, follow_fastest
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 check = Command("check")

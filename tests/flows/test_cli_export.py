@@ -13,8 +13,8 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from martensite.cli import app
+from martensite.export.mjcf import to_mjcf
 from martensite.scenario.scenario import load
-from martensite_export.mjcf import to_mjcf
 
 FINGER = """
 [element]

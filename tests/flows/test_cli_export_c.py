@@ -16,10 +16,10 @@ from thin_wire import THIN_WIRE
 from typer.testing import CliRunner, Result
 
 from martensite.cli import app
+from martensite.export import c_example
+from martensite.export.c_core import build_c_core, build_c_loop
 from martensite.kernels.compiler import find_compiler
 from martensite.scenario.scenario import load
-from martensite_export import c_example
-from martensite_export.c_core import build_c_core, build_c_loop
 
 HELD = f"""{THIN_WIRE}
 [driver]

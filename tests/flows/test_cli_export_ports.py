@@ -16,10 +16,10 @@ from command import Command
 from fences import ROOT
 from port_hosts import FLAGS
 
+from martensite.export.ports.element import build_element_port
+from martensite.export.ports.kernel import compile_port
 from martensite.kernels.compiler import find_compiler
 from martensite.scenario.scenario import load
-from martensite_export.ports.element import build_element_port
-from martensite_export.ports.kernel import compile_port
 
 EXAMPLES = ROOT / "examples"
 PULL = str(EXAMPLES / "tensile-test.toml")

@@ -53,7 +53,7 @@ def test_migaone() -> None:
 
 
 def test_the_example_is_the_studys_table() -> None:
-    from martensite_studies.tables import printed_numbers
+    from martensite.studies.tables import printed_numbers
 
     found, steps = report(MIGAONE, *AMBIENT)["points"], printed_numbers("migaone").steps
     assert found["temperatures_degC"] == pytest.approx(steps.column("temperature"))

@@ -13,9 +13,9 @@ import pytest
 from command import Command
 from sweep_cases import AXES, WIRE
 
-from martensite_sweep.indices import compute_sensitivity
-from martensite_sweep.pareto import find_pareto_front
-from martensite_sweep.reading import read_sweep
+from martensite.design.sweep.indices import compute_sensitivity
+from martensite.design.sweep.pareto import find_pareto_front
+from martensite.design.sweep.reading import read_sweep
 
 SWEEP, SENSITIVITY, PARETO = Command("sweep"), Command("sensitivity"), Command("pareto")
 QUICK = "--backend", "serial", "--runtime", "floats"

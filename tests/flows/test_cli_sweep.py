@@ -14,8 +14,8 @@ from command import Command
 from sweep_cases import AXES, WIRE, arrays, undisturbed
 
 from martensite.base.status import Status
-from martensite_sweep.plan import SweepPlan
-from martensite_sweep.store import Store
+from martensite.design.sweep.plan import SweepPlan
+from martensite.design.sweep.store import Store
 
 SWEEP = Command("sweep")
 QUICK = "--runtime", "floats", "--backend", "serial", "--chunk-size", "3"

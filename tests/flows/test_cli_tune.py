@@ -16,9 +16,9 @@ from typer.testing import CliRunner
 
 from martensite.base.errors import InputError
 from martensite.cli import app
+from martensite.control.tuning.bench_tuning import compare_gains
+from martensite.control.tuning.loop_runs import LoopRuns
 from martensite.scenario.scenario import load
-from martensite_control.tuning.bench_tuning import compare_gains
-from martensite_control.tuning.loop_runs import LoopRuns
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 

@@ -12,18 +12,18 @@ from martensite.control.controllers.pid import Pid, PidLaw
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers, MountedSensor, Sensors
 from martensite.control.sensors.position import PositionSensor
-from martensite.design.synthesis.linear import linearise_plant, realise_readings
-from martensite.design.synthesis.operating_point import find_operating_level
-from martensite.signals.constant import Constant
-from martensite.signals.held import Held
-from martensite.simulate.api import simulate
-from martensite_export.control_systems import (
+from martensite.control.synthesis.linear import linearise_plant, realise_readings
+from martensite.export.control_systems import (
     plant_state_space,
     rest_state,
     state_names,
     to_nonlinear_system,
     to_state_space,
 )
+from martensite.signals.constant import Constant
+from martensite.signals.held import Held
+from martensite.simulate.api import simulate
+from martensite.simulate.operating_point import find_operating_level
 
 control = pytest.importorskip("control")
 PERIOD, COUNT = 0.02, 200

@@ -21,13 +21,13 @@ from gymnasium.vector import SyncVectorEnv
 from martensite.base.errors import InputError
 from martensite.control.controllers.pid import Pid
 from martensite.control.loop.run import reference_waveforms
+from martensite.export.gymnasium import SmaEnv
+from martensite.export.gymnasium_names import NAMES
+from martensite.export.gymnasium_vector import SmaVectorEnv
+from martensite.export.packaged_tasks import TASKS, load_bench
 from martensite.signals.constant import Constant
 from martensite.signals.staircase import Staircase
 from martensite.simulate.api import simulate
-from martensite_export.gymnasium import SmaEnv
-from martensite_export.gymnasium_names import NAMES
-from martensite_export.gymnasium_vector import SmaVectorEnv
-from martensite_export.packaged_tasks import TASKS, load_bench
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = run_path(str(ROOT / "examples" / "reinforcement_learning.py"))
@@ -51,12 +51,12 @@ DRIVES: dict[str, Any] = {
 def test_gymnasium_finds_them_by_their_names() -> None:
     """In a process of its own: by a name that says what to import, though the package is known; and after Gymnasium."""
     program = (
-        "import sys, martensite_export, gymnasium\n"
+        "import sys, martensite.export, gymnasium\n"
         "assert not any('martensite' in n for n in gymnasium.registry)\n"
-        "print(gymnasium.make('martensite_export.gymnasium:martensite/Wire-v0').action_space.shape)\n"
+        "print(gymnasium.make('martensite.export.gymnasium:martensite/Wire-v0').action_space.shape)\n"
         "gymnasium.registry.clear()\n"
-        "del sys.modules['martensite_export']\n"
-        "import martensite_export\n"
+        "del sys.modules['martensite.export']\n"
+        "import martensite.export\n"
         "print(sorted(n for n in gymnasium.registry if 'martensite' in n))\n"
     )
     done = subprocess.run([sys.executable, "-W", "error", "-c", program], capture_output=True, text=True, check=False)

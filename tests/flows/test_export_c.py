@@ -36,14 +36,14 @@ from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.sensors.position import PositionSensor
+from martensite.export.c_core import build_c_core, build_c_loop
+from martensite.export.c_example import example_text, played_by_system
+from martensite.export.c_kernels import PRECISIONS, count_operations
+from martensite.export.c_names import choose_identifier
 from martensite.kernels.program import Program
 from martensite.physics.electrical.switches import PwmVoltage
 from martensite.signals.sine import Sine
 from martensite.simulate.compiled import bind_system
-from martensite_export.c_core import build_c_core, build_c_loop
-from martensite_export.c_example import example_text, played_by_system
-from martensite_export.c_kernels import PRECISIONS, count_operations
-from martensite_export.c_names import choose_identifier
 
 pytestmark = pytest.mark.usefixtures("c_compiler")
 

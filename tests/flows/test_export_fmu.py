@@ -21,12 +21,12 @@ import pytest
 from martensite.base.errors import InputError, MartensiteError, ParameterError, UnitError
 from martensite.base.units import find_dimensions
 from martensite.control.loop.run import simulate_bench
+from martensite.export.fmu import Fmu, binaries, to_fmu
+from martensite.export.fmu.variables import base_units
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.signals.held import Held
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
-from martensite_export.fmu import Fmu, binaries, to_fmu
-from martensite_export.fmu.variables import base_units
 
 fmpy = pytest.importorskip("fmpy")
 from fmpy.validation import validate_fmu  # noqa: E402

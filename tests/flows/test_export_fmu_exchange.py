@@ -19,14 +19,14 @@ from scipy.integrate import solve_ivp
 
 import martensite as ms
 from martensite.base.errors import InputError
+from martensite.export.fmu import Fmu, binaries, to_fmu
+from martensite.export.rates import trace_rates
 from martensite.physics.electrical.sources import PrescribedTemperature
 from martensite.scenario.scenario import read_scenario
 from martensite.signals.constant import Constant
 from martensite.signals.held import Held
 from martensite.simulate.api import simulate
 from martensite.simulate.compiled import compile_system
-from martensite_export.fmu import Fmu, binaries, to_fmu
-from martensite_export.rates import trace_rates
 
 fmpy = pytest.importorskip("fmpy")
 from fmpy.fmi2 import FMU2Model  # noqa: E402

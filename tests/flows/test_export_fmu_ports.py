@@ -17,11 +17,11 @@ import pytest
 from scipy.linalg import expm
 
 from martensite.base.errors import InputError
+from martensite.export.fmu import Fmu, binaries, to_fmu
+from martensite.export.fmu.terminals import TERMINALS, draw_icon
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.signals.constant import Constant
 from martensite.simulate.api import simulate
-from martensite_export.fmu import Fmu, binaries, to_fmu
-from martensite_export.fmu.terminals import TERMINALS, draw_icon
 
 fmpy = pytest.importorskip("fmpy")
 from fmpy.validation import validate_fmu  # noqa: E402

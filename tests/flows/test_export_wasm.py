@@ -22,11 +22,11 @@ from thin_wire import THIN_WIRE
 from typer.testing import CliRunner, Result
 
 from martensite.cli import app
+from martensite.export.c_core import build_c_core
+from martensite.export.c_example import Step, played_by_system
+from martensite.export.fmu import binaries
+from martensite.export.wasm import build_wasm, module
 from martensite.scenario.scenario import load
-from martensite_export.c_core import build_c_core
-from martensite_export.c_example import Step, played_by_system
-from martensite_export.fmu import binaries
-from martensite_export.wasm import build_wasm, module
 
 SCENARIO = (
     THIN_WIRE

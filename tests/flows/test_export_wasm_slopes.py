@@ -22,15 +22,15 @@ from typer.testing import CliRunner
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError
 from martensite.cli import app
+from martensite.export.c_core import build_c_core
+from martensite.export.c_example import Step
+from martensite.export.wasm import build_wasm
+from martensite.export.wasm.module import FOLDER, list_sources
+from martensite.export.wasm.slopes import CoreSlopes, choose_slopes
 from martensite.scenario.scenario import load
 from martensite.signals import PulseWidthModulation
 from martensite.simulate.batch import compute_sensitivity
 from martensite.simulate.drive_waveforms import grid_of
-from martensite_export.c_core import build_c_core
-from martensite_export.c_example import Step
-from martensite_export.wasm import build_wasm
-from martensite_export.wasm.module import FOLDER, list_sources
-from martensite_export.wasm.slopes import CoreSlopes, choose_slopes
 
 MOST = 40_000
 """Bytes of a module with slopes in three directions, compressed."""

@@ -20,13 +20,13 @@ from tuning_cases import wire_bench
 from martensite.base.errors import InputError, ParameterError
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers
+from martensite.export.gymnasium import SmaEnv
+from martensite.export.gymnasium_vector import SmaVectorEnv
+from martensite.export.learning_task import LearningTask
 from martensite.signals.constant import Constant
 from martensite.signals.held import Held
 from martensite.signals.sine import Sine
 from martensite.simulate.api import simulate
-from martensite_export.gymnasium import SmaEnv
-from martensite_export.gymnasium_vector import SmaVectorEnv
-from martensite_export.learning_task import LearningTask
 
 PERIOD = 0.05
 SPREADS = {"element.diameter": 0.03, "environment.temperature": 3.0}
@@ -50,7 +50,7 @@ def roll(env: SmaEnv, given: Any, seed: int = 1, **options: Any) -> list[Any]:
 
 
 def test_it_is_an_environment_by_its_checker(bench: Bench) -> None:
-    made = gymnasium.make("martensite_export.gymnasium:martensite/Bench-v0", bench=bench, task=TASK)
+    made = gymnasium.make("martensite.export.gymnasium:martensite/Bench-v0", bench=bench, task=TASK)
     assert isinstance(made.unwrapped, SmaEnv)
     check_env(made.unwrapped)
 

@@ -25,24 +25,24 @@ from benchmarks.board_link import log_long, send_garbled, start_board
 from typer.testing import CliRunner
 
 import martensite as ms
+from martensite.boards.board_log import BoardLog, read_log_scenario
+from martensite.boards.characterise.characterise import list_unknown
+from martensite.boards.characterise.experiments import list_courses, measure_pace
+from martensite.boards.characterise.information import choose_courses, compute_information
+from martensite.boards.emulators.avr import SimavrBoard
+from martensite.boards.emulators.cortex import QemuBoard
+from martensite.boards.emulators.cost import cost_on_cortex, write_cost
+from martensite.boards.emulators.toolchains import compile_bare, compile_sketch, explain_overflow
+from martensite.boards.firmware.project import build_firmware
+from martensite.boards.firmware.settings import Limits
+from martensite.boards.hil import compare_runs, run_hil
+from martensite.boards.link.host import BoardLink
+from martensite.boards.link.messages import BoardFlags, DisarmReason
+from martensite.boards.rig_scenarios import read_rigs
+from martensite.boards.session import Session
 from martensite.cli import app
+from martensite.export.c_core import build_c_loop
 from martensite.simulate.lanes import Lanes
-from martensite_export.c_core import build_c_loop
-from martensite_hardware.board_log import BoardLog, read_log_scenario
-from martensite_hardware.characterise.characterise import list_unknown
-from martensite_hardware.characterise.experiments import list_courses, measure_pace
-from martensite_hardware.characterise.information import choose_courses, compute_information
-from martensite_hardware.emulators.avr import SimavrBoard
-from martensite_hardware.emulators.cortex import QemuBoard
-from martensite_hardware.emulators.cost import cost_on_cortex, write_cost
-from martensite_hardware.emulators.toolchains import compile_bare, compile_sketch, explain_overflow
-from martensite_hardware.firmware.project import build_firmware
-from martensite_hardware.firmware.settings import Limits
-from martensite_hardware.hil import compare_runs, run_hil
-from martensite_hardware.link.host import BoardLink
-from martensite_hardware.link.messages import BoardFlags, DisarmReason
-from martensite_hardware.rig_scenarios import read_rigs
-from martensite_hardware.session import Session
 
 EXAMPLES = Path(str(files("martensite"))).parents[1] / "examples"
 AVR = shutil.which("avr-g++") and Path("/usr/include/simavr/sim_avr.h").exists()
@@ -326,8 +326,8 @@ def test_sources_are_clean(tmp_path: Path, example: str) -> None:
 def test_logs_go_to_tables_and_back(tmp_path: Path) -> None:
     description = {"telemetry": [{"name": "position", "unit": "m"}], "scenario": "title = 'a'\n"}
     log, wrap = BoardLog(description), 1 << 32
-    from martensite_hardware.link.frames import LinkCounts
-    from martensite_hardware.link.messages import Message
+    from martensite.boards.link.frames import LinkCounts
+    from martensite.boards.link.messages import Message
 
     for k in range(5):  # the clock wraps on the way
         micros = (wrap - 2_000_000 + 1_000_000 * k) % wrap

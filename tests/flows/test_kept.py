@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from martensite_studies import result_cache as module
-from martensite_studies.result_cache import cache_results, find_program_folder
+from martensite.studies import result_cache as module
+from martensite.studies.result_cache import cache_results, find_program_folder
 
 MADE: list[float] = []
 
@@ -40,7 +40,7 @@ def test_another_program_makes_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
     assert MADE == [1.5, 1.5]
 
 
-@pytest.mark.parametrize("package", ["martensite", "martensite_studies"])
+@pytest.mark.parametrize("package", ["martensite", "martensite.studies"])
 def test_the_program_is_its_source(package: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     source = tmp_path / "package" / "law.py"
     source.parent.mkdir()

@@ -10,6 +10,7 @@ from command import Command
 
 from martensite.base.errors import DataError, InputError, ParameterError
 from martensite.base.parameters import part
+from martensite.export.control_systems import to_control, to_state_space
 from martensite.identify.blocks.base import BLOCKS, AbstractStatic
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.chains.chain import Chain
@@ -25,7 +26,6 @@ from martensite.signals.sine import Sine
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
 from martensite.simulate.controlled_run import simulate_controlled
-from martensite_export.control_systems import to_control, to_state_space
 
 pytestmark = pytest.mark.usefixtures("c_compiler")
 DT = 0.05

@@ -27,15 +27,15 @@ from martensite.actuators.assembly import OUTPUTS
 from martensite.actuators.elements.base import ELEMENTS
 from martensite.base.errors import InputError, MartensiteError, ParameterError, SolveError, UnitError
 from martensite.base.status import Status
+from martensite.export import balance, mujoco_render
+from martensite.export.balance import LineStepEnd, settle_lines
+from martensite.export.mujoco_bridge import MujocoBridge, TendonActuator, holding_tensions, read_model
+from martensite.export.mujoco_render import draw_poses, render_mujoco
+from martensite.export.mujoco_result import MujocoResult
 from martensite.signals.carrier import Carrier
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
 from martensite.signals.table import Table
-from martensite_export import balance, mujoco_render
-from martensite_export.balance import LineStepEnd, settle_lines
-from martensite_export.mujoco_bridge import MujocoBridge, TendonActuator, holding_tensions, read_model
-from martensite_export.mujoco_render import draw_poses, render_mujoco
-from martensite_export.mujoco_result import MujocoResult
 
 mujoco: Any = installed
 MASS = 0.5
@@ -395,7 +395,7 @@ def test_martensite_does_not_need_mujoco() -> None:
         "assert ms.export.MujocoBridge and ms.export.TendonActuator and ms.export.render_mujoco\n"
         "try:\n    ms.export.MujocoBridge('a.xml', [ms.Constant(level=1)])\n"
         "except AttributeError:\n    pass\n"
-        "from martensite_export.mujoco_bridge import read_model\n"
+        "from martensite.export.mujoco_bridge import read_model\n"
         "try:\n    read_model('a.xml')\n"
         "except ms.InputError as error:\n    print(error)\n"
     )

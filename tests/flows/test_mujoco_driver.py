@@ -1,6 +1,6 @@
 """`martensite export mujoco` with `--snippet` and `--driver`: the files run as they are written.
 
-Source of truth: `simulate`, and the bridge that the tests of `martensite_export` compare with it;
+Source of truth: `simulate`, and the bridge that the tests of `martensite.export` compare with it;
 the mechanism's own MJCF for what a snippet holds.
 """
 
@@ -27,14 +27,14 @@ from command import Command
 
 import martensite as ms
 from martensite.base.errors import InputError
+from martensite.export.mjcf import bridge_of, tendon_signals, to_mjcf
+from martensite.export.mjcf_snippet import to_mjcf_snippet
+from martensite.export.mujoco_bridge import MujocoBridge, TendonActuator
+from martensite.export.mujoco_driver import driver_text
 from martensite.kernels.compiler import find_compiler
 from martensite.scenario.scenario import Scenario, load
 from martensite.simulate.api import simulate
-from martensite_export.mjcf import bridge_of, tendon_signals, to_mjcf
-from martensite_export.mjcf_snippet import to_mjcf_snippet
-from martensite_export.mujoco_bridge import MujocoBridge, TendonActuator
-from martensite_export.mujoco_driver import driver_text
-from martensite_studies.platform.bench import SCENARIO as PLATFORM
+from martensite.studies.platform.bench import SCENARIO as PLATFORM
 
 mujoco: Any = installed
 EXPORT = Command("export", "mujoco")

@@ -17,8 +17,8 @@ from platform_cases import GEOMETRIES, PLATES
 
 from martensite.actuators.mechanics.platform_kinematics import Plates, platform_lengths
 from martensite.base.errors import InputError
-from martensite_studies.platform.workspace import Workspace, reachable_angles
-from martensite_studies.platform.workspace_figure import plot_workspace
+from martensite.studies.platform.workspace import Workspace, reachable_angles
+from martensite.studies.platform.workspace_figure import plot_workspace
 
 CASES = {
     "platform": (PLATES, 0.030, 0.090),

@@ -12,8 +12,9 @@ import pytest
 from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanisms.load_line import DeadWeight
 from martensite.base.errors import InputError
+from martensite.base.toml_text import as_toml
 from martensite.physics.laws.strip_laws import LiangRogers
-from martensite.scenario.overrides import as_toml, change_document, read_settings
+from martensite.scenario.overrides import change_document, read_settings
 from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.signals.sine import Sine
 

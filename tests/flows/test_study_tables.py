@@ -17,10 +17,10 @@ from claim_checks import check_complete
 from martensite.base.errors import DataError, ParameterError
 from martensite.base.summary import PAGE_WIDTH
 from martensite.cli.study import summarise_answer
+from martensite.studies import shipped_numbers, tables
 from martensite.studies.base import WIDEST, Claim, load_study, study_names
-from martensite_studies import shipped_numbers, tables
-from martensite_studies.claim_tables import find_number, read_claims, settle_part, write_digest
-from martensite_studies.tables import Printed, TableStudy
+from martensite.studies.claim_tables import find_number, read_claims, settle_part, write_digest
+from martensite.studies.tables import Printed, TableStudy
 
 PRINTED = """
 source = "tanaka1986"
@@ -253,7 +253,7 @@ def test_what_ships_is_complete_and_of_this_program(study: TableStudy) -> None:
     """Numbers are those of the files beside them, verdicts rest on narrow tolerances, and the digest fits a screen."""
     found = study.shipped()
     assert found is not None and shipped_numbers.fingerprint_study(study.folder()) in found.made_by, (
-        f"`python -m martensite_studies.shipped_numbers {study.key}` computes what ships anew"
+        f"`python -m martensite.studies.shipped_numbers {study.key}` computes what ships anew"
     )
     check_complete(found)
     for claim in found.claims:

@@ -18,14 +18,14 @@ from sweep_cases import OVER, WIRE, arrays, wanted, wire
 
 from martensite.base.errors import DataError, InputError
 from martensite.base.status import Status
+from martensite.design.sweep import reading
+from martensite.design.sweep import store as stores
+from martensite.design.sweep.api import SweepExecution, begin_sweep, parse_share, run_sweep
+from martensite.design.sweep.job import MEASURES, SweepJob, SweepRequest, build_spec, prepare_plan
+from martensite.design.sweep.plan import SweepPiece, SweepPlan
+from martensite.design.sweep.reading import open_sweep
+from martensite.design.sweep.store import Store, create_store
 from martensite.simulate.ensembles import Ensemble
-from martensite_sweep import reading
-from martensite_sweep import store as stores
-from martensite_sweep.api import SweepExecution, begin_sweep, parse_share, run_sweep
-from martensite_sweep.job import MEASURES, SweepJob, SweepRequest, build_spec, prepare_plan
-from martensite_sweep.plan import SweepPiece, SweepPlan
-from martensite_sweep.reading import open_sweep
-from martensite_sweep.store import Store, create_store
 
 SERIAL = SweepExecution("serial")
 TRACES = (("position", 6), ("temperature", 3))

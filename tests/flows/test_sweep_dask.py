@@ -21,10 +21,10 @@ from sweep_cases import Doubling, arrays, ran, undisturbed, wanted, wire
 
 from martensite.base.errors import InputError, StoppedError
 from martensite.base.status import Status
-from martensite_sweep.api import SweepExecution, begin_sweep
-from martensite_sweep.backends import dask_cluster
-from martensite_sweep.backends.base import Report
-from martensite_sweep.backends.dask_cluster import DaskCluster
+from martensite.design.sweep.api import SweepExecution, begin_sweep
+from martensite.design.sweep.backends import dask_cluster
+from martensite.design.sweep.backends.base import Report
+from martensite.design.sweep.backends.dask_cluster import DaskCluster
 
 distributed: Any = pytest.importorskip("distributed")
 

@@ -17,10 +17,10 @@ from sweep_cases import wanted, wire
 
 from martensite.base.errors import DataError, InputError
 from martensite.base.status import Status
-from martensite_sweep.api import SweepExecution, begin_sweep
-from martensite_sweep.indices import compute_sensitivity
-from martensite_sweep.reading import open_sweep, read_sweep
-from martensite_sweep.store import Store
+from martensite.design.sweep.api import SweepExecution, begin_sweep
+from martensite.design.sweep.indices import compute_sensitivity
+from martensite.design.sweep.reading import open_sweep, read_sweep
+from martensite.design.sweep.store import Store
 
 DIAMETER, HIGH = "element.diameter", "drive.waveform.high"
 PART = SweepExecution("serial", part="1/2")

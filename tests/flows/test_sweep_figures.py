@@ -11,12 +11,12 @@ from drawn_texts import check_apart, visible_texts
 from sweep_tables import ANGLES, ishigami, table, with_status, with_value
 
 from martensite.base.errors import UnknownNameError
-from martensite_sweep.analysis_figures import plot_pareto, plot_sensitivity
-from martensite_sweep.axes import parse_axis
-from martensite_sweep.figures import plot_sweep
-from martensite_sweep.indices import compute_sensitivity
-from martensite_sweep.pareto import find_pareto_front
-from martensite_sweep.table import SweepColumn, SweepTable
+from martensite.design.sweep.axes import parse_axis
+from martensite.design.sweep.indices import compute_sensitivity
+from martensite.design.sweep.pareto import find_pareto_front
+from martensite.design.sweep.table import SweepColumn, SweepTable
+from martensite.show.figures.sweep import plot_sweep
+from martensite.show.figures.sweep_analysis import plot_pareto, plot_sensitivity
 
 GRID = [replace(one, count=7) for one in ANGLES]
 LOG = parse_axis("h=10..1000 W/m^2/K log", {"h": replace(ANGLES[0].target, name="h", unit="W/m^2/K")})

@@ -24,16 +24,7 @@ def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
         str(ROOT / "pyproject.toml"),
         "--no-cache",
     ]
-    paths = os.pathsep.join(
-        [
-            str(folder),
-            *(
-                str(ROOT / one / "src")
-                for one in ("app", "control", "export", "hardware", "studies", "sweep", "testing")
-            ),
-        ]
-    )
-    changes = {"PYTHONPATH": paths, "PYTHONDONTWRITEBYTECODE": "1", "COLUMNS": "200"}
+    changes = {"PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1", "COLUMNS": "200"}
     environment = os.environ | changes
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
 
@@ -58,12 +49,10 @@ def test_contracts_hold() -> None:
         ("actuators/assembly/systems.py", "import martensite.simulate.api", "layers below its own"),
         ("physics/laws/strip_laws.py", "import martensite.physics.laws.extra", "No law imports another"),
         ("actuators/elements/wire.py", "import pint", "martensite.base.units imports pint"),
-        ("simulate/march.py", "import xarray", "import xarray"),
+        ("simulate/march.py", "import xarray", "imports no xarray"),
         ("actuators/assembly/base.py", "import jax", "import jax"),
-        ("studies/base.py", "import martensite_studies", "imports none"),
-        ("cli/export.py", "import martensite_export.cli", "imports none"),
-        ("cli/apart.py", "import martensite_sweep.cli", "imports none"),
-        ("simulate/result.py", "import mujoco", "Only martensite_export imports mujoco"),
+        ("export/mjcf.py", "import martensite.cli.sweep", "layers below its own"),
+        ("simulate/result.py", "import mujoco", "Only martensite.export imports mujoco"),
     ],
 )
 def test_a_violation_is_noticed(copy: Path, file: str, line: str, contract: str) -> None:

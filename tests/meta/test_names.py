@@ -15,10 +15,7 @@ from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-SOURCES = (
-    ROOT / "src",
-    *(ROOT / one / "src" for one in ("app", "control", "export", "hardware", "studies", "sweep", "testing")),
-)
+SOURCES = (ROOT / "src",)
 ONE_WORD = 0.25
 """Largest share of module-level functions with a name of one word: commands, and verbs that need
 no object."""

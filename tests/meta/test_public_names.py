@@ -45,7 +45,7 @@ def test_few_names_stand_at_the_top_and_the_rest_in_packages() -> None:
 @pytest.mark.parametrize("name", PROMISED)
 def test_every_name_is_what_its_module_defines(name: str) -> None:
     package = find_package(name)
-    named = "martensite_export" if name == "ms.export" else package.__name__  # which that one forwards to
+    named = package.__name__
     import_module(named)
     for public, (home, own) in list_public_names(named).items():
         found = getattr(package, public)

@@ -15,7 +15,7 @@ from builders import SINE_A, ZERO, problem_a, volts_a
 from martensite.signals.held import Held
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.simulate.api import simulate
-from martensite_studies.readings import choose_runtime
+from martensite.studies.readings import choose_runtime
 
 JUDGED = tuple(problem_a().convergence_scales())
 RULES = ("resume", "restart")

@@ -15,9 +15,9 @@ from typing import Any
 
 import pytest
 
+from martensite.boards.link.frames import BoardClock, FrameReader, encode_frame
+from martensite.boards.link.messages import KINDS, MOST, pack_message, print_header
 from martensite.kernels.compiler import find_compiler
-from martensite_hardware.link.frames import BoardClock, FrameReader, encode_frame
-from martensite_hardware.link.messages import KINDS, MOST, pack_message, print_header
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
 COUNTS = ("good", "garbled", "lost", "doubled", "reordered")
@@ -50,7 +50,7 @@ class Taken(ctypes.Structure):
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    folder, home = tmp_path_factory.mktemp("link"), files("martensite_hardware") / "c"
+    folder, home = tmp_path_factory.mktemp("link"), files("martensite.boards") / "c"
     for name in ("link.c", "link.h"):
         (folder / name).write_text((home / name).read_text("utf-8"), "utf-8")
     (folder / "messages.h").write_text(print_header(), "utf-8")

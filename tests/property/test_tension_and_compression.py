@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from martensite.physics.laws.base import LAWS
-from martensite_testing.examples import build_example
-from martensite_testing.laws import Point, find_end, find_strain, follow_path, trace_kinetics
+from martensite.testing.examples import build_example
+from martensite.testing.laws import Point, find_end, find_strain, follow_path, trace_kinetics
 
 FORMS: dict[str, dict[str, Any]] = {
     "liang-rogers": {"compression": "symmetric"},

@@ -15,13 +15,13 @@ from tuning_cases import linear_bench, wire_bench
 from martensite.base.errors import ParameterError, SolveError
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers
-from martensite_control.rules.rule_starts import convert_to_pid, gains_by_tests, run_loop_tests
-from martensite_control.tuning.bench_tuning import tune_bench
-from martensite_control.tuning.gain_search import TuningSearch, build_free_gains
-from martensite_control.tuning.goals import ERRORS, Cost, Course, TuningGoal
-from martensite_control.tuning.loop_runs import LoopRuns, Seen, find_judged_output
-from martensite_control.tuning.measures import measure_loop
-from martensite_control.tuning.plant_spread import METHODS, OverPlants, compare_over_plants, draw_plants
+from martensite.control.rules.rule_starts import convert_to_pid, gains_by_tests, run_loop_tests
+from martensite.control.tuning.bench_tuning import tune_bench
+from martensite.control.tuning.gain_search import TuningSearch, build_free_gains
+from martensite.control.tuning.goals import ERRORS, Cost, Course, TuningGoal
+from martensite.control.tuning.loop_runs import LoopRuns, Seen, find_judged_output
+from martensite.control.tuning.measures import measure_loop
+from martensite.control.tuning.plant_spread import METHODS, OverPlants, compare_over_plants, draw_plants
 
 GAINS = tuple(f"controllers.drive.{name}" for name in ("Kp", "Ki", "Kd"))
 SPREADS = {

@@ -13,15 +13,15 @@ from numpy.typing import NDArray
 
 from martensite.base.errors import InputError, ParameterError, UnitError
 from martensite.base.parameters import Number, param
+from martensite.design.optimise.evaluate import DesignEvaluator
+from martensite.design.optimise.optimise import optimise_design
+from martensite.design.optimise.optimised_design import OptimisedDesign
+from martensite.design.optimise.question import build_life_constraints, read_question
+from martensite.design.optimise.search import DesignSearch, scan_designs
 from martensite.signals.base import DRIVE, AbstractWaveform
 from martensite.signals.sine import Sine
 from martensite.simulate.api import simulate
 from martensite.simulate.waveform_levels import WaveformLevels
-from martensite_sweep.optimise.evaluate import DesignEvaluator
-from martensite_sweep.optimise.optimise import optimise_design
-from martensite_sweep.optimise.optimised_design import OptimisedDesign
-from martensite_sweep.optimise.question import build_life_constraints, read_question
-from martensite_sweep.optimise.search import DesignSearch, scan_designs
 
 ALL = (
     "stroke >= 3 mm",

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from design_cases import differences
 
+from martensite.design.optimise.evaluate import DesignEvaluator
+from martensite.design.optimise.optimise import optimise_design
+from martensite.design.optimise.question import read_question
+from martensite.design.optimise.search import scan_designs
 from martensite.scenario.scenario import load
 from martensite.simulate.waveform_levels import WaveformLevels
-from martensite_sweep.optimise.evaluate import DesignEvaluator
-from martensite_sweep.optimise.optimise import optimise_design
-from martensite_sweep.optimise.question import read_question
-from martensite_sweep.optimise.search import scan_designs
 
 SCENARIO = Path(__file__).parents[2] / "examples" / "finger_design.toml"
 BOX = ("strand.diameter=0.06..0.1 mm", "mechanism.offset=4..8 mm", "drive.waveform.high=2..6 W")

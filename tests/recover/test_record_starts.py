@@ -18,6 +18,8 @@ import pytest
 
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.pid import PidLaw
+from martensite.control.tuning.closed_loop import ControlledModel
+from martensite.control.tuning.tuning import ModelTuning, tune_model
 from martensite.identify.chains.estimate import Options, estimate_chain
 from martensite.identify.chains.record_starts import shows_rest
 from martensite.identify.chains.scores import mean_fit, score_chain
@@ -27,8 +29,6 @@ from martensite.identify.chains.validation import validate_chain
 from martensite.scenario.model_files import read_model, write_model
 from martensite.scenario.sampled_files import read_pieces, write_sampled
 from martensite.signals.sampling.sampled import Sampled
-from martensite_control.tuning.closed_loop import ControlledModel
-from martensite_control.tuning.tuning import ModelTuning, tune_model
 
 FEW = Options(starts=6, refined=3, anchor=0.1, start="auto")
 NAMES = ("duty",), ("position",)

@@ -14,11 +14,11 @@ import pytest
 from rphase_cases import rphase_system, two_phase_model
 from sensing_cases import SINE, STEPS, STROKE, rms, run, sensing_bench, sensing_plant, shaken
 
+from martensite.control.loop.consistency import Consistency, check_consistency
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.observers.inverse import InverseModel
 from martensite.control.observers.unscented import UnscentedKalman
 from martensite.signals.sine import Sine
-from martensite_control.consistency import Consistency, check_consistency
 
 PLANT = sensing_plant()
 QUIET: dict[str, Any] = {"model": PLANT, "temperature_noise": 0.3, "fraction_noise": 0.01}

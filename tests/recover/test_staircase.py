@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from martensite.base.errors import DataError, ParameterError
 from martensite.signals.records import Record
-from martensite_studies.electrothermal.staircase import reduce_to_plateaus, supply_offset, unwrap_counter
+from martensite.studies.electrothermal.staircase import reduce_to_plateaus, supply_offset, unwrap_counter
 
 STEPS = st.lists(st.integers(0, 100), min_size=1, max_size=60)
 UNITS = {"time": "s", "level": "V", "current": "A"}

@@ -1,7 +1,7 @@
 """Self-sensing of wires nobody measured: it calibrates them in the loop, follows a reference, and knows its errors.
 
 Source of truth: the simulated wires, whose numbers and whose position no part of the loop sees. The large study, on 200
-wires, is `martensite_control.unknown_wires`; here a few of its wires run side by side.
+wires, is `benchmarks.unknown_wires`; here a few of its wires run side by side.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from benchmarks.unknown_wires import CONFIDENCE, TUNED_ON, build_bench, draw_wires
 
 from martensite.base.errors import ParameterError
 from martensite.control.loop.miss_rule import describe_expected_miss, expect_error
@@ -24,7 +25,6 @@ from martensite.scenario.examples import EXAMPLES
 from martensite.scenario.scenario import load
 from martensite.signals.sine import Sine
 from martensite.simulate.lanes import Lanes
-from martensite_control.unknown_wires import CONFIDENCE, TUNED_ON, build_bench, draw_wires
 
 COUNT, PERIOD, LEVEL = 4, 0.02, 3e-3
 LATE = 20.0

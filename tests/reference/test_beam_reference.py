@@ -11,7 +11,7 @@ from martensite.scenario.scenario import load
 from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
-from martensite_studies.sommerfeld import machines, runs, wire
+from martensite.studies.sommerfeld import machines, runs, wire
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
 

@@ -9,12 +9,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from benchmarks.control.competition import EntryRuns, run_benchmark
+from benchmarks.control.entries import read_entry
+from benchmarks.control.tasks import draw_noise, find_task, load_plant
+from benchmarks.control.wires import draw_wires
 from closed_loop_reference import Wire, run_loop
-
-from martensite_control.benchmark.competition import EntryRuns, run_benchmark
-from martensite_control.benchmark.entries import read_entry
-from martensite_control.benchmark.tasks import draw_noise, find_task, load_plant
-from martensite_control.benchmark.wires import draw_wires
 
 WIRES, GAINS = 2, (400.0, 100.0, 20.0)
 ENTRY = """

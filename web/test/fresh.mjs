@@ -4,7 +4,7 @@ import { mkdtemp, readdir, readFile, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 
-const kept = process.env.MARTENSITE_STATIC ?? "../app/src/martensite_app/static";
+const kept = process.env.MARTENSITE_STATIC ?? "../src/martensite/app/static";
 const made = await mkdtemp(join(tmpdir(), "martensite-bundle-"));
 try {
   const { status } = spawnSync(process.execPath, ["build.mjs", made], { stdio: "inherit" });

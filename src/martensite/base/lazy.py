@@ -10,14 +10,17 @@ from __future__ import annotations
 
 import ast
 import inspect
+import json
 import sys
 from collections.abc import Callable
 from functools import wraps
 from importlib import import_module
+from importlib.metadata import PackageNotFoundError, distribution
 from importlib.util import find_spec
 from pathlib import Path
 from types import FunctionType, UnionType
 from typing import Any, TypeVar, Union, get_args, get_origin
+from urllib.parse import unquote, urlparse
 
 from martensite.base.errors import InputError
 
@@ -25,31 +28,33 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def import_extra(module: str, extra: str, title: str = "") -> Any:
-    """A module that an extra of this package brings.
+    """Import a module that an extra of this package brings.
 
     Raises:
-        InputError: it is not installed; the sentence names the extra.
+        InputError: it is not installed; the sentence names the line that installs it.
     """
     try:
         return import_module(module)
     except ImportError:
         raise InputError(
-            f"This needs {title or module}, which is not installed; run `pip install 'martensite[{extra}]'`."
+            f"This needs {title or module}, which is not installed; run `{write_install_line(extra)}`."
         ) from None
 
 
-def forward_names(module: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """Make `__getattr__` and `__dir__` of a module whose names a distribution apart defines."""
+def write_install_line(extra: str) -> str:
+    """Return the line that installs an extra into this installation.
 
-    def import_name(name: str) -> Any:
-        if name.startswith("_"):  # asked for by import machinery and by consoles: no name of it
-            raise AttributeError(f"module {module!r} has no attribute {name!r}")
-        return getattr(import_extra(module, *_name_extra(module)), name)
-
-    def list_names() -> list[str]:
-        return dir(import_module(module)) if find_spec(module) else []
-
-    return import_name, list_names
+    A package that was installed from a folder is installed from there again (PEP 610, `direct_url.json`).
+    """
+    try:
+        record = json.loads(distribution("martensite").read_text("direct_url.json") or "{}")
+    except PackageNotFoundError:  # run from a source tree that was not installed
+        record = {"url": Path(__file__).parents[3].as_uri(), "dir_info": {"editable": True}}
+    url = str(record.get("url", ""))
+    if not url.startswith("file:"):
+        return f"pip install 'martensite[{extra}]'"
+    editable = "-e " if record.get("dir_info", {}).get("editable") else ""
+    return f"pip install {editable}'{unquote(urlparse(url).path)}[{extra}]'"
 
 
 def list_public_names(package: str) -> dict[str, tuple[str, str]]:
@@ -98,12 +103,9 @@ def find_public_name(name: str) -> str:
 def attach_names(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """Make `__getattr__` and `__dir__` of a package, from its stub.
 
-    A name that is a module is the module; a function is guarded (`guard_arguments`). A name may be defined in a
-    distribution that is installed apart, `martensite_<extra>`; where that is absent, `__dir__` leaves the name out, and
-    who asks for it is told what brings it.
+    A name that is a module is the module; a function is guarded (`guard_arguments`).
     """
     names = list_public_names(package)
-    tops = {home.partition(".")[0] for home, _ in names.values()}
 
     def import_name(name: str) -> Any:
         if name not in names:
@@ -111,9 +113,7 @@ def attach_names(package: str) -> tuple[Callable[[str], Any], Callable[[], list[
             place = "" if inner else find_public_name(name)
             raise AttributeError(f"module {package!r} has no attribute {name!r}{place and f'; it is `{place}`'}")
         home, own = names[name]
-        top = home.partition(".")[0]
-        inside = top == package.partition(".")[0]
-        module = import_module(home) if inside else import_extra(home, *_name_extra(top))
+        module = import_module(home)
         is_module = hasattr(module, "__path__") and find_spec(f"{home}.{own}") is not None
         found = import_module(f"{home}.{own}") if is_module else getattr(module, own)
         if isinstance(found, FunctionType):
@@ -121,16 +121,7 @@ def attach_names(package: str) -> tuple[Callable[[str], Any], Callable[[], list[
         setattr(sys.modules[package], name, found)
         return found
 
-    def list_names() -> list[str]:
-        absent = {top for top in tops if find_spec(top) is None}
-        return sorted(name for name, (home, _) in names.items() if home.partition(".")[0] not in absent)
-
-    return import_name, list_names
-
-
-def _name_extra(top: str) -> tuple[str, str]:
-    """The extra that brings a distribution, and how that is called."""
-    return top.removeprefix("martensite_"), f"`{top.replace('_', '-')}`"
+    return import_name, lambda: sorted(names)
 
 
 def guard_arguments(function: Function) -> Function:

@@ -10,11 +10,10 @@ from __future__ import annotations
 
 import sys
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
-from pkgutil import iter_modules
 from typing import Any, Generic, TypeVar, cast
 
 from martensite.base.errors import InputError, MartensiteError, UnknownNameError
@@ -96,16 +95,25 @@ class Registry(Generic[T]):
         if name in self._entries or self._scanned:
             return
         words = f'.register("{name}")'
-        for path in sorted(Path(import_module(self.package).__path__[0]).glob("*.py")):
+        for module, path in self._list_modules():
             if words in path.read_text("utf-8"):
-                import_module(f"{self.package}.{path.stem}")
+                import_module(module)
 
     def _scan(self) -> None:
         if not self._scanned:
             self._scanned = True
-            package = import_module(self.package)
-            for module in iter_modules(package.__path__):
-                import_module(f"{self.package}.{module.name}")
+            for module, path in self._list_modules():
+                if ".register(" in path.read_text("utf-8"):
+                    import_module(module)
+
+    def _list_modules(self) -> Iterator[tuple[str, Path]]:
+        """Yield the modules of the package, and the packages in it, with their files."""
+        folder = Path(import_module(self.package).__path__[0])
+        for path in sorted([*folder.glob("*.py"), *folder.glob("*/__init__.py")]):
+            if path.parent != folder:
+                yield f"{self.package}.{path.parent.name}", path
+            elif path.stem != "__init__":
+                yield f"{self.package}.{path.stem}", path
 
     def _plug(self) -> None:
         if not self._plugged:

@@ -14,7 +14,8 @@ from martensite.cli.app import app
 __all__ = ["app", "main"]
 
 COMMANDS = (
-    "apart check data export fit fit_film fit_logs fit_laboratory identify law listings run size study web_bench wire"
+    "check data design export board_calibrate board_cost board_learn board_run hardware fit fit_film fit_logs "
+    "fit_laboratory identify law listings run size steady study sweep tune web_bench wire"
 )
 """Modules whose commands register themselves."""
 

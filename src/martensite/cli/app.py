@@ -13,7 +13,7 @@ from martensite.base.interrupts import rescue_answer
 GROUPS = {
     "Simulate": ("run", "steady", "check", "law", "demo", "study"),
     "From logs": ("fit", "identify"),
-    "Design": ("size", "wire", "design", "tune", "sweep", "sensitivity", "pareto", "benchmark"),
+    "Design": ("size", "wire", "design", "tune", "sweep", "sensitivity", "pareto"),
     "Take along": ("export", "hardware", "app"),
     "Look up": ("list", "params", "describe", "materials", "data", "cite", "conform"),
 }

@@ -10,7 +10,6 @@ import typer
 
 from martensite.base.errors import BudgetError, InputError
 from martensite.base.formats import write_quantity
-from martensite.base.lazy import import_extra
 from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
 from martensite.cli.app import app
 from martensite.cli.options import (
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
     from martensite.simulate.judgement import Judgement
     from martensite.simulate.result import Result
-    from martensite_testing.conformance import Conformance
+    from martensite.testing.conformance import Conformance
 
 TRIED = 5.0
 """CPU time [s] for which the run of a scenario is tried."""
@@ -109,8 +108,9 @@ def _find_figure(scenario: Scenario, outputs: Outputs) -> Callable[[], Figure] |
         return None
     if scenario.bench is None:
         raise InputError("There is no loop to draw margins of: a scenario needs a [controller] for that.")
-    draw = import_extra("martensite_control.loops.margin_figure", "control").plot_scenario_margins
-    return lambda: draw(scenario)
+    from martensite.show.figures.margins import plot_scenario_margins
+
+    return lambda: plot_scenario_margins(scenario)
 
 
 def _describe_report(report: dict[str, Any]) -> Iterator[Block]:
@@ -237,8 +237,9 @@ def conform(
     """
     import_modules(modules)
     from martensite.show.terminal import print_summary
+    from martensite.testing.conformance import check_target
 
-    found = import_extra("martensite_testing", "testing", "`martensite-testing`").check_target(target)
+    found = check_target(target)
     blocks = [block for one in found for block in _describe_findings(one)]
     print_summary(Summary("", blocks, [_collect_findings(one) for one in found]), json)
     if not all(one.holds for one in found):

@@ -108,10 +108,12 @@ class FitOptions:
         )
 
     def take_carried(self, logs: Sequence[str]) -> FitOptions:
-        """With the scenario, and numbers, that logs of a board bring, where none is said (`martensite-hardware`)."""
-        if self.scenario or find_spec("martensite_hardware") is None:
+        """Take the scenario and the free numbers from logs of a board, if none are given."""
+        from martensite.boards.rig_scenarios import read_rigs
+
+        if self.scenario:
             return self
-        found = import_module("martensite_hardware.rig_scenarios").read_rigs(logs, self.free)
+        found = read_rigs(logs, self.free)
         return self if found is None else replace(self, scenario=found[0], free=found[1])
 
     def is_alone(self, logs: Sequence[str]) -> bool:

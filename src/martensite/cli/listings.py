@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from typer import Argument
 
-from martensite.base.lazy import import_extra
 from martensite.base.summary import Block, DataTable, Heading, Summary
 from martensite.cli.app import app
 from martensite.cli.options import Imports, Json, Settings, Text, import_modules, load_scenario
 
 if TYPE_CHECKING:
+    from martensite.app.forms.form_types import GroupNode, SingleNode
     from martensite.identify.blocks.base import AbstractBlock
-    from martensite_app.forms.form_types import GroupNode, SingleNode
 
 
 def complete_kind(incomplete: str) -> list[str]:
@@ -151,8 +150,9 @@ def describe(
         blocks: list[Block] = [DataTable(("kind of part", "parts", "entries"), rows, right=(1, 2))]
         print_summary(Summary("", blocks, {"parts": parts}), json)
         return
-    sections = import_extra("martensite_app.forms.sections", "app", "the forms of the web bench")
-    form = sections.describe_scenario(load_scenario(scenario, settings))
+    from martensite.app.forms.sections import describe_scenario
+
+    form = describe_scenario(load_scenario(scenario, settings))
     blocks = [block for one in form["sections"] for block in _describe_section(one)]
     print_summary(Summary(form["title"], blocks, {"parts": parts, "scenario": form}), json)
 

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from martensite.base.lazy import import_extra
+from martensite.base.errors import InputError
 from martensite.cli.app import app
 from martensite.cli.options import Json
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from martensite_app.server import Served
+    from martensite.app.server import Served
 
 
 @app.command("app")
@@ -39,11 +39,12 @@ def bench_app(
 
     It is reachable from this machine alone, and only with the token in the address. Ctrl-C ends it.
     """
-    served = import_extra("martensite_app.server", "app", "the web bench")
+    from martensite.app.server import serve_bench
+
     if static is not None:
-        return import_extra("martensite_app.static_site.command", "app,export,cc").write_page(static, scenario, json)
+        return _write_page(static, scenario, json)
     text = None if scenario is None else _read_text(scenario)
-    served.serve_bench(port, folder, _make_opener(text, no_browser, json))
+    serve_bench(port, folder, _make_opener(text, no_browser, json))
 
 
 def _read_text(scenario: Path) -> str:
@@ -80,3 +81,35 @@ def pack_text(text: str) -> str:
 def build_address(address: str, text: str) -> str:
     """The address of a bench that begins with a scenario."""
     return f"{address}#/bench?scenario={pack_text(text)}"
+
+
+def _write_page(folder: Path, scenario: Path | None, json: bool) -> None:
+    """Write the bench with the scenarios of the package, or with one of a file alone.
+
+    Raises:
+        InputError: the page cannot run that scenario, or there is no compiler of WebAssembly.
+        DataError: the folder holds something else, or the scenario names files.
+    """
+    from martensite.app.documents import check_files
+    from martensite.app.static_site.site_writer import can_offer, check_folder, list_offered, measure_folder, write_site
+    from martensite.scenario.scenario import load
+    from martensite.show.terminal import print_json
+
+    check_folder(folder)
+    texts = list_offered() if scenario is None else {scenario.stem: load(scenario).text}
+    for name, text in texts.items():
+        check_files(text, {})
+        if not can_offer(text):
+            raise InputError(
+                f"A page without a server cannot run `{name}`: it starts elsewhere than at home, or keeps states. "
+                "Use `martensite app`."
+            )
+    manifest = write_site(folder, texts, lambda words: typer.echo(words, err=True))
+    made = measure_folder(folder)
+    if json:
+        names = [one["name"] for one in manifest["scenarios"]]
+        sizes = {"files": made.files, "bytes": made.size, "compressed": made.compressed}
+        print_json({"folder": str(folder), **sizes, "scenarios": names})
+        return
+    typer.echo(f"{folder}: {made.words()}")
+    typer.echo(f"See it with: python -m http.server --directory {folder}")

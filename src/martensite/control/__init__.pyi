@@ -55,6 +55,8 @@ from martensite.control.faults.sensor import LateReadings as LateReadings
 from martensite.control.faults.sensor import NoiseBurst as NoiseBurst
 from martensite.control.faults.sensor import Stuck as Stuck
 from martensite.control.loop.bench import Bench as Bench
+from martensite.control.loop.consistency import Consistency as Consistency
+from martensite.control.loop.consistency import check_consistency as check_consistency
 from martensite.control.loop.findings import LoopFinding as LoopFinding
 from martensite.control.loop.parts import Controllers as Controllers
 from martensite.control.loop.parts import FaultTable as FaultTable
@@ -64,6 +66,15 @@ from martensite.control.loop.parts import Sensors as Sensors
 from martensite.control.loop.realtime import RealtimeStep as RealtimeStep
 from martensite.control.loop.run import open_loop as _open_bench
 from martensite.control.loop.run import simulate_bench as simulate_bench
+from martensite.control.loop.switched_cycles import Switch as Switch
+from martensite.control.loop.switched_cycles import SwitchedCycle as SwitchedCycle
+from martensite.control.loop.switched_cycles import find_switched_cycle as find_switched_cycle
+from martensite.control.margins.linear_loop import LinearLoop as LinearLoop
+from martensite.control.margins.linear_loop import linearise_loops as linearise_loops
+from martensite.control.margins.loop_check import LoopReport as LoopReport
+from martensite.control.margins.loop_check import check_loop as check_loop
+from martensite.control.margins.margins import LoopMargins as LoopMargins
+from martensite.control.margins.margins import compute_margins as compute_margins
 from martensite.control.observers.calibration import Calibration as Calibration
 from martensite.control.observers.extended import ExtendedKalman as ExtendedKalman
 from martensite.control.observers.hidden_states import ProcessNoisePlant as ProcessNoisePlant
@@ -74,6 +85,17 @@ from martensite.control.observers.self_sensing import SelfSensing as SelfSensing
 from martensite.control.observers.self_sensing import SheetTolerances as SheetTolerances
 from martensite.control.observers.trust import Trust as Trust
 from martensite.control.observers.unscented import UnscentedKalman as UnscentedKalman
+from martensite.control.rules.formulas import RULES as RULES
+from martensite.control.rules.formulas import FirstOrder as FirstOrder
+from martensite.control.rules.formulas import Integrating as Integrating
+from martensite.control.rules.formulas import gains_by_rule as gains_by_rule
+from martensite.control.rules.relay import gains_by_relay as gains_by_relay
+from martensite.control.rules.relay import run_relay_test as run_relay_test
+from martensite.control.rules.rule_starts import choose_best_rules as choose_best_rules
+from martensite.control.rules.rule_starts import convert_to_pid as convert_to_pid
+from martensite.control.rules.rule_starts import gains_by_tests as gains_by_tests
+from martensite.control.rules.rule_starts import run_loop_tests as run_loop_tests
+from martensite.control.rules.step_test import run_step_test as run_step_test
 from martensite.control.sensors.channel import CurrentSensor as CurrentSensor
 from martensite.control.sensors.channel import ForceSensor as ForceSensor
 from martensite.control.sensors.channel import GyroscopeSensor as GyroscopeSensor
@@ -88,10 +110,30 @@ from martensite.control.sensors.thermometer import ThermocoupleSensor as Thermoc
 from martensite.control.supervisors.from_plant import guard_for as guard_for
 from martensite.control.supervisors.from_sensors import checks_for as checks_for
 from martensite.control.supervisors.guard import Guard as Guard
-from martensite.design.analysis.loop_check import LoopReport as LoopReport
-from martensite.design.analysis.loop_check import check_loop as check_loop
-from martensite_control.consistency import Consistency as Consistency
-from martensite_control.consistency import check_consistency as check_consistency
+from martensite.control.synthesis.gain_schedule import DesignedSchedule as DesignedSchedule
+from martensite.control.synthesis.gain_schedule import design_gain_schedule as design_gain_schedule
+from martensite.control.synthesis.inverse_hysteresis import IdentifiedHysteresis as IdentifiedHysteresis
+from martensite.control.synthesis.inverse_hysteresis import fit_rising_curve as fit_rising_curve
+from martensite.control.synthesis.inverse_hysteresis import identify_hysteresis as identify_hysteresis
+from martensite.control.synthesis.linear import average_plants as average_plants
+from martensite.control.synthesis.linear import linearise_plant as linearise_plant
+from martensite.control.synthesis.linear import realise_readings as realise_readings
+from martensite.control.synthesis.lqr import LqrSizes as LqrSizes
+from martensite.control.synthesis.lqr import Regulator as Regulator
+from martensite.control.synthesis.lqr import design_regulator as design_regulator
+from martensite.control.tuning.bench_tuning import TunedBench as TunedBench
+from martensite.control.tuning.bench_tuning import tune_bench as tune_bench
+from martensite.control.tuning.closed_loop import ControlledModel as ControlledModel
+from martensite.control.tuning.gain_search import TuningSearch as TuningSearch
+from martensite.control.tuning.goals import TuningGoal as TuningGoal
+from martensite.control.tuning.loop_runs import LoopRuns as LoopRuns
+from martensite.control.tuning.measures import build_steps as build_steps
+from martensite.control.tuning.plant_spread import Plants as Plants
+from martensite.control.tuning.plant_spread import compare_over_plants as compare_over_plants
+from martensite.control.tuning.plant_spread import draw_plants as draw_plants
+from martensite.control.tuning.tuning import CostScale as CostScale
+from martensite.control.tuning.tuning import ModelTuning as ModelTuning
+from martensite.control.tuning.tuning import tune_model as tune_model
 
 PlanPrice = _PlanPrice
 open_bench = _open_bench

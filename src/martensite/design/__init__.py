@@ -1,4 +1,4 @@
-"""Questions to a model: size and tune; design and sweep, by `martensite-sweep`."""
+"""Questions to a model: size and tune; design and sweep, sweep and optimise."""
 
 from martensite.base.lazy import attach_names
 

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from martensite.base.errors import DataError, ParameterError, SolveError
+from martensite.base.toml_text import as_toml
 from martensite.fit.api import build_task
 from martensite.fit.column_matching import read_columns
 from martensite.fit.cross_validation import HeldOutError, PooledError, cross_validate, pool_errors, with_start
@@ -29,7 +30,7 @@ from martensite.fit.solve import solve_problem
 from martensite.scenario.exact_text import exact_text
 from martensite.scenario.lab_files import LabFile
 from martensite.scenario.log_tables import has_own_headings, read_log
-from martensite.scenario.overrides import as_toml, change_document
+from martensite.scenario.overrides import change_document
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.signals.records import Record
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.base.errors import DataError
 from martensite.base.files import write_file
+from martensite.base.toml_text import toml_key, toml_value
 from martensite.fit.fit import find_covered_range, list_compared
 from martensite.fit.fit_provenance import PACKAGE, build_provenance, describe_program, list_published
 from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
@@ -20,7 +21,6 @@ from martensite.fit.material_numbers import FIT, MaterialNumbers
 from martensite.physics.materials.base import MaterialNumber, Source
 from martensite.scenario.citations import list_entries
 from martensite.scenario.exact_text import format_quantity, shown_range
-from martensite.scenario.overrides import toml_key, toml_value
 from martensite.search.quantity_text import join_phrases
 
 if TYPE_CHECKING:

@@ -18,12 +18,13 @@ import numpy as np
 
 from martensite.base import units
 from martensite.base.errors import DataError, InputError, MartensiteError
+from martensite.base.toml_text import as_toml
 from martensite.characterise.tangent_fit import fit_tangents
 from martensite.characterise.tangent_points import find_tangent_points
 from martensite.characterise.time_constant import fit_rise
 from martensite.fit.baselines import DriveLag, filter_drive, fit_drive_lag
 from martensite.fit.experiment_kinds import DRIVEN, ExperimentKind
-from martensite.scenario.overrides import as_toml, change_document
+from martensite.scenario.overrides import change_document
 from martensite.search.quantity_text import format_number
 from martensite.signals.records import Record
 

@@ -26,6 +26,7 @@ from martensite.base.caches import is_private_file, keep_private, make_cache
 from martensite.base.child_python import python_command
 from martensite.base.errors import CompileError
 from martensite.base.files import tell_once
+from martensite.base.lazy import write_install_line
 
 FLAGS = (
     "-std=c99",
@@ -130,7 +131,7 @@ def _build_command(more: tuple[str, ...]) -> tuple[str, ...]:
     if cc is None:
         raise CompileError(
             "The C runtime needs a C compiler and none was found; install gcc or clang, or "
-            "`pip install 'martensite[cc]'`, or use the runtime `floats`."
+            f"`{write_install_line('cc')}`, or use the runtime `floats`."
         )
     wide = WIDE if "avx512f" in _describe_machine() else ()
     return (cc, *FLAGS, *wide, *more, *os.environ.get("MARTENSITE_CFLAGS", "").split())

@@ -1,3 +1,4 @@
+from martensite.actuators.assembly.actuator import Group as Group
 from martensite.actuators.elements.base import ELEMENTS as ELEMENTS
 from martensite.actuators.elements.base import AbstractElement as AbstractElement
 from martensite.actuators.elements.base import Heating as Heating

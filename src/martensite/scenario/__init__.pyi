@@ -9,11 +9,3 @@ from martensite.scenario.sampled_files import read_sampled as read_sampled
 from martensite.scenario.sampled_files import write_sampled as write_sampled
 from martensite.scenario.scenario import read_scenario as read_scenario
 from martensite.scenario.tables import read_table as read_table
-from martensite.studies.base import load_study as load_study
-from martensite_studies.electrothermal.staircase import reduce_to_plateaus as reduce_to_plateaus
-from martensite_studies.electrothermal.staircase import supply_offset as supply_offset
-from martensite_studies.electrothermal.staircase import unwrap_counter as unwrap_counter
-from martensite_studies.public_benchmarks import SKIP as SKIP
-from martensite_studies.public_benchmarks import read_silverbox as read_silverbox
-from martensite_studies.public_benchmarks import read_wiener_hammerstein as read_wiener_hammerstein
-from martensite_studies.tables import printed_numbers as printed_numbers

@@ -6,8 +6,6 @@ that was run and not the one it was made from.
 
 from __future__ import annotations
 
-import json
-import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
@@ -15,8 +13,6 @@ from typing import Any, cast
 
 from martensite.base import units
 from martensite.base.errors import ParameterError
-
-_BARE = re.compile(r"^[A-Za-z0-9_-]+$")
 
 
 def read_settings(settings: Sequence[str]) -> dict[str, Any]:
@@ -63,31 +59,3 @@ def _set_value(document: dict[str, Any], path: str, value: Any) -> None:
             raise ParameterError(f"`{path}` cannot be set: `{held}` is a value, not a table.")
         node = cast("dict[str, Any]", below)
     node[last] = value
-
-
-def as_toml(document: Mapping[str, Any]) -> str:
-    """Write a document as TOML: one section per table, tables below it inline."""
-    lines = [f"{toml_key(k)} = {toml_value(v)}" for k, v in document.items() if not isinstance(v, dict)]
-    for name, table in document.items():
-        if isinstance(table, dict):
-            entries = cast("dict[str, Any]", table)
-            lines += ["", f"[{toml_key(name)}]"]
-            lines += [f"{toml_key(k)} = {toml_value(v)}" for k, v in entries.items()]
-    return "\n".join(lines).strip() + "\n"
-
-
-def toml_value(value: Any) -> str:
-    """A value as TOML, tables inline."""
-    if isinstance(value, dict):
-        table = cast("dict[str, Any]", value)
-        return "{ " + ", ".join(f"{toml_key(k)} = {toml_value(v)}" for k, v in table.items()) + " }"
-    if isinstance(value, list):
-        return "[" + ", ".join(toml_value(item) for item in cast("list[Any]", value)) + "]"
-    if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False)
-    return str(value).lower() if isinstance(value, bool) else str(value)
-
-
-def toml_key(key: str) -> str:
-    """A key as TOML, in quotes where it needs them."""
-    return key if _BARE.match(key) else json.dumps(key, ensure_ascii=False)

@@ -9,6 +9,7 @@ with a unit. Unknown names are refused with the nearest valid one; nothing is gu
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -23,11 +24,12 @@ from martensite.base.formats import write_quantity
 from martensite.base.lazy import import_extra
 from martensite.base.parameters import Leaf, Number, Parametrised, param, text
 from martensite.base.summary import DataTable, Sentence, Summary
+from martensite.base.toml_text import as_toml
 from martensite.physics.materials.base import Material
 from martensite.scenario import recorded_waveforms
 from martensite.scenario.assemble import Assembly, section_of
 from martensite.scenario.build import Builder, Table, name_section, refuse_unknown
-from martensite.scenario.overrides import as_toml, change_document
+from martensite.scenario.overrides import change_document
 from martensite.scenario.places import Places
 from martensite.scenario.recorded_waveforms import Recorded
 from martensite.scenario.sections import SECTIONS as BENCH_SECTIONS
@@ -39,6 +41,7 @@ from martensite.simulate.restarts import HOME, Restart
 
 if TYPE_CHECKING:
     from martensite.control.loop.bench import Bench
+    from martensite.search.free_numbers import Target
     from martensite.signals.records import Record
     from martensite.simulate.result import Result
 
@@ -254,9 +257,29 @@ class Scenario:
         case = self.system, self.waveform, self.duration
         return find_step(*case, self.tolerance, self.samples).step
 
+    def write_changed(self, numbers: Mapping[str, float], lead: str) -> str:
+        """Return the scenario with other numbers as TOML, after a comment.
+
+        Args:
+            numbers: path in the system or bench -> value [SI].
+            lead: text of the comment.
+        """
+        values = {self.places.path(path): float(value) for path, value in numbers.items()}
+        return f"# {lead}\n\n{as_toml(change_document(tomllib.loads(self.text), values))}"
+
+    def find_target(self, name: str) -> Target:
+        """Return the number that can be varied under a path, or its unique ending.
+
+        Raises:
+            ParameterError: there is none of that name, or several.
+        """
+        from martensite.scenario.targets import find_one, list_targets
+
+        return find_one(name, list_targets(self))
+
     def show_bench(self) -> Any:
         """The web bench as a widget of a notebook; `InputError` if the extra `notebook` is not installed."""
-        return import_extra("martensite_app.notebook", "notebook", "the bench in a notebook").BenchWidget(self)
+        return import_extra("martensite.app.notebook", "notebook", "the bench in a notebook").BenchWidget(self)
 
     def _run_bench(self, bench: Bench, runtime: str | None) -> Result:
         from martensite.control.loop.run import simulate_bench

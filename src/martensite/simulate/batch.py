@@ -12,7 +12,6 @@ import numpy as np
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import CompileError, InputError, ParameterError, SolveError, require_known
 from martensite.base.files import tell_once
-from martensite.base.lazy import import_extra
 from martensite.base.status import Status
 from martensite.kernels.compiler import find_compiler
 from martensite.kernels.jax_setup import has_jax
@@ -213,8 +212,9 @@ def compute_sensitivity(
     nominal = zip(compiled.paths, compiled.values(system), strict=True)
     table = np.array([np.broadcast_to(varied.get(path, number), runs) for path, number in nominal])
     if runtime == "cuda":
-        cuda = import_extra("martensite_sweep.cuda.slopes", "cuda", "`martensite-sweep`")
-        column, slopes, residual = cuda.march_slopes(compiled, table, rows, grid, place)
+        from martensite.simulate.cuda.slopes import march_slopes
+
+        column, slopes, residual = march_slopes(compiled, table, rows, grid, place)
     else:
         in_c = runtime == "c" or (runtime == "auto" and find_compiler() is not None)
         differentiate = _differentiate_in_c if in_c else _differentiate_on_jax

@@ -6,7 +6,7 @@ put where the given coordinates are, every element into the given temperature an
 mechanism with coordinates from how long its elements are there, of a load line from what the element meets. What is
 not given stays as assembled; a phase state that the law would leave at once is refused.
 
-Or it is said to be found, by marching (`martensite_sweep.settling`).
+Or it is said to be found, by marching (`martensite.simulate.settling`).
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ from martensite.actuators.assembly.base import AbstractAssembly
 from martensite.actuators.elements.lumped import AbstractLumped
 from martensite.base import units
 from martensite.base.errors import InputError, suggest_name
-from martensite.base.lazy import import_extra
 from martensite.kernels import floats
 from martensite.kernels.nested import flatten_numbers
 from martensite.physics.laws.base import Fractions
@@ -116,8 +115,9 @@ def find_start(
     """
     given = read_initial(system, initial)
     if AT in given:
-        found = import_extra("martensite_sweep.settling", "sweep", "`martensite-sweep`")
-        return found.find_settled(system, waveform, given, tolerance)
+        from martensite.simulate.settling import find_settled
+
+        return find_settled(system, waveform, given, tolerance)
     if not given or not isinstance(system, AbstractAssembly):
         return HOME
     first = [one.value(0.0) for one in arrange_waveforms(system, waveform)]

@@ -24,7 +24,6 @@ from numpy.typing import NDArray
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError, require_known
-from martensite.base.lazy import import_extra
 from martensite.base.status import Status
 from martensite.kernels.c99_lanes import BLOCK
 from martensite.signals.base import AbstractWaveform
@@ -373,5 +372,7 @@ class VariantSetup:
 
 
 def _load_cuda() -> Any:
-    """What marches on a GPU; it lies with sweeps."""
-    return import_extra("martensite_sweep.cuda.march", "cuda", "`martensite-sweep`")
+    """Import what marches on a GPU."""
+    from martensite.simulate.cuda import march
+
+    return march

@@ -1,6 +1,6 @@
 """What every study answers: a digest, claims with verdicts, reports, and a figure.
 
-Studies register by entry points of the group `martensite.studies`; `martensite[studies]` brings those of papers.
+A study is a folder of this package, or an entry point of the group `martensite.studies`.
 
 A claim sets a number that a source prints beside a computed one. It has one of six verdicts:
 
@@ -23,11 +23,10 @@ from abc import abstractmethod
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib.util import find_spec
 from pathlib import Path
 from typing import ClassVar, Literal, get_args
 
-from martensite.base.errors import InputError, ParameterError, UnknownNameError
+from martensite.base.errors import ParameterError
 from martensite.base.interfaces import make_missing_error
 from martensite.base.registry import Registry
 
@@ -40,7 +39,6 @@ WIDEST = 0.2
 DIGEST = ("holds", "misprinted", "contradicts_itself", "assumed", "use_instead")
 """Keys of a digest."""
 STUDIES: Registry[AbstractStudy] = Registry("study", "martensite.studies")
-INSTALLATION = "`pip install 'martensite[studies]'` brings those of published works"
 
 
 def judge_number(published: float, computed: float, tolerance: float) -> Verdict:
@@ -204,27 +202,14 @@ class AbstractStudy:
 
 
 def study_names() -> list[str]:
-    """Names of all studies that are installed, those of one source together.
-
-    Raises:
-        InputError: there is none.
-    """
-    names = STUDIES.names()
-    if not names:
-        raise InputError(f"No study is installed; {INSTALLATION}.")
-    return sorted(names, key=lambda name: STUDIES[name].order)
+    """Names of all studies that are installed, those of one source together."""
+    return sorted(STUDIES.names(), key=lambda name: STUDIES[name].order)
 
 
 def load_study(name: str) -> AbstractStudy:
     """A study by its name.
 
     Raises:
-        InputError: the studies of published works are not installed.
-        UnknownNameError: they are, and there is none of that name.
+        UnknownNameError: there is no study of that name.
     """
-    try:
-        return STUDIES[name]()
-    except UnknownNameError:
-        if find_spec("martensite_studies") is not None:
-            raise
-        raise InputError(f"No study `{name}` is installed; {INSTALLATION}.") from None
+    return STUDIES[name]()

@@ -1,4 +1,4 @@
-// What the server tells of boards; see martensite_app.calls.boards.
+// What the server tells of boards; see martensite.app.calls.boards.
 
 export interface Boards {
   /** The command that brings boards; empty if they are there. */

@@ -1,5 +1,5 @@
 // What a run in the page gives, and what the static page knows of each scenario; the latter is
-// written by martensite_app.static_site.
+// written by martensite.app.static_site.
 
 import type { ScenarioForm } from "../form/types.ts";
 import type { Loop, Output, Panel } from "../lib/types.ts";
@@ -198,7 +198,7 @@ export interface Scenario {
   /** To which share of a range a last digit grows; above 1e-9 `differs` says so. */
   magnified: number;
   differs: string[];
-  /** What else the views need; made by martensite_app.views. */
+  /** What else the views need; made by martensite.app.views. */
   views: Views;
 }
 

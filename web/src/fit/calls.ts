@@ -1,4 +1,4 @@
-// The calls of Identify that a page without a server answers by itself; see martensite_app.calls.logs.
+// The calls of Identify that a page without a server answers by itself; see martensite.app.calls.logs.
 
 import { fetchFile } from "../engine/files.ts";
 import { locateFile, readManifest } from "../engine/local.ts";

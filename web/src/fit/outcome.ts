@@ -1,4 +1,4 @@
-// What is shown of a fit of the page: martensite_app.identify.fit_progress and fit_judgement, with the same words.
+// What is shown of a fit of the page: martensite.app.identify.fit_progress and fit_judgement, with the same words.
 
 import type { Compared, Found, Note, Outcome, Parameter, Problem as ProblemView, Score, Verdict } from "../identify/types.ts";
 import { digits, toShown } from "../lib/numbers.ts";

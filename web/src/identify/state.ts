@@ -38,7 +38,7 @@ export interface Choice {
   scale?: string | null;
 }
 
-/** Something that is done to a log before it is fitted; see martensite_app.identify.preparation. */
+/** Something that is done to a log before it is fitted; see martensite.app.identify.preparation. */
 export interface Step {
   kind: "smooth" | "median" | "outliers" | "zero" | "offset" | "resample" | "cut" | "hold";
   column?: string;

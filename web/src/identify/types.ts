@@ -1,4 +1,4 @@
-// What the server tells of a log, of a scenario beside it, and of a fit; see martensite_app.calls: logs
+// What the server tells of a log, of a scenario beside it, and of a fit; see martensite.app.calls: logs
 // and fits. Numbers are in SI.
 
 /** How something is shown: shown = SI * factor + offset. */

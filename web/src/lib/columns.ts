@@ -1,4 +1,4 @@
-// Answers whose long lists of numbers came as binary (`pack_columns` of martensite_app/messages.py).
+// Answers whose long lists of numbers came as binary (`pack_columns` of src/martensite/app/messages.py).
 
 export const COLUMNS_TYPE = "application/x-martensite-columns";
 const NUMBERS = "$numbers";

@@ -1,4 +1,4 @@
-// What the server tells of a run; see martensite_app.calls.scenarios.
+// What the server tells of a run; see martensite.app.calls.scenarios.
 
 export interface Output {
   unit: string;

@@ -1,4 +1,4 @@
-// What the server tells of a sizing; see martensite_app.calls.sizing.
+// What the server tells of a sizing; see martensite.app.calls.sizing.
 
 export interface Field {
   name: string;

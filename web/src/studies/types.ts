@@ -1,4 +1,4 @@
-// What the server tells of studies; see martensite_app.calls.studies.
+// What the server tells of studies; see martensite.app.calls.studies.
 
 export type Verdict = "reproduced" | "disagrees" | "misprint" | "self-contradictory" | "not comparable" | "recovery";
 export type Tally = Record<Verdict, number>;

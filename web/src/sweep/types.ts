@@ -1,4 +1,4 @@
-// What the server tells of sweeps; see martensite_app.calls.sweeps and its neighbours.
+// What the server tells of sweeps; see martensite.app.calls.sweeps and its neighbours.
 
 export interface Target {
   name: string;

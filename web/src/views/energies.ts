@@ -1,4 +1,4 @@
-// Energies of a run over time; see martensite.design.analysis.energy.
+// Energies of a run over time; see martensite.simulate.energy.
 
 import type { RunCore } from "../engine/types.ts";
 import type { Energy } from "../lib/types.ts";

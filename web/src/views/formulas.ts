@@ -1,4 +1,4 @@
-// Formulas of martensite_app.views.formulas: tables of rows, computed from parameters and columns.
+// Formulas of martensite.app.views.formulas: tables of rows, computed from parameters and columns.
 
 export type Row =
   | ["p" | "y" | "first", string]

@@ -1,4 +1,4 @@
-// What the page draws of a run, made from its columns and from what martensite_app.views.page says of its scenario.
+// What the page draws of a run, made from its columns and from what martensite.app.views.page says of its scenario.
 
 import type { RunCore, Scenario } from "../engine/types.ts";
 import type { Alarm, KeyResult, Run } from "../lib/types.ts";
@@ -17,7 +17,7 @@ const NOTHING = 1e-12;
 /** What of a scenario the views need. */
 export type Described = Pick<Scenario, "title" | "described" | "outputs" | "coordinate" | "ports" | "traces" | "loops" | "views">;
 
-/** The run as the server tells it (martensite_app.calls.scenarios). */
+/** The run as the server tells it (martensite.app.calls.scenarios). */
 export function describeRun(core: RunCore, scenario: Described, values: Values = core.parameters): Run {
   const { views, outputs, ports } = scenario;
   const judged = core.track ?? core;

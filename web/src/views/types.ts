@@ -1,4 +1,4 @@
-// What martensite_app.views.page says of a scenario for the views of a run.
+// What martensite.app.views.page says of a scenario for the views of a run.
 
 import type { Kind } from "../lib/types.ts";
 import type { Table } from "./formulas.ts";

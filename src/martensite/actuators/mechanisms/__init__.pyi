@@ -20,5 +20,3 @@ from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform a
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley as AntagonisticPulley
 from martensite.actuators.mechanisms.rails import Rails as Rails
 from martensite.actuators.mechanisms.testing_machine import TensileTestingMachine as TensileTestingMachine
-from martensite_studies.platform.workspace import Workspace as Workspace
-from martensite_studies.platform.workspace import reachable_angles as reachable_angles

@@ -12,7 +12,7 @@ e^(-T_s/τ) and m samples of dead time,
 
 u is the signal within its limits, so that nothing winds up. A supervisor that cuts it is not seen. Below 1/τ the loop
 is that of the model, whatever the plant; a τ shorter than the dead time, or a K that is much too small, make it swing:
-it holds while |Q(iω) (P/G - 1)| < 1 for the plant P. The model comes from a step test (`ms.design.run_loop_tests`).
+it holds while |Q(iω) (P/G - 1)| < 1 for the plant P. The model comes from a step test (`ms.control.run_loop_tests`).
 
 Sources: Ohnishi (1987); Chen, Yang, Guo and Li (2016), section III.
 """

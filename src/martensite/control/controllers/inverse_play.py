@@ -14,7 +14,7 @@ and an offset. A reference as slow as the loop that was identified is then follo
 inverse knows nothing of time: the lag of the heat, and the rate at which something cools, stay as
 they are, and so does every change of load or surroundings; that is for feedback.
 
-`martensite_control.synthesis.inverse_hysteresis` finds the numbers in a slow record.
+`martensite.control.synthesis.inverse_hysteresis` finds the numbers in a slow record.
 
 Source: Kuhnen 2003 (the inverse); Krasnosel'skii and Pokrovskii 1989 (plays).
 """

@@ -6,7 +6,7 @@
 The states z are readings: sensors, estimates of observers, `estimated.NAME`, or without sensors
 outputs of the plant. N says what the signal does ahead of the feedback where the reference leaves
 the level of the operating point. The integral stops where the signal is at a limit and the error
-would drive it further. `martensite_control.synthesis.lqr` finds all numbers.
+would drive it further. `martensite.control.synthesis.lqr` finds all numbers.
 """
 
 from collections.abc import Sequence

@@ -6,7 +6,7 @@ x̂ is the estimate that the loop follows, s its standard deviation and r the re
 have settled: 30 s after the calibration of the observer, or from the start without a calibration.
 
 Both bounds were chosen on 2000 random wires, for at least 97 % of those that miss by more than 5 % of the span
-(`martensite_control.unknown_wires`, which applies the same functions to many wires at once).
+(`benchmarks.unknown_wires`, which applies the same functions to many wires at once).
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ The noise of a reading has the variance (ρ h)² + σ², with its share ρ and i
 Drifting parameters are estimated as factors of the model's values, as random walks.
 
 Source: Bar-Shalom, Li and Kirubarajan (2001), sections 5.2 and 10.3. Sizes of the noise are
-assumed; whether they fit is what `martensite_control.consistency` is for.
+assumed; whether they fit is what `martensite.control.loop.consistency` is for.
 
 Estimates are: what is hidden, drifting parameters, outputs named in `wanted` (coordinates, strain
 and readings by default), each with its standard deviation `NAME_std`, correlations among the

@@ -28,7 +28,7 @@ In a pure phase nothing transforms without a change of temperature: the random w
 Beside the estimates of a filter it says how far it can be trusted, its `confidence`: see `trust.py`.
 
 Source: joint estimation with sigma points, Julier and Uhlmann (2004); considered parameters, Schmidt (1966); everything
-else is a choice of this project, judged on random wires (`martensite_control.unknown_wires`).
+else is a choice of this project, judged on random wires (`benchmarks.unknown_wires`).
 """
 
 from __future__ import annotations

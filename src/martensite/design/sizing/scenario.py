@@ -8,6 +8,7 @@ from typing import Any
 from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.base.errors import InputError
 from martensite.base.parameters import Parametrised
+from martensite.base.toml_text import toml_value
 from martensite.design.sizing.candidates import Candidate, Drive
 from martensite.design.sizing.cycle import PulseCycle
 from martensite.design.sizing.remarks import COIL_DOUBT
@@ -15,7 +16,6 @@ from martensite.design.sizing.request import WireRequest
 from martensite.design.sizing.statics import CoilStrand, Strand
 from martensite.design.sizing.wire_ratings import WireRatings
 from martensite.physics.materials.wires import GRAVITY, Cell, WireCatalogue
-from martensite.scenario.overrides import toml_value
 
 CYCLES = 3
 SAMPLES = 3001

@@ -13,7 +13,7 @@ from martensite.base.summary import Block, DataTable, Sentence
 if TYPE_CHECKING:
     from martensite.control.loop.bench import Bench
     from martensite.control.loop.findings import LoopFinding
-    from martensite.design.analysis.loop_check import LoopReport
+    from martensite.control.margins.loop_check import LoopReport
     from martensite.scenario.places import Places
     from martensite.scenario.scenario import Scenario
 
@@ -22,7 +22,7 @@ HEAD = ("branch", "reading", "signal", "gain margin", "phase margin", "delay mar
 
 def check_scenario_loop(scenario: Scenario, bench: Bench) -> LoopReport:
     """The loops of the bench of a scenario, with paths as in its file."""
-    from martensite.design.analysis.loop_check import check_loop
+    from martensite.control.margins.loop_check import check_loop
     from martensite.simulate.drive_waveforms import by_name
 
     played = by_name(scenario.system, scenario.waveform)

@@ -150,7 +150,7 @@ def list_peaks(result: Result) -> Iterator[tuple[str, str]]:
 
 
 def _list_energies(result: Result) -> Iterator[tuple[str, str]]:
-    from martensite.design.analysis.energy import find_ways, integrate_energies
+    from martensite.simulate.energy import find_ways, integrate_energies
 
     actuators = result.system.actuators().values()
     if not actuators or any(one.source.sets_temperature for one in actuators):

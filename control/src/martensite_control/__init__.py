@@ -1,1 +1,0 @@
-"""Control engineering: tuning, margins, regulators, consistency of filters; in `martensite.design` and `.control`."""

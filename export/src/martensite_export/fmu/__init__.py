@@ -1,7 +1,0 @@
-"""A scenario as an FMU: one module per part of the archive."""
-
-from __future__ import annotations
-
-from martensite_export.fmu.archive import Fmu, to_fmu
-
-__all__ = ["Fmu", "to_fmu"]

@@ -1,0 +1,336 @@
+"""Calls about logs: an uploaded table, its records, and a scenario beside them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+from martensite.app.documents import describe_scenarios, list_following
+from martensite.app.identify.fit_request import build_scenario, list_rows
+from martensite.app.identify.followed_columns import describe_drives, follow_column
+from martensite.app.identify.log_kinds import describe_proposal, describe_reading, propose_models
+from martensite.app.identify.log_overlay import draw_overlay, interpolate_within
+from martensite.app.identify.mapped_table import describe_cuts, prepare_log, read_file, read_records
+from martensite.app.messages import JsonTable, Request, require_entry
+from martensite.app.uploads import UploadFolder
+from martensite.app.views.columns import describe_conversion, describe_difference, describe_display, find_envelope
+from martensite.app.worker import Desk
+from martensite.base import units
+from martensite.base.errors import MartensiteError, ParameterError
+from martensite.base.files import MOST_LOG, read_unpacked, toml_document
+from martensite.base.parameters import Leaf
+from martensite.base.toml_text import as_toml
+from martensite.fit.column_matching import list_echoes, match_columns
+from martensite.fit.experiment_kinds import KINDS
+from martensite.fit.free_parameters import build_free_numbers
+from martensite.fit.losses import LOSSES
+from martensite.fit.solve import METHODS
+from martensite.scenario.assemble import waveform_path
+from martensite.scenario.column_meanings import Meaning, guess_meanings
+from martensite.scenario.datasets import locate_file
+from martensite.scenario.heading_guess import usual_units
+from martensite.scenario.lab_files import LabFile, choose_time, interpret_table, read_raw
+from martensite.scenario.layout import CANONICAL
+from martensite.scenario.raw_table import RawColumn, RawTable
+from martensite.scenario.scenario import Scenario
+from martensite.search.free_numbers import SearchRange
+from martensite.signals.records import Record
+
+SAMPLE = "flexinol-isobaric/isobaric_{}MPa.txt"
+LOADS = (172, 50, 100, 200)
+"""Stresses of the logs that a reader without one begins with [MPa]; the first alone where one is asked for."""
+SMALL = 120
+"""Points of the small curve of a column."""
+LONG = 100_000
+"""Rows from which on it is advised to thin out."""
+
+
+def place_sample(request: Request, desk: Desk) -> JsonTable:
+    """A measured log that comes with the package, as if it had been uploaded.
+
+    {"load": 172} -> {"key", "name", "bytes"}
+    """
+    load = require_entry(request, "load", int, LOADS[0])
+    if load not in LOADS:
+        raise ParameterError(f"There is no measured loop at {load} MPa; there are {', '.join(map(str, LOADS))}.")
+    name = SAMPLE.format(load)
+    content = read_unpacked(locate_file(name), MOST_LOG)
+    key, path = UploadFolder(desk.folder).place(name.rpartition("/")[2])
+    path.write_bytes(content)
+    return {"key": key, "name": path.name, "bytes": len(content)}
+
+
+def describe_table(request: Request, desk: Desk) -> JsonTable:
+    """What is in an uploaded table, and what its columns may mean.
+
+    {"key": …, "separator": "auto"}
+    -> {"name", "said", "rows", "separator", "preview": [[text, …], …], "columns": [{heading, name, unit,
+    min, max, missing, wrong, curve, …}], "names": {name: [unit, …]}, "notes": […]}
+
+    Cells are text, whatever is in them. Numbers of columns are as they stand in the file.
+    """
+    path = UploadFolder(desk.folder).path(require_entry(request, "key", str))
+    raw = read_raw(path, require_entry(request, "separator", str, "auto"))
+    meant = guess_meanings(raw, {})
+    clock = choose_time(raw, meant)
+    shown = [_name_guess(one, at == clock) for at, one in enumerate(meant)]
+    file = _read_untold(raw, path)
+    return {
+        "name": raw.name,
+        "said": describe_reading(file, file.has_time) if file else "",
+        "rows": raw.rows,
+        "separator": raw.separator,
+        "headed": raw.headed,
+        "preview": raw.preview,
+        "columns": [_describe_column(c, *one) for c, one in zip(raw.columns, shown, strict=True)],
+        "names": {name: usual_units(name) for name in CANONICAL},
+        "notes": list(_list_notes(raw, meant, clock)),
+    }
+
+
+def _name_guess(meaning: Meaning, is_clock: bool) -> tuple[str, str]:
+    """Known name and unit of a column, empty where there is none; one column alone is the time."""
+    known = meaning.name.rpartition(".")[2] in CANONICAL and (meaning.name != "time" or is_clock)
+    return (meaning.name, meaning.unit) if known else ("", "")
+
+
+def _describe_column(column: RawColumn, name: str, unit: str) -> JsonTable:
+    numbers = column.numbers.tolist()
+    known = [number for number in numbers if not math.isnan(number)]
+    rows = find_envelope(numbers, SMALL)
+    return {
+        "heading": column.heading,
+        "name": name if known else "",
+        "unit": unit,
+        "min": min(known, default=None),
+        "max": max(known, default=None),
+        "missing": len(numbers) - len(known) - len(column.wrong),
+        "wrong": len(column.wrong),
+        "first_wrong": column.wrong[0] if column.wrong else "",
+        "curve": [rows, [numbers[row] for row in rows]],
+    }
+
+
+def _read_untold(raw: RawTable, path: Path) -> LabFile | None:
+    """The table as it is understood without a word from the reader; none where it cannot be."""
+    try:
+        return interpret_table(raw, path, {})
+    except MartensiteError:
+        return None
+
+
+def _list_notes(raw: RawTable, meant: list[Meaning], clock: int) -> Iterator[str]:
+    yield from raw.notes
+    unsure = [str(at) for at, one in enumerate(meant, start=1) if one.name and one.known == "values" and not one.sure]
+    if unsure:
+        yield f"Column {', '.join(unsure)}: a guess by the values alone; look whether it is right."
+    if len(raw.columns) == 1:
+        yield "There is one column only; if the file has more, choose its separator."
+    if any(column.wrong for column in raw.columns):
+        yield "Some cells are no numbers. Do not use their columns, or leave out such cells."
+    if raw.rows > LONG:
+        yield f"The file has {raw.rows:,} rows; thin it out in the next step."
+
+
+DRAWN = 800
+
+
+def describe_records(request: Request, desk: Desk) -> JsonTable:
+    """The columns of a mapped table over time, to be looked at, put right and cut.
+
+    {"key": …, "columns": [{at, name, unit}], "interval": null, "drop": false, "steps": [], "cuts": [], "further": [] }
+    -> {"begin": 0, "end": …, "rows": …, "columns": [{name, times, values, before, unit, shown, …}], "steps": […],
+    "cuts": [{name, rows, refused}]}: curves thinned so that lows and highs stay; times in s, values in SI. `values`
+    is what the steps leave at the times of `before`, what was recorded; `before` is empty where nothing changed.
+    """
+    file, prepared = read_file(request, desk), prepare_log(request, desk)
+    record = prepared.record
+    return {
+        "begin": record.times[0],
+        "end": record.times[-1],
+        "rows": len(record),
+        "dropped": record.dropped,
+        "timed": file.record.interval is None,
+        "columns": [_draw_column(name, record, file.record) for name in record.columns if name != "time"],
+        "steps": list(prepared.words),
+        "cuts": describe_cuts(request, desk),
+    }
+
+
+def _draw_column(name: str, record: Record, recorded: Record) -> JsonTable:
+    """A column as it is, and as it was recorded where steps changed it or its rows."""
+    column = record[name]
+    before = recorded.columns.get(name, column)
+    same = recorded.times == record.times and list(map(repr, before)) == list(map(repr, column))
+    shown = column if same or name not in recorded.columns else before
+    times = record.times if shown is column else recorded.times
+    rows = find_envelope(shown, DRAWN)
+    drawn = [times[row] for row in rows]
+    values = [column[row] for row in rows] if shown is column else interpolate_within(record.times, column, drawn)
+    return {
+        "name": name,
+        "times": drawn,
+        "values": values,
+        "before": [] if shown is column else [before[row] for row in rows],
+        "missing": sum(map(math.isnan, column)),
+        **describe_display(name, record.units[name]),
+    }
+
+
+def overlay_logs(request: Request, desk: Desk) -> JsonTable:
+    """All records of a request in one picture: over time, from their start or by the clock; loops over what drives.
+
+    {the logs, "align": "start" or "clock"}
+    -> {"said": …, "records": [name], "axis": {name, unit, …}, "x": […], "loops": true, "quantities":
+    [{name, unit, …, "lines": [[value or null, …], …]}]}: for every quantity one line per record, SI.
+    """
+    return draw_overlay(read_records(request, desk), require_entry(request, "align", str, "start"))
+
+
+def propose_fit(request: Request, desk: Desk) -> JsonTable:
+    """What the logs are, and scenarios that may explain them, each with what is free.
+
+    {the logs} -> {"kind", "said", "refused", "notes": […], "models": [{name, text, free: [{name, low, high, start,
+    scale}], "each": […], "starts"}]}; where none is known `refused` says why.
+    """
+    try:
+        found = propose_models(read_records(request, desk), {})
+        models = [describe_proposal(one) for one in found.proposals]
+    except MartensiteError as error:
+        return {"kind": "", "said": "", "refused": str(error), "notes": [], "models": []}
+    said = f"Taken as {found.kind.name}, {KINDS[found.kind.name]}: {found.kind.why}."
+    return {"kind": found.kind.name, "said": said, "refused": "", "notes": list(found.notes), "models": models}
+
+
+def list_followers(request: Request, desk: Desk) -> JsonTable:
+    """Scenarios that come with the package and follow a log.
+
+    {} -> {"scenarios": [{name, title, text}]}
+    """
+    return describe_scenarios(list_following())
+
+
+METHOD_WORDS = {
+    "trf": "least squares within bounds, with exact derivatives",
+    "coordinate": "one parameter after the other, without derivatives",
+    "evolution": "differential evolution over all bounds, then least squares",
+}
+LOSS_WORDS = {
+    "linear": "squares: right where errors are noise",
+    "soft-l1": "large errors count less",
+    "huber": "large errors count by their size, not its square",
+    "cauchy": "very large errors hardly count",
+}
+
+
+def match_scenario(request: Request, desk: Desk) -> JsonTable:
+    """A scenario beside a log: what follows which column, what is compared, and what could be free.
+
+    {the table as `identify.mapped_table` takes it, "text": TOML,
+    "follow": {"path": …, "column": …}}
+    -> {"text": …, "title": …, "refused": "", "drives": […], "numbers": […], "outputs": […],
+    "records": […], "methods": {…}, "losses": {…}}
+
+    Where the scenario cannot be built with the log, `refused` says why; the rest is what is known.
+    """
+    records = list_rows(request, desk)
+    text = require_entry(request, "text", str)
+    document = toml_document(text)
+    follow = require_entry(request, "follow", dict, {})
+    if follow:
+        column = require_entry(follow, "column", str)
+        records[0][column]  # refuses what is none
+        path, unit = require_entry(follow, "path", str), records[0].units[column]
+        document = follow_column(document, path, column, unit)
+        text = as_toml(document)
+    known = {
+        "text": text,
+        "drives": describe_drives(document),
+        "columns": {name: unit for name, unit in records[0].units.items() if name != "time"},
+        "records": [one.name for one in records],
+        "methods": {name: METHOD_WORDS.get(name, "") for name in METHODS},
+        "losses": {name: LOSS_WORDS.get(name, "") for name in LOSSES},
+    }
+    try:
+        scenario = build_scenario({"text": text}, records[0])
+    except MartensiteError as error:
+        return {**known, "title": "", "refused": str(error), "numbers": [], "outputs": []}
+    return {**known, **_describe_built(scenario, records[0]), "drives": _list_drives(document, scenario)}
+
+
+def _list_drives(document: Request, scenario: Scenario) -> list[dict[str, str]]:
+    section = scenario.places.drive
+    followed = {
+        waveform_path(scenario.system, name, section).removesuffix("."): column
+        for name, column in scenario.follows.items()
+    }
+    return [one | {"column": followed.get(one["path"], "")} for one in describe_drives(document)]
+
+
+def _describe_built(scenario: Scenario, record: Record) -> JsonTable:
+    system = scenario.system
+    outputs, refused = list[JsonTable](), ""
+    try:
+        found, _, notes = match_columns(record, system, (), scenario.follows)
+        outputs = [{"name": name, **describe_display(name, system.outputs()[name].unit)} for name in found]
+    except MartensiteError as error:
+        refused, notes = str(error), []
+    return {
+        "title": scenario.title,
+        "described": system.description(),
+        "refused": refused,
+        "follows": scenario.follows,
+        "echoes": sorted(list_echoes(system)),
+        "numbers": list_numbers(scenario),
+        "outputs": [{**one, "difference": describe_difference(one["name"], one["unit"])} for one in outputs],
+        "notes": [*notes, *scenario.cautions],
+    }
+
+
+def list_numbers(scenario: Scenario) -> list[JsonTable]:
+    """One entry per number, or per numbers of one name and value, which then move together."""
+    leaves = [leaf for leaf in scenario.system.leaves() if _can_be_free(leaf)]
+    endings: dict[str, list[Leaf]] = {}
+    for leaf in leaves:
+        endings.setdefault(leaf.path.rpartition(".")[2], []).append(leaf)
+    return [entry for name, group in endings.items() for entry in _list_entries(scenario, name, group)]
+
+
+def _can_be_free(leaf: Leaf) -> bool:
+    return leaf.declared.unit not in units.OF_READINGS and math.isfinite(leaf.value)
+
+
+def _list_entries(scenario: Scenario, name: str, group: list[Leaf]) -> Iterator[JsonTable]:
+    if len({(leaf.value, leaf.declared.unit) for leaf in group}) == 1:
+        yield _describe_entry(scenario, name, group)
+    else:
+        yield from (_describe_entry(scenario, leaf.path, [leaf]) for leaf in group)
+
+
+def _describe_entry(scenario: Scenario, name: str, group: list[Leaf]) -> JsonTable:
+    leaf = group[0]
+    path, declared = scenario.places.path(leaf.path), leaf.declared
+    spelling = units.choose_familiar_unit(leaf.value, declared.unit)
+    low, high = _find_bounds(scenario, name)
+    return {
+        "name": name,
+        "group": path.rpartition(".")[0],
+        "places": len(group),
+        "value": leaf.value,
+        "low": low,
+        "high": high,
+        "allowed": declared.allowed(),
+        "doc": declared.doc,
+        "origin": scenario.origins.get(path, ""),
+        **describe_conversion(declared.unit, spelling),
+    }
+
+
+def _find_bounds(scenario: Scenario, name: str) -> tuple[float | None, float | None]:
+    """The bounds that a fit would choose; none where it has to be told."""
+    try:
+        (free,) = build_free_numbers([SearchRange(name)], [scenario.system])
+    except ParameterError:
+        return None, None
+    return free.low, free.high

@@ -1,0 +1,32 @@
+"""Call of a model that the page steps by itself, by hand: what it needs to know, and the module."""
+
+from __future__ import annotations
+
+from martensite.app.documents import read_request_scenario
+from martensite.app.messages import BadMessageError, JsonTable, Request, require_entry
+from martensite.app.static_site.stepped_model import describe_stepped
+from martensite.app.worker import Desk
+from martensite.base.errors import InputError
+
+
+def build_model(request: Request, desk: Desk) -> JsonTable:
+    """A scenario as the static page has it, with the WebAssembly of its runs.
+
+    {"text": TOML, "changes": {…}, "paths": ["mechanism.mass"]} -> {"scenario": {…}, "module": base 64}
+
+    Of its numbers, those at `paths` can be changed while the model runs.
+    """
+    paths = require_entry(request, "paths", list)
+    if not all(isinstance(path, str) for path in paths):
+        raise BadMessageError("`paths` must be names of numbers.")
+    scenario = read_request_scenario(request, desk)
+    if scenario.initial or scenario.restart_at:
+        raise InputError(
+            "This scenario names the state in which it begins: it does not run by hand, which begins at rest."
+        )
+    if scenario.whole.sample_time():
+        raise InputError(
+            "A controller in discrete time drives this mechanism: it does not run by hand. "
+            "Open one without, such as `Wire and dead weight`."
+        )
+    return describe_stepped(scenario.text, tuple(paths))

@@ -1,0 +1,155 @@
+"""Calls about scenarios: list, compare, run and export them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import cast
+
+from martensite.app.documents import LONGEST_TEXT, describe_scenarios, list_standalone, read_request_scenario
+from martensite.app.engine import run_fast
+from martensite.app.messages import BadMessageError, JsonTable, Request, require_entry
+from martensite.app.uploads import UploadFolder
+from martensite.app.views.columns import list_columns
+from martensite.app.views.diagrams import describe_energy
+from martensite.app.views.page import describe_formulas, list_parameters
+from martensite.app.views.traces import list_alarms, list_loops, list_panels
+from martensite.app.worker import Desk
+from martensite.base.errors import suggest_name
+from martensite.base.files import toml_document
+from martensite.base.toml_text import toml_value
+from martensite.scenario.scenario import Scenario
+from martensite.show.summaries.run import tabulate_key_results
+from martensite.simulate.result import Result
+
+
+def list_scenarios(request: Request, desk: Desk) -> JsonTable:
+    """The scenarios that come with the package: `{}` -> `{"scenarios": [{name, title, text}]}`."""
+    return describe_scenarios(list_standalone())
+
+
+MOST_DOCUMENTS = 12
+"""Documents that are compared at once."""
+
+
+def compare_documents(request: Request, desk: Desk) -> JsonTable:
+    """What differs between documents.
+
+    {"texts": [TOML, TOML, …]}
+    -> {"rows": [{"path": "element.diameter", "values": ["0.2 mm", null]}]}
+    """
+    texts = require_entry(request, "texts", list)
+    if len(texts) > MOST_DOCUMENTS or not all(isinstance(t, str) and len(t) <= LONGEST_TEXT for t in texts):
+        raise BadMessageError(f"`texts` must be at most {MOST_DOCUMENTS} documents, each a text.")
+    documents = [dict(_flatten_document(toml_document(text, "A document"))) for text in texts]
+    paths = dict.fromkeys(path for document in documents for path in document)
+    rows = [{"path": path, "values": [d.get(path) for d in documents]} for path in paths]
+    return {"rows": [row for row in rows if any(v != row["values"][0] for v in row["values"])]}
+
+
+def _flatten_document(table: Request, above: str = "") -> Iterator[tuple[str, str]]:
+    """Dotted path and value, as it is written, of every entry."""
+    for key, value in table.items():
+        path = f"{above}{key}"
+        if isinstance(value, dict):
+            yield from _flatten_document(cast("JsonTable", value), f"{path}.")
+        else:
+            yield path, value if isinstance(value, str) else toml_value(value)
+
+
+def run_scenario(request: Request, desk: Desk) -> JsonTable:
+    """Run a scenario: all that the bench draws of it.
+
+    {"text": TOML, "changes": {"element.diameter": "0.25 mm"}}
+    -> {"text": TOML with the changes, "title": …, "times": […], "columns": {…}, …}
+    """
+    scenario = read_request_scenario(request, desk)
+    begun = time.perf_counter()
+    result, runtime = run_fast(scenario)
+    took = time.perf_counter() - begun
+    return {
+        "text": scenario.text,
+        **_summarise_run(scenario, result),
+        "runtime": runtime,
+        "seconds": took,
+        **list_columns(result),
+        **_draw_run(scenario, result),
+    }
+
+
+def _summarise_run(scenario: Scenario, result: Result) -> JsonTable:
+    return {
+        "title": scenario.title,
+        "described": scenario.system.description(),
+        "status": result.status.name,
+        "accuracy": result.accuracy,
+        "steps": result.steps,
+        "step": result.step,
+        "stroke": result.stroke,
+        "coordinate": result.coordinate,
+        "ports": list(result.system.actuators()),
+        "cautions": scenario.cautions,
+        "warnings": list(result.warnings),
+        "alarms": list_alarms(result),
+    }
+
+
+def _draw_run(scenario: Scenario, result: Result) -> JsonTable:
+    """What is drawn; the page makes the rest from `views` and `parameters` (`web/src/views/answer.ts`)."""
+    views = describe_formulas(scenario, result)
+    return {
+        "traces": list_panels(result),
+        "loops": list_loops(result),
+        "energy": describe_energy(result),
+        "key": tabulate_key_results(result).rows,
+        "parameters": list_parameters(scenario, views),
+        "views": views,
+    }
+
+
+def export_scenario(request: Request, desk: Desk) -> JsonTable:
+    """Make a file of a scenario: a figure, or its numbers.
+
+    {"text": TOML, "changes": {…}, "what": "png"} -> {"key": of the file, "name": what it is called}
+
+    The run is the one that `martensite run` makes, with all its samples.
+    """
+    what = require_entry(request, "what", str)
+    if what not in WRITERS:
+        raise BadMessageError(f"`what` is `{what}`. {suggest_name(what, WRITERS)}")
+    scenario = read_request_scenario(request, desk)
+    result = scenario.run()
+    key, path = UploadFolder(desk.folder).place(f"{scenario.title[:60]}.{what}")
+    WRITERS[what](scenario, result, path)
+    return {"key": key, "name": path.name}
+
+
+def _write_figure(scenario: Scenario, result: Result, path: Path) -> None:
+    from martensite.show.figures.overview import save_figure
+
+    records = [scenario.measured.read()] if scenario.measured else None
+    save_figure(result, path, records, scenario.title)
+
+
+def _write_table(scenario: Scenario, result: Result, path: Path) -> None:
+    from martensite.scenario.csv_files import write_csv
+
+    write_csv(result, path)
+
+
+def _write_netcdf(scenario: Scenario, result: Result, path: Path) -> None:
+    from martensite.scenario.citations import list_citations
+    from martensite.scenario.netcdf import save_result
+
+    cited = list_citations(scenario, scenario.material)
+    save_result(result, path, scenario.text, cited, scenario.material)
+
+
+WRITERS: dict[str, Callable[[Scenario, Result, Path], None]] = {
+    "png": _write_figure,
+    "svg": _write_figure,
+    "csv": _write_table,
+    "nc": _write_netcdf,
+}
+"""By the suffix of the file."""

@@ -1,0 +1,164 @@
+"""The form of a sweep, and the files of one."""
+
+from __future__ import annotations
+
+import csv
+import math
+import zipfile
+from collections.abc import Iterator
+from importlib.util import find_spec
+from pathlib import Path
+
+from martensite.app.documents import read_request_scenario
+from martensite.app.messages import JsonTable, Request, require_entry
+from martensite.app.sweeping.sweep_folder import SweepFolder
+from martensite.app.uploads import UploadFolder
+from martensite.app.worker import Desk
+from martensite.base import units
+from martensite.base.errors import InputError, MartensiteError, suggest_name
+from martensite.base.files import replace_file
+from martensite.base.parameters import Declared
+from martensite.base.status import Status
+from martensite.design.sweep.backends.processes import count_cores
+from martensite.design.sweep.job import MEASURES as USUAL
+from martensite.design.sweep.reading import read_sweep
+from martensite.design.sweep.sampling.samples import DESIGNS
+from martensite.design.sweep.store import import_zarr
+from martensite.design.sweep.subject import list_waveforms
+from martensite.design.sweep.table import NOT_MADE
+from martensite.scenario.catalogue import summarise_class
+from martensite.scenario.exact_text import exact_text
+from martensite.scenario.scenario import Scenario
+from martensite.scenario.targets import list_targets
+from martensite.search.free_numbers import Target
+from martensite.simulate.measures.base import MEASURES, AbstractMeasure, parse_measure
+from martensite.simulate.variants import RUNTIMES
+
+FORMULA = ("=", "+", "-", "@", "\t", "\r")
+"""What a text begins with that a spreadsheet would compute."""
+
+
+def describe_sweep_form(request: Request, desk: Desk) -> JsonTable:
+    """What can be asked of a sweep of a scenario: its numbers, samples, and measures.
+
+    {"text": TOML} -> {"title", "targets": […], "designs": […], "measures": […], "outputs": […], …}
+    """
+    scenario = read_request_scenario(request, desk)
+    return {
+        "title": scenario.title,
+        "text": scenario.text,
+        "missing": _find_missing_extra(),
+        "targets": list(_list_targets(scenario)),
+        "designs": [{"name": n, "about": summarise_class(DESIGNS[n])} for n in _sort_grid_first(DESIGNS.names())],
+        "measures": [_describe_measure(name, scenario) for name in MEASURES.names()],
+        "outputs": [
+            {"name": name, "about": one.long_name, "unit": units.choose_readable_unit(one.unit)}
+            for name, one in scenario.whole.outputs().items()
+        ],
+        "usual": list(USUAL),
+        "runtimes": list(RUNTIMES),
+        "cores": count_cores(),
+    }
+
+
+def _find_missing_extra() -> str:
+    """The sentence on what must be installed first; empty if nothing."""
+    if find_spec("zarr") is not None:
+        return ""
+    try:
+        import_zarr()
+    except MartensiteError as error:
+        return str(error)
+    return ""
+
+
+def _sort_grid_first(names: list[str]) -> list[str]:
+    return sorted(names, key=lambda name: (name != "grid", name))
+
+
+def _list_targets(scenario: Scenario) -> Iterator[JsonTable]:
+    leaves: dict[str | None, dict[str, Declared]] = {None: {one.path: one.declared for one in scenario.whole.leaves()}}
+    for name, wave in list_waveforms(scenario).items():
+        leaves[name] = {one.path: one.declared for one in wave.leaves()}
+    for target in list_targets(scenario).values():
+        yield _describe_target(target, leaves[target.drive][target.path])
+
+
+def _describe_target(one: Target, declared: Declared) -> JsonTable:
+    shown = units.choose_familiar_unit(one.value, one.unit)
+    same = declared.unit == one.unit
+    low, high = (declared.low, declared.high) if same else (-math.inf, math.inf)
+    return {
+        "name": one.name,
+        "about": one.doc,
+        "unit": "" if shown == "1" else shown,
+        "value": units.from_si(one.value, shown, one.unit),
+        "words": exact_text(one.value, one.unit),
+        "low": units.from_si(low, shown, one.unit),
+        "high": units.from_si(high, shown, one.unit),
+        "open": declared.open_low,
+    }
+
+
+def _describe_measure(name: str, scenario: Scenario) -> JsonTable:
+    kind = MEASURES[name]
+    alone = True
+    try:
+        parse_measure(name).columns(scenario.whole)
+    except MartensiteError:
+        alone = False
+    return {"name": name, "about": summarise_class(kind), "alone": alone, "usual": _find_usual(name, kind)}
+
+
+def _find_usual(name: str, kind: type[AbstractMeasure]) -> str:
+    return str(kind.declarations["of"].default or "the first coordinate")
+
+
+def export_sweep(request: Request, desk: Desk) -> JsonTable:
+    """Make a file of a sweep, to be taken away.
+
+    {"key": …, "kind": "csv" or "zarr"} -> {"file": key of the file, "name": …, "bytes": …}
+    """
+    store = SweepFolder(desk.folder).path(require_entry(request, "key", str))
+    kind = require_entry(request, "kind", str)
+    if kind not in KINDS:
+        raise InputError(f"There is no export `{kind}`. {suggest_name(kind, KINDS)}")
+    ending, write = KINDS[kind]
+    key, path = UploadFolder(desk.folder).place(f"{store.stem}{ending}")
+    write(store, path)
+    return {"file": key, "name": path.name, "bytes": path.stat().st_size}
+
+
+def write_csv(store: Path, path: Path) -> None:
+    """One row per run that is made, numbers in SI, units in the heads; failed ones are empty."""
+    table = read_sweep(store)
+    columns = {**table.varied, **table.measures}
+    with replace_file(path) as part, part.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        heads = [f"{name} [{one.unit}]" for name, one in columns.items()]
+        writer.writerow(["run", "status", *map(escape_formula, heads)])
+        values = [one.values.tolist() for one in columns.values()]
+        for row, status in enumerate(table.status.tolist()):
+            if status != NOT_MADE:
+                word = Status(status).name.lower()
+                writer.writerow([row, word, *(_write_number(column[row]) for column in values)])
+
+
+def _write_number(value: float) -> str:
+    return "" if math.isnan(value) else repr(value)
+
+
+def escape_formula(text: str) -> str:
+    """A text that no spreadsheet takes for a formula."""
+    return f"'{text}" if text.startswith(FORMULA) else text
+
+
+def write_zip(store: Path, path: Path) -> None:
+    """The store as it is, in a folder; its chunks are compressed already."""
+    with replace_file(path) as part, zipfile.ZipFile(part, "w", zipfile.ZIP_STORED) as made:
+        for one in sorted(store.rglob("*")):
+            if one.is_file():
+                made.write(one, f"{store.name}/{one.relative_to(store).as_posix()}")
+
+
+KINDS = {"csv": (".csv", write_csv), "zarr": (".zarr.zip", write_zip)}

@@ -1,0 +1,194 @@
+"""From components to groups of controls, along their declarations.
+
+A walk goes over the objects that a scenario has built. What it is called in the document, where
+it came from and in which unit it stands is asked of the scenario; nothing is known by name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from martensite.actuators.assembly import Members
+from martensite.app.forms import controls, documents
+from martensite.app.forms.controls import EntrySpot
+from martensite.app.forms.form_types import FormNode, GroupNode, KindChoice, SingleNode
+from martensite.app.messages import JsonTable
+from martensite.base.formats import spell_title
+from martensite.base.parameters import REQUIRED, Declared, Leaf, Parametrised
+from martensite.base.registry import Registry
+from martensite.control.controllers.state_feedback import NumberedGains
+from martensite.physics.materials.base import NAMES, Material
+from martensite.scenario.components import is_plain
+from martensite.signals.base import DRIVE
+from martensite.signals.table import Table
+
+Paths = Callable[[str], str]
+
+
+@dataclass(frozen=True)
+class GroupSpot:
+    """The part that a group shows, how its numbers are reached, and where its kind is from."""
+
+    walk: ControlWalk
+    path: str
+    """Of the object."""
+    part: Parametrised
+    registry: Registry[Any]
+
+
+@dataclass
+class ControlWalk:
+    """Makes groups of some components of a scenario."""
+
+    document: JsonTable
+    origins: dict[str, str]
+    written: Paths
+    """From the path of an object to where the document has it."""
+    noted: Paths
+    """From the path of an object to where its origin is noted."""
+    unit: Callable[[Leaf], str]
+    """SI unit of a number in its place."""
+    material: Material | None = None
+    """What the numbers may come from."""
+    skipped: Callable[[str], bool] = lambda path: False
+    """Objects that stand elsewhere in the document, or not at all."""
+    seen: set[str] = field(default_factory=set[str])
+    """Paths in the document that have a control already."""
+    spots: dict[str, GroupSpot] = field(default_factory=dict[str, "GroupSpot"])
+    """By path of the kind: which part a group shows."""
+
+    def group(
+        self,
+        part: Parametrised,
+        path: str,
+        title: str,
+        meaning: str = "",
+        registry: Registry[Any] | None = None,
+        default: Any = REQUIRED,
+    ) -> GroupNode:
+        """The controls of a component, those of its components in groups below."""
+        made = build_group(self.written(path), spell_title(title), meaning=meaning)
+        if registry is not None and part.registered_name:
+            made["kind"] = self._kind(part, path, registry, default)
+        made["items"] = list(self._items(part, path, made))
+        return made
+
+    def _kind(self, part: Parametrised, path: str, registry: Registry[Any], default: Any) -> KindChoice:
+        place, value = f"{self.written(path)}.kind", part.registered_name
+        self.spots[place] = GroupSpot(self, path, part, registry)
+        changed = isinstance(default, Parametrised) and default.registered_name != value
+        return {"path": place, "value": value, "registry": registry.kind, "changed": changed}
+
+    def _items(self, part: Parametrised, path: str, owner: GroupNode) -> Iterator[FormNode]:
+        table, later = isinstance(part, Table), list[FormNode]()
+        for name, declared in sorted(part.declarations.items(), key=_rank_entry(part)):
+            below = f"{path}.{name}" if path else name
+            if table:
+                yield from self._list_texts(below, name, declared)
+            elif declared.kind != "part":
+                yield from self._single(part, below, name, declared)
+            elif is_plain(type(part), name) or isinstance(part.__dict__[name], NumberedGains):
+                yield from self._row(part, below, name, declared)
+            else:
+                later += self._parts(part, below, name, declared, owner)
+        yield from later
+
+    def _parts(self, part: Parametrised, path: str, name: str, declared: Declared, owner: GroupNode) -> list[FormNode]:
+        value = part.__dict__[name]
+        if not isinstance(value, Parametrised) or self.skipped(path):
+            return []
+        if isinstance(value, Members):
+            return [self.members(value, path, name, declared.doc)]
+        made = self.group(value, path, name, declared.doc, declared.registry, declared.default)
+        if made["path"] == owner["path"]:  # both stand in one table, such as a mounted sensor
+            owner["kind"] = made["kind"]
+            return made["items"]
+        return [made] if made["items"] or made["kind"] else []
+
+    def members(self, value: Members[Any], path: str, title: str, meaning: str = "") -> GroupNode:
+        """Components by names of the user's own."""
+        below = [self.group(one, f"{path}.{name}", name, "", value.registry) for name, one in value.members().items()]
+        return build_group(self.written(path), spell_title(title), below, meaning=meaning)
+
+    def _spot(self, part: Parametrised, path: str, name: str, declared: Declared) -> EntrySpot | None:
+        """Where an entry stands; None if it has a control already."""
+        place, noted = self.written(path), self.noted(path)
+        if place in self.seen:
+            return None
+        self.seen.add(place)
+        said = self.origins.get(noted, self.origins.get(place, "default"))
+        if said == "scenario" and declared.kind == "parameter":
+            raw = documents.find_entry(self.document, place)
+            unit = self.unit(Leaf(path, declared, None))
+            if raw is not None and raw == declared.typical_in(unit):  # nobody has changed it
+                said = "start"
+        return EntrySpot(place, name, declared, said, self.material)
+
+    def _single(self, part: Parametrised, path: str, name: str, declared: Declared) -> Iterator[SingleNode]:
+        spot = self._spot(part, path, name, declared)
+        value = part.__dict__[name]
+        if spot is None:
+            return
+        if declared.kind == "parameter":
+            yield controls.describe_number(spot, value, self.unit(Leaf(path, declared, value)))
+        elif declared.kind == "option":
+            yield controls.describe_option(spot, value)
+        else:
+            yield controls.describe_text(spot, value)
+
+    def _row(self, part: Parametrised, path: str, name: str, declared: Declared) -> Iterator[SingleNode]:
+        spot = self._spot(part, path, name, declared)
+        value = part.__dict__[name]
+        if spot is not None:
+            raw = documents.find_entry(self.document, spot.path)
+            value = list(value.numbers) if isinstance(value, NumberedGains) else value
+            yield controls.describe_row(spot, value if raw is None else raw)
+
+    def _list_texts(self, path: str, name: str, declared: Declared) -> Iterator[SingleNode]:
+        """Samples as the document lists them; what a file holds is not shown."""
+        raw = documents.find_entry(self.document, self.written(path))
+        if raw is not None:
+            row = controls.describe_row(EntrySpot(self.written(path), name, declared, "scenario"), raw)
+            if name == "values":
+                row["unit"] = self.unit(Leaf(path, Declared("parameter", "", None, DRIVE), None))
+            yield row
+
+
+def _rank_entry(part: Parametrised) -> Callable[[tuple[str, Declared]], tuple[bool, bool]]:
+    """Where a part has numbers of the material, its own that are needed stand first."""
+    mixed = any(name in NAMES for name in part.declarations)
+    return lambda item: (mixed and item[0] in NAMES, mixed and item[1].default is not REQUIRED)
+
+
+def place_units(drive_unit: str) -> Callable[[Leaf], str]:
+    """Units of the numbers of a waveform of a drive."""
+    return lambda leaf: drive_unit if leaf.declared.unit == DRIVE else leaf.declared.unit
+
+
+def build_group(path: str, title: str, items: Sequence[FormNode] = (), note: str = "", meaning: str = "") -> GroupNode:
+    """A group without a kind."""
+    return {
+        "sort": "group",
+        "path": path,
+        "title": title,
+        "meaning": meaning,
+        "note": note,
+        "kind": None,
+        "items": list(items),
+    }
+
+
+def join_path(begin: str, path: str) -> str:
+    """A path below a beginning that ends in a dot."""
+    return f"{begin}{path}" if path else begin.removesuffix(".")
+
+
+def flatten_controls(items: Sequence[FormNode]) -> Iterator[SingleNode]:
+    """All controls below some, at any depth."""
+    for item in items:
+        if item["sort"] == "group":
+            yield from flatten_controls(item["items"])
+        else:
+            yield item

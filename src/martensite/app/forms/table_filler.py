@@ -1,0 +1,231 @@
+"""Tables of components chosen anew: what fits is kept, what is missing is filled in.
+
+A table for a new kind keeps numbers of the same name and unit, options whose word the new kind
+knows, and components from the same registry. What is required and stands nowhere comes from the
+material or from the start values; what has none is noted as missing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, cast
+
+from martensite.actuators.elements.from_material import ASSUMED_KINDS
+from martensite.app.messages import JsonTable
+from martensite.base.errors import InputError
+from martensite.base.parameters import REQUIRED, Declared, Leaf, Parametrised
+from martensite.base.registry import Registry
+from martensite.physics.materials.base import NAMES, Material
+from martensite.scenario.build import LAW
+from martensite.scenario.components import component_class, is_members
+from martensite.signals.base import DRIVE
+
+KIND = "kind"
+PartClass = type[Parametrised]
+Kinds = Registry[Any] | None
+Entries = dict[str, tuple[Any, Declared]]
+"""Values by name, with their declarations."""
+
+
+@dataclass(frozen=True)
+class MissingNumber:
+    """A number that nothing is known for."""
+
+    path: str
+    name: str
+    declared: Declared
+    unit: str
+    owner: str
+    """The kind that needs it."""
+
+
+@dataclass
+class ChangedScenario:
+    """A document with another kind in it."""
+
+    document: JsonTable
+    notes: list[str] = field(default_factory=list[str])
+    assumed: list[str] = field(default_factory=list[str])
+    """Paths of start values."""
+    missing: list[MissingNumber] = field(default_factory=list[MissingNumber])
+
+
+@dataclass
+class TableFiller:
+    """Fills tables; notes what it assumed and what is missing."""
+
+    unit: Callable[[Leaf], str] = lambda leaf: leaf.declared.unit
+    """SI unit of a number at a path of the document."""
+    material: Material | None = None
+    """What numbers may be left to."""
+    elsewhere: tuple[str, ...] = ()
+    """Entries that are described elsewhere, or stay as they are."""
+    fresh: bool = False
+    """Whether components are begun anew instead of being taken into what holds several."""
+    assumed: list[str] = field(default_factory=list[str])
+    """Paths of start values."""
+    missing: list[MissingNumber] = field(default_factory=list[MissingNumber])
+
+    def table(
+        self, cls: PartClass, registry: Kinds, old: JsonTable, path: str, was: PartClass | None = None
+    ) -> JsonTable:
+        """The table of a class from that of another one, or from its own, completed."""
+        was = was or cls
+        made: JsonTable = {KIND: cls.registered_name} if registry is not None else {}
+        if was is cls:
+            made |= {key: value for key, value in old.items() if key not in cls.declarations}
+        spread = self._collect_entries(old, was, registry)
+        for name, declared in cls.declarations.items():
+            below = f"{path}.{name}"
+            if name in self.elsewhere:
+                found = old.get(name)
+            elif declared.kind == "part":
+                found = self._fill_part(cls, registry, name, old, below, was)
+            else:
+                found = self._fill_single(cls, registry, name, declared, spread, below)
+            if found is not None:
+                made[name] = found
+        return made
+
+    def _collect_entries(self, old: JsonTable, was: PartClass, registry: Kinds) -> Entries:
+        """Entries by name with their declarations, those of a component of the same sort too."""
+        found: Entries = {}
+        for name, declared in was.declarations.items():
+            if name not in old:
+                continue
+            if registry is not None and declared.registry is registry:
+                inner = read_kind(old[name])
+                if KIND in inner:
+                    found = {**self._collect_entries(inner, registry[str(inner[KIND])], registry), **found}
+            else:
+                found[name] = old[name], declared
+        return found
+
+    def _fill_single(
+        self, cls: PartClass, registry: Kinds, name: str, declared: Declared, old: Entries, path: str
+    ) -> Any:
+        """Value of a number, option or text; None if it can be left out."""
+        if name in old and self._can_keep(declared, *old[name], path):
+            return old[name][0]
+        if declared.default is not REQUIRED:
+            return None
+        if self.material is not None and name in self.material.values:
+            return None
+        unit = self.unit(Leaf(path, declared, None))
+        owner = cls.registered_name or cls.__name__
+        value = declared.typical_in(unit)
+        if value is None:
+            self.missing.append(MissingNumber(path, name, declared, unit, owner))
+        else:
+            self.assumed.append(path)
+            if isinstance(value, str) and value.startswith("="):  # the same as another entry
+                value = old[value[1:]][0] if value[1:] in old else None
+        return value
+
+    def _can_keep(self, declared: Declared, value: Any, was: Declared, path: str) -> bool:
+        """Whether what stood under a name may stay there."""
+        if (declared.kind, declared.unit) != (was.kind, was.unit):
+            return False
+        if declared is was:
+            return True
+        if declared.kind == "option":
+            return str(value) in declared.choices
+        if declared.kind != "parameter" or self.unit(Leaf(path, declared, None)) != declared.unit:
+            return True
+        try:
+            declared.convert("", "", value)
+        except InputError:
+            return False
+        return True
+
+    def _fill_part(self, cls: PartClass, registry: Kinds, name: str, old: JsonTable, path: str, was: PartClass) -> Any:
+        declared = cls.declarations[name]
+        before = was.declarations.get(name)
+        given = old.get(name) if before is not None and _is_alike(before, declared) else None
+        if declared.registry is None:
+            return self._fill_known(cls, registry, name, given, path)
+        if registry is not None and declared.registry is registry and not given and was is not cls:
+            given = self._take_in(cls, registry, name, old, path, was)
+        return self._fill_chosen(name, declared, given, path)
+
+    def _fill_known(self, cls: PartClass, registry: Kinds, name: str, given: Any, path: str) -> Any:
+        """A component whose class is known, or a row of numbers."""
+        declared, inner = cls.declarations[name], component_class(cls, name)
+        if inner is None or is_members(inner) or not isinstance(inner.declarations, dict):
+            return self._begin_row(declared, path) if given is None else given
+        if given is None and declared.default is not REQUIRED:
+            return None
+        return self.table(inner, None, cast("JsonTable", given or {}), path) or None
+
+    def _begin_row(self, declared: Declared, path: str) -> Any:
+        unit = self.unit(Leaf(path, Declared("parameter", "", None, DRIVE), None))
+        typical = declared.typical_in(unit)
+        if typical is None:
+            return None
+        self.assumed.append(path)
+        return list(cast("tuple[Any, ...]", typical)) if isinstance(typical, tuple) else typical
+
+    def _take_in(
+        self, cls: PartClass, registry: Registry[Any], name: str, old: JsonTable, path: str, was: PartClass
+    ) -> Any:
+        inner = next((n for n, d in was.declarations.items() if d.registry is registry), None)
+        if inner is not None and inner in old:
+            return old[inner]
+        start = cls.declarations[name].typical_in("")
+        taken = next(n for n, d in cls.declarations.items() if d.registry is registry)
+        if name != taken:
+            return start
+        if not self.fresh or start is None:
+            rest = {key: value for key, value in old.items() if key in (*was.declarations, KIND)}
+            return {**rest, KIND: was.registered_name}
+        return self.table(registry[read_kind(start)[KIND]], registry, old, path, was)
+
+    def _fill_chosen(self, name: str, declared: Declared, given: Any, path: str) -> Any:
+        """A component from a registry, completed; None if the one that is meant needs nothing."""
+        registry = cast("Registry[Any]", declared.registry)
+        full = read_kind(given) if given is not None else {}
+        meant = self._find_meant(name, declared, full)
+        if meant is None:
+            if declared.default is REQUIRED:
+                full = read_kind(declared.typical_in(""))
+            if KIND not in full:
+                return given
+            meant = full
+        cls = registry[str(meant[KIND])]
+        made = self.table(cls, registry, {**full, KIND: meant[KIND]}, path)
+        if not full and all(made.get(key) == value for key, value in meant.items()) and len(made) == 1:
+            return None
+        implied = set(made) - set(full) == {KIND} and KIND not in full
+        return given if implied and given is not None else made
+
+    def _find_meant(self, name: str, declared: Declared, full: JsonTable) -> JsonTable | None:
+        if KIND in full:
+            return full
+        if name == LAW and self.material is not None and self.material.law:
+            return {**self.material.law}
+        if name in ASSUMED_KINDS:
+            return {KIND: ASSUMED_KINDS[name]}
+        if isinstance(declared.default, Parametrised):
+            return {KIND: declared.default.registered_name}
+        return None
+
+
+def read_kind(value: Any) -> JsonTable:
+    """A table; a bare text is its kind, and nothing is empty."""
+    return {KIND: value} if isinstance(value, str) else dict(cast("JsonTable", value or {}))
+
+
+def _is_alike(one: Declared, other: Declared) -> bool:
+    return one.kind == other.kind and one.registry is other.registry
+
+
+def without_material(table: JsonTable, material: Material | None) -> JsonTable:
+    """A table of an element without numbers that a material has, at any depth."""
+    if material is None:
+        return table
+    return {
+        key: without_material(cast("JsonTable", value), material) if isinstance(value, dict) else value
+        for key, value in table.items()
+        if key not in material.values or key not in NAMES
+    }

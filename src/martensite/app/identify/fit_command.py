@@ -1,0 +1,70 @@
+"""A fit of the page as a command: the records as they were fitted, the scenario, and the words that repeat it."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Sequence
+from pathlib import Path
+from shlex import quote
+
+from martensite.app.messages import Request
+from martensite.app.uploads import clean_name
+from martensite.fit.experiment import Experiment
+from martensite.fit.fit import Fit
+from martensite.fit.scenario_proposals import Proposal
+from martensite.scenario.csv_files import format_record
+
+SCENARIO = "scenario.toml"
+
+
+def list_experiments(fit: Fit) -> list[Experiment]:
+    """What was fitted, and what was kept back whole."""
+    return [*fit.problem.experiments, *(one.experiment for one in fit.kept)]
+
+
+def _name_files(fit: Fit) -> list[str]:
+    return [f"{clean_name(one.name)}.csv" for one in list_experiments(fit)]
+
+
+def write_command(request: Request, fit: Fit, proposal: Proposal | None) -> str:
+    """The command that fits the same scenario to the same records."""
+    words = ["martensite", "fit", *_name_files(fit), "--scenario", SCENARIO]
+    units = {free.name.partition("@")[0]: free.unit for free in fit.problem.free}
+    words += ["--free", ",".join(_write_range(one, units) for one in request.get("free", []))]
+    own = {text.partition("=")[0].strip(): text for text in proposal.each} if proposal else {}
+    for one in request.get("each", []):
+        words += ["--each", own.get(one["name"], one["name"])]
+    compared = request.get("compare") or (list(proposal.columns) if proposal else [])
+    words += [word for one in compared for word in ("--column", str(one))]
+    held = request.get("hold_out", "auto")
+    kept = [one.experiment.name for one in fit.kept]
+    words += ["--hold-out", ",".join(kept)] if kept else [] if held == "auto" else ["--hold-out", str(held)]
+    for name, usual in (("method", "trf"), ("loss", "linear"), ("starts", 0)):
+        words += [] if request.get(name, usual) == usual else [f"--{name}", str(request[name])]
+    return " ".join(map(quote, words))
+
+
+def _write_range(one: Request, units: dict[str, str]) -> str:
+    name, unit = str(one["name"]), units.get(str(one["name"]), "1")
+    spelling = "" if unit == "1" else f" {'K' if unit == 'delta_degC' else unit}"
+    low, high, start, scale = (one.get(key) for key in ("low", "high", "start", "scale"))
+    text = name
+    if low is not None or high is not None:
+        ends = ("" if end is None else f"{end:.10g}" for end in (low, high))
+        text += f"={'..'.join(ends)}{spelling}"
+    text += "" if start is None else f"@{start:.10g}{spelling}"
+    return text + (f" {scale}" if scale else "")
+
+
+def write_terminal_files(
+    request: Request, fit: Fit, proposal: Proposal | None, steps: Sequence[str], path: Path
+) -> None:
+    """A packed folder with records, scenario and command."""
+    command = write_command(request, fit, proposal)
+    done = "".join(f"- {one}\n" for one in steps) or "- Nothing: the records are as they were recorded.\n"
+    said = f"This repeats the fit:\n\n    {command}\n\nWhat was done to the logs:\n\n{done}"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as packed:
+        packed.writestr("README.md", said)
+        packed.writestr(SCENARIO, str(request["text"]))
+        for name, one in zip(_name_files(fit), list_experiments(fit), strict=True):
+            packed.writestr(name, format_record(one.record, list(one.record.columns)))

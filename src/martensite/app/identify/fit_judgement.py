@@ -1,0 +1,98 @@
+"""The verdict on a fit: one headline with its reason, what the logs told, what they left open, what to record next.
+
+Nothing is judged anew: good, usable and not usable follow from the sentences of `martensite.fit.fit_verdicts`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from martensite.app.messages import JsonTable
+from martensite.base.errors import DataError, MartensiteError
+from martensite.fit.experiment_kinds import recognise_experiment
+from martensite.fit.fit import Fit
+from martensite.fit.fit_verdicts import (
+    describe_predictions,
+    warn_of_baselines,
+    warn_of_directions,
+    warn_of_misses,
+    warn_of_predictions,
+    warn_of_search,
+)
+from martensite.fit.free_parameters import is_nuisance
+from martensite.fit.log_models import LogModel, TriedModel
+from martensite.fit.scenario_proposals import Proposal
+from martensite.search.quantity_text import format_quantity
+from martensite.show.summaries.fit_tables import mark_parameter
+from martensite.show.summaries.log_model import list_next_records
+
+
+@dataclass(frozen=True)
+class FitJudgement:
+    """What speaks against a fit: that it is used at all, or that it is used without care."""
+
+    against: list[str]
+    care: list[str]
+
+    @property
+    def word(self) -> str:
+        """Good, usable, or not usable."""
+        return "not usable" if self.against else "usable" if self.care else "good"
+
+
+def judge_fit(fit: Fit) -> FitJudgement:
+    """The sentences of a fit, sorted by what they mean for its use."""
+    against = [*warn_of_baselines(fit), *warn_of_misses(fit)]
+    return FitJudgement(against, [*warn_of_search(fit), *warn_of_predictions(fit), *warn_of_directions(fit)])
+
+
+def describe_judgement(fit: Fit, proposal: Proposal | None) -> JsonTable:
+    """The verdict as the page shows it."""
+    found = judge_fit(fit)
+    marks = {free.name: mark_parameter(fit, free.name) for free in fit.problem.free if not is_nuisance(free.path)}
+    return {
+        "word": found.word,
+        "headline": _write_headline(fit, found),
+        "reasons": [*found.against, *found.care],
+        "told": [_describe_number(fit, name) for name, mark in marks.items() if not mark],
+        "untold": [f"`{name}`: {mark}" for name, mark in marks.items() if mark],
+        "next": _list_next(fit, proposal),
+    }
+
+
+def _write_headline(fit: Fit, found: FitJudgement) -> str:
+    error = describe_predictions(fit)[0]
+    if found.word == "good":
+        return f"Good: it predicts what it was not fitted to, and the logs determine all that was free. {error}"
+    more = len(found.against) + len(found.care) - 1
+    rest = f" ({more} more below)" if more else ""
+    word = "Not usable" if found.against else "Usable with care"
+    return f"{word}. {[*found.against, *found.care][0]}{rest}"
+
+
+def _describe_number(fit: Fit, name: str) -> str:
+    free = next(one for one in fit.problem.free if one.name == name)
+    low, high = fit.uncertainty.widened(name)
+    within = f" ({format_quantity(low, free.unit)} to {format_quantity(high, free.unit)})"
+    return f"`{name}` = {format_quantity(fit[name], free.unit)}{within if math.isfinite(high - low) else ''}"
+
+
+class JudgedModel(LogModel):
+    """A fit of the page as a model of its logs."""
+
+    @property
+    def predicts(self) -> bool:
+        """Whether nothing speaks against its use."""
+        return judge_fit(self.fit).word != "not usable"
+
+
+def _list_next(fit: Fit, proposal: Proposal | None) -> list[str]:
+    """What further records would tell; nothing where the experiment is not known."""
+    records = [one.record for one in fit.problem.experiments]
+    named = proposal or Proposal(fit.scenario.title if fit.scenario else "", {}, (), (), records)
+    try:
+        kind = recognise_experiment(records)
+        return list_next_records(JudgedModel(kind, TriedModel(named, fit, ()), (), ()))
+    except (DataError, MartensiteError):
+        return []

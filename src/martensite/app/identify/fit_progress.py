@@ -1,0 +1,237 @@
+"""A fit as the page shows it: cost, numbers and curves while it runs; in the end all that was found."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from threading import Event
+from typing import Any
+
+from martensite.app.identify.fit_judgement import describe_judgement
+from martensite.app.identify.followed_columns import embed_log
+from martensite.app.messages import JsonTable, Request
+from martensite.app.views.columns import (
+    MOST_CORNERS,
+    choose_rows,
+    describe_conversion,
+    describe_difference,
+    describe_display,
+    round_digits,
+)
+from martensite.app.views.columns import MOST_CORNERS as FEW
+from martensite.base import units
+from martensite.fit.experiment import Experiment
+from martensite.fit.fit import ComparedOutput, Fit, list_compared
+from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
+from martensite.fit.free_parameters import is_nuisance
+from martensite.fit.problem import Problem
+from martensite.fit.scenario_proposals import Proposal
+from martensite.fit.search_monitor import SearchNote
+from martensite.scenario.exact_text import exact_text
+from martensite.search.free_numbers import FreeNumber
+from martensite.show.summaries.fit_tables import mark_parameter
+
+EVERY = 0.4
+"""Seconds between two notes."""
+SHARE = 0.1
+"""Of the time that may go into curves that are only shown."""
+DRAWN_ROWS = 800
+
+
+@dataclass
+class FitProgress:
+    """Told of every evaluation of a search, it tells the page, and ends the search if asked."""
+
+    problem: Problem
+    """With the records that the search sees."""
+    tell: Callable[[Request], None]
+    stop: Event
+    began: float = field(default_factory=time.monotonic)
+    _next: float = 0.0
+    _next_curves: float = 0.0
+    _drawn: tuple[float, ...] = ()
+
+    def __call__(self, note: SearchNote) -> None:
+        """Tell, at most every so often.
+
+        Raises:
+            KeyboardInterrupt: the search shall end; it keeps the best so far.
+        """
+        if self.stop.is_set():
+            raise KeyboardInterrupt
+        now = time.monotonic()
+        if now < self._next:
+            return
+        self._next = now + EVERY
+        self.tell(
+            {
+                "stage": note.stage,
+                "cost": note.cost,
+                "simulations": note.simulations,
+                "share": note.share,
+                "seconds": now - self.began,
+                "values": self.problem.numbers(note.values),
+                **self._curves(note.values, now),
+            }
+        )
+
+    def finish(self, fit: Fit) -> None:
+        """Tell of the end of the search."""
+        pairs = zip(self.problem.experiments, fit.evaluation.fitted, strict=True)
+        self.tell(
+            {
+                "stage": "looking at the result",
+                "cost": fit.cost,
+                "simulations": fit.simulations,
+                "share": 1.0,
+                "seconds": time.monotonic() - self.began,
+                "values": fit.numbers,
+                "curves": [model_curves(one, fitted.model) for one, fitted in pairs],
+            }
+        )
+
+    def _curves(self, values: tuple[float, ...], now: float) -> JsonTable:
+        """What the best so far gives, unless that was shown already, or takes too long."""
+        if now < self._next_curves or values == self._drawn:
+            return {}
+        found = self.problem.evaluate(values)
+        self._next_curves = time.monotonic() + (time.monotonic() - now) / SHARE
+        if found is None:
+            return {}
+        self._drawn = values
+        pairs = zip(self.problem.experiments, found.fitted, strict=True)
+        return {"curves": [model_curves(one, fitted.model) for one, fitted in pairs]}
+
+
+def model_curves(one: Experiment, model: Any) -> list[list[float]]:
+    """Modelled outputs of a record at the rows that are drawn."""
+    rows = choose_rows(len(one.times), MOST_CORNERS)
+    return [[round_digits(model[row, k]) for row in rows] for k in range(len(one.outputs))]
+
+
+def describe_measured(one: Experiment) -> JsonTable:
+    """A record as it was measured, at the rows that are drawn."""
+    rows, known = choose_rows(len(one.times), MOST_CORNERS), one.system.outputs()
+    return {
+        "name": one.name,
+        "times": [float(one.times[row]) for row in rows],
+        "held": [bool(one.kept_back[row]) for row in rows],
+        "outputs": [
+            {
+                "name": name,
+                "long_name": known[name].long_name,
+                "measured": [round_digits(one.measured[row, k]) for row in rows],
+                **describe_display(name, known[name].unit),
+            }
+            for k, name in enumerate(one.outputs)
+        ],
+    }
+
+
+def describe_parameter(free: FreeNumber) -> JsonTable:
+    """A parameter that is searched: where from, between which bounds, shown in which unit."""
+    how = describe_conversion(free.unit, units.choose_familiar_unit(free.start, free.unit))
+    if is_nuisance(free.path):
+        how = describe_difference(free.path.removeprefix("offset."), free.unit)
+    return {
+        "name": free.name,
+        "record": free.record,
+        "start": free.start,
+        "low": free.low,
+        "high": free.high,
+        "doc": free.doc,
+        **how,
+    }
+
+
+def describe_outcome(fit: Fit, proposal: Proposal | None = None) -> JsonTable:
+    """All that is shown of a fit, which may be that of a proposed scenario; numbers in SI."""
+    return {
+        "verdict": describe_judgement(fit, proposal),
+        "title": fit.scenario.title if fit.scenario else "",
+        "reason": fit.reason,
+        "method": fit.method,
+        "loss": fit.loss,
+        "cost": fit.cost,
+        "simulations": fit.simulations,
+        "jacobians": fit.jacobians,
+        "seconds": fit.seconds,
+        "parameters": [_describe_found(fit, free) for free in fit.problem.free],
+        "own": {name: value for one in fit.kept for name, value in one.numbers.items()},
+        "scores": [{**score.to_dict(), **describe_difference(score.output, score.unit)} for score in fit.scores],
+        "determined": fit.identifiability.determined,
+        "open": list(fit.identifiability.sentences),
+        "weak": [one.to_dict() for one in fit.identifiability.weak],
+        "uncertainty": list(fit.uncertainty.sentences),
+        "correlation": [list(row) for row in fit.uncertainty.correlation],
+        "whiteness": [one.sentence for one in fit.whiteness],
+        "predictions": describe_predictions(fit),
+        "warnings": list(dict.fromkeys([*fit.cautions, *_list_warnings(fit)])),
+        "notes": list(fit.notes),
+        "history": [list(fit.history[row]) for row in choose_rows(len(fit.history), FEW)],
+        "rows": [_list_curves(one) for one in list_compared(fit)],
+        "scenario": fitted_text(fit),
+    }
+
+
+def _list_warnings(fit: Fit) -> list[str]:
+    """Warnings but those that say what the data leave open, which is told by itself."""
+    told = {one.sentence for one in fit.identifiability.weak}
+    return [sentence for sentence in list_fit_warnings(fit) if sentence not in told]
+
+
+def _describe_found(fit: Fit, free: FreeNumber) -> JsonTable:
+    low, high = fit.uncertainty.widened(free.name)
+    known = math.isfinite(low) and math.isfinite(high)
+    return {
+        **describe_parameter(free),
+        "value": fit[free.name],
+        "interval": [low, high] if known else None,
+        "error": fit.uncertainty.errors[fit.problem.names.index(free.name)],
+        "mark": mark_parameter(fit, free.name),
+    }
+
+
+def _list_curves(one: ComparedOutput) -> JsonTable:
+    rows = choose_rows(len(one.times), DRAWN_ROWS)
+    return {
+        "record": one.record,
+        "output": one.output,
+        "long_name": one.description.long_name,
+        "times": [float(one.times[row]) for row in rows],
+        "measured": [round_digits(one.measured[row]) for row in rows],
+        "model": [round_digits(one.model[row]) for row in rows],
+        "held": [bool(one.held[row]) for row in rows],
+        "axis": _find_axis(one, rows),
+        **describe_display(one.output, one.description.unit),
+    }
+
+
+def _find_axis(one: ComparedOutput, rows: list[int]) -> JsonTable | None:
+    """What a loop without times is drawn over; none of a record that has times."""
+    record = one.experiment.record
+    name = next((name for name in ("temperature", "strain") if name in record.columns and name != one.output), "")
+    if record.interval is None or not name or len(record) != len(one.times):
+        return None
+    return {
+        "name": name,
+        "values": [round_digits(record[name][row], 7) for row in rows],
+        **describe_display(name, record.units[name]),
+    }
+
+
+def fitted_text(fit: Fit) -> str:
+    """The scenario of the first record with the fitted numbers, and with its log in it."""
+    scenario, first = fit.scenario, fit.problem.experiments[0]
+    if scenario is None:
+        return ""
+    numbers: Mapping[str, str] = {
+        scenario.places.path(leaf.path): exact_text(fit[free.name], leaf.declared.unit, 9)
+        for free in fit.problem.free
+        if free.record in (None, *first.labels) and not is_nuisance(free.path)
+        for leaf in scenario.system.leaves()
+        if free.moves(leaf.path)
+    }
+    return embed_log(scenario, first.record, numbers)

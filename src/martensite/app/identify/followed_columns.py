@@ -1,0 +1,138 @@
+"""Scenarios that follow a column of a log; and such a scenario with the log written into it.
+
+The bench has no log at hand: for it, what follows one becomes a waveform of listed times.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any, cast
+
+from martensite.app.messages import JsonTable, Request
+from martensite.app.views.columns import find_corners
+from martensite.base import units
+from martensite.base.errors import ParameterError
+from martensite.base.files import toml_document
+from martensite.base.toml_text import as_toml
+from martensite.physics.electrical.base import SOURCES
+from martensite.scenario.assemble import GROUP, SIGNALS, drive_section, waveform_path
+from martensite.scenario.overrides import change_document
+from martensite.scenario.recorded_waveforms import KIND, LOG, NATURAL, from_zero, hold_levels
+from martensite.scenario.scenario import Scenario
+from martensite.signals.records import Record
+from martensite.signals.table import Table
+from martensite.simulate.drive_waveforms import by_name
+
+WAVEFORM = "waveform"
+SOURCE_OF = {"V": "voltage", "A": "current", "W": "power", "K": "temperature"}
+"""Unit of a column -> the source that takes it as it is."""
+
+
+def describe_drives(document: Request) -> list[dict[str, str]]:
+    """What may follow a column: path of its waveform, kind of source, column that it follows.
+
+    Raises:
+        ParameterError: a section is no table.
+    """
+    return [_describe_drive(path, table) for path, table in _list_driven(document)]
+
+
+def _list_driven(document: Request) -> Iterator[tuple[str, Request]]:
+    """Path of every waveform, and the table that holds it."""
+    drive = drive_section(document)
+    if isinstance(document.get(drive), dict):
+        yield f"{drive}.{WAVEFORM}", document[drive]
+    for port, table in _list_tables(document.get(GROUP)):
+        if WAVEFORM in dict(_list_tables(table)).get(drive, {}):
+            yield f"{GROUP}.{port}.{drive}.{WAVEFORM}", table[drive]
+    for name, table in _list_tables(document.get(SIGNALS)):
+        yield f"{SIGNALS}.{name}", {WAVEFORM: table}
+
+
+def _list_tables(given: Any) -> Iterator[tuple[str, JsonTable]]:
+    for name, table in cast("JsonTable", given if isinstance(given, dict) else {}).items():
+        if isinstance(table, dict):
+            yield name, cast("JsonTable", table)
+
+
+def _describe_drive(path: str, table: Request) -> dict[str, str]:
+    given = table.get(WAVEFORM)
+    waveform = cast("JsonTable", given if isinstance(given, dict) else {"kind": given})
+    kind = str(table.get("kind", ""))
+    natural = NATURAL.get(SOURCES[kind].unit, "") if kind in SOURCES.names() else ""
+    followed = str(waveform.get("column", natural)) if waveform.get("kind") == LOG else ""
+    signal = path.startswith(f"{SIGNALS}.")
+    return {
+        "path": path,
+        "kind": kind,
+        "waveform": str(waveform.get("kind") or ""),
+        "column": followed,
+        "what": f"signal `{path.rpartition('.')[2]}`" if signal else f"drive `{kind}`",
+    }
+
+
+def follow_column(document: JsonTable, path: str, column: str, unit: str) -> JsonTable:
+    """A scenario whose drive, or signal, follows a column of a log in such a unit.
+
+    A source of another unit gives way to the one that takes the column as it is. A fixed
+    duration is taken out: the run takes as long as the log.
+
+    Raises:
+        ParameterError: there is no such drive, or no source takes the unit.
+    """
+    known = dict(_list_driven(document))
+    if path not in known:
+        raise ParameterError(f"The scenario has no drive or signal at `{path}`.")
+    waveform = {"kind": LOG, "column": column}
+    kind, changes = str(known[path].get("kind", "")), {path: waveform}
+    fits = kind in SOURCES.names() and SOURCES[kind].unit == unit
+    if not fits and not path.startswith(f"{SIGNALS}."):
+        if unit not in SOURCE_OF:
+            raise ParameterError(
+                f"No source takes `{column}`, which is in {unit}; a drive follows a voltage, "
+                "a current, a power, or a temperature."
+            )
+        above = path.rpartition(".")[0]
+        changes = {above: {"kind": SOURCE_OF[unit], WAVEFORM: waveform}}
+    found = change_document(document, changes)
+    run = found.get("run")
+    if isinstance(run, dict):
+        cast("JsonTable", run).pop("duration", None)
+    return found
+
+
+def embed_log(scenario: Scenario, log: Record, numbers: Mapping[str, str]) -> str:
+    """The document of a scenario with other numbers, by dotted path, that needs no log.
+
+    Args:
+        scenario: that may follow a log.
+        log: which it follows.
+        numbers: texts of quantities to put in.
+    """
+    record, section = from_zero(log), scenario.places.drive
+    changes: JsonTable = dict(numbers)
+    for name, column in scenario.follows.items():
+        path = waveform_path(scenario.system, name, section).removesuffix(".")
+        table = by_name(scenario.system, scenario.waveform)[name]
+        changes[path] = _list_corners(record, column, isinstance(table, Table) and len(table.times) > len(record) + 1)
+    document = change_document(toml_document(scenario.text), changes)
+    run = document.get("run")
+    if scenario.follows and isinstance(run, dict):
+        cast("JsonTable", run).pop("lead", None)
+    return as_toml(document)
+
+
+def _list_corners(record: Record, column: str, held: bool) -> JsonTable:
+    """A waveform through the corners of a column, which may be held from row to row."""
+    known = [(t, x) for t, x in zip(record.times, record[column], strict=True) if math.isfinite(x)]
+    known = hold_levels(known) if held else known
+    times, values = zip(*known, strict=True)
+    rows, unit = find_corners(times, values), record.units[column]
+    spelling = units.choose_readable_unit(unit)
+    label = "" if spelling == "1" else f" {spelling}"
+    return {
+        "kind": KIND,
+        "times": [f"{times[row]:.10g} s" for row in rows],
+        "values": [f"{units.from_si(values[row], spelling, unit):.6g}{label}" for row in rows],
+    }

@@ -1,0 +1,126 @@
+"""What uploaded logs are, in one sentence each, and scenarios that may explain them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.app.messages import JsonTable
+from martensite.app.views.columns import describe_conversion, describe_difference
+from martensite.base import units
+from martensite.base.errors import DataError, MartensiteError
+from martensite.base.formats import typeset_unit
+from martensite.fit.experiment_kinds import KINDS, ExperimentKind, recognise_experiment
+from martensite.fit.free_parameters import build_free_numbers, is_difference, read_ranges
+from martensite.fit.scenario_proposals import Proposal, propose_scenarios
+from martensite.scenario.lab_files import LabFile
+from martensite.scenario.raw_table import LeftOut
+from martensite.scenario.scenario import read_scenario
+from martensite.search.free_numbers import SearchRange
+from martensite.search.quantity_text import join_phrases
+from martensite.signals.records import Record
+
+LOOPS = {"isobaric": "temperature", "isothermal": "strain"}
+"""Experiments without rates: what they are drawn over, and need no times."""
+
+
+def find_kind(records: Sequence[Record]) -> ExperimentKind | None:
+    """The experiment of some records; none where it cannot be told."""
+    try:
+        return recognise_experiment(records)
+    except MartensiteError:
+        return None
+
+
+def describe_reading(file: LabFile, timed: bool) -> str:
+    """One sentence or two: how the file is written, what its columns are, what was left out."""
+    known = [f"`{one.name}` in {typeset_unit(one.unit, 'plain numbers')}" for one in file.columns if one.si]
+    known = [one.replace("`time` in clock", "`time` by the clock") for one in known]
+    by_values = any(one.si and one.known == "values" for one in file.columns)
+    form = f"{file.format[:1].upper()}{file.format[1:]}"
+    said = f"{form}: {join_phrases(known)}{', told by their values' if by_values else ''}"
+    unused = sum(not one.si for one in file.columns)
+    said += f"; {unused} more column{'s are' if unused > 1 else ' is'} not used" if unused else ""
+    lost = [_describe_lost(one) for one in file.dropped]
+    said += f"; left out: {join_phrases(lost)}" if lost else ""
+    kind = find_kind([file.record])
+    warm = [one.name for one in file.columns if one.si and one.name != "time"] == ["temperature"]
+    alone = "A temperature alone: take the log of what heated it beside it, and merge the two." if warm else ""
+    return f"{said}. {alone if alone and not kind else _describe_kind(kind)}{_describe_times(kind, timed)}"
+
+
+def _describe_lost(one: LeftOut) -> str:
+    rows = ", ".join(map(str, one.rows)) + (", …" if one.count > len(one.rows) else "")
+    return f"{one.count} row{'s' if one.count > 1 else ''} ({one.reason}: {rows})"
+
+
+def _describe_kind(kind: ExperimentKind | None) -> str:
+    return f"Taken as {kind.name}: {KINDS[kind.name]}." if kind else "By itself it holds no experiment that is known."
+
+
+def _describe_times(kind: ExperimentKind | None, timed: bool) -> str:
+    if timed:
+        return ""
+    if kind is not None and kind.name in LOOPS:
+        return " It has no times, and needs none: a slow loop follows its turning points only."
+    return " It has no times: its rows count as 1 s apart, unless you say otherwise."
+
+
+@dataclass(frozen=True)
+class ProposedModels:
+    """What may explain some records."""
+
+    kind: ExperimentKind
+    proposals: Sequence[Proposal]
+    notes: Sequence[str]
+
+    def find(self, name: str) -> Proposal:
+        """The proposal of a name.
+
+        Raises:
+            DataError: there is none.
+        """
+        found = {one.name: one for one in self.proposals}
+        if name not in found:
+            raise DataError(f"Nothing is proposed as `{name}` for these records; known are {', '.join(found)}.")
+        return found[name]
+
+
+def propose_models(records: Sequence[Record], settings: Mapping[str, str]) -> ProposedModels:
+    """Scenarios for records; those of few free numbers last, as the library proposes them.
+
+    Raises:
+        DataError: the experiment cannot be told, or something indispensable is missing.
+    """
+    kind = recognise_experiment(records)
+    proposals, notes = propose_scenarios(kind, records, settings)
+    return ProposedModels(kind, proposals, tuple(dict.fromkeys(notes)))
+
+
+def describe_proposal(one: Proposal) -> JsonTable:
+    """A proposal as the page takes it: its scenario, and what is free in it in SI."""
+    system = read_scenario(one.text, log=one.rows[0]).system
+    return {
+        "name": one.name,
+        "text": one.text,
+        "free": [_describe_range(found, system) for found in read_ranges(one.free, [system])],
+        "each": [found.name for found in read_ranges(one.each, [system], own=True)],
+        "starts": one.spread,
+    }
+
+
+def _describe_range(found: SearchRange, system: AbstractSystem) -> JsonTable:
+    (free,) = build_free_numbers([found], [system])
+    spelling = units.choose_familiar_unit(free.start, free.unit)
+    how = describe_difference(found.name, free.unit) if is_difference(found.name) else None
+    return {
+        "name": found.name,
+        "low": found.low,
+        "high": found.high,
+        "start": found.start,
+        "scale": found.scale,
+        "usual": [free.start, free.low, free.high],
+        "doc": free.doc,
+        **(how or describe_conversion(free.unit, spelling)),
+    }

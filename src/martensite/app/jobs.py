@@ -1,0 +1,170 @@
+"""Long work: each job in a process of its own, with notes on how far it is, until it is stopped.
+
+A job belongs to the tab of the browser that began it and outlives a reload of the page: who comes
+back is told what has been so far, and goes on listening.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import secrets
+import time
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from martensite.app.messages import JsonTable, Refusal, Written, describe_refusal
+from martensite.app.worker_pool import STOP_LIMIT, Worker
+
+AT_ONCE = 4
+MOST_KEPT = 20
+"""Finished jobs that are remembered."""
+LONGEST_TRAIL = 400
+"""Notes of a job that are remembered; every other one is forgotten when there are more."""
+
+
+@dataclass(eq=False)
+class PageJob:
+    """One piece of long work."""
+
+    tab: str
+    call: str
+    request: JsonTable
+    worker: Worker
+    id: str = field(default_factory=lambda: secrets.token_hex(8))
+    state: str = "running"
+    """running, done, failed, or cancelled."""
+    began: float = field(default_factory=time.time)
+    ended: float | None = None
+    trail: list[JsonTable] = field(default_factory=list[JsonTable])
+    """Notes so far, thinned out."""
+    last: JsonTable | None = None
+    outcome: Any = None
+    """The answer, or the sentence of a refusal."""
+    listeners: set[asyncio.Queue[JsonTable]] = field(default_factory=set["asyncio.Queue[JsonTable]"])
+    task: asyncio.Task[None] | None = None
+
+    def summary(self) -> JsonTable:
+        """The job without its notes and outcome."""
+        return {
+            "id": self.id,
+            "call": self.call,
+            "state": self.state,
+            "began": self.began,
+            "ended": self.ended,
+            "last": self.last,
+        }
+
+    def whole(self) -> JsonTable:
+        """The job with all that is known of it."""
+        return {**self.summary(), "request": self.request, "trail": self.trail, "outcome": self.outcome}
+
+    def add_note(self, note: JsonTable) -> None:
+        """Keep a note and pass it on."""
+        self.last = note
+        self.trail.append(note)
+        if len(self.trail) > LONGEST_TRAIL:
+            del self.trail[1:-1:2]
+        self._send({"note": note})
+
+    def end(self, state: str, outcome: Any) -> None:
+        """It is over."""
+        self.state, self.outcome, self.ended = state, outcome, time.time()
+        self._send({"job": self.whole()})
+
+    def _send(self, message: JsonTable) -> None:
+        for queue in self.listeners:
+            if queue.full():  # who listens too slowly is told anew
+                while not queue.empty():
+                    queue.get_nowait()
+                message = {"job": self.whole()}
+            queue.put_nowait(message)
+
+    @asynccontextmanager
+    async def listening(self) -> AsyncIterator[asyncio.Queue[JsonTable]]:
+        """A queue that begins with all that is known and goes on with notes and the end."""
+        queue: asyncio.Queue[JsonTable] = asyncio.Queue(64)
+        queue.put_nowait({"job": self.whole()})
+        self.listeners.add(queue)
+        try:
+            yield queue
+        finally:
+            self.listeners.discard(queue)
+
+
+@dataclass
+class PageJobs:
+    """All jobs of a server."""
+
+    folder: Path
+    known: dict[str, PageJob] = field(default_factory=dict[str, PageJob])
+
+    def begin(self, tab: str, call: str, request: JsonTable) -> PageJob:
+        """Begin a job.
+
+        Raises:
+            Refusal: too many are running.
+        """
+        running = [job for job in self.known.values() if job.state == "running"]
+        if len(running) >= AT_ONCE:
+            raise Refusal(f"{AT_ONCE} jobs are running already; wait for one to end, or cancel one.", 429)
+        job = PageJob(tab, call, request, Worker(self.folder))
+        self.known[job.id] = job
+        job.task = asyncio.create_task(self._work(job))
+        self._forget()
+        return job
+
+    def of(self, tab: str) -> list[PageJob]:
+        """The jobs of a tab, the newest first."""
+        return [job for job in reversed(self.known.values()) if job.tab == tab]
+
+    def find(self, tab: str, name: str) -> PageJob:
+        """A job of a tab.
+
+        Raises:
+            Refusal: there is none of that name.
+        """
+        job = self.known.get(name)
+        if job is None or job.tab != tab:
+            raise Refusal("There is no such job here; it may be long over.", 404)
+        return job
+
+    async def cancel(self, job: PageJob, grace: float = STOP_LIMIT) -> None:
+        """Stop a job: by asking, then, `grace` seconds later, by force."""
+        if job.state != "running" or job.task is None:
+            return
+        await job.worker.stop()
+        await asyncio.wait([job.task], timeout=grace)
+        if job.state == "running":
+            job.end("cancelled", "Cancelled.")
+            job.task.cancel()
+        await job.worker.kill()
+
+    async def close(self) -> None:
+        """End all jobs, at once."""
+        tasks = [job.task for job in self.known.values() if job.task is not None]
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def _work(self, job: PageJob) -> None:
+        try:
+            found = await job.worker.ask(job.call, job.request, job.add_note)
+            job.end("done", json.loads(found) if isinstance(found, Written) else found)
+        except Refusal as refusal:
+            state = "cancelled" if refusal.kind == "stopped" else "failed"
+            if job.state == "running":
+                job.end(state, str(refusal))
+        except Exception as error:
+            job.end("failed", describe_refusal(error)["refused"])
+            raise
+        finally:
+            await job.worker.kill()
+
+    def _forget(self) -> None:
+        over = [job.id for job in self.known.values() if job.state != "running"]
+        for name in over[: max(0, len(over) - MOST_KEPT)]:
+            del self.known[name]

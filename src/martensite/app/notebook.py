@@ -1,0 +1,91 @@
+"""The web bench in a notebook: a widget (anywidget) whose page asks the kernel instead of a server.
+
+    from the page: {"id", "call": name, "request": {…}}, {"id", "file": key} or {"id", "asset": name}
+    to the page:   {"id"} with the answer as bytes, or {"id", "refused": sentence, "kind"}
+
+A call is answered by the function that answers it on the server; the kernel has no other address.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import anywidget
+import traitlets
+
+from martensite.app.documents import check_files
+from martensite.app.messages import BadMessageError, Request, describe_refusal, require_entry, write_message
+from martensite.app.routes import find_call
+from martensite.app.site import STATIC, WIDGET
+from martensite.app.uploads import UploadFolder
+from martensite.app.worker import Desk
+from martensite.base.errors import InputError, suggest_name
+from martensite.scenario.scenario import Scenario, read_scenario
+
+CALLS = ("run", "form", "scenarios", "differences", "export")
+"""What the page asks for on the bench; other pages are not in it."""
+ASSETS = ("gif.js", "report.html")
+"""Files of the page that are read when they are wanted."""
+
+
+class BenchWidget(anywidget.AnyWidget):
+    """The bench of a scenario: `scenario.show_bench()`.
+
+    Every change on the page is in `scenario`, and `text` may be set to another document.
+
+    Raises:
+        InputError: the scenario goes on from another run, which no document holds.
+        DataError: it reads files of its own, as a log beside it.
+    """
+
+    _esm = (STATIC / WIDGET).read_text("utf-8")
+    text = traitlets.Unicode().tag(sync=True)
+    """The scenario, TOML."""
+    height = traitlets.Int(780, min=300).tag(sync=True)
+    """Of the page [px]."""
+
+    def __init__(self, scenario: Scenario, **settings: Any) -> None:
+        if scenario.start is not None:
+            raise InputError("The bench starts at the beginning; this scenario goes on from another run.")
+        check_files(scenario.text, {})
+        super().__init__(text=scenario.text, **settings)
+        self._path = scenario.path
+        self._kept = tempfile.TemporaryDirectory(prefix="martensite-")
+        self._desk = Desk(Path(self._kept.name))
+        self.on_msg(self._hear)
+
+    @property
+    def scenario(self) -> Scenario:
+        """As it stands on the page."""
+        return read_scenario(self.text, self._path)
+
+    def _hear(self, _: Any, content: Request, buffers: Any) -> None:
+        try:
+            answer = self.answer(content)
+        except Exception as error:  # a sentence on the page, and the kernel goes on
+            self.send({"id": content.get("id"), **describe_refusal(error)})
+        else:
+            self.send({"id": content.get("id")}, buffers=[answer])
+
+    def answer(self, asked: Request) -> bytes:
+        """What the page is told.
+
+        Raises:
+            BadMessageError: it asks for something else.
+            MartensiteError: what the call refuses.
+        """
+        if "file" in asked:
+            return UploadFolder(self._desk.folder).path(require_entry(asked, "file", str)).read_bytes()
+        if "asset" in asked:
+            return (STATIC / _require_name(asked, "asset", ASSETS)).read_bytes()
+        call = _require_name(asked, "call", CALLS)
+        return write_message(find_call(call)(require_entry(asked, "request", dict, {}), self._desk))
+
+
+def _require_name(asked: Request, entry: str, known: tuple[str, ...]) -> str:
+    name = require_entry(asked, entry, str)
+    if name not in known:
+        raise BadMessageError(f"The bench in a notebook has no {entry} `{name}`. {suggest_name(name, known)}")
+    return name

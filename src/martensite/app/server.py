@@ -1,0 +1,162 @@
+"""The server: bound to loopback, with a token of its own, until it is interrupted."""
+
+from __future__ import annotations
+
+import secrets
+import signal
+import socket
+import sys
+import tempfile
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from martensite.app.earlier_tokens import TokenRecord
+from martensite.base.errors import InputError
+
+LOOPBACK = "127.0.0.1"
+
+
+@dataclass(frozen=True)
+class Served:
+    """Where a running server is."""
+
+    port: int
+    token: str
+
+    @property
+    def address(self) -> str:
+        """To be opened in a browser; who has it may come in."""
+        return f"http://{LOOPBACK}:{self.port}/?token={self.token}"
+
+
+def bind_socket(port: int) -> socket.socket:
+    """A socket on loopback; port 0 is any that is free.
+
+    Raises:
+        InputError: the port is taken, or none.
+    """
+    if not 0 <= port <= 65535:
+        raise InputError(f"Option `--port` must be between 0 and 65535, but is {port}.")
+    made = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    if sys.platform == "win32":  # where reusing means that others may take it over
+        made.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)
+    else:
+        made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        made.bind((LOOPBACK, port))
+    except OSError as error:
+        made.close()
+        raise InputError(f"Port {port} cannot be used ({error.strerror}); leave `--port` out for a free one.") from None
+    return made
+
+
+def bind_usual_port(port: int, record: TokenRecord) -> socket.socket:
+    """A socket on the port; for port 0 on the one that was used last, if it is free.
+
+    Pages keep their work by address, and so do bookmarks.
+
+    Raises:
+        InputError: the port is taken, or none.
+    """
+    usual = record.find_port() if port == 0 else 0
+    with suppress(InputError):
+        if usual:
+            return bind_socket(usual)
+    return bind_socket(port)
+
+
+def make_folder(folder: Path) -> Path:
+    """The folder in which files are kept; made if it is not there.
+
+    Raises:
+        InputError: it cannot be made, or is a file.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"`{folder}` cannot be the folder of the bench ({error.strerror}).") from None
+    return folder.resolve()
+
+
+def serve_bench(port: int = 0, folder: Path | None = None, ready: Callable[[Served], None] = lambda at: None) -> None:
+    """Serve the bench until it is interrupted (Ctrl-C) or told to end (SIGTERM, SIGHUP).
+
+    Args:
+        port: on loopback; 0 for the one that was used last, or else a free one.
+        folder: where uploaded files and sweeps are kept, made if need be; one that ends with the
+            server if None.
+        ready: called with the address before the first request.
+
+    Raises:
+        InputError: port or folder cannot be used, or the extra `app` is not installed.
+    """
+    try:
+        import uvicorn
+
+        from martensite.app.request_guard import TimedProtocol
+        from martensite.app.site import STATIC, build_site
+    except ModuleNotFoundError as error:
+        raise InputError(
+            f"The bench needs `{error.name}`, which is not installed; install the extra `martensite[app]`."
+        ) from None
+    if not (STATIC / "index.html").is_file():
+        raise InputError(f"The page of the bench is not in `{STATIC}`; build it: `npm run build` in `web`.")
+    with ExitStack() as stack:
+        stack.enter_context(_end_on_signals())
+        if folder is None:
+            folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="martensite-")))
+        folder, record = make_folder(folder), TokenRecord.of_user()
+        opened = stack.enter_context(bind_usual_port(port, record))
+        at = Served(opened.getsockname()[1], secrets.token_urlsafe(24))
+        earlier = record.list_earlier(at.port)
+        record.add_start(at.port, at.token)
+        config = uvicorn.Config(
+            build_site(folder, at.token, at.port, earlier),
+            log_level="warning",
+            access_log=False,
+            http=TimedProtocol,
+            ws="websockets-sansio",
+            ws_max_size=2**16,
+            timeout_graceful_shutdown=2,
+            server_header=False,
+            proxy_headers=False,
+            lifespan="on",
+        )
+        server = uvicorn.Server(config)
+        if hasattr(signal, "SIGHUP") and threading.current_thread() is threading.main_thread():
+            signal.signal(signal.SIGHUP, server.handle_exit)
+        opened.listen(64)
+        ready(at)
+        server.run(sockets=[opened])
+
+
+@contextmanager
+def _end_on_signals() -> Iterator[None]:
+    """Take signals that mean the end as one, so that what is open is closed and cleared away.
+
+    While the server runs it takes SIGINT and SIGTERM itself, and raises them once it has ended.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    names = ("SIGINT", "SIGTERM", "SIGHUP")
+    numbers = [getattr(signal, name) for name in names if hasattr(signal, name)]
+    before = {number: signal.signal(number, _end_server) for number in numbers}
+    try:
+        with suppress(_Ended):
+            yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+class _Ended(SystemExit):
+    """A signal came that means the end."""
+
+
+def _end_server(number: int, frame: Any) -> None:
+    raise _Ended

@@ -1,0 +1,280 @@
+"""The addresses of the bench.
+
+    GET  /                      the page; other paths below it are its scripts and styles
+    POST /api/call/NAME         a quick call: request and answer in JSON; columns of numbers as binary
+                                (`messages.pack_columns`) for who accepts them
+    DELETE /api/lane            end the quick call of the lane that is running
+    POST /api/jobs              begin long work: {"call": …, "request": …} -> the job
+    GET  /api/jobs              the jobs of this tab
+    DELETE /api/jobs/ID         cancel it; by force if it has not ended `?within=` seconds, 5 at most and else
+    WS   /api/jobs/ID/watch     all that is known of it, then notes as they come, then its end
+    POST /api/files?name=…      upload the body -> its key
+    GET  /api/files/KEY         take a file away
+
+Header `X-Tab` names the tab of the browser (or `?tab=` of a socket), `X-Lane` what a newer call
+goes over. A refusal is `{"error": "a sentence", "kind": "input"}` with a status of its own; who
+sends `X-Quietly: 1` gets it under the status 200, and its own in `X-Refused`.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import mimetypes
+import os
+import re
+import time
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, suppress
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+from starlette.applications import Starlette
+from starlette.middleware import Middleware
+from starlette.middleware.gzip import GZipMiddleware
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import FileResponse, Response
+from starlette.routing import Mount, Route, WebSocketRoute
+from starlette.staticfiles import StaticFiles
+from starlette.types import ASGIApp
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from martensite.app import messages
+from martensite.app.jobs import PageJob, PageJobs
+from martensite.app.messages import BadMessageError, Refusal, describe_refusal, read_message, require_entry
+from martensite.app.request_guard import RequestGuard, json_response, refusal_response
+from martensite.app.uploads import UploadFolder
+from martensite.app.worker_pool import STOP_LIMIT, WorkerPool
+from martensite.base.errors import InputError
+
+STATIC = Path(os.environ.get("MARTENSITE_STATIC", Path(__file__).parent / "static"))
+"""The bundled page; who works on the page may name another build of it."""
+WIDGET = "notebook.js"
+"""Its file for notebooks, which is no part of the page."""
+QUIETLY = "x-quietly"
+PAGE_FIRST = 0.5
+"""Seconds for which a new server leaves the processor to the page."""
+COMPRESSED = [Middleware(GZipMiddleware, minimum_size=1400, compresslevel=4)]
+"""Of answers that are longer than a packet; files that are taken away go as they are."""
+_TAB = re.compile(r"[0-9A-Za-z-]{4,64}")
+SWALLOWED, PATIENCE = 2**30, 20.0
+"""Bytes of a refused upload that are read and thrown away, and for how long [s].
+
+Browsers read the answer only after they have sent all.
+"""
+for _ending, _type in ((".js", "text/javascript"), (".css", "text/css"), (".svg", "image/svg+xml")):
+    mimetypes.add_type(_type, _ending)  # on Windows others may have changed them
+
+
+@dataclass(frozen=True)
+class Site:
+    """What the addresses share."""
+
+    pool: WorkerPool
+    jobs: PageJobs
+    drawer: UploadFolder
+
+    async def call(self, request: Request) -> Response:
+        """A quick call."""
+        tab, lane = _read_tab(request.headers.get("x-tab")), request.headers.get("x-lane", "")[:64]
+        message = read_message(await _read_body(request))
+        lane = f"{tab} {lane}" if lane else ""
+        columns = messages.COLUMNS_TYPE in request.headers.get("accept", "")
+        try:
+            return json_response(await self.pool.ask(lane, request.path_params["name"], message, columns))
+        except asyncio.CancelledError:
+            raise Refusal("The bench is ending.", 503, "lost") from None
+
+    async def stop_call(self, request: Request) -> Response:
+        """End the quick call of a lane that is running."""
+        tab, lane = _read_tab(request.headers.get("x-tab")), request.headers.get("x-lane", "")[:64]
+        return json_response({"stopped": self.pool.cancel(f"{tab} {lane}")})
+
+    async def begin(self, request: Request) -> Response:
+        """Begin a job."""
+        message = read_message(await _read_body(request))
+        call, asked = (require_entry(message, "call", str), require_entry(message, "request", dict, {}))
+        job = self.jobs.begin(_read_tab(request.headers.get("x-tab")), call, asked)
+        return json_response(job.summary(), 201)
+
+    async def list_jobs(self, request: Request) -> Response:
+        """The jobs of a tab."""
+        found = self.jobs.of(_read_tab(request.headers.get("x-tab")))
+        return json_response([job.summary() for job in found])
+
+    async def cancel(self, request: Request) -> Response:
+        """Cancel a job."""
+        job = self.jobs.find(_read_tab(request.headers.get("x-tab")), request.path_params["id"])
+        await self.jobs.cancel(job, _read_grace(request.query_params.get("within")))
+        return json_response(job.summary())
+
+    async def watch(self, socket: WebSocket) -> None:
+        """Tell what is known of a job until it ends; what the page sends is passed over."""
+        try:
+            job = self.jobs.find(_read_tab(socket.query_params.get("tab")), socket.path_params["id"])
+        except (Refusal, InputError) as error:
+            await socket.accept()
+            await socket.close(4404, str(error)[:120])
+            return
+        await socket.accept()
+        tasks = [asyncio.create_task(work) for work in (_send_notes(job, socket), _await_leaving(socket))]
+        try:
+            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def upload(self, request: Request) -> Response:
+        """Take a file."""
+        name = request.query_params.get("name", "")
+        if not name:
+            raise Refusal("An upload needs `?name=`, what the file is called.")
+        stream = request.stream()
+        try:
+            key, path = await self.drawer.take(name, stream)
+        except Refusal:
+            await _drain_stream(stream)
+            raise
+        return json_response({"key": key, "name": path.name, "bytes": path.stat().st_size}, 201)
+
+    async def download(self, request: Request) -> Response:
+        """Give a file away."""
+        path = self.drawer.path(request.path_params["key"])
+        return FileResponse(path, filename=path.name, media_type="application/octet-stream")
+
+
+async def _send_notes(job: PageJob, socket: WebSocket) -> None:
+    """Send what is known of a job, and what comes, until it ends."""
+    with suppress(WebSocketDisconnect, RuntimeError):  # nobody is there any more
+        async with job.listening() as queue:
+            over = False
+            while not over:
+                message = await queue.get()
+                over = message.get("job", {}).get("state", "running") != "running"
+                await socket.send_text(messages.write_message(message).decode())
+        await socket.close()
+
+
+async def _await_leaving(socket: WebSocket) -> None:
+    """Pass over what the page sends, until it leaves."""
+    while (await socket.receive())["type"] != "websocket.disconnect":
+        pass
+
+
+def _read_tab(name: str | None) -> str:
+    if name is None or not _TAB.fullmatch(name):
+        raise BadMessageError("The header `X-Tab` (or `?tab=`) must be 4 to 64 letters or digits.")
+    return name
+
+
+def _read_grace(words: str | None) -> float:
+    if words is None:
+        return STOP_LIMIT
+    try:
+        return min(max(float(words), 0.0), STOP_LIMIT)
+    except ValueError:
+        raise BadMessageError("`?within=` must be seconds.") from None
+
+
+async def _read_body(request: Request) -> bytes:
+    """The body of a request, refused as soon as it is too long."""
+    most, parts, size = messages.MOST_BYTES, list[bytes](), 0
+    stream = request.stream()
+    async for chunk in stream:
+        parts.append(chunk)
+        size += len(chunk)
+        if size > most:
+            parts.clear()
+            await _drain_stream(stream)
+            raise Refusal(f"The message has more than {most:,} bytes; a scenario needs far fewer.", 413)
+    return b"".join(parts)
+
+
+async def _drain_stream(stream: AsyncIterator[bytes]) -> None:
+    size, end = 0, time.monotonic() + PATIENCE
+    async for chunk in stream:
+        size += len(chunk)
+        if size > SWALLOWED or time.monotonic() > end:
+            return
+
+
+async def _warm_later(pool: WorkerPool) -> None:
+    await asyncio.sleep(PAGE_FIRST)
+    await pool.warm()
+
+
+async def _answer_status(request: Request) -> Response:
+    return json_response({"name": "martensite", "version": version("martensite")})
+
+
+async def _answer_index(request: Request) -> Response:
+    return FileResponse(STATIC / "index.html", media_type="text/html")
+
+
+async def _answer_refusal(request: Request, error: Exception) -> Response:
+    """The answer to an error made on purpose.
+
+    A page asks for such sentences under the status 200: browsers put all others on the console.
+    """
+    known = error if isinstance(error, Refusal) else Refusal(str(error))
+    return refusal_response(known, quiet=request.headers.get(QUIETLY) == "1")
+
+
+async def _answer_missing(request: Request, error: Exception) -> Response:
+    status = getattr(error, "status_code", 404)
+    words = {405: "This address does not take that."}.get(status, "There is nothing at this address.")
+    return refusal_response(Refusal(words, status))
+
+
+async def _answer_failure(request: Request, error: Exception) -> Response:
+    """The answer to an error that nobody has thought of; the server goes on."""
+    return refusal_response(Refusal(describe_refusal(error)["refused"], 500, "failed"))
+
+
+async def _answer_gone(request: Request, error: Exception) -> Response:
+    return Response(status_code=499)
+
+
+def build_site(folder: Path, token: str, port: int, earlier: frozenset[str] = frozenset()) -> ASGIApp:
+    """The whole application: files are kept in `folder`, who holds `token` may come in.
+
+    Cookies whose digest is in `earlier` are exchanged for that of the token.
+    """
+    shared = Site(WorkerPool(folder), PageJobs(folder), UploadFolder(folder))
+
+    @asynccontextmanager
+    async def lifespan(app: Starlette) -> AsyncIterator[None]:
+        warming = asyncio.create_task(_warm_later(shared.pool))
+        try:
+            yield
+        finally:
+            warming.cancel()
+            await shared.jobs.close()
+            await shared.pool.close()
+
+    inside = Starlette(
+        routes=[
+            Route("/", _answer_index),
+            Route("/api/status", _answer_status),
+            Route("/api/call/{name}", shared.call, methods=["POST"], middleware=COMPRESSED),
+            Route("/api/lane", shared.stop_call, methods=["DELETE"]),
+            Route("/api/jobs", shared.begin, methods=["POST"]),
+            Route("/api/jobs", shared.list_jobs),
+            Route("/api/jobs/{id}", shared.cancel, methods=["DELETE"]),
+            WebSocketRoute("/api/jobs/{id}/watch", shared.watch),
+            Route("/api/files", shared.upload, methods=["POST"]),
+            Route("/api/files/{key}", shared.download),
+            Mount("/", StaticFiles(directory=STATIC), middleware=COMPRESSED),
+        ],
+        exception_handlers={
+            Refusal: _answer_refusal,
+            InputError: _answer_refusal,
+            404: _answer_missing,
+            405: _answer_missing,
+            ClientDisconnect: _answer_gone,
+            Exception: _answer_failure,
+        },
+        lifespan=lifespan,
+    )
+    return RequestGuard(inside, token, port, earlier)

@@ -1,0 +1,71 @@
+"""Rows of numbers that stand in one entry of the document, such as the values of a table, as controls of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import cast
+
+from martensite.app.forms.controls import SIZES, describe_display
+from martensite.app.forms.form_types import NumberNode, RowNode, ScenarioForm
+from martensite.app.messages import JsonTable
+from martensite.base import units
+
+REACH = 10.0
+"""Numbers may become so many times the largest of their row, of either sign."""
+LONGEST = 50
+"""Rows of more numbers are left to the server."""
+
+
+@dataclass(frozen=True)
+class NumberRow:
+    """A row, and a control for each of its numbers; the path of a control is that of the row and a place."""
+
+    path: str
+    entries: tuple[str | float, ...]
+    """As the document has them."""
+    items: list[NumberNode]
+
+    def describe(self) -> JsonTable:
+        """How its numbers are read and shown."""
+        first = self.items[0]
+        return {"count": len(self.items), **{name: first[name] for name in ("unit", "factor", "offset", "label")}}
+
+
+def list_rows(form: ScenarioForm) -> Iterator[RowNode]:
+    """The rows of which the unit is known: values of tables, of a drive or of a reference."""
+    waiting = list[object](form["sections"])
+    while waiting:
+        one = cast("JsonTable", waiting.pop(0))
+        if one["sort"] == "row" and one["several"] and one["unit"]:
+            yield cast("RowNode", one)
+        waiting[:0] = one.get("items", [])
+
+
+def read_row(node: RowNode) -> NumberRow:
+    """The numbers of a row.
+
+    Raises:
+        ValueError: they are too many, or what stands there is no list of numbers in its unit.
+    """
+    unit, texts = node["unit"] or "1", tuple(part.strip() for part in node["value"].split(","))
+    if len(texts) > LONGEST:
+        raise ValueError(f"it has more than {LONGEST} numbers")
+    values = [units.parse_quantity(text, unit) for text in texts]
+    largest = max(map(abs, values)) or SIZES.get(unit, 1.0)
+    end, how = REACH * largest, describe_display(unit, largest)
+    items = [
+        cast(
+            "NumberNode",
+            {
+                **node,
+                **how,
+                "sort": "number",
+                "path": f"{node['path']}.{k}",
+                "value": value,
+                "slider": {"low": -end, "high": end, "log": False, "whole": False},
+            },
+        )
+        for k, value in enumerate(values)
+    ]
+    return NumberRow(node["path"], texts if node["quantities"] else tuple(values), items)

@@ -1,0 +1,187 @@
+"""What the page knows of a scenario, as `Scenario` in web/src/engine/types.ts says."""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from martensite.actuators.assembly.ledger import ACCOUNTS
+from martensite.app.messages import JsonTable
+from martensite.app.static_site.flat_inputs import SEGMENT, TONE
+from martensite.app.static_site.input_map import InputMap, list_numbers
+from martensite.app.static_site.rounding import describe_rounding, measure_rounding
+from martensite.app.static_site.run_module import RunSource, describe_layout
+from martensite.app.views.page import describe_page
+from martensite.base import units
+from martensite.base.errors import MartensiteError
+from martensite.base.status import Status
+from martensite.scenario.scenario import Scenario
+from martensite.simulate.compiled import CompiledMarch, compile_march
+from martensite.simulate.envelope import BEYOND, WORDS, Envelope
+
+SCALARS = ("duration", "tolerance", "samples", "step", "mechanism", "inertial", "interval")
+SPELLINGS = (
+    *("m", "mm", "um", "cm", "s", "ms", "min", "kg", "g", "N", "mN", "Pa", "kPa", "MPa", "GPa", "K", "degC", "V", "mV"),
+    *("A", "mA", "W", "mW", "Hz", "kHz", "rad", "deg", "ohm", "%", "1", "J/kg", "kJ/kg", "N/m", "N/mm", "MPa/K"),
+)
+"""Units in which numbers are typed."""
+
+
+def describe_static(
+    name: str, text: str, made: InputMap, source: RunSource, module: str, *, measured: bool = False
+) -> JsonTable:
+    """Everything that the page needs to run a scenario and to draw what comes of it.
+
+    With `measured` it says how equal a run on the page is to one of `martensite run`, where that is not within
+    `rounding.CLOSE`: several runs more.
+    """
+    scenario = made.scenario
+    compiled = compile_march(scenario.whole)
+    order = order_entries(made, compiled)
+    entries = {entry: k for k, entry in enumerate(order)}
+    return {
+        "name": name,
+        "text": text,
+        "module": module,
+        "layout": describe_layout(compiled, source),
+        "form": made.form,
+        "units": _list_units(made),
+        "inputs": [_write_number(made.numbers[entry]) for entry in order],
+        "places": _list_places(made, compiled, entries),
+        "readings": [base64.b64encode(one.tobytes()).decode() for one in made.samples],
+        **_describe_map(made, entries),
+        **_describe_outputs(scenario, compiled, measured),
+    }
+
+
+def order_entries(made: InputMap, compiled: CompiledMarch) -> list[str]:
+    """Names of the inputs, in their order: parameters first."""
+    bounds = range(len(compiled.envelope))
+    found = [f"p:{path}" for path in compiled.paths]
+    found += [*SCALARS, *(f"low:{k}" for k in bounds), *(f"high:{k}" for k in bounds)]
+    for number, shape in enumerate(made.drives):
+        found += [f"drive:{number}.{name}:{k}" for name in SEGMENT for k in range(shape.segments)]
+        found += [f"drive:{number}.{name}:{k}" for name in TONE for k in range(shape.tones)]
+    return found
+
+
+def _write_number(value: float) -> float | str:
+    return value if math.isfinite(value) else "Infinity" if value > 0.0 else "-Infinity"
+
+
+def _list_places(made: InputMap, compiled: CompiledMarch, entries: dict[str, int]) -> JsonTable:
+    drives, readings = list[JsonTable](), 0
+    system = made.scenario.whole
+    heated = {system.drive_at(port): port for port in system.actuators()}
+    for number, (shape, drive) in enumerate(zip(made.drives, system.drives(), strict=True)):
+        at = entries.get(f"drive:{number}.start:0", 0)
+        own: JsonTable = {"segments": shape.segments, "tones": shape.tones, "at": at, "readings": readings}
+        said = {"name": drive.name, "how": _describe_unit(drive.name, drive.unit), "port": heated.get(drive.name, "")}
+        drives.append({**own, "ahead": bool(drive.ahead), **said})
+        readings += not shape.segments
+    first = len(compiled.paths) + len(SCALARS)
+    return {
+        **{name: entries[name] for name in SCALARS},
+        "low": first,
+        "high": first + len(compiled.envelope),
+        "drives": drives,
+        "shown": _list_shown(made, entries),
+    }
+
+
+def _describe_unit(name: str, unit: str) -> JsonTable:
+    """How a signal is shown: shown = SI · factor + offset."""
+    shown = units.of_column(name, unit)
+    offset = units.from_si(0.0, shown, unit)
+    return {"unit": unit, "shown": shown, "factor": units.from_si(1.0, shown, unit) - offset, "offset": offset}
+
+
+def _list_shown(made: InputMap, entries: dict[str, int]) -> list[tuple[int, str]]:
+    """Parameters that follow from a control of another path, and that a control of their own shows."""
+    places, own = made.scenario.places, {node["path"]: node["value"] for node in list_numbers(made.form)}
+    moved = {name: control.path for control in made.controls for name in control.terms if name.startswith("p:")}
+    found = ((name, places.path(name.removeprefix("p:")), by) for name, by in moved.items())
+    return [(entries[name], path) for name, path, by in found if path != by and own.get(path) == made.numbers[name]]
+
+
+def _describe_map(made: InputMap, entries: dict[str, int]) -> JsonTable:
+    """Controls and how inputs follow from them."""
+    controls = [
+        {
+            "path": one.path,
+            "value": one.value,
+            "low": one.low,
+            "high": one.high,
+            "terms": [[entries[name], *term] for name, term in one.terms.items()],
+            "said": list(one.said),
+        }
+        for one in made.controls
+    ]
+    return {
+        "controls": controls,
+        "products": [[entries[name], a, b, c] for (name, a, b), c in made.products.items()],
+        "inverted": [entries[name] for name in sorted(made.inverted)],
+        "apart": [list(pair) for pair in sorted(made.apart)],
+        "rows": {row.path: row.describe() for row in made.rows},
+        "ordered": [list(pair) for pair in sorted(made.ordered)],
+        "elsewhere": list(made.left_out),
+    }
+
+
+def _list_units(made: InputMap) -> dict[str, dict[str, tuple[float, float]]]:
+    """By SI unit the spellings that are read, with size and zero: SI = number · size + zero."""
+    found: dict[str, dict[str, tuple[float, float]]] = {}
+    for node in (*list_numbers(made.form), *(row.items[0] for row in made.rows)):
+        unit = node["unit"] or "1"
+        own = found.setdefault(unit, {})
+        for spelling in (*SPELLINGS, node["shown"], unit):
+            if spelling and spelling not in own:
+                try:
+                    own[spelling] = units.find_conversion(spelling, unit)
+                except MartensiteError:
+                    continue
+    return found
+
+
+def _describe_outputs(scenario: Scenario, compiled: CompiledMarch, measured: bool) -> JsonTable:
+    system = scenario.whole
+    result = scenario.run(runtime="floats" if not system.sample_time() else None)
+    names = list(system.outputs())
+    judged = [(compiled.outputs.index(name), least) for name, least in compiled.convergence_scales]
+    book, share = compiled.book, measure_rounding(scenario, result) if measured else 0.0
+    return {
+        "parameters": list(compiled.paths),
+        "names": list(compiled.outputs),
+        "columns": len(names),
+        "judged": judged,
+        "envelope": _list_bounds(scenario, compiled),
+        "accounts": list(ACCOUNTS),
+        "balances": {"heat": book.heat, "work": book.work},
+        "statuses": {str(int(one)): one.sentence for one in Status},
+        "magnified": share,
+        "differs": [describe_rounding(share)] if share else [],
+        **describe_page(scenario, result),
+    }
+
+
+def _list_bounds(scenario: Scenario, compiled: CompiledMarch) -> Sequence[Any]:
+    system = scenario.whole
+    places, several = Envelope(system).places, len(system.actuators()) > 1
+    found: list[JsonTable] = []
+    for place, (port, name) in zip(places, compiled.envelope, strict=True):
+        unit = system.outputs()[system.label(port, name)].unit
+        how = _describe_unit(name, unit)
+        del how["unit"]
+        found.append(
+            {
+                "output": place,
+                "words": f"{WORDS[name]} of `{port}`" if several else WORDS[name],
+                **how,
+                "reason": BEYOND[name],
+                "port": port,
+                "name": name,
+            }
+        )
+    return found

@@ -1,0 +1,168 @@
+"""Writes the bench as a folder that any file server hands out: `martensite app --static DIR`."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Callable, Generator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from gzip import compress
+from importlib.metadata import version
+from pathlib import Path
+
+from martensite.app.documents import build_packaged, list_standalone
+from martensite.app.messages import JsonTable, write_message
+from martensite.app.site import STATIC, WIDGET
+from martensite.app.static_site.flat_inputs import list_waveforms
+from martensite.app.static_site.input_map import measure_map
+from martensite.app.static_site.run_module import RunSource, write_source
+from martensite.app.static_site.sample_log import make_sample
+from martensite.app.static_site.scenario_table import describe_static
+from martensite.base.child_python import safe_children
+from martensite.base.errors import DataError
+from martensite.export.wasm.module import find_wasm_compiler
+
+RUNS = "runs"
+"""Folder of scenarios and modules in that of the page."""
+MARK = '<meta name="martensite-runs" content="runs/manifest.json">'
+"""Says to the page that there is no server."""
+SAMPLE = "stepped_power.csv"
+"""The log that a reader without one begins with."""
+FIRST = "constant_power"
+"""The scenario with which the bench begins."""
+
+
+@dataclass(frozen=True)
+class FolderSize:
+    """How much there is to hand out."""
+
+    files: int
+    size: int
+    """Bytes."""
+    compressed: int
+    """Bytes, as they go over the wire."""
+
+    def words(self) -> str:
+        """For people."""
+        return f"{self.files} files, {self.size / 1e6:.1f} MB, {self.compressed / 1e6:.1f} MB compressed"
+
+
+Tell = Callable[[str], None]
+
+
+def write_site(folder: Path, texts: Mapping[str, str], tell: Tell = lambda words: None) -> JsonTable:
+    """Write the page with scenarios, texts by name; the first is shown first.
+
+    Raises:
+        DataError: the folder holds something else, or cannot be written; nothing is left of it.
+        InputError: there is no compiler of WebAssembly.
+        CompileError: the compiler failed.
+    """
+    find_wasm_compiler()
+    with make_site_folder(folder):
+        return _fill_folder(folder, texts, tell)
+
+
+def _fill_folder(folder: Path, texts: Mapping[str, str], tell: Tell) -> JsonTable:
+    listed = list[JsonTable]()
+    with safe_children(), ProcessPoolExecutor(max(1, min(len(texts), os.cpu_count() or 1))) as pool:
+        jobs = {name: pool.submit(describe_scenario_files, name, text) for name, text in texts.items()}
+        for name, job in jobs.items():
+            files, entry = job.result()
+            for file, content in files.items():
+                (folder / RUNS / file).write_bytes(content)
+            listed.append(entry)
+            tell(f"{name}: {sum(map(len, files.values())) / 1e3:.0f} kB")
+    copy_page(folder)
+    return write_manifest(folder, listed)
+
+
+def list_offered() -> dict[str, str]:
+    """Name and text of the scenarios of the package that the page can run, that of the default wire first."""
+    known = {name: text for name, text in list_standalone().items() if can_offer(text)}
+    return {FIRST: known[FIRST], **known}
+
+
+def can_offer(text: str) -> bool:
+    """Whether the page can run a scenario: it starts at home and keeps no states."""
+    scenario = build_packaged(text)
+    return not (scenario.initial or scenario.restart_at)
+
+
+def describe_scenario_files(name: str, text: str) -> tuple[Mapping[str, bytes], JsonTable]:
+    """The files of a scenario, and its entry in the manifest."""
+    made = measure_map(text)
+    source = write_source(made.scenario, list_waveforms(made.scenario))
+    module = name_module(source)
+    table = describe_static(name, text, made, source, module, measured=True)
+    files = {f"{name}.json": write_message(table), module: source.compile()}
+    entry = {"name": name, "title": made.scenario.title, "text": text, "file": f"{name}.json", "module": module}
+    return files, entry
+
+
+def name_module(source: RunSource) -> str:
+    """The file of a module: by what is compiled, so that scenarios of one structure share it."""
+    return f"{source.digest}.wasm"
+
+
+def check_folder(folder: Path) -> None:
+    """Raise `DataError` if a folder holds something else than such a page, or cannot be read."""
+    try:
+        other = folder.exists() and (not folder.is_dir() or (any(folder.iterdir()) and not (folder / RUNS).is_dir()))
+    except OSError as error:
+        raise _describe_failure(folder, error) from None
+    if other:
+        raise DataError(f"`{folder}` holds something else than a static bench; name a new or empty folder.")
+
+
+@contextmanager
+def make_site_folder(folder: Path) -> Generator[None]:
+    """Make the folder of a page; if the page cannot be finished, remove the folders that were made for it.
+
+    Raises:
+        DataError: the folder holds something else, or cannot be written.
+    """
+    check_folder(folder)
+    runs = folder / RUNS
+    made = [one for one in (runs, *runs.parents) if not one.exists()]
+    try:
+        runs.mkdir(parents=True, exist_ok=True)
+        yield
+    except BaseException as error:
+        for one in made[-1:]:
+            shutil.rmtree(one, ignore_errors=True)
+        if isinstance(error, OSError):
+            raise _describe_failure(folder, error) from None
+        raise
+
+
+def _describe_failure(folder: Path, error: OSError) -> DataError:
+    return DataError(f"The folder `{folder}` cannot be written: {error.strerror}; name another one.")
+
+
+def write_manifest(folder: Path, scenarios: Sequence[JsonTable]) -> JsonTable:
+    """Write which scenarios the page has, and a log to begin with where one of them explains it."""
+    manifest: JsonTable = {"version": version("martensite"), "scenarios": list(scenarios)}
+    if any(one["name"] == FIRST for one in scenarios):
+        manifest["sample"] = SAMPLE
+        (folder / RUNS / SAMPLE).write_text(make_sample(), encoding="utf-8")
+    (folder / RUNS / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
+    return manifest
+
+
+def copy_page(folder: Path) -> None:
+    """Put the page there, which learns from it that there is no server."""
+    for path in STATIC.iterdir():
+        if path.name != WIDGET:
+            shutil.copyfile(path, folder / path.name)
+    index = (folder / "index.html").read_text("utf-8")
+    (folder / "index.html").write_text(index.replace("<title>", f"{MARK}\n    <title>", 1), encoding="utf-8")
+
+
+def measure_folder(folder: Path) -> FolderSize:
+    """The weight of all files in a folder."""
+    files = [path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()]
+    return FolderSize(len(files), sum(map(len, files)), sum(len(compress(one, 9)) for one in files))

@@ -1,0 +1,37 @@
+"""A model for a page that has a server: that of a static page, made when it is asked for."""
+
+from __future__ import annotations
+
+import base64
+import functools
+
+from martensite.app.messages import JsonTable
+from martensite.app.static_site.flat_inputs import list_waveforms
+from martensite.app.static_site.input_map import measure_map
+from martensite.app.static_site.run_module import RunSource, write_source
+from martensite.app.static_site.scenario_table import describe_static
+from martensite.export.wasm.module import find_wasm_compiler
+
+KEPT = 8
+"""Models that are kept; one takes some seconds."""
+
+
+@functools.lru_cache(KEPT)
+def describe_stepped(text: str, paths: tuple[str, ...]) -> JsonTable:
+    """What the page knows of a scenario, and the module of its runs in base 64.
+
+    Raises:
+        InputError: there is no compiler of WebAssembly.
+        CompileError: the compiler failed.
+    """
+    find_wasm_compiler()
+    made = measure_map(text, paths)
+    source = write_source(made.scenario, list_waveforms(made.scenario))
+    module = _compile_source(source)
+    return {"scenario": describe_static("", text, made, source, ""), "module": module}
+
+
+@functools.lru_cache(KEPT)
+def _compile_source(source: RunSource) -> str:
+    """The module in base 64: compiled once for every structure."""
+    return base64.b64encode(source.compile()).decode()

@@ -1,0 +1,248 @@
+"""What the page draws of a sweep: its layout, and its runs, thinned out to what can be seen.
+
+While it runs a note now and then says how far it is and what has come since.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Generator, Iterable, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.app.messages import JsonTable
+from martensite.app.views.columns import describe_conversion, round_digits
+from martensite.app.worker import Desk
+from martensite.base.status import Status
+from martensite.design.sweep.api import PlannedSweep, Progress
+from martensite.design.sweep.axes import SweepAxis
+from martensite.design.sweep.backends.base import AbstractBackend, Report
+from martensite.design.sweep.job import SweepJob
+from martensite.design.sweep.reading import count_statuses, read_axes, read_levels
+from martensite.design.sweep.store import STATUS, Store
+from martensite.design.sweep.table import SweepColumn, shorten_names
+
+MOST_DRAWN = 20_000
+"""Runs that are drawn of a sweep."""
+DIGITS = 6
+Rows = NDArray[np.int64]
+LEAST_PAUSE = 0.3
+"""Least time between two notes [s]."""
+MOST_POINTS = 4000
+"""Runs in a note."""
+
+
+@dataclass(frozen=True)
+class SweepDrawing:
+    """A store as the page sees it."""
+
+    store: Store
+
+    @cached_property
+    def spec(self) -> JsonTable:
+        """What was asked for."""
+        return self.store.spec
+
+    @cached_property
+    def axes(self) -> list[SweepAxis]:
+        """What is varied."""
+        return read_axes(self.store)
+
+    @cached_property
+    def levels(self) -> tuple[Any, ...] | None:
+        """Levels of every axis of a grid."""
+        return read_levels(self.store, self.axes)
+
+    @cached_property
+    def size(self) -> int:
+        """Number of runs."""
+        return int(self.store.group[STATUS].shape[0])
+
+    @cached_property
+    def strides(self) -> list[int]:
+        """Every how many-th level of each axis of a grid is drawn, or run of a sample."""
+        if self.levels is None:
+            return [-(-self.size // MOST_DRAWN)]
+        shape = [len(one) for one in self.levels]
+        found = [1] * len(shape)
+        while np.prod(drawn := [-(-n // k) for n, k in zip(shape, found, strict=True)]) > MOST_DRAWN:
+            found[int(np.argmax(drawn))] += 1
+        return found
+
+    def kept(self, rows: Rows) -> Rows:
+        """Those of some runs that are drawn."""
+        if self.levels is None:
+            return rows[rows % self.strides[0] == 0]
+        places = np.unravel_index(rows, [len(one) for one in self.levels])
+        pairs = zip(places, self.strides, strict=True)
+        return rows[np.logical_and.reduce([place % stride == 0 for place, stride in pairs])]
+
+    def rows(self, chunk: int) -> Rows:
+        """Runs of a chunk."""
+        length = int(self.spec["chunk"])
+        return np.arange(chunk * length, min((chunk + 1) * length, self.size))
+
+    def points(self, chunks: Iterable[int]) -> JsonTable:
+        """Drawn runs of chunks that are there: numbers of runs, status, and columns in SI.
+
+        Columns of a grid are its measures alone: levels say the rest.
+        """
+        found: JsonTable = {"rows": [], "status": [], "columns": {n: [] for n in self._names}}
+        for first, last in _list_stretches(sorted(chunks)):
+            rows = np.arange(self.rows(first)[0], self.rows(last)[-1] + 1)
+            kept = self.kept(rows)
+            if len(kept):
+                self._add(found, rows, kept)
+        return found
+
+    def _add(self, found: JsonTable, rows: Rows, kept: Rows) -> None:
+        region, places = slice(int(rows[0]), int(rows[-1]) + 1), kept - rows[0]
+        found["rows"] += kept.tolist()
+        found["status"] += self.store.group[STATUS][region][places].tolist()
+        for name, column in found["columns"].items():
+            values = self.store.group[name][region][places].tolist()
+            column += [round_digits(value, DIGITS) for value in values]
+
+    @cached_property
+    def _names(self) -> list[str]:
+        varied = [one.target.name for one in self.axes] if self.levels is None else []
+        return [*varied, *self.spec["measures"]]
+
+    def layout(self) -> JsonTable:
+        """What the columns are, and how they are shown (shown = SI · factor + offset)."""
+        short = shorten_names([one.target.name for one in self.axes])
+        return {
+            "title": self.spec["title"],
+            "sample": self.spec["sample"],
+            "runs": self.size,
+            "over": self.spec["over"],
+            "text": self.spec["scenario"],
+            **{name: self.spec[name] for name in ("seed", "step", "runtime", "chunk", "version")},
+            "axes": [
+                {
+                    **self._shown(one.target.name),
+                    "short": short[one.target.name],
+                    "log": one.log,
+                    "levels": None if self.levels is None else self.levels[k],
+                }
+                for k, one in enumerate(self.axes)
+            ],
+            "measures": [{**self._shown(name), "short": name} for name in self.spec["measures"]],
+            "strides": self.strides,
+            "statuses": [[int(one), one.name.lower(), one.sentence] for one in Status],
+        }
+
+    def _shown(self, name: str) -> JsonTable:
+        array = self.store.group[name]
+        column = SweepColumn(name, str(array.attrs["units"]), np.empty(0))
+        how = describe_conversion(column.declared, column.shown)
+        about = str(array.attrs["long_name"])
+        return {**how, "name": name, "about": about, "unit": column.unit}
+
+
+def _list_stretches(chunks: Sequence[int]) -> Iterable[tuple[int, int]]:
+    begin = 0
+    for k in range(1, len(chunks) + 1):
+        if k == len(chunks) or chunks[k] != chunks[k - 1] + 1:
+            yield chunks[begin], chunks[k - 1]
+            begin = k
+
+
+@dataclass(frozen=True)
+class ReportingBackend(AbstractBackend):
+    """A backend whose reports are also put on a pile."""
+
+    inner: AbstractBackend
+    fresh: list[int]
+    """Chunks made since the last note."""
+
+    def run(self, job: SweepJob, chunks: Iterable[int]) -> Generator[Report]:
+        """As the other does it."""
+        with closing(self.inner.run(job, chunks)) as reports:
+            for report in reports:
+                self.fresh.append(report.chunk)
+                yield report
+
+
+@dataclass
+class SweepProgress:
+    """One sweep, from its first missing chunk to its end."""
+
+    begun: PlannedSweep
+    key: str
+    desk: Desk
+    fresh: list[int] = field(default_factory=list[int])
+    number: int = 0
+    """Of the last note: who misses one asks for the points."""
+    _before: Counter[int] = field(default_factory=Counter[int])
+    _began: float = 0.0
+    _last: float = 0.0
+
+    def run(self) -> Progress:
+        """Make what is missing.
+
+        Raises:
+            StoppedError: it was cancelled, or cannot go on; what was made is kept.
+        """
+        self._before = count_statuses(self.begun.store, 0)[0]
+        self._began = time.monotonic()
+        heard = replace(self.begun, backend=ReportingBackend(self.begun.backend, self.fresh))
+        return heard.run(self._tell)
+
+    @cached_property
+    def drawing(self) -> SweepDrawing:
+        """What is drawn of it."""
+        return SweepDrawing(self.begun.store)
+
+    def _tell(self, progress: Progress) -> None:
+        now = time.monotonic()
+        if now - self._last >= LEAST_PAUSE or progress.done == progress.runs or self._stopped:
+            self._last = now
+            self._note(progress, now - self._began)
+        if self._stopped:
+            raise KeyboardInterrupt
+
+    @property
+    def _stopped(self) -> bool:
+        return self.desk.stop.is_set()
+
+    def _note(self, progress: Progress, elapsed: float) -> None:
+        """Tell how far it is, with the runs since the last note, in pieces if they are many."""
+        found = self.drawing.points(self.fresh)
+        self.fresh.clear()
+        for begin in range(0, max(len(found["rows"]), 1), MOST_POINTS):
+            self.number += 1
+            piece = slice(begin, begin + MOST_POINTS)
+            self.desk.tell(
+                {
+                    **self._state(progress, elapsed),
+                    "number": self.number,
+                    "rows": found["rows"][piece],
+                    "status": found["status"][piece],
+                    "columns": {name: values[piece] for name, values in found["columns"].items()},
+                }
+            )
+
+    def _state(self, progress: Progress, elapsed: float) -> JsonTable:
+        rate = progress.made / elapsed if progress.made and elapsed > 0.0 else None
+        return {
+            "phase": "running",
+            "key": self.key,
+            "runs": progress.runs,
+            "done": progress.done,
+            "rate": rate,
+            "left": (progress.runs - progress.done) / rate if rate else None,
+            "counts": name_statuses(self._before + progress.status),
+            "remarks": progress.remarks[-5:],
+        }
+
+
+def name_statuses(counts: Counter[int]) -> dict[str, int]:
+    """Runs by the name of their status."""
+    return {Status(one).name.lower(): n for one, n in sorted(counts.items()) if n}

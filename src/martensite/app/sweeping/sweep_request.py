@@ -1,0 +1,229 @@
+"""What a request asks of a sweep, in the words that the command takes; what is wrong with it; its time.
+
+{"text": TOML, "changes": {…}, "over": ["diameter=0.1..0.5 mm:9"], "sample": "grid",
+ "measures": ["stroke"], "seed": 0, "step": "20 ms", "runtime": "c", "workers": 0}
+
+Runs march together in blocks (`martensite.simulate.variants`): a block costs the same however few
+runs are in it. A chunk takes about half a second, so that the picture moves and a cancel is heard.
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+from martensite.app.messages import BadMessageError, Request, require_entry
+from martensite.base import units
+from martensite.base.errors import MartensiteError, ParameterError
+from martensite.design.sweep.api import SweepExecution
+from martensite.design.sweep.axes import SweepAxis, parse_axis
+from martensite.design.sweep.backends.processes import count_cores
+from martensite.design.sweep.job import SweepRequest, build_plan
+from martensite.design.sweep.plan import CHUNK, SweepPlan
+from martensite.design.sweep.sampling.samples import AbstractDesign, parse_sampling
+from martensite.design.sweep.subject import build_course
+from martensite.scenario.scenario import Scenario
+from martensite.scenario.targets import list_targets
+from martensite.simulate.measures.base import parse_measure
+from martensite.simulate.variants import LANES
+
+T = TypeVar("T")
+MOST_RUNS = 1_000_000
+MOST_WORDS = 64
+LONGEST_ENTRY = 400
+CHUNK_TIME = 0.4
+"""Time that a chunk shall take [s]."""
+MOST_CHUNKS = 500
+_PLAIN = re.compile(r"^[\w./:=,-]+$")
+_QUOTABLE = re.compile(r"^[\w .,:;=+/()%^*·µΩ°±²³-]*$")
+
+
+def read_wanted(request: Request) -> SweepRequest:
+    """What is asked for, as the library takes it.
+
+    Raises:
+        InputError: an entry is missing or of another sort, or the step is none.
+    """
+    step = str(require_entry(request, "step", str, "")).strip()
+    return SweepRequest(
+        over=read_texts(request, "over"),
+        sample=_read_sample(require_entry(request, "sample", str, "grid")),
+        measures=read_texts(request, "measures"),
+        seed=require_entry(request, "seed", int, 0),
+        step=parse_step(step),
+        runtime=require_entry(request, "runtime", str, "") or None,
+    )
+
+
+def read_workers(request: Request) -> SweepExecution:
+    """Who runs it: as many processes as are asked for, or what the library chooses."""
+    workers = require_entry(request, "workers", int, 0)
+    if not 0 <= workers <= 256:
+        raise ParameterError(f"Processes must be between 0 and 256, but are {workers}.")
+    return SweepExecution(workers=workers)
+
+
+def parse_step(words: str) -> float | None:
+    """A longest step [s]; None if the library shall choose it."""
+    if not words:
+        return None
+    found = units.parse_quantity(words, "s")
+    if not found > 0.0:
+        raise ParameterError(f"A step must be above 0, but is {words}.")
+    return found
+
+
+def require_size(plan: SweepPlan) -> SweepPlan:
+    """A plan that is not too large for the page.
+
+    Raises:
+        ParameterError: it is.
+    """
+    if plan.size > MOST_RUNS:
+        raise ParameterError(
+            f"This sweep has {plan.size:,} runs; the page starts at most {MOST_RUNS:,}. Use "
+            "`martensite sweep` for more."
+        )
+    return plan
+
+
+def read_texts(request: Request, name: str, default: Any = ...) -> tuple[str, ...]:
+    """A list of texts of a message.
+
+    Raises:
+        BadMessageError: it is missing without a default, or holds something else, or too much.
+    """
+    given = require_entry(request, name, list, default)
+    fits = (isinstance(one, str) and len(one) <= LONGEST_ENTRY for one in given)
+    if len(given) > MOST_WORDS or not all(fits):
+        raise BadMessageError(
+            f"`{name}` must be a list of at most {MOST_WORDS} texts of at most {LONGEST_ENTRY} letters."
+        )
+    return tuple(given)
+
+
+def _read_sample(words: str) -> str:
+    if len(words) > LONGEST_ENTRY or not words.isascii():
+        raise BadMessageError(f"`{words[:40]}` is no sample; write for example `sobol:1024`.")
+    return words
+
+
+class FieldFaults(dict[str, str]):
+    """Field of the form -> sentence on what is wrong there."""
+
+    def attempt(self, field: str, action: Callable[[], T]) -> T | None:
+        """What an action gives; None, and its sentence beside the field, if it is refused."""
+        try:
+            return action()
+        except MartensiteError as error:
+            self.setdefault(field, str(error))
+            return None
+
+
+def check_request(scenario: Scenario, request: Request) -> tuple[SweepPlan | None, FieldFaults]:
+    """The plan that a request asks for, or what is wrong with it, by field of the form.
+
+    Fields are `over.0`, `over.1` …, `sample`, `seed`, `measures.0` …, `step`, `runtime`,
+    `workers`, and `` (the whole).
+    """
+    found = FieldFaults()
+    found.attempt("step", lambda: parse_step(str(require_entry(request, "step", str, "")).strip()))
+    found.attempt("workers", lambda: read_workers(request))
+    known = found.attempt("", lambda: read_wanted({**request, "step": ""}))
+    if known is None:
+        return None, found
+    found.attempt("runtime", lambda: build_course(scenario, None, known.runtime))
+    _check_measures(scenario, known, found)
+    chosen = found.attempt("seed" if known.seed < 0 else "sample", lambda: parse_sampling(known.sample, known.seed))
+    _check_axes(scenario, known, chosen, found)
+    if found:
+        return None, found
+    step = parse_step(str(request.get("step") or "").strip())
+    plan = found.attempt("", lambda: build_plan(scenario, replace(known, step=step)))
+    if plan is not None:
+        found.attempt("sample", lambda: require_size(plan))
+    if plan is not None and not found:
+        found.attempt("", lambda: plan.lost(range(1)))
+    return (None if found else plan), found
+
+
+def _check_measures(scenario: Scenario, known: SweepRequest, found: FieldFaults) -> None:
+    for k, words in enumerate(known.measures):
+        found.attempt(f"measures.{k}", lambda words=words: parse_measure(words).unit_in(scenario.whole))
+
+
+def _check_axes(scenario: Scenario, known: SweepRequest, chosen: AbstractDesign | None, found: FieldFaults) -> None:
+    """Each axis by itself: its words, its bounds, and its levels if it is one of a grid."""
+    targets = list_targets(scenario)
+    for k, words in enumerate(known.over):
+        one = found.attempt(f"over.{k}", lambda words=words: parse_axis(words, targets))
+        if one is not None:
+            found.attempt(f"over.{k}", lambda one=one: _check_axis(scenario, one, chosen))
+
+
+def _check_axis(scenario: Scenario, one: SweepAxis, chosen: AbstractDesign | None) -> None:
+    course = build_course(scenario)
+    SweepPlan(course, (one,), parse_sampling("monte-carlo:1"), {"stroke": parse_measure("stroke")})
+    if chosen is not None and chosen.registered_name == "grid":
+        one.levels()
+
+
+@dataclass(frozen=True)
+class TimedBlock:
+    """A block of runs, and how long it took."""
+
+    runs: int
+    lanes: int
+    seconds: float
+
+    def total(self, size: int, workers: int) -> float:
+        """Time of so many runs on so many processes [s]."""
+        return -(-size // self.lanes) * self.seconds / max(workers or count_cores(), 1)
+
+
+def time_block(plan: SweepPlan) -> TimedBlock:
+    """Time one block of a plan; it is run twice, as the first one compiles."""
+    lanes = LANES.get(plan.course.runtime, CHUNK)
+    rows = range(min(lanes, plan.size))
+    plan.compute(rows if plan.course.runtime != "floats" else range(1))
+    begin = time.perf_counter()
+    plan.compute(rows)
+    return TimedBlock(len(rows), lanes, time.perf_counter() - begin)
+
+
+def choose_chunk(plan: SweepPlan) -> int:
+    """Runs in a chunk: whole blocks of about `ABOUT`, and no more chunks than are good."""
+    one = time_block(plan)
+    blocks = max(int(CHUNK_TIME / max(one.seconds, 1e-6)), 1)
+    usual = min(blocks * one.lanes, CHUNK)
+    least = -(-plan.size // MOST_CHUNKS)
+    return max(usual, -(-least // one.lanes) * one.lanes)
+
+
+def quote_words(words: str) -> str:
+    """Words as a shell takes them: in double quotes, which all shells know, where that is safe."""
+    if _PLAIN.match(words):
+        return words
+    return f'"{words}"' if _QUOTABLE.match(words) else shlex.quote(words)
+
+
+def write_command(name: str, asked: SweepRequest, workers: int = 0, step: str = "") -> str:
+    """`martensite sweep …` for a scenario that lies in the folder as `name`.toml."""
+    pieces = ["martensite sweep", quote_words(f"{name}.toml")]
+    pieces += [f"--over {quote_words(words)}" for words in asked.over]
+    if asked.sample != "grid":
+        pieces.append(f"--sample {quote_words(asked.sample)}")
+    pieces += [f"--output {quote_words(words)}" for words in asked.measures]
+    options = {
+        "seed": asked.seed or None,
+        "step": quote_words(step) if step else None,
+        "runtime": asked.runtime,
+        "workers": workers or None,
+        "chunk-size": asked.chunk if asked.chunk != CHUNK else None,
+    }
+    pieces += [f"--{option} {value}" for option, value in options.items() if value is not None]
+    return " ".join(pieces)

@@ -1,0 +1,133 @@
+"""The folder of a server: what was uploaded, and what was made to be taken away.
+
+Names come from outside and are never used as paths: a file lies in a folder of its own whose name
+is made here, and what is left of its own name has no path in it.
+"""
+
+from __future__ import annotations
+
+import re
+import secrets
+import unicodedata
+from collections.abc import AsyncIterator, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from martensite.app.messages import Refusal
+from martensite.base.errors import DataError
+
+MOST_BYTES = 64 * 2**20
+"""Of one file."""
+MOST_IN_ALL = 2**30
+"""Bytes of all files that a server takes until it ends."""
+LONGEST_NAME = 160
+"""In bytes; files of some systems have at most 255."""
+_KEY = re.compile(r"[0-9a-f]{16}")
+_UNSAFE = re.compile(r"[^\w.() -]+")
+_RESERVED = re.compile(r"(con|prn|aux|nul|conin|conout|com[\d¹²³]|lpt[\d¹²³])(\W|$)", re.IGNORECASE)
+"""Names of devices, whatever their ending."""
+
+
+def make_key() -> str:
+    """A key that nobody guesses."""
+    return secrets.token_hex(8)
+
+
+def is_key(text: str) -> bool:
+    """Whether a text from outside may be a key, which has nothing in it that leads elsewhere."""
+    return bool(_KEY.fullmatch(text))
+
+
+def clean_name(name: str) -> str:
+    """What is left of a name when all that could be a path, or hide the file, is taken out."""
+    last = unicodedata.normalize("NFC", name).replace("\\", "/").rpartition("/")[2]
+    kept = _UNSAFE.sub("_", last).strip(" .")
+    stem, dot, ending = kept.rpartition(".")
+    short = f"{_shorten_text(stem)}{dot}{_shorten_text(ending, 12)}" if dot else _shorten_text(kept)
+    return f"_{short}" if not short or _RESERVED.match(short) else short
+
+
+def _shorten_text(text: str, most: int = LONGEST_NAME) -> str:
+    """The beginning of a text, at most so many bytes, without a space at its end."""
+    return text.encode()[:most].decode("utf-8", "ignore").rstrip(" .")
+
+
+@dataclass
+class UploadFolder:
+    """Files by key."""
+
+    folder: Path
+    taken: int = 0
+    """Bytes that were uploaded through it, those under way included."""
+
+    def path(self, key: str) -> Path:
+        """The file of a key.
+
+        Raises:
+            DataError: there is none.
+        """
+        below = self.folder / key
+        found = sorted(below.iterdir()) if is_key(key) and below.is_dir() else []
+        if len(found) != 1:
+            raise DataError("There is no such file here; upload it again.")
+        return found[0]
+
+    def place(self, name: str) -> tuple[str, Path]:
+        """A new key, and where to put the file.
+
+        Raises:
+            DataError: the folder cannot be written to.
+        """
+        key = make_key()
+        below = self.folder / key
+        try:
+            below.mkdir(parents=True)
+        except OSError as error:
+            raise DataError(f"The folder of the bench cannot be used: {error.strerror}.") from None
+        return key, below / clean_name(name)
+
+    async def take(self, name: str, chunks: AsyncIterator[bytes]) -> tuple[str, Path]:
+        """Put what is uploaded into the folder; its key and path.
+
+        Raises:
+            Refusal: it is larger than `MOST_BYTES`, all are larger than `MOST_IN_ALL`, or the disk
+                is full; nothing is kept.
+        """
+        key, path = self.place(name)
+        size = 0
+        try:
+            with self._whole_or_nothing(path), path.open("xb") as file:
+                async for chunk in chunks:
+                    size += len(chunk)
+                    self.taken += len(chunk)
+                    self._check_size(size)
+                    file.write(chunk)
+        except BaseException:
+            self.taken -= size
+            raise
+        return key, path
+
+    def _check_size(self, size: int) -> None:
+        if size > MOST_BYTES:
+            raise Refusal(f"The file has more than {MOST_BYTES // 2**20} MiB; thin it out first.", 413)
+        if self.taken > MOST_IN_ALL:
+            raise Refusal(
+                f"All files uploaded since the bench began have more than {MOST_IN_ALL // 2**20:,} MiB together; "
+                "thin this one out, or start the bench anew.",
+                413,
+            )
+
+    @staticmethod
+    @contextmanager
+    def _whole_or_nothing(path: Path) -> Iterator[None]:
+        try:
+            yield
+        except BaseException as error:
+            with suppress(OSError):
+                path.unlink(missing_ok=True)
+                path.parent.rmdir()
+            if isinstance(error, OSError):
+                reason = error.strerror or error
+                raise Refusal(f"The file could not be kept: {reason}.", 507) from None
+            raise

@@ -1,0 +1,148 @@
+"""The phase diagram of a run, and its energies over time.
+
+`{"diagrams": [{"bands": […], "highest": Pa, "sentence": ""}], "ports": {port: {diagram, x, y}}}`
+with the number of the diagram of a port and the columns of its path. Energies are those of
+`martensite.simulate.energy`:
+
+    E = ∫ P dt,   Q = ∫ Q̇ dt,   stored E − Q,   W = ∫ F dx where an element pulls
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from functools import lru_cache
+from typing import Any
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.app.messages import JsonTable
+from martensite.app.views.columns import choose_curve_rows
+from martensite.app.views.formulas import Formulas, rebuild_recorded
+from martensite.base.errors import MartensiteError
+from martensite.base.parameters import describe_structure
+from martensite.physics.laws.base import AbstractLaw
+from martensite.show.figures.phase_diagram import CRITICAL, LEAST_STRESS, SHIFTED, Band, confirm_lines, find_bands
+from martensite.simulate.curve_rows import add_step_rows
+from martensite.simulate.energy import find_ways, integrate_energies
+from martensite.simulate.result import Result
+from martensite.simulate.transformation_points import find_isobar
+
+PRESCRIBED = "A drive that prescribes the temperature takes whatever energy it needs; there is no balance."
+NO_ELEMENT = "Nothing is heated here, so there is no energy to be balanced."
+NO_WORK = "The work is left out: this element does not say how far it pulls."
+HEADROOM = 1.12
+"""The diagram reaches so far beyond the highest stress of the run."""
+STRESSES, TEMPERATURES = 100e6, 10.0
+"""Limits are rounded outwards to multiples of these [Pa], [K]: a slider asks for the same ones."""
+COLDER = 15.0
+"""How far below the finish of the transformation a diagram reaches [K]."""
+NO_LINES = "This law has no transformation lines in the plane of temperature and stress."
+
+
+def describe_energy(result: Result) -> JsonTable:
+    """Courses of the energies, efficiency over time, and what is not known, in a sentence."""
+    actuators = result.system.actuators()
+    if not actuators:
+        return _describe_missing(NO_ELEMENT)
+    if any(one.source.sets_temperature for one in actuators.values()):
+        return _describe_missing(PRESCRIBED)
+    result = add_step_rows(result)
+    ways = find_ways(result)
+    found = integrate_energies(result, ways or [])
+    kept = choose_curve_rows(result)
+    stored = found.electrical - found.lost
+    named: list[tuple[str, str, str, str, float, Any]] = [
+        ("electrical", "E", "electrical energy in", "J", 1.0, found.electrical),
+        ("lost", "Q", "heat to the surroundings", "J", 1.0, found.lost),
+        ("stored", "E − Q", "stored in the elements", "J", 1.0, stored),
+    ]
+    if ways is not None:
+        named += [
+            ("work", "W", "work given while pulling", "mJ", 1e3, found.work),
+            ("returned", "W_b", "work taken back while stretched", "mJ", 1e3, found.returned),
+        ]
+    courses = [
+        {
+            "key": key,
+            "symbol": symbol,
+            "long_name": words,
+            "shown": unit,
+            "factor": factor,
+            "values": values[kept].tolist(),
+        }
+        for key, symbol, words, unit, factor, values in named
+    ]
+    efficiency = None if ways is None else found.efficiency[kept].tolist()
+    return {"courses": courses, "efficiency": efficiency, "sentence": NO_WORK if ways is None else ""}
+
+
+def _describe_missing(sentence: str) -> JsonTable:
+    return {"courses": [], "efficiency": None, "sentence": sentence}
+
+
+def _find_limits(result: Result) -> tuple[float, float]:
+    """Highest stress [Pa] and lowest temperature [K] of the diagrams, rounded outwards."""
+    system = result.system
+    ports = list(system.actuators())
+    stress = max((result.find_range(system.label(p, "stress"))[1] for p in ports), default=0.0)
+    cold = min((result.find_range(system.label(p, "temperature"))[0] for p in ports), default=300.0)
+    highest = STRESSES * math.ceil(max(LEAST_STRESS, HEADROOM * stress) / STRESSES)
+    return highest, TEMPERATURES * math.floor((cold - 8.0) / TEMPERATURES)
+
+
+def _describe_diagram(law: AbstractLaw, highest: float, coldest: float) -> JsonTable:
+    try:
+        found = _find_bands(law, highest, coldest)
+    except MartensiteError as error:
+        return {"bands": [], "highest": highest, "sentence": str(error)}
+    said = "" if found else NO_LINES
+    return {"bands": [asdict(band) for band in found], "highest": highest, "sentence": said}
+
+
+@lru_cache(maxsize=64)
+def _find_bands(law: AbstractLaw, highest: float, coldest: float) -> list[Band]:
+    return find_bands(law, highest, min(coldest, _find_finish(law) - COLDER))
+
+
+def _find_finish(law: AbstractLaw) -> float:
+    """M_f [K]: of its numbers, or else as an isobar shows it."""
+    known = {leaf.path: leaf.value for leaf in law.leaves()}
+    return known["M_f"] if "M_f" in known else find_isobar(law).M_f
+
+
+def describe_lines(whole: AbstractSystem, result: Result) -> JsonTable:
+    """How the page finds the lines of the law at every port.
+
+    `numbers` are formulas of the law's own parameters, by name. Of a `kind` strips or detwinning they give the lines;
+    other lines were found by driving the law, and hold for the `values` that they were found with.
+    """
+    table = Formulas()
+    recorded = rebuild_recorded(whole, table).actuators()
+    limits, structures = _find_limits(result), dict[Any, int]()
+    ports: list[JsonTable] = []
+    numbers: dict[str, JsonTable] = {}
+    for port, actuator in result.system.actuators().items():
+        law: AbstractLaw = actuator.element.law
+        values = {leaf.path: leaf.value for leaf in law.leaves()}
+        numbers[port] = {leaf.path: leaf.value for leaf in recorded[port].element.law.leaves()}
+        kind = _find_kind(law, values)
+        ports.append(
+            {
+                "port": port,
+                "x": result.system.label(port, "temperature"),
+                "y": result.system.label(port, "stress"),
+                "structure": structures.setdefault(describe_structure(law), len(structures)),
+                "kind": kind,
+                "driven": {**_describe_diagram(law, *limits), "values": values} if kind == "driven" else None,
+            }
+        )
+    return table.collect(numbers=numbers) | {"ports": ports}
+
+
+def _find_kind(law: AbstractLaw, values: dict[str, float]) -> str:
+    try:
+        if all(name in values for name in SHIFTED) and confirm_lines(law, values):
+            return "detwinning" if all(name in values for name in CRITICAL) else "strips"
+    except MartensiteError:  # the diagram says it
+        pass
+    return "driven"

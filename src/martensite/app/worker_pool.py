@@ -1,0 +1,274 @@
+"""Workers as the server sees them: processes that are asked, stopped, and replaced if they die."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import os
+import signal
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from martensite.app.messages import JsonTable, Packed, Refusal, Written, write_message
+from martensite.base.child_python import python_command, python_environment
+
+COMMAND = tuple(python_command("-m", "martensite.app.worker"))
+LONGEST_LINE = 64 * 2**20
+QUICK_LIMIT = 60.0
+"""Seconds after which a quick call is given up."""
+STOP_LIMIT = 5.0
+"""Seconds that a call is given to stop by itself."""
+
+ANSWER = b'{"answer":'
+LONG_ANSWER = 2**16
+"""Bytes from which an answer is passed on unread: reading and writing it again takes time."""
+LOOKED_AFTER = 1.0
+"""Seconds after which a silent process is looked after."""
+LOST_SENTENCE = (
+    "The process that computed this ended unexpectedly (out of memory?); try a shorter run or fewer samples."
+)
+STOPPED_SENTENCE = "Cancelled; what is shown is what was there before."
+GARBLED_SENTENCE = "The process that computed this gave an answer that cannot be read. Please report it."
+
+Tell = Callable[[JsonTable], None]
+
+
+class Worker:
+    """One process; it does one thing at a time."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._process: asyncio.subprocess.Process | None = None
+        self._stopped = False
+
+    async def start(self) -> asyncio.subprocess.Process:
+        """The process; a new one if there is none or it has ended."""
+        if self._process is not None and self._process.returncode is not None:
+            await self.kill()  # what it has started may live on
+        if self._process is None:
+            self._process = await asyncio.create_subprocess_exec(
+                *COMMAND,
+                env=python_environment(),
+                start_new_session=True,
+                stdin=asyncio.subprocess.PIPE,
+                stdout=asyncio.subprocess.PIPE,
+                limit=LONGEST_LINE,
+            )
+        return self._process
+
+    async def ask(self, call: str, request: JsonTable, tell: Tell | None = None, columns: bool = False) -> Any:
+        """The answer to a call; `Packed` if it may be columns.
+
+        Raises:
+            Refusal: the call was refused or failed, or the process died over it.
+        """
+        try:
+            process = await self.start()
+            asked = {"call": call, "request": request, "folder": str(self.folder), "columns": columns}
+            await _write_line(process, asked)
+            if self._stopped:  # before it had begun
+                await _write_line(process, {"stop": True})
+            while True:
+                said: JsonTable = _parse_line(await _read_line(process))
+                if "bytes" in said:
+                    said = {"answer": await _read_bytes(process, said["bytes"])}
+                if "tell" not in said:
+                    break
+                if tell is not None:
+                    tell(said["tell"])
+        except OSError as error:
+            await self.kill()
+            raise Refusal(f"No process could be started: {error}.", 500, "lost") from None
+        except BaseException:  # what it would answer later is not for the next call
+            await self.kill()
+            raise
+        return _take_answer(said)
+
+    async def stop(self) -> None:
+        """Ask what is being done to end."""
+        self._stopped = True
+        if self._process is not None and self._process.returncode is None:
+            with contextlib.suppress(ConnectionError):
+                await _write_line(self._process, {"stop": True})
+
+    async def kill(self) -> None:
+        """End the process and all that it has started."""
+        process, self._process, self._stopped = self._process, None, False
+        if process is None:
+            return
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            if hasattr(os, "killpg"):
+                os.killpg(process.pid, signal.SIGKILL)
+            else:
+                process.kill()
+        try:
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(process.wait(), STOP_LIMIT)
+        finally:  # whoever waits may be given up, which is when the server ends
+            # asyncio closes it by itself only if nobody else holds the pipes open
+            transport = getattr(process, "_transport", None)
+            if transport is not None:
+                transport.close()
+
+
+async def _write_line(process: asyncio.subprocess.Process, message: JsonTable) -> None:
+    pipe = process.stdin
+    if pipe is not None:
+        pipe.write(write_message(message) + b"\n")
+        with contextlib.suppress(ConnectionError):
+            await pipe.drain()
+
+
+async def _read_line(process: asyncio.subprocess.Process) -> bytes:
+    """The next line; empty once the process has ended."""
+    if process.stdout is None:
+        return b""
+    reading = asyncio.ensure_future(process.stdout.readline())
+    try:
+        while not (await asyncio.wait({reading}, timeout=LOOKED_AFTER))[0]:
+            if process.returncode is not None:  # others that it has started hold its output open
+                return b""
+        return reading.result()
+    except ValueError:
+        raise Refusal("The answer is too long to be shown.", 422, "failed") from None
+    finally:
+        reading.cancel()
+
+
+async def _read_bytes(process: asyncio.subprocess.Process, count: int) -> Packed:
+    try:
+        if process.stdout is None or not 0 <= count <= LONGEST_LINE:
+            raise Refusal("The answer is too long to be shown.", 422, "failed")
+        return Packed(await process.stdout.readexactly(count))
+    except asyncio.IncompleteReadError:
+        raise Refusal(LOST_SENTENCE, 500, "lost") from None
+
+
+def _parse_line(line: bytes) -> JsonTable:
+    """What a worker says in a line.
+
+    Raises:
+        Refusal: the line is empty, for the process has ended, or nothing that a worker says.
+    """
+    if not line.endswith(b"\n"):
+        raise Refusal(LOST_SENTENCE, 500, "lost")
+    if len(line) > LONG_ANSWER and line.startswith(ANSWER) and line.endswith(b"}\n"):
+        return {"answer": Written(line[len(ANSWER) : -2])}
+    try:
+        said = json.loads(line)
+        if "bytes" in said:
+            return {"bytes": int(said["bytes"])}
+        if "tell" in said or "answer" in said or (said["refused"] and said["kind"]):
+            return said
+    except (ValueError, TypeError, LookupError):
+        pass
+    raise Refusal(GARBLED_SENTENCE, 500, "lost")
+
+
+def _take_answer(said: JsonTable) -> Any:
+    if "refused" in said:
+        status = 400 if said["kind"] == "input" else 422
+        raise Refusal(said["refused"], status, said["kind"])
+    return said["answer"]
+
+
+@dataclass
+class WorkerPool:
+    """A few workers for quick calls; who asks anew gives up what he asked and waits for."""
+
+    folder: Path
+    size: int = 2
+    quick: float = QUICK_LIMIT
+    """[s]"""
+    idle: list[Worker] = field(default_factory=list[Worker])
+    """The last used is the next: it remembers what it has compiled."""
+    waiting: dict[str, asyncio.Future[Worker]] = field(default_factory=dict[str, "asyncio.Future[Worker]"])
+    """In the order of asking, by who asks for what."""
+    made: list[Worker] = field(default_factory=list[Worker])
+    running: dict[asyncio.Task[Any], str] = field(default_factory=dict["asyncio.Task[Any]", str])
+    """What is being done, with its lane."""
+    _anonymous: int = 0
+
+    async def warm(self) -> None:
+        """Start a first worker, so that the first call need not wait for it."""
+        worker = self._new()
+        await worker.start()
+        self._free(worker)
+
+    async def ask(self, lane: str, call: str, request: JsonTable, columns: bool = False) -> Any:
+        """The answer to a quick call; a newer one of the same lane goes over one that waits.
+
+        Raises:
+            Refusal: it was refused, failed, took too long, was cancelled, or a newer one came.
+        """
+        worker = await self._worker(lane)
+        task = asyncio.ensure_future(worker.ask(call, request, columns=columns))
+        self.running[task] = lane
+        try:
+            return await asyncio.wait_for(task, self.quick)
+        except asyncio.CancelledError:
+            if task in self.running:
+                raise
+            raise Refusal(STOPPED_SENTENCE, 409, "stopped") from None
+        except TimeoutError:
+            raise Refusal(
+                f"This took longer than {self.quick:g} s and was given up; make the run shorter or "
+                "its tolerance larger.",
+                422,
+                "failed",
+            ) from None
+        finally:
+            self.running.pop(task, None)
+            self._free(worker)
+
+    def cancel(self, lane: str) -> bool:
+        """End what is being done for a lane, by force; whether there was anything."""
+        found = [task for task, of in self.running.items() if of == lane]
+        for task in found:
+            del self.running[task]
+            task.cancel()
+        return bool(found)
+
+    async def close(self) -> None:
+        """End all workers."""
+        for worker in self.made:
+            await worker.kill()
+
+    def _new(self) -> Worker:
+        worker = Worker(self.folder)
+        self.made.append(worker)
+        return worker
+
+    async def _worker(self, lane: str) -> Worker:
+        if self.idle:
+            return self.idle.pop()
+        if len(self.made) < self.size:
+            return self._new()
+        if not lane:
+            self._anonymous += 1
+            lane = f"#{self._anonymous}"
+        older = self.waiting.pop(lane, None)
+        if older is not None and not older.done():
+            older.set_exception(Refusal("A newer request came.", 409, "superseded"))
+        future = self.waiting[lane] = asyncio.get_running_loop().create_future()
+        try:
+            return await future
+        except asyncio.CancelledError:
+            if future.done() and not future.cancelled() and future.exception() is None:
+                self._free(future.result())
+            raise
+        finally:
+            if self.waiting.get(lane) is future:
+                del self.waiting[lane]
+
+    def _free(self, worker: Worker) -> None:
+        while self.waiting:
+            first = next(iter(self.waiting))
+            future = self.waiting.pop(first)
+            if not future.done():
+                future.set_result(worker)
+                return
+        self.idle.append(worker)

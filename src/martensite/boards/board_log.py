@@ -1,0 +1,171 @@
+"""What a board said, over its own time: a table that `fit` and `identify` read without options.
+
+Columns are headed with units. The firmware's description with its calibration, and the scenario, go along: in the lines
+above the table of a text file, in the metadata of Parquet, as metadata and an attachment of MCAP.
+"""
+
+from __future__ import annotations
+
+import json
+from array import array
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from martensite.base.errors import DataError
+from martensite.base.files import replace_file
+from martensite.base.lazy import import_extra
+from martensite.boards.link.frames import BoardClock, LinkCounts
+from martensite.boards.link.messages import Message
+
+if TYPE_CHECKING:
+    import numpy as np
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+ENDINGS = (".csv", ".parquet", ".mcap")
+
+
+@dataclass
+class BoardLog:
+    """Telemetry of a board, sample by sample."""
+
+    firmware: dict[str, Any]
+    """What `firmware.json` says, with the settings that the board had."""
+    clock: BoardClock = field(default_factory=BoardClock)
+    _numbers: array[float] = field(default_factory=lambda: array("d"))
+    """Row after row: an hour at 1 kHz is held in a quarter of a gigabyte."""
+
+    def take(self, message: Message) -> None:
+        """Keep a message if it is a telemetry."""
+        if message.name == "telemetry":
+            known = message.values
+            time = 1e-6 * self.clock.unwrap(known["time"])
+            self._numbers.extend((time, known["flags"], known["alarm"], *known["values"]))
+
+    def __len__(self) -> int:
+        return len(self._numbers) // len(self.names)
+
+    @property
+    def latest(self) -> dict[str, float]:
+        """The newest sample by name; nothing before the first."""
+        names = self.names
+        return dict(zip(names, self._numbers[-len(names) :], strict=True)) if self._numbers else {}
+
+    @property
+    def names(self) -> list[str]:
+        """Of the columns."""
+        return ["time", "status", "alarm", *(row["name"] for row in self.firmware["telemetry"])]
+
+    def headings(self) -> list[str]:
+        """Names with units; plain numbers that are no quantity, such as an alarm, have none, lest one be guessed."""
+        from martensite.scenario.layout import CANONICAL
+
+        units = ["s", "1", "1", *(row["unit"] for row in self.firmware["telemetry"])]
+        return [
+            f"{name} [{unit}]" if unit != "1" or name.rpartition(".")[2] in CANONICAL else name
+            for name, unit in zip(self.names, units, strict=True)
+        ]
+
+    def table(self, first: int = 0) -> NDArray[np.float64]:
+        """Rows from one on, and columns; time from the first sample of all on, all in SI."""
+        import numpy as np
+
+        found = np.array(self._numbers[first * len(self.names) :], dtype=float).reshape(-1, len(self.names))
+        if len(found):
+            found[:, 0] -= self._numbers[0]
+        return found
+
+    def plot(self) -> Figure:
+        """Every column but the status over time, one above the other.
+
+        Raises:
+            DataError: nothing was heard.
+        """
+        if not self._numbers:
+            raise DataError("Nothing was heard from the board: there is nothing to draw.")
+        from martensite.show.figures.style import make_figure, use_style
+
+        table, headings = self.table(), self.headings()
+        shown = [k for k, name in enumerate(self.names) if name not in ("time", "status")]
+        with use_style():
+            figure = make_figure(7.0, 1.0 + 1.6 * len(shown))
+            for row, k in enumerate(shown):
+                axes = figure.add_subplot(len(shown), 1, row + 1)
+                axes.step(table[:, 0], table[:, k], where="post")
+                axes.set(ylabel=headings[k])
+            axes.set(xlabel="time [s]")
+        return figure
+
+    def describe(self, counts: LinkCounts) -> dict[str, str]:
+        """What goes along with the table."""
+        plain = {key: value for key, value in self.firmware.items() if key != "scenario"}
+        return {"written by": "martensite hardware", "frames": counts.describe(), "firmware": json.dumps(plain)}
+
+    def write(self, path: Path, counts: LinkCounts) -> None:
+        """Write `.csv`, `.parquet` or `.mcap`.
+
+        Raises:
+            DataError: nothing was heard, or the file cannot be written.
+            InputError: the extra that brings its writer is not installed.
+        """
+        if not self._numbers:
+            raise DataError("Nothing was heard from the board: there is no log to write.")
+        writers = {".csv": self._write_text, ".parquet": self._write_parquet, ".mcap": self._write_mcap}
+        writers[path.suffix.lower()](path, self.describe(counts))
+
+    def _write_text(self, path: Path, told: dict[str, str]) -> None:
+        lines = [f"# {key}: {value}" for key, value in told.items()]
+        lines += [f"# scenario: {json.dumps(self.firmware['scenario'])}", ",".join(self.headings())]
+        with replace_file(path) as part, part.open("w", encoding="utf-8", newline="\n") as file:
+            file.writelines(f"{line}\n" for line in lines)
+            file.writelines(",".join(f"{x:.9g}" for x in row) + "\n" for row in self.table().tolist())
+
+    def _write_parquet(self, path: Path, told: dict[str, str]) -> None:
+        arrow = import_extra("pyarrow", "parquet", "pyarrow")
+        parquet = import_extra("pyarrow.parquet", "parquet", "pyarrow")
+        columns = dict(zip(self.headings(), self.table().T, strict=True))
+        table = arrow.table(columns).replace_schema_metadata(told | {"scenario": self.firmware["scenario"]})
+        with replace_file(path) as part:
+            parquet.write_table(table, part)
+
+    def _write_mcap(self, path: Path, told: dict[str, str]) -> None:
+        writer_of = import_extra("mcap.writer", "mcap", "mcap").Writer
+        names = self.headings()[1:]
+        schema = {"type": "object", "properties": {name: {"type": "number"} for name in names}}
+        with replace_file(path) as part, part.open("wb") as file:
+            writer = writer_of(file)
+            writer.start(profile="", library="martensite")
+            kind = writer.register_schema("martensite.telemetry", "jsonschema", json.dumps(schema).encode())
+            channel = writer.register_channel("telemetry", "json", kind)
+            for row in self.table():
+                stamp, data = round(1e9 * row[0]), json.dumps(dict(zip(names, map(float, row[1:]), strict=True)))
+                writer.add_message(channel, log_time=stamp, publish_time=stamp, data=data.encode())
+            writer.add_metadata("martensite", told)
+            scenario = self.firmware["scenario"].encode()
+            writer.add_attachment(0, 0, "scenario.toml", "application/toml", scenario)
+            writer.finish()
+
+
+def read_log_scenario(path: Path) -> str:
+    """The scenario that a log carries; empty if it carries none.
+
+    Raises:
+        DataError: the file cannot be read.
+    """
+    ending = path.suffix.lower()
+    if ending == ".parquet":
+        parquet = import_extra("pyarrow.parquet", "parquet", "pyarrow")
+        found = parquet.read_schema(path).metadata or {}
+        return found.get(b"scenario", b"").decode()
+    if ending == ".mcap":
+        reader = import_extra("mcap.reader", "mcap", "mcap").make_reader
+        with path.open("rb") as file:
+            return next((one.data.decode() for one in reader(file).iter_attachments()), "")
+    with path.open(encoding="utf-8") as file:
+        for line in file:
+            if line.startswith("# scenario: "):
+                return str(json.loads(line.removeprefix("# scenario: ")))
+            if not line.startswith("#"):
+                break
+    return ""

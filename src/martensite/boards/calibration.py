@@ -1,0 +1,145 @@
+"""Gains and offsets of a board's channels, from what is known to be there.
+
+    x = gain (steps - offset)
+
+A channel at a known value gives a point; one point at 0 sets the offset, one elsewhere the gain, two or more both, by
+least squares. A known resistor in the place of the wire sets the gain of the current, so that voltage over current is
+right: that is what a resistance needs. Points are kept in `calibration.json`, with the spread of what was read.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from martensite.base.errors import DataError, InputError, SolveError, suggest_name
+from martensite.base.files import write_file
+from martensite.boards.board_log import BoardLog
+from martensite.boards.session import CALIBRATION, Session, load_calibration
+
+READ_FOR = 0.5
+"""How long a channel is read for a point [s]."""
+RESISTOR_DUTY, RESISTOR_FOR = 0.2, 1.0
+"""Duty, and time [s], for which a known resistor is heated."""
+
+
+@dataclass(frozen=True)
+class CalibrationPoint:
+    """A channel at a known value."""
+
+    steps: float
+    """What the converter read, in the mean."""
+    spread: float
+    """Standard deviation of it [steps]."""
+    value: float
+    """What was there, in SI."""
+
+
+def list_channels(firmware: Mapping[str, Any]) -> list[str]:
+    """Names of the channels of a firmware."""
+    settings = firmware["settings"]
+    return [row["name"].removeprefix("gain ") for row in settings if row["name"].startswith("gain ")]
+
+
+def find_channel_unit(firmware: Mapping[str, Any], channel: str) -> str:
+    """SI unit of a channel; `InputError` if there is none."""
+    known = list_channels(firmware)
+    if channel not in known:
+        raise InputError(f"The board has no channel `{channel}`. {suggest_name(channel, known)}")
+    row = next(row for row in firmware["settings"] if row["name"] == f"gain {channel}")
+    return str(row["unit"]).removesuffix("/step")
+
+
+def read_steps(session: Session, channel: str, log: BoardLog) -> tuple[float, float]:
+    """Mean and standard deviation of what a converter read over a log.
+
+    Raises:
+        InputError: there is no such channel.
+        DataError: the log is empty.
+    """
+    find_channel_unit(session.firmware, channel)
+    if len(log) < 2:
+        raise DataError("The board said too little to calibrate by: is its telemetry on?")
+    values = log.table()[:, log.names.index(channel)]
+    numbers = session.settings
+    steps = values / numbers[f"gain {channel}"] + numbers[f"offset {channel}"]
+    return float(np.mean(steps)), float(np.std(steps))
+
+
+def add_point(session: Session, channel: str, value: float) -> CalibrationPoint:
+    """Read a channel that is at a known value [SI], keep the point, and set gain and offset by all points."""
+    log = session.listen(READ_FOR)
+    found = CalibrationPoint(*read_steps(session, channel, log), value)
+    kept = load_calibration(session.project)
+    points = kept["points"].setdefault(channel, [])
+    points.append([found.steps, found.spread, found.value])
+    numbers = session.settings
+    before = numbers[f"gain {channel}"], numbers[f"offset {channel}"]
+    gain, offset = solve_points([CalibrationPoint(*row) for row in points], *before)
+    _keep_settings(session, kept, {f"gain {channel}": gain, f"offset {channel}": offset})
+    return found
+
+
+def solve_points(points: list[CalibrationPoint], gain: float, offset: float) -> tuple[float, float]:
+    """Gain and offset by points, from those there were.
+
+    Raises:
+        DataError: the points do not determine them.
+    """
+    steps = np.array([one.steps for one in points])
+    values = np.array([one.value for one in points])
+    if np.ptp(values) > 0.0:
+        if np.ptp(steps) < 3.0 * max(one.spread for one in points) or np.ptp(steps) == 0.0:
+            raise DataError("Two values gave the same reading: is the channel connected?")
+        slope, at_zero = np.polyfit(steps, values, 1)
+        return float(slope), float(-at_zero / slope)
+    if values[0] == 0.0:
+        return gain, float(np.mean(steps))
+    if np.mean(steps) == offset:
+        raise DataError("The channel reads 0 at a value that is not: is it connected?")
+    return float(values[0] / (np.mean(steps) - offset)), offset
+
+
+def calibrate_resistor(session: Session, ohms: float, *, word: str) -> float:
+    """Set the gain of the current by a known resistor in the place of the wire; by how much it changed.
+
+    Args:
+        session: the board.
+        ohms: of the resistor.
+        word: `ARM`, since it is heated for a second with a small duty.
+
+    Raises:
+        InputError: the board measures no resistance.
+        SolveError: no current flows.
+    """
+    if "current" not in list_channels(session.firmware):
+        raise InputError("This board measures no current, so that a resistor says nothing to it.")
+    session.set("calibrated", 1.0)
+    log = session.play([(RESISTOR_FOR, RESISTOR_DUTY)], word=word)
+    table, names = log.table(), log.names
+    on = table[:, names.index("duty")] > 0.0
+    rows = table[on][3:]  # the first samples are those of the filters
+    current = rows[:, names.index("current")]
+    if not len(rows) or np.mean(current) <= 0.0:
+        raise SolveError("No current flows through the resistor: check switch, supply and wiring.")
+    factor = float(np.mean(rows[:, names.index("voltage")]) / np.mean(current) / ohms)
+    gain = session.settings["gain current"]
+    _keep_settings(session, load_calibration(session.project), {"gain current": gain * factor})
+    return factor
+
+
+def accept_nominal(session: Session) -> None:
+    """Take the gains and offsets as they are."""
+    _keep_settings(session, load_calibration(session.project), {})
+
+
+def _keep_settings(session: Session, kept: dict[str, Any], settings: dict[str, float]) -> None:
+    """Give settings to the board, which is calibrated then, and keep them."""
+    kept["settings"] |= settings | {"calibrated": 1.0}
+    for name, value in kept["settings"].items():
+        session.set(name, value)
+    write_file(session.project / CALIBRATION, json.dumps(kept, indent=1) + "\n")

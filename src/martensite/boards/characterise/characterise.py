@@ -1,0 +1,115 @@
+"""From a wire behind a board to a fitted scenario: courses that tell most, run, logged, fitted.
+
+The model of the fit is the scenario without its loop, driven by the duty of the log: it is written beside the logs,
+so that `martensite fit` says the same again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from martensite.base.errors import InputError
+from martensite.base.files import write_file
+from martensite.base.formats import write_quantity
+from martensite.base.summary import Block, DataTable, Sentence
+from martensite.boards.characterise.experiments import DutyCourse, list_courses, measure_pace
+from martensite.boards.characterise.information import OTHERS, ChosenCourses, UnknownNumber, choose_courses
+from martensite.boards.rig_scenarios import write_rig_scenario
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.plant_leaves import find_plant_leaf
+
+if TYPE_CHECKING:
+    from martensite.fit.fit import Fit
+
+WIDTHS = {"K": 5.0, "1": 0.1}
+"""How far a number may be off before anything is known, by its unit: kelvin, or a share; assumed."""
+SHARE = 0.2
+"""The same for all other units, as a share."""
+RIG = "rig.toml"
+"""The scenario of a fit."""
+MARGIN = 5.0
+"""Below the temperature limit of the element [K] that no wire passes."""
+
+
+def list_unknown(bench: Bench, names: Sequence[str], widths: Mapping[str, float]) -> list[UnknownNumber]:
+    """Numbers to be learnt, by their paths in the plant or unique endings of them.
+
+    Args:
+        bench: whose plant has them.
+        names: of the numbers.
+        widths: how far a number may be off [SI], by its name; else as is usual for its unit.
+
+    Raises:
+        ParameterError: there is no such number.
+    """
+    found: list[UnknownNumber] = []
+    for name in names:
+        leaf = find_plant_leaf(bench, name)
+        usual = WIDTHS["K"] if leaf.declared.unit == "K" else SHARE * abs(float(leaf.value)) or WIDTHS["1"]
+        found.append(UnknownNumber(leaf.path, leaf.declared.unit, float(leaf.value), widths.get(name, usual)))
+    return found
+
+
+def plan_courses(bench: Bench, unknown: Sequence[UnknownNumber], budget: float) -> ChosenCourses:
+    """The courses that tell most of a wire within a time [s], none of which heats it above its limit.
+
+    Raises:
+        InputError: the plant has several wires, or the element no temperature limit.
+        SolveError: no duty makes the wire austenite.
+    """
+    actuators = list(bench.plant.actuators().values())
+    if len(actuators) != 1:
+        raise InputError(f"One wire is characterised at a time, but this scenario has {len(actuators)}.")
+    limit = float(actuators[0].element.limits.temperature_limit)
+    if limit == float("inf"):
+        raise InputError("The element has no `temperature_limit`: write one in [element.limits] first.")
+    candidates = list(list_courses(measure_pace(bench.plant)))
+    return choose_courses(bench, unknown, candidates, limit=limit - MARGIN, budget=budget)
+
+
+def fit_courses(text: str, folder: Path, logs: Sequence[Path], unknown: Sequence[UnknownNumber]) -> Fit:
+    """Fit the numbers to the logs of all courses; the scenario of the fit, `rig.toml`, is written into the folder."""
+    from martensite.fit.api import fit_logs
+
+    scenario = folder / RIG
+    write_file(scenario, write_rig_scenario(text))
+    return fit_logs(scenario, list(logs), [one.path for one in unknown])
+
+
+def write_fit(found: Fit, folder: Path) -> list[Path]:
+    """Write material and report beside the scenario of a fit; all these files."""
+    from martensite.fit.material_files import write_material
+    from martensite.show.pages import write_report
+
+    material = folder / "wire.toml"
+    write_material(found, material, title="Wire behind a board")
+    return [folder / RIG, material, *write_report(found, folder / "report.html")]
+
+
+def describe_plan(unknown: Sequence[UnknownNumber], chosen: ChosenCourses) -> list[Block]:
+    """Which courses, and what they will tell if the model is right."""
+    courses = [[one.name, f"{one.duration:.3g} s", f"{max(d for _, d in one.levels):.3f}"] for one in chosen.courses]
+    rows = [
+        [one.path, write_quantity(one.value, one.unit), f"{one.width:.3g}", f"{one.width * left:.2g}", one.unit]
+        for one, left in zip(unknown, chosen.left, strict=True)
+    ]
+    hottest = write_quantity(chosen.hottest, "K")
+    return [
+        DataTable(("course", "time", "largest duty"), courses, right=(1, 2)),
+        Sentence(f"The hottest of {OTHERS} wires that may be at hand reaches {hottest}, on the model."),
+        DataTable(("number", "in the scenario", "unknown by", "then by", "SI"), rows, right=(1, 2, 3)),
+    ]
+
+
+def describe_fit(found: Fit) -> list[Block]:
+    """What was found."""
+    from martensite.show.summaries.fit import summarise_fit
+
+    return list(summarise_fit(found).blocks)
+
+
+def name_logs(folder: Path, courses: Sequence[DutyCourse]) -> list[Path]:
+    """A file for the log of every course."""
+    return [folder / f"{k + 1:02d}_{one.name.replace(' ', '_')}.csv" for k, one in enumerate(courses)]

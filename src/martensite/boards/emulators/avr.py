@@ -1,0 +1,95 @@
+"""An AVR under simavr, lock-stepped: its time goes on only while it is read from.
+
+So an hour at 1 kHz passes in emulated time whatever this machine is doing, and runs repeat to the last byte.
+"""
+
+from __future__ import annotations
+
+import struct
+import subprocess
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from martensite.base.errors import SolveError
+from martensite.boards.emulators.toolchains import MCUS, build_simavr_line
+from martensite.boards.firmware.boards import find_board
+
+ASKED, ANSWERED, MARKS = struct.Struct("<I8HH"), struct.Struct("<Q2HBH"), struct.Struct("<16I")
+
+
+@dataclass
+class SimavrBoard:
+    """A board of simavr as a port; `now` is its own time."""
+
+    elf: Path
+    board: str
+    baud: int
+    folder: Path
+    """Where the program that holds it is, or is made."""
+    turn: float = 0.5e-3
+    """Time that passes in a read [s]."""
+    volts: list[float] = field(default_factory=lambda: [0.0] * 8)
+    """At A0 to A7 [V]."""
+    cycles: int = 0
+    duties: tuple[float, float] = (0.0, 0.0)
+    """Of pins 9 and 10."""
+    marks: tuple[int, ...] = ()
+    """Most cycles between GPIOR0 = k and GPIOR0 = 0."""
+    _waiting: bytearray = field(default_factory=bytearray)
+
+    def __post_init__(self) -> None:
+        """Start it."""
+        program = build_simavr_line(self.folder)
+        words = [program, self.elf, MCUS[self.board][0], f"{self.clock:.0f}", str(self.baud)]
+        self._process = subprocess.Popen(list(map(str, words)), stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+
+    @property
+    def clock(self) -> float:
+        """Cycles in a second."""
+        return find_board(self.board).clock
+
+    def now(self) -> float:
+        """Time since its reset [s]."""
+        return self.cycles / self.clock
+
+    def write(self, data: bytes) -> int:
+        """Bytes for the board, which it gets while time goes on."""
+        self._waiting += data
+        return len(data)
+
+    def read(self, size: int = 1) -> bytes:
+        """What it has sent after another `turn`."""
+        return self.run(self.turn)
+
+    def run(self, seconds: float) -> bytes:
+        """Let time go on [s]; what the board sent meanwhile.
+
+        Raises:
+            SolveError: its processor has crashed, or simavr has ended.
+        """
+        pipe_in, pipe_out = self._process.stdin, self._process.stdout
+        if pipe_in is None or pipe_out is None:
+            raise SolveError("simavr has no pipes.")
+        data, self._waiting = bytes(self._waiting), bytearray()
+        try:
+            full = find_board(self.board).volts
+            levels = [round(1e3 * min(max(one, 0.0), full)) for one in self.volts]
+            pipe_in.write(ASKED.pack(round(seconds * self.clock), *levels, len(data)) + data)
+            pipe_in.flush()
+            self.cycles, first, second, crashed, count = ANSWERED.unpack(pipe_out.read(ANSWERED.size))
+            found = pipe_out.read(count)
+            self.marks = MARKS.unpack(pipe_out.read(MARKS.size))
+        except (OSError, struct.error):
+            raise SolveError("simavr has ended; does the firmware fit the board?") from None
+        self.duties = first / 255.0, second / 255.0
+        if crashed:
+            raise SolveError(f"The processor crashed {self.now():.6g} s after its reset.")
+        return found
+
+    def close(self) -> None:
+        """End it."""
+        self._process.kill()
+        self._process.wait()
+        for pipe in (self._process.stdin, self._process.stdout):
+            if pipe is not None:
+                pipe.close()

@@ -1,0 +1,65 @@
+"""A Cortex-M4 under QEMU (`netduinoplus2`, an STM32F405): its time is that of this machine."""
+
+from __future__ import annotations
+
+import socket
+import subprocess
+import tempfile
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from martensite.base.errors import SolveError
+from martensite.boards.emulators.toolchains import require_tool
+
+MACHINE = "netduinoplus2"
+BEGUN = 10.0
+"""How long QEMU may take to begin [s]."""
+
+
+@dataclass
+class QemuBoard:
+    """A board of QEMU as a port: its USART1 on a socket."""
+
+    elf: Path
+    words: tuple[str, ...] = ()
+    """More of the command line."""
+    _folder: Any = field(default_factory=tempfile.TemporaryDirectory)
+
+    def __post_init__(self) -> None:
+        """Start it."""
+        place = Path(self._folder.name) / "line"
+        command = [require_tool("qemu-system-arm"), "-M", MACHINE, "-nographic", "-monitor", "none"]
+        command += ["-serial", f"unix:{place},server=on,wait=off", "-kernel", str(self.elf), *self.words]
+        self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+        self._line, until = socket.socket(socket.AF_UNIX), time.monotonic() + BEGUN
+        while True:
+            try:
+                self._line.connect(str(place))
+                break
+            except OSError:
+                if time.monotonic() > until or self._process.poll() is not None:
+                    self.close()
+                    raise SolveError("QEMU does not begin.") from None
+                time.sleep(0.02)
+        self._line.settimeout(0.002)
+
+    def write(self, data: bytes) -> int:
+        """Bytes for the board."""
+        self._line.sendall(data)
+        return len(data)
+
+    def read(self, size: int = 1) -> bytes:
+        """What it has sent."""
+        try:
+            return self._line.recv(size)
+        except TimeoutError:
+            return b""
+
+    def close(self) -> None:
+        """End it."""
+        self._line.close()
+        self._process.kill()
+        self._process.wait()
+        self._folder.cleanup()

@@ -1,0 +1,168 @@
+"""What a step costs on emulated processors: cycles on AVR, instructions on Cortex-M4, and bytes.
+
+simavr counts cycles as the data sheet has them. QEMU counts instructions; a Cortex-M4 takes 1 to 14 cycles for one, so
+that times from them are lower bounds at a cycle each, and are said to be.
+"""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from martensite.base.errors import InputError, SolveError
+from martensite.boards.emulators.avr import SimavrBoard
+from martensite.boards.emulators.cortex import MACHINE
+from martensite.boards.emulators.toolchains import read_sizes, require_tool, run_tool
+from martensite.boards.firmware.boards import find_board
+
+if TYPE_CHECKING:
+    from martensite.export.c_core import CCore
+    from martensite.scenario.scenario import Scenario
+
+TICK = 1e3 / 168.0
+"""Instructions in a tick of SysTick, under QEMU with an instruction a nanosecond."""
+STEPS, PLAYED, LONGEST = 400, 150, 600
+"""Steps of a scenario; of them so many are played: of a plant spread over it, of a loop from its start."""
+AVR_FLAGS = ("-mmcu=atmega2560", "-DF_CPU=16000000L", "-std=gnu11", "-O2")
+ARM_FLAGS = ("-std=gnu11", "-O2", "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16")
+ARM_LINK = ("-T", "stm32f405.ld", "-nostartfiles", "--specs=nano.specs", "--specs=nosys.specs")
+
+
+@dataclass(frozen=True)
+class StepCost:
+    """A step of a core on a processor."""
+
+    processor: str
+    most: int
+    """Cycles of AVR, instructions of Cortex-M4, in the dearest step."""
+    flash: int
+    """Of the core, the library that it needs and the program around it [bytes]."""
+    ram: int
+    """[bytes]"""
+    failed: bool
+    """A step did not solve in float32."""
+    counted: str
+    """What `most` counts: cycles or instructions."""
+    clock: float
+    """[Hz]"""
+
+    @property
+    def time(self) -> float:
+        """Time of the dearest step [s], with a cycle for an instruction."""
+        return self.most / self.clock
+
+    @property
+    def least(self) -> bool:
+        """Whether that time is a lower bound."""
+        return self.counted == "instructions"
+
+
+def measure_costs(scenario: Scenario, part: str, folder: Path) -> tuple[CCore, list[StepCost]]:
+    """A core of a scenario in float32, and what its steps cost over the scenario on emulated processors.
+
+    Args:
+        scenario: what is played.
+        part: `loop`: observers, controllers and supervisor; `plant`: without them.
+        folder: where programs are made.
+
+    Raises:
+        InputError: there is no such part, no loop, or a tool is missing.
+        SolveError: a program does not end.
+    """
+    from martensite.export.c_core import build_c_core, build_c_loop
+    from martensite.export.c_example import played_by_loop, played_by_system
+
+    if part == "loop" and scenario.bench is not None:
+        core = build_c_loop(scenario.bench, name="core", precision="float32")
+        first, played = played_by_loop(scenario.bench, scenario.waveform, scenario.run(), STEPS)
+    elif part == "plant":
+        core = build_c_core(scenario.system, name="core", precision="float32")
+        first, played = played_by_system(scenario.system, scenario.waveform, scenario.duration, STEPS)
+    else:
+        raise InputError(f"There is no part `{part}` of this scenario; there are loop, if it has one, and plant.")
+    steps = [length for length, _ in played]
+    whole = [row for length, row in played if length == max(steps)]
+    rows = [first, *whole[:: max(1, len(whole) // PLAYED)][:PLAYED]]
+    if part == "loop":  # a loop goes on from sample to sample: none may be left out
+        rows = [first, *(row for _, row in played)][:LONGEST]
+    write_cost(core, rows, max(steps), folder)
+    table = 4 * len(rows) * len(first)  # what is played is no part of a core
+    found = [cost_on_avr(core, folder), cost_on_cortex(core, folder)]
+    return core, [replace(one, flash=one.flash - table) for one in found]
+
+
+def write_cost(core: CCore, rows: Sequence[Sequence[float]], period: float, folder: Path) -> None:
+    """Core, rows of inputs and the program that plays them, in a folder."""
+    table = ", ".join("{" + ", ".join(f"{x:.9e}f" for x in row) + "}" for row in rows)
+    name = core.name
+    numbers = {
+        "CORE(f)": f"{name}_##f",
+        "CORE_MODEL": f"{name}_model",
+        "CORE_REAL": f"{name}_real",
+        "CORE_INPUTS": f"{name}_INPUTS",
+        "COST_ROWS": str(len(rows)),
+        "COST_PERIOD": f"{period:.9e}f",
+        "COST_TABLE": "{" + table + "}",
+    }
+    lines = [f'#include "{name}.h"', *(f"#define {key} {value}" for key, value in numbers.items()), ""]
+    (folder / "cost.h").write_text("\n".join(lines), "utf-8")
+    core.write(folder)
+    home = files("martensite.boards")
+    (folder / "cost.c").write_text((home / "emulators" / "cost.c").read_text("utf-8"), "utf-8")
+    for one in ("start_stm32f405.c", "stm32f405.ld", "app.h"):
+        (folder / one).write_text((home / "c" / one).read_text("utf-8"), "utf-8")
+
+
+def cost_on_avr(core: CCore, folder: Path) -> StepCost:
+    """Cycles of the dearest step on an ATmega2560 at 16 MHz.
+
+    Raises:
+        InputError: a tool is missing.
+        SolveError: it does not end.
+    """
+    elf = folder / "cost_avr.elf"
+    run_tool([require_tool("avr-gcc"), *AVR_FLAGS, "cost.c", f"{core.name}.c", "-lm", "-o", elf], folder)
+    board = SimavrBoard(elf, "mega2560", 500_000, folder)
+    try:
+        for _ in range(3000):
+            board.run(0.05)
+            if board.marks[2] and board.cycles > 0 and _is_done(board):
+                break
+        else:
+            raise SolveError("The program that counts does not end.")
+        most = board.marks[2] - board.marks[1]
+        failed = board.marks[3] > 0
+    finally:
+        board.close()
+    return StepCost("ATmega2560", most, *read_sizes("avr-size", elf), failed, "cycles", find_board("mega2560").clock)
+
+
+def _is_done(board: SimavrBoard) -> bool:
+    before = board.marks
+    board.run(0.5)
+    return board.marks == before
+
+
+def cost_on_cortex(core: CCore, folder: Path) -> StepCost:
+    """Instructions of the dearest step on a Cortex-M4F.
+
+    Raises:
+        InputError: a tool is missing.
+        SolveError: it does not end.
+    """
+    elf = folder / "cost_arm.elf"
+    sources = ("cost.c", f"{core.name}.c", "start_stm32f405.c")
+    run_tool([require_tool("arm-none-eabi-gcc"), *ARM_FLAGS, *sources, *ARM_LINK, "-lm", "-o", elf], folder)
+    command = [require_tool("qemu-system-arm"), "-M", MACHINE, "-nographic", "-monitor", "none", "-serial", "null"]
+    command += ["-semihosting-config", "enable=on,target=native", "-icount", "shift=0", "-kernel", str(elf)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    numbers = [int(line) for line in (done.stdout + done.stderr).split()]
+    if len(numbers) != 6:
+        raise SolveError(f"The program that counts said {done.stderr[:200]!r}.")
+    most = round(TICK * (numbers[2] - numbers[0]))
+    sizes = read_sizes("arm-none-eabi-size", elf)
+    return StepCost("Cortex-M4F", most, *sizes, numbers[4] > 0, "instructions", find_board("stm32f405").clock)

@@ -1,0 +1,156 @@
+"""Compilers and emulators of boards, where the system has them; firmware compiled by them.
+
+On Debian: gcc-avr, avr-libc, arduino-core-avr, libsimavr-dev for the Uno; gcc-arm-none-eabi, libnewlib-arm-none-eabi,
+qemu-system-arm for the STM32F405. Nothing of them is part of this package.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from collections.abc import Sequence
+from pathlib import Path
+
+from martensite.base.caches import is_private_file
+from martensite.base.errors import CompileError, InputError
+from martensite.boards.firmware.boards import find_board
+from martensite.kernels.compiler import find_compiler
+
+CORE = Path("/usr/share/arduino/hardware/arduino/avr")
+"""Where Debian keeps the Arduino core for AVR."""
+SIMAVR = Path("/usr/include/simavr/sim_avr.h")
+MCUS = {"uno": ("atmega328p", "standard", "AVR_UNO"), "mega2560": ("atmega2560", "mega", "AVR_MEGA2560")}
+"""Processor, variant and name of a board in the Arduino core."""
+PACKAGES = {
+    "avr-gcc": "gcc-avr and avr-libc",
+    "avr-g++": "gcc-avr and avr-libc",
+    "arm-none-eabi-gcc": "gcc-arm-none-eabi and libnewlib-arm-none-eabi",
+    "qemu-system-arm": "qemu-system-arm",
+}
+
+STACK = 400
+"""Bytes that calls of the loop and of the link take beside static memory, at least; assumed."""
+LARGER = "Take a larger board, such as mega2560 or stm32f405."
+
+
+def require_tool(name: str) -> str:
+    """Where a tool is.
+
+    Raises:
+        InputError: it is not installed; the sentence names its packages on Debian.
+    """
+    found = shutil.which(name)
+    if found is None:
+        raise InputError(f"This needs `{name}`, which is not installed; on Debian: {PACKAGES[name]}.")
+    return found
+
+
+def run_tool(command: Sequence[str | Path], folder: Path) -> None:
+    """Run a compiler; `CompileError` with what it says if it fails."""
+    done = subprocess.run([str(word) for word in command], cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise CompileError(f"`{Path(command[0]).name}` failed: {done.stderr.strip()[:1500]}")
+
+
+def compile_sketch(folder: Path, board: str, flags: Sequence[str] = ()) -> Path:
+    """Compile a sketch and the Arduino core for an AVR board; the ELF file, in the folder.
+
+    Raises:
+        InputError: compiler or core are missing, or the board is no AVR.
+        CompileError: the compiler failed.
+    """
+    if board not in MCUS:
+        raise InputError(
+            f"Only {' and '.join(MCUS)} are compiled here; use PlatformIO or the Arduino IDE for `{board}`."
+        )
+    plus, core = require_tool("avr-g++"), CORE / "cores" / "arduino"
+    if not core.is_dir():
+        raise InputError("This needs the Arduino core for AVR; on Debian: arduino-core-avr.")
+    mcu, variant, name = MCUS[board]
+    common = [
+        f"-mmcu={mcu}",
+        "-DF_CPU=16000000L",
+        "-DARDUINO=10819",
+        f"-DARDUINO_{name}",
+        "-DARDUINO_ARCH_AVR",
+        "-DDECIMAL_DIG=9",
+    ]
+    common += ["-Os", "-ffunction-sections", "-fdata-sections", "-flto", *flags]
+    common += [f"-I{core}", f"-I{CORE / 'variants' / variant}", f"-I{folder}"]
+    folder = folder.resolve()
+    (sketch,) = folder.glob("*.ino")
+    objects = folder / "build"
+    objects.mkdir(exist_ok=True)
+    run_tool(["avr-gcc", *common, "-std=gnu11", "-c", *core.glob("*.c"), *folder.glob("*.c")], objects)
+    words = ["-x", "c++", "-std=gnu++11", "-fno-exceptions", "-fno-threadsafe-statics", "-include", "Arduino.h"]
+    run_tool([plus, *common, *words, "-c", *core.glob("*.cpp"), *folder.glob("*.cpp"), sketch], objects)
+    elf = folder / "firmware.elf"
+    link = [plus, *common, "-Wl,--gc-sections", *sorted(objects.glob("*.o")), "-lm", "-o", elf]
+    try:
+        run_tool(link, folder)
+    except CompileError as error:
+        explain_overflow(str(error), board)
+        raise
+    check_room(elf, "avr-size", board)
+    return elf
+
+
+def explain_overflow(said: str, board: str) -> None:
+    """Raise `InputError` if a linker says that a program is too large; it says by how much of flash or RAM."""
+    found = re.search(r"region .?(text|data).? overflowed by (\d+) bytes", said)
+    if found is not None:
+        title, room = find_board(board).title, find_board(board).flash
+        what = "flash" if found[1] == "text" else "RAM"
+        raise InputError(
+            f"This loop does not fit into the {what} of {title}: it has {int(found[2]):,} bytes too many"
+            f"{f' for the {room:,} there are' if what == 'flash' else ''}. {LARGER}"
+        ) from None
+
+
+def read_sizes(tool: str, elf: Path) -> tuple[int, int]:
+    """Flash and static RAM of a program [bytes]."""
+    done = subprocess.run([tool, str(elf)], capture_output=True, text=True, check=True)
+    text, data, bss, *_ = done.stdout.splitlines()[1].split()
+    return int(text) + int(data), int(data) + int(bss)
+
+
+def check_room(elf: Path, tool: str, board: str) -> None:
+    """Raise `InputError` if a program leaves no room on its board; the stack needs `STACK` bytes of the RAM."""
+    flash, ram = read_sizes(tool, elf)
+    known = find_board(board)
+    if flash > known.flash or ram + STACK > known.ram:
+        elf.unlink()
+        raise InputError(
+            f"This loop does not fit {known.title}: it takes {flash:,} of {known.flash:,} bytes of flash, and "
+            f"{ram:,} of {known.ram:,} bytes of RAM, of which the stack needs {STACK}. {LARGER}"
+        )
+
+
+def compile_bare(folder: Path) -> Path:
+    """Compile a project with a Makefile; its ELF file.
+
+    Raises:
+        InputError: the compiler is missing.
+        CompileError: it failed.
+    """
+    require_tool("arm-none-eabi-gcc")
+    run_tool(["make", "-s"], folder)
+    return folder / "firmware.elf"
+
+
+def build_simavr_line(folder: Path) -> Path:
+    """Compile the program that holds an AVR under simavr by its line and clock; its path.
+
+    Raises:
+        InputError: simavr or a compiler is missing.
+    """
+    cc = find_compiler()
+    if cc is None or not SIMAVR.exists():
+        raise InputError("This needs a C compiler and simavr; on Debian: libsimavr-dev.")
+    found = folder.resolve() / "simavr_line"
+    if not is_private_file(found):
+        source = Path(__file__).with_name("simavr_line.c")
+        run_tool([cc, "-O2", source, "-o", found, "-lsimavr"], folder)
+        found.chmod(0o700)
+    return found

@@ -1,0 +1,175 @@
+"""A complete project around the loop of a scenario: `write_firmware`.
+
+The loop is the C of `martensite export c --part loop` in float32, which is tried over the scenario first. Around it
+stand the firmware proper (`app.c`), the link (`link.c`), one file of the board's own (`board_*.c`), and `settings.h`
+with all numbers. Nothing is allocated, nothing is printed as text, and nothing is armed before the host says the word.
+"""
+
+from __future__ import annotations
+
+import json
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from martensite.base.errors import InputError
+from martensite.base.files import make_folder, replace_together, write_file
+from martensite.boards.firmware.boards import Board, find_board
+from martensite.boards.firmware.channels import plan_inputs
+from martensite.boards.firmware.drawing import draw_wiring
+from martensite.boards.firmware.parts_list import describe_elements
+from martensite.boards.firmware.settings import TOLD, FirmwarePlan, Limits, list_settings, print_settings
+from martensite.boards.firmware.wiring import describe_wiring
+from martensite.boards.link.messages import VERSION, print_header
+from martensite.control.loop.names import list_references
+from martensite.control.loop.run import reference_waveforms
+
+if TYPE_CHECKING:
+    from martensite.scenario.scenario import Scenario
+
+SHARED = ("app.c", "app.h", "board.h", "link.c", "link.h")
+LAYERS = {"arduino": ("board_arduino.cpp",), "stm32f405": ("board_stm32f405.c", "start_stm32f405.c", "stm32f405.ld")}
+STEPS = 400
+"""Samples of the scenario over which the loop is tried, at least."""
+
+AROUND, PER_LETTER = 8000.0, 1.2
+"""Flash on an AVR [bytes] of a firmware without its loop, and of a letter of its loop's C; of four examples."""
+
+
+@dataclass(frozen=True)
+class Firmware:
+    """A project, not yet written."""
+
+    name: str
+    plan: FirmwarePlan
+    texts: Mapping[str, str]
+    """By the name of the file."""
+    tried: str
+    """How far the loop was tried in float32, in a sentence."""
+
+    @property
+    def flash(self) -> float:
+        """Flash that it takes on an AVR [bytes], roughly, by the length of its loop; 0 for other processors."""
+        if self.plan.board.layer != "arduino" or self.plan.board.steps != 1024:
+            return 0.0
+        return AROUND + PER_LETTER * len(self.plan.core.source)
+
+    def write(self, folder: str | Path) -> list[Path]:
+        """Write all files, or none, into a folder that is made if it is missing; their paths.
+
+        Raises:
+            DataError: the folder cannot be written to.
+        """
+        home = Path(folder)
+        make_folder(home)
+        with replace_together():
+            for name, text in self.texts.items():
+                write_file(home / name, text)
+        (home / "firmware.elf").unlink(missing_ok=True)  # it was made of other files
+        return [home / name for name in self.texts]
+
+
+def build_firmware(scenario: Scenario, board: str, *, name: str = "firmware", limits: Limits | None = None) -> Firmware:
+    """The firmware of a scenario's loop for a board.
+
+    Args:
+        scenario: with a controller that is a kernel.
+        board: such as `uno` or `stm32f405`.
+        name: of the sketch, which must be that of its folder.
+        limits: when the board disarms by itself.
+
+    Raises:
+        InputError: there is no such board, no loop, or the board cannot measure or drive what it needs.
+        ParameterError: the loop stops in float32.
+    """
+    from martensite.export.c_core import build_c_loop
+    from martensite.export.c_example import MOST_TRIED, played_by_loop, try_program
+
+    chosen, bench = find_board(board), scenario.bench
+    if bench is None:
+        raise InputError("Firmware is written around a loop: this scenario has no controller.")
+    core = build_c_loop(bench, name="loop", precision="float32")
+    run = scenario.run()
+    tried = try_program(core, played_by_loop(bench, scenario.waveform, run, STEPS, MOST_TRIED))
+    inputs, given = plan_inputs(bench, chosen), limits or Limits()
+    drives, readings = len(bench.plant.drives()), len(inputs.readings)
+    if drives > len(chosen.drive_pins):
+        raise InputError(f"{chosen.title} drives {len(chosen.drive_pins)} switches here, but the loop has {drives}.")
+    others = core.inputs[2 * readings :]
+    known = {name: wave.value(0.0) for name, wave in reference_waveforms(bench).items()}
+    known |= {name: float(run.columns[name][0]) for name in list_references(bench)}
+    first = [known.get(one.name, 0.0) for one in others]
+    settings = list_settings(inputs, given, [(one.name, one.unit) for one in others], first)
+    room = TOLD - readings - drives - len(inputs.told_channels())
+    more = [k for k in range(drives, len(core.outputs)) if core.outputs[k].name != "alarm"]  # every telemetry has it
+    told = tuple(more[: max(room, 0)])
+    digest = zlib.crc32("".join([core.header, core.source, *map(repr, settings)]).encode())
+    wanted = tuple(range(2 * readings, len(core.inputs)))
+    plan = FirmwarePlan(core, chosen, inputs, given, settings, wanted, drives, told, bench.period, digest)
+    return Firmware(name, plan, _collect_texts(name, plan, scenario, describe_elements(bench)), tried)
+
+
+def _collect_texts(name: str, plan: FirmwarePlan, scenario: Scenario, elements: list[str]) -> dict[str, str]:
+    home, board = files("martensite.boards") / "c", plan.board
+    found = {one: (home / one).read_text("utf-8") for one in (*SHARED, *LAYERS[board.layer])}
+    found |= plan.core.files | {"settings.h": print_settings(plan), "messages.h": print_header()}
+    found["firmware.json"] = json.dumps(describe_firmware(name, plan, scenario.text), indent=1) + "\n"
+    found["WIRING.md"] = describe_wiring(name, plan, elements)
+    found["wiring.svg"] = draw_wiring(plan, elements)
+    if board.layer == "arduino":
+        found[f"{name}.ino"] = (home / "firmware.ino").read_text("utf-8")
+        found["platformio.ini"] = _print_platformio(board)
+    else:
+        found["Makefile"] = _MAKEFILE
+    return found
+
+
+def describe_firmware(name: str, plan: FirmwarePlan, scenario: str) -> dict[str, Any]:
+    """What a host must know of a firmware: names and units of telemetry and settings, and the scenario itself."""
+    core = plan.core
+    return {
+        "name": name,
+        "board": plan.board.name,
+        "link": VERSION,
+        "digest": plan.digest,
+        "period": plan.period,
+        "telemetry": [{"name": one, "unit": unit} for one, unit in plan.telemetry()],
+        "readings": len(plan.inputs.readings),
+        "drives": plan.drives,
+        "settings": [
+            {"name": one.name, "unit": one.unit, "value": one.value, "fixed": one.fixed} for one in plan.settings
+        ],
+        "parameters": [{"name": one.name, "unit": one.unit} for one in core.parameters],
+        "operations": core.operations["step"],
+        "scenario": scenario,
+    }
+
+
+def _print_platformio(board: Board) -> str:
+    return f"""; pio run, pio run -t upload
+[platformio]
+src_dir = .
+
+[env:{board.name}]
+platform = {board.platformio["platform"]}
+board = {board.platformio["board"]}
+framework = arduino
+build_flags = -O2 -ffp-contract=off
+"""
+
+
+_MAKEFILE = """# make: firmware.elf, with arm-none-eabi-gcc
+CC = arm-none-eabi-gcc
+CFLAGS = -std=c99 -O2 -mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 -ffp-contract=off -Wall -Wextra
+LDFLAGS = -T stm32f405.ld -nostartfiles --specs=nano.specs --specs=nosys.specs
+SOURCES = app.c link.c loop.c board_stm32f405.c start_stm32f405.c
+
+firmware.elf: $(SOURCES) app.h board.h link.h loop.h messages.h settings.h stm32f405.ld
+\t$(CC) $(CFLAGS) $(SOURCES) $(LDFLAGS) -o $@ -lm
+
+clean:
+\trm -f firmware.elf
+"""

@@ -1,0 +1,202 @@
+"""Settings of a firmware: numbers that stand in flash, and numbers that the host may change; `settings.h` of both.
+
+Limits stand in flash: nothing on the line changes them. Calibration, references and free signals are set by the host;
+behind them come the parameters of the loop itself, such as gains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from martensite.base.errors import InputError
+from martensite.boards.firmware.boards import Board
+from martensite.boards.firmware.channels import LEAST, MARGIN, BoardInputs
+from martensite.boards.link.messages import MOST
+
+if TYPE_CHECKING:
+    from martensite.export.c_core import CCore
+
+TOLD = (MOST - 6) // 4
+"""Numbers that fit in a telemetry."""
+LOW_SUPPLY = 0.8
+"""Share of the supply's voltage below which the board disarms."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One number of a firmware."""
+
+    name: str
+    unit: str
+    value: float
+    fixed: bool
+    """It stands in flash."""
+    about: str
+
+
+@dataclass(frozen=True)
+class Limits:
+    """When a board disarms by itself."""
+
+    silence: float = 0.04
+    """Without a word of the host [s]."""
+    longest: float = 3600.0
+    """Armed at a stretch [s]."""
+    most_duty: float = 1.0
+    current: float | None = None
+    """[A]; by default 1.25 times the largest one that the supply drives through the element."""
+
+
+@dataclass(frozen=True)
+class FirmwarePlan:
+    """What a firmware has to know beside its loop."""
+
+    core: CCore
+    board: Board
+    inputs: BoardInputs
+    limits: Limits
+    settings: tuple[Setting, ...]
+    wanted: tuple[int, ...]
+    """Places in the inputs of the loop of what the host sets: references, free signals."""
+    drives: int
+    """Signals of the loop: its first outputs."""
+    told: tuple[int, ...]
+    """Places in the outputs of the loop of what telemetry holds after readings and signals."""
+    period: float
+    """[s]"""
+    digest: int
+    """Of loop and settings."""
+
+    def telemetry(self) -> list[tuple[str, str]]:
+        """Name and unit of every number of a telemetry, in their order."""
+        outputs = self.core.outputs
+        rows = [(one.name, one.unit) for one in self.inputs.readings]
+        rows += [(name_duty(one.name), one.unit) for one in outputs[: self.drives]]
+        rows += [(one.name, one.unit) for one in self.inputs.told_channels()]
+        return rows + [(outputs[k].name, outputs[k].unit) for k in self.told]
+
+
+def name_duty(drive: str) -> str:
+    """What logs call the signal of a drive: a word that readers of logs know."""
+    return "duty" if drive == "drive" else f"duty_{drive}"
+
+
+def list_settings(
+    inputs: BoardInputs, limits: Limits, wanted: Sequence[tuple[str, str]], first: Sequence[float]
+) -> tuple[Setting, ...]:
+    """All settings in their order: those in flash, then those that the host may change.
+
+    Args:
+        inputs: what the board measures.
+        limits: when it disarms.
+        wanted: name and unit of references and free signals.
+        first: their values before the host says others.
+
+    Raises:
+        InputError: there are more than a message can name.
+    """
+    current = MARGIN * inputs.largest_current if limits.current is None else limits.current
+    found = [
+        Setting("most_duty", "1", limits.most_duty, True, "no signal is above it"),
+        Setting("least_supply", "V", LOW_SUPPLY * inputs.supply, True, "below it the board disarms"),
+        Setting("most_current", "A", current, True, "above it the board disarms"),
+        Setting("least_current", "A", LEAST * inputs.largest_current, True, "below it no resistance is measured"),
+        Setting("calibrated", "1", 0.0, False, "1 once gains and offsets are those of this board"),
+    ]
+    for one in inputs.channels:
+        found.append(Setting(f"gain {one.name}", f"{one.unit}/step", one.gain, False, one.parts))
+    for one in inputs.channels:
+        found.append(
+            Setting(f"offset {one.name}", "step", one.offset, False, f"what the channel reads at 0 {one.unit}")
+        )
+    for (name, unit), value in zip(wanted, first, strict=True):
+        found.append(Setting(name, unit, value, False, "what the host sets"))
+    if len(found) > 200:
+        raise InputError(f"This loop has {len(found)} settings; 200 are the most.")
+    return tuple(found)
+
+
+def print_settings(plan: FirmwarePlan) -> str:
+    """`settings.h`."""
+    inputs, board, core = plan.inputs, plan.board, plan.core
+    channels, readings = inputs.channels, inputs.readings
+    gains = 5
+    offsets, wanted = gains + len(channels), gains + 2 * len(channels)
+    alarm = next((i for i, one in enumerate(core.outputs) if one.name == "alarm"), -1)
+    sources = ", ".join(
+        f"{{{'APP_RATIO' if one.ratio else 'APP_DIRECT'}, {one.channel}, {one.other}}}" for one in readings
+    )
+    encoders, told = sum(one.pin < 0 for one in channels), inputs.told_channels()
+    rows = [
+        "/* Numbers of this firmware, printed by martensite. Limits are in flash; what is not fixed the host sets. */",
+        "#ifndef SETTINGS_H",
+        "#define SETTINGS_H",
+        "",
+        "#include <stdint.h>",
+        "",
+        f"#define APP_DIGEST {plan.digest:#010x}UL",
+        f"#define APP_BAUD {board.baud}UL",
+        f"#define APP_PERIOD {round(1e6 * plan.period)}UL /* us */",
+        f"#define APP_SILENCE {round(1e6 * plan.limits.silence)}UL /* us without the host, then it disarms */",
+        f"#define APP_LONGEST {round(1e6 * plan.limits.longest)}UL /* us armed at a stretch */",
+        "#define APP_PWM_HZ 1000UL",
+        f"#define APP_SUPPLY_CHANNEL {inputs.supply_channel}",
+        f"#define APP_CURRENT_CHANNEL {inputs.current_channel}",
+        f"#define APP_ENCODERS {encoders}",
+        f"#define APP_TOLD {len(plan.told)} /* outputs of the loop in a telemetry */",
+        f"#define APP_DRIVE_PINS {{{', '.join(str(pin) for pin in board.drive_pins[: plan.drives])}}}",
+        f"#define APP_CHANNEL_PINS {{{', '.join(str(one.pin) for one in channels)}}}",
+        f"#define APP_ALARM {alarm} /* place of the alarm in the outputs of the loop */",
+        "",
+        "enum {",
+        f"    APP_DRIVES = {plan.drives},",
+        f"    APP_CHANNELS = {len(channels)},",
+        f"    APP_READINGS = {len(readings)},",
+        f"    APP_REFERENCES = {len(plan.wanted)},",
+        f"    APP_SETTINGS = {len(plan.settings)},",
+        "    APP_MOST_DUTY = 0,",
+        "    APP_LEAST_SUPPLY,",
+        "    APP_MOST_CURRENT,",
+        "    APP_LEAST_CURRENT,",
+        "    APP_CALIBRATED",
+        "};",
+        "",
+        f"#define APP_GAIN(channel) ({gains} + (channel))",
+        f"#define APP_OFFSET(channel) ({offsets} + (channel))",
+        f"#define APP_WANTED(i) ({wanted} + (i))",
+        "#define APP_READING(i) (i)",
+        "#define APP_AGE(i) (APP_READINGS + (i))",
+        "#define APP_REFERENCE(i) (2 * APP_READINGS + (i))",
+        "#define APP_SIGNAL(i) (i)",
+        "#define APP_FIXED(place) ((place) < APP_CALIBRATED)",
+        "",
+        "/* A reading: a channel, or one over another. */",
+        "enum { APP_DIRECT, APP_RATIO };",
+        "typedef struct {",
+        "    uint8_t kind, channel, other;",
+        "} app_reading;",
+        "",
+        "#ifdef APP_TABLES /* defined where they are used, so that they are there once */",
+        f"static const app_reading app_source[] = {{{sources}}};",
+        f"static const uint8_t app_told[] = {{{', '.join(map(str, plan.told)) or '0'}}};",
+        f"static const uint8_t app_told_channel[] = {{{', '.join(str(int(one in told)) for one in channels)}}};",
+        "static const float app_default[] = {",
+        *(f"    {_print_float(one.value)}, /* {one.name} [{one.unit}]: {one.about} */" for one in plan.settings),
+        "};",
+        "#define APP_SOURCE(i) (app_source[i])",
+        "#define APP_TELL(i) (app_told[i])",
+        "#define APP_TELL_CHANNEL(i) (app_told_channel[i])",
+        "#define APP_DEFAULT(i) (app_default[i])",
+        "#endif",
+        "",
+        "#endif",
+        "",
+    ]
+    return "\n".join(rows)
+
+
+def _print_float(value: float) -> str:
+    text = f"{value:.9g}"
+    return f"{text}f" if "." in text or "e" in text or "inf" in text else f"{text}.0f"

@@ -1,0 +1,46 @@
+"""What to connect to what: the list of a firmware's wires and parts."""
+
+from __future__ import annotations
+
+from martensite.boards.firmware.parts_list import list_wiring_parts
+from martensite.boards.firmware.settings import FirmwarePlan
+
+
+def describe_wiring(name: str, plan: FirmwarePlan, elements: list[str]) -> str:
+    """`WIRING.md`."""
+    board, inputs = plan.board, plan.inputs
+    rows = [
+        f"# Wiring of `{name}` on {board.title}",
+        "",
+        "This firmware was compiled and run on emulators, not on a board. Check every line before you wire a supply.",
+        "",
+        "| from | through | to |",
+        "|---|---|---|",
+    ]
+    for k, one in enumerate(plan.core.outputs[: plan.drives]):
+        pin = board.name_drive_pin(board.drive_pins[k])
+        rows.append(
+            f"| pin {pin} | 100 ohm, and 10 kilohm from the gate to ground | gate of the switch of `{one.name}` |"
+        )
+        rows.append(f"| supply, {inputs.supply:g} V | the element, then the switch | ground |")
+    for one in inputs.channels:
+        pin = board.name_pin(one.pin) if one.pin >= 0 else f"{-1 - one.pin} and {-one.pin}"
+        low = "" if one.pin < 0 else "; then 1 kilohm, and 1 uF to ground"
+        rows.append(f"| {one.name} [{one.unit}] | {one.parts}{low} | pin {pin} |")
+    rows += [
+        "| ground of the supply | | ground of the board |",
+        "",
+        "![wiring](wiring.svg)",
+        "",
+        "## Parts",
+        "",
+        "| count | part | rating |",
+        "|---|---|---|",
+        *(f"| {one.count} | {one.name} | {one.rating} |" for one in list_wiring_parts(plan, elements)),
+        "",
+        "The gate is held off while the board starts. Signals stay off until the host arms, and go off "
+        f"{1e3 * plan.limits.silence:g} ms after it was heard last, below {plan.settings[1].value:.3g} V of supply, "
+        f"and above {plan.settings[2].value:.3g} A where a current is measured.",
+        "",
+    ]
+    return "\n".join(rows)

@@ -1,0 +1,152 @@
+"""Frames on the line: COBS, a number, a CRC-32; and what of them was lost, doubled, late or garbled.
+
+    frame = COBS(type, number, payload, check), 0
+
+as `link.h` of the firmware says it; the two are held together by tests. Numbers of 16 bits count the frames of each
+direction. A frame is taken if its check is right and its number is after all that have come.
+
+Sources: Cheshire and Baker (1999), IEEE/ACM Trans. Networking 7; CRC-32 of IEEE 802.3.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from cobs import cobs
+
+from martensite.base.errors import DataError, InputError
+from martensite.boards.link.messages import MOST, Message, unpack_message
+
+HEAD, CHECK = struct.Struct("<BH"), struct.Struct("<I")
+LONGEST = HEAD.size + MOST + CHECK.size + 1
+"""Bytes of a frame before its end."""
+LATE = 32
+"""Numbers that are remembered behind the newest one."""
+WRAP = 1 << 16
+
+
+def encode_frame(code: int, number: int, payload: bytes) -> bytes:
+    """A frame, its end included.
+
+    Raises:
+        InputError: the payload is too long.
+    """
+    if len(payload) > MOST:
+        raise InputError(f"A payload has at most {MOST} bytes, but this one has {len(payload)}.")
+    plain = HEAD.pack(code, number % WRAP) + payload
+    return cobs.encode(plain + CHECK.pack(zlib.crc32(plain))) + b"\0"
+
+
+@dataclass
+class LinkCounts:
+    """What came over a link, and what did not."""
+
+    good: int = 0
+    garbled: int = 0
+    """Frames whose check was wrong, or that were no frames."""
+    lost: int = 0
+    """Numbers that never came."""
+    doubled: int = 0
+    """Frames that came again; not taken."""
+    reordered: int = 0
+    """Frames that came after a later one; not taken."""
+    unknown: int = 0
+    """Good frames whose message is none: another version at the other end."""
+
+    def describe(self) -> str:
+        """What was not taken, in words."""
+        return f"{self.lost} lost, {self.garbled} garbled, {self.doubled} doubled, {self.reordered} late"
+
+
+@dataclass
+class FrameReader:
+    """Bytes in, messages out; never raises, whatever the bytes are."""
+
+    counts: LinkCounts = field(default_factory=LinkCounts)
+    _kept: bytearray = field(default_factory=bytearray)
+    _newest: int | None = None
+    _window: int = 0
+
+    def restart(self) -> None:
+        """The other end has begun anew, and its numbers do."""
+        self._newest = None
+
+    def feed(self, data: bytes) -> Iterator[Message]:
+        """Messages that these bytes complete."""
+        *whole, rest = data.split(b"\0")
+        for piece in whole:
+            self._keep(piece)
+            frame, self._kept = bytes(self._kept), bytearray()
+            if frame:
+                yield from self._read_frame(frame)
+        self._keep(rest)
+
+    def _keep(self, piece: bytes) -> None:
+        room = LONGEST + 1 - len(self._kept)  # one more than any frame has: it then fails
+        self._kept += piece[: max(room, 0)]
+
+    def _read_frame(self, frame: bytes) -> Iterator[Message]:
+        plain = _unstuff_frame(frame)
+        if plain is None:
+            self.counts.garbled += 1
+            return
+        code, number = HEAD.unpack_from(plain)
+        if not self._take(number):
+            return
+        self.counts.good += 1
+        try:
+            yield unpack_message(code, plain[HEAD.size : -CHECK.size], number)
+        except DataError:
+            self.counts.unknown += 1
+
+    def _take(self, number: int) -> bool:
+        """Whether a number comes after all others; counts what is missing, late or double."""
+        if self._newest is None:
+            self._newest, self._window = number, (1 << LATE) - 1  # what may have come before is not waited for
+            return True
+        ahead = (number - self._newest) % WRAP
+        if 0 < ahead < WRAP // 2:
+            self.counts.lost += ahead - 1
+            self._window = ((self._window << ahead) | 1) % (1 << LATE) if ahead < LATE else 1
+            self._newest = number
+            return True
+        behind = -ahead % WRAP
+        if 0 < behind < LATE and not self._window >> behind & 1:
+            self._window |= 1 << behind
+            self.counts.reordered += 1
+            self.counts.lost = max(self.counts.lost - 1, 0)  # it was taken for lost
+        else:
+            self.counts.doubled += 1
+        return False
+
+
+def _unstuff_frame(frame: bytes) -> bytes | None:
+    """The plain bytes of a frame, or None if its check is wrong."""
+    if len(frame) > LONGEST:
+        return None
+    try:
+        plain = cobs.decode(frame)
+    except cobs.DecodeError:
+        return None
+    if len(plain) < HEAD.size + CHECK.size:
+        return None
+    (check,) = CHECK.unpack_from(plain, len(plain) - CHECK.size)
+    return plain if zlib.crc32(plain[: -CHECK.size]) == check else None
+
+
+@dataclass
+class BoardClock:
+    """A clock of 32 bits in microseconds, which wraps after 71.6 minutes, as one that does not."""
+
+    _last: int = 0
+    _wraps: int = 0
+
+    def unwrap(self, micros: int) -> int:
+        """Time since the board began [us]."""
+        if micros < self._last:
+            self._wraps += 1
+        self._last = micros
+        return (self._wraps << 32) | micros

@@ -1,0 +1,220 @@
+"""A board for the web bench: what there is, a project for a scenario, and a run that tells how far it is.
+
+The bench is a distribution of its own, which finds this module where it is installed. Here are plain tables and numbers
+in SI; nothing is armed without the word of a person, as everywhere.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from martensite.base.errors import InputError, SolveError
+from martensite.base.files import write_file
+from martensite.boards.board_log import BoardLog
+from martensite.boards.calibration import accept_nominal
+from martensite.boards.emulators.toolchains import CORE, MCUS, SIMAVR
+from martensite.boards.firmware.boards import list_boards
+from martensite.boards.firmware.project import build_firmware
+from martensite.boards.link.host import ARM
+from martensite.boards.link.messages import BoardFlags
+from martensite.boards.rig_scenarios import write_rig_scenario
+from martensite.boards.session import CALIBRATION, EMULATOR, BoardStopped, Session, read_levels
+
+if TYPE_CHECKING:
+    from martensite.scenario.scenario import Scenario
+    from martensite.signals.base import AbstractWaveform
+
+TOLD = 0.2
+"""Least time between two notes [s]."""
+MOST_ROWS = 24
+"""Samples in a note; the log has all."""
+LISTENED = 2.0
+"""How long a dry run listens by itself [s]."""
+TRUE = {"temperature": "K", "resistance": "ohm"}
+"""What an emulator knows of its wire, and no sensor says."""
+
+Tell = Callable[[Mapping[str, Any]], None]
+
+
+def describe_boards() -> dict[str, Any]:
+    """Boards, serial ports, and what is missing for emulators: a sentence, empty if nothing is."""
+    from serial.tools.list_ports import comports
+
+    found = [{"name": one.name, "title": one.title, "emulated": one.name in MCUS} for one in list_boards().values()]
+    ports = [{"name": one.device, "about": one.description or ""} for one in comports()]
+    return {"boards": found, "ports": ports, "emulator": EMULATOR, "missing": find_missing()}
+
+
+def find_missing() -> str:
+    """What an emulator needs and is not there, in a sentence."""
+    there = shutil.which("avr-g++") and CORE.is_dir() and SIMAVR.exists()
+    return "" if there else "An emulator needs gcc-avr, avr-libc, arduino-core-avr and libsimavr-dev (Debian)."
+
+
+@dataclass(frozen=True)
+class LiveRun:
+    """What is asked of a board."""
+
+    board: str
+    port: str
+    """One of those that there are, or `emulator`."""
+    levels: str = ""
+    """Times and duties such as `2 s:0.4, 5 s:0`; empty for the loop of the scenario."""
+    duration: float | None = None
+    """Of the loop, or of a dry run [s]; None: that of the scenario, or `LISTENED`."""
+    word: str = ""
+    """`ARM`, said by a person; empty for a dry run, which heats nothing."""
+    calibration: Mapping[str, Any] | None = None
+    """What `calibration.json` says; None: nominal gains are taken as they are."""
+
+    def check(self) -> None:
+        """Raise `InputError` for a port that is not there, levels that are none, or another word than `ARM`."""
+        known = [EMULATOR, *(one["name"] for one in describe_boards()["ports"])]
+        if self.port not in known:
+            raise InputError(f"There is no port `{self.port}`; there are {', '.join(known)}.")
+        if self.word not in ("", ARM):
+            raise InputError(f"Nothing is armed without the word `{ARM}`, but `{self.word}` was given.")
+        self.list_levels()
+
+    def list_levels(self) -> list[tuple[float, float]]:
+        """Times [s] and duties; none for the loop."""
+        return read_levels(self.levels) if self.levels.strip() else []
+
+
+@dataclass
+class LiveWatch:
+    """Tells what is new of a log, now and then, and ends a run that shall stop."""
+
+    session: Session
+    tell: Tell
+    stop: threading.Event
+    wanted: Mapping[str, AbstractWaveform] = field(default_factory=dict[str, "AbstractWaveform"])
+    """What the loop follows, by the names of columns."""
+    log: BoardLog | None = None
+    _told: int = 0
+    _next: float = 0.0
+    _true: list[list[float]] = field(default_factory=list[list[float]])
+
+    def __call__(self, log: BoardLog, share: float) -> None:
+        """Look at a log of which a share is done.
+
+        Raises:
+            RunStopped: it shall stop.
+        """
+        self.log = log
+        truth = getattr(self.session.port, "truth", None)
+        if truth and len(log) > len(self._true):
+            self._true += [[truth[name] for name in TRUE]] * (len(log) - len(self._true))
+        if self.stop.is_set():
+            raise RunStopped
+        if (now := time.monotonic()) >= self._next:
+            self._next = now + TOLD
+            self.tell({**self.describe_rows(self._told, MOST_ROWS), "share": share, **self.describe_link()})
+            self._told = len(log)
+
+    def describe_rows(self, first: int, most: int | None = None) -> dict[str, Any]:
+        """Columns from a row on, at most so many rows, spread evenly and the newest among them."""
+        if self.log is None or len(self.log) <= first:
+            return {"columns": {}}
+        table = self.log.table(first)
+        every = 1 if most is None else -(-len(table) // most)
+        kept = slice((len(table) - 1) % every, None, every)
+        columns = {name: table[kept, k].tolist() for k, name in enumerate(self.log.names)}
+        true = self._true[first:][kept]
+        columns |= {f"true {name}": [row[k] for row in true] for k, name in enumerate(TRUE) if true}
+        columns |= {name: [one.value(t) for t in columns["time"]] for name, one in self.wanted.items()}
+        return {"columns": columns}
+
+    def describe_link(self) -> dict[str, Any]:
+        """Counters of the link, and whether the board says that it is armed."""
+        latest = self.log.latest if self.log is not None else {}
+        armed = bool(int(latest.get("status", 0.0)) & BoardFlags.ARMED)
+        return {"counts": vars(self.session.link.reader.counts).copy(), "armed": armed}
+
+
+class RunStopped(Exception):
+    """A person has stopped the run."""
+
+
+def make_project(scenario: Scenario, board: str, folder: Path) -> None:
+    """Write the firmware of a scenario into a folder, unless it is there already."""
+    if not (folder / "firmware.json").exists():
+        build_firmware(scenario, board, name=folder.name).write(folder)
+
+
+def run_live(asked: LiveRun, project: Path, log: Path, tell: Tell, stop: threading.Event) -> dict[str, Any]:
+    """Run, or listen to, the board of a project; notes while it goes, a log in the end, and all columns of it.
+
+    Raises:
+        InputError: the port cannot be opened, or the board holds another firmware.
+        SolveError: nobody answers, or the link broke.
+    """
+    given = {"points": {}, "settings": {}, **(asked.calibration or {})}
+    write_file(project / CALIBRATION, json.dumps(given, indent=1) + "\n")
+    tell({"stage": "compiling and starting the emulator" if asked.port == EMULATOR else "opening the port"})
+    with Session.open(project, asked.port) as session:
+        if asked.calibration is None and asked.word:
+            accept_nominal(session)
+        watch = LiveWatch(session, tell, stop, name_wanted(session) if asked.word and not asked.levels.strip() else {})
+        units = list_units(session, watch.wanted)
+        tell({"stage": "running" if asked.word else "listening", "units": units})
+        ended = _run_watched(asked, session, watch)
+        safe = _confirm_disarmed(session) if asked.word else "Dry run: nothing was armed."
+        if watch.log is not None and len(watch.log):
+            watch.log.write(log, session.link.reader.counts)
+        rig = write_rig_scenario(session.firmware["scenario"])
+        told = {**watch.describe_rows(0), "counts": watch.describe_link()["counts"], "units": units}
+    return {**told, "ended": ended, "safe": safe, "rig": rig}
+
+
+def name_wanted(session: Session) -> dict[str, AbstractWaveform]:
+    """What the loop follows, as columns: `wanted position` where that has the unit of the reference."""
+    units = {row["name"]: row["unit"] for row in session.firmware["settings"]}
+    found: dict[str, AbstractWaveform] = {}
+    for name, one in session.list_references().items():
+        alike = (row["name"] for row in session.firmware["telemetry"] if row["unit"] == units[name] != "1")
+        found[f"wanted {next(alike, name).removeprefix('estimated.')}"] = one
+    return found
+
+
+def list_units(session: Session, wanted: Iterable[str]) -> dict[str, str]:
+    """SI units of the columns of a log, and of what is known beside them."""
+    known = {row["name"]: row["unit"] for row in session.firmware["telemetry"]}
+    true = TRUE if hasattr(session.port, "truth") else {}
+    plain = {name.removeprefix("estimated."): unit for name, unit in known.items()}
+    beside = {name: plain.get(name.removeprefix("wanted "), "1") for name in wanted}
+    return {"time": "s", **known, **beside, **{f"true {name}": unit for name, unit in true.items()}}
+
+
+def _run_watched(asked: LiveRun, session: Session, watch: LiveWatch) -> str:
+    """Why it ended, in a sentence; empty if it is whole."""
+    try:
+        if not asked.word:
+            session.listen(LISTENED if asked.duration is None else asked.duration, watch)
+        elif asked.levels.strip():
+            session.play(asked.list_levels(), word=asked.word, watch=watch)
+        else:
+            seconds = session.scenario.duration if asked.duration is None else asked.duration
+            session.follow(session.list_references(), seconds, word=asked.word, watch=watch)
+    except RunStopped:
+        return "Stopped."
+    except BoardStopped as error:
+        watch.log = error.log
+        return str(error)
+    return ""
+
+
+def _confirm_disarmed(session: Session) -> str:
+    """Ask the board to disarm once more, now with an answer."""
+    try:
+        session.link.disarm()
+    except SolveError:
+        return "The board did not answer; it disarms by itself when it hears nothing."
+    return "The board is disarmed and says so."

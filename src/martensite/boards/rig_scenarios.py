@@ -1,0 +1,70 @@
+"""The model of a log that a board wrote: the scenario inside it without its loop, and what of it the log tells.
+
+`martensite fit LOG` asks here where no scenario is said, so that such a log is read without options.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from martensite.base.errors import ParameterError
+from martensite.base.toml_text import as_toml
+from martensite.boards.board_log import ENDINGS, read_log_scenario
+from martensite.fit.api import build_task
+from martensite.scenario.log_tables import read_log_table
+from martensite.scenario.scenario import Scenario, read_scenario
+from martensite.scenario.sections import SECTIONS
+
+USUAL = ("h", "A_s", "A_f", "M_s", "M_f")
+"""Numbers of a wire that are free where none is said, if the log tells something of them."""
+SILENT = 1e-3
+"""Influence on what was measured, as a share of the largest, below which a log tells nothing of a number."""
+
+
+def write_rig_scenario(text: str) -> str:
+    """A scenario without its loop, whose drive follows the column `duty` of a log."""
+    document: dict[str, Any] = tomllib.loads(text)
+    source = document.get("driver", {"kind": "pwm-voltage"})
+    followed = {"waveform": {"kind": "log", "column": "duty", "between": "hold"}}
+    kept = {name: own for name, own in document.items() if name not in (*SECTIONS, "driver", "run")}
+    return as_toml(kept | {"drive": {**source, **followed}})
+
+
+def read_rigs(logs: Sequence[str], free: Sequence[str] | None = None) -> tuple[list[Scenario], list[str]] | None:
+    """Scenarios for logs, and their free numbers: those given, else the usual ones that the logs tell something of.
+
+    None if a log carries no scenario.
+    """
+    texts = [_read_carried(Path(one)) for one in logs]
+    if not texts or not all(texts):
+        return None
+    rigs = [
+        read_scenario(write_rig_scenario(text), log=read_log_table(one)) for text, one in zip(texts, logs, strict=True)
+    ]
+    return rigs, list(free or choose_free(rigs, logs))
+
+
+def _read_carried(path: Path) -> str:
+    return read_log_scenario(path) if path.suffix.lower() in ENDINGS and path.is_file() else ""
+
+
+def choose_free(rigs: Sequence[Scenario], logs: Sequence[str]) -> list[str]:
+    """The usual numbers that logs tell something of, by the slopes of the model at the start.
+
+    Raises:
+        ParameterError: they tell nothing of any.
+    """
+    there = {leaf.path.rpartition(".")[2] for rig in rigs for leaf in rig.system.leaves()}
+    names = [name for name in USUAL if name in there]
+    problem = build_task(rigs, list(logs), names).arrange(check=False).problem.training
+    found = problem.evaluate(problem.start, slopes=True)
+    told = np.zeros(len(names)) if found is None else np.linalg.norm(found.jacobian, axis=0)
+    kept = [name for name, own in zip(names, told, strict=True) if own > SILENT * max(told)]
+    if not kept:
+        raise ParameterError("The logs tell nothing of the wire; say what is to be found by --free.")
+    return kept

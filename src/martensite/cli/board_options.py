@@ -1,0 +1,114 @@
+"""What commands on boards share: the board, its log, its word, and the bar of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from typer import Option
+
+from martensite.base.errors import InputError
+from martensite.base.summary import Block, DataTable, Sentence, Summary
+from martensite.boards.board_log import ENDINGS
+from martensite.cli.options import FigureFile, Force, Json, Text
+from martensite.cli.outputs import Outputs
+from martensite.cli.progress import open_bar
+
+if TYPE_CHECKING:
+    from martensite.boards.board_log import BoardLog
+    from martensite.boards.session import Session
+
+hardware = typer.Typer(no_args_is_help=True)
+"""The group."""
+ProjectFolder = Annotated[Path, typer.Argument(metavar="PROJECT", help="A folder that `export firmware` wrote.")]
+SHOWN = 4
+"""Numbers beside a progress bar."""
+
+
+@dataclass(frozen=True)
+class BoardSource:
+    """A board: its project, and where it is."""
+
+    project: ProjectFolder
+    port: Annotated[str, Option(help="Serial port such as /dev/ttyACM0 or COM3, or emulator.")] = "emulator"
+
+
+@dataclass(frozen=True)
+class LogOptions:
+    """Where a log goes."""
+
+    out: Annotated[Path | None, Option(help="Log to write: .csv, .parquet or .mcap.")] = None
+    figure: FigureFile = None
+    force: Force = False
+    json: Json = False
+
+    def check_file(self) -> LogOptions:
+        """These options; `DataError` if log or figure may not be written."""
+        Outputs(self.out, self.figure).check(self.force, data=ENDINGS)
+        return self
+
+
+Armed = Annotated[
+    Text, Option("--arm", metavar="ARM", help="Without the word ARM nothing is heated: a dry run says what would be.")
+]
+
+
+def require_empty(folder: Path, force: bool) -> Path:
+    """A folder that is empty, or not there; `InputError` for another one, unless it may be written into."""
+    if folder.exists() and any(folder.iterdir()) and not force:
+        raise InputError(f"`{folder}` is not empty; use --force to write into it, or name another folder.")
+    return folder
+
+
+@contextmanager
+def open_session(source: BoardSource) -> Iterator[Session]:
+    """The board of a project, let go in the end."""
+    from martensite.boards.session import Session
+
+    with Session.open(source.project, source.port) as found:
+        yield found
+
+
+@contextmanager
+def show_log(label: str) -> Iterator[Callable[[BoardLog, float], None] | None]:
+    """A bar with the newest numbers of a log."""
+    with open_bar(label, 1.0) as move:
+        yield move and (lambda log, share: move(description=_describe_latest(label, log), completed=share))
+
+
+def _describe_latest(label: str, log: BoardLog) -> str:
+    names = list(log.latest.items())[3 : 3 + SHOWN]
+    return f"{label}: " + ", ".join(f"{name} {value:.4g}" for name, value in names)
+
+
+def answer_log(session: Session, found: BoardLog, options: LogOptions, before: list[Block] | None = None) -> None:
+    """Write log and figure, and say what came."""
+    from martensite.show.figures.style import write_figure
+    from martensite.show.terminal import print_summary
+
+    counts = session.link.reader.counts
+    if options.out is not None:
+        found.write(options.out, counts)
+    if options.figure is not None:
+        write_figure(found.plot(), options.figure)
+    table = found.table()
+    rows = (
+        [
+            [heading, f"{column.min():.5g}", f"{column.max():.5g}", f"{column[-1]:.5g}"]
+            for heading, column in zip(found.headings(), table.T, strict=True)
+        ]
+        if len(found)
+        else []
+    )
+    words = f"{len(found)} samples; frames: {counts.good} good, {counts.describe()}"
+    blocks: list[Block] = [
+        *(before or []),
+        Sentence(words),
+        DataTable(("column", "least", "largest", "last"), rows, right=(1, 2, 3)),
+    ]
+    data = {"samples": len(found), **vars(counts)}
+    print_summary(Summary("", blocks, data), options.json, Outputs(options.out, options.figure).paths())

@@ -1,0 +1,160 @@
+"""Commands that write an element, or its material, alone for a host: `export umat`, `export opensees`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from typer import Option
+
+from martensite.base.errors import InputError
+from martensite.base.summary import Sentence, Summary
+from martensite.cli.options import Force, Json, ScenarioSource, Text, read_quantity, spread_options
+from martensite.cli.outputs import Outputs
+
+if TYPE_CHECKING:
+    from martensite.actuators.assembly import AbstractSystem
+    from martensite.export.c_core import CCore
+    from martensite.export.ports.kernel import PortKernel
+
+SHORTEST_PERIOD, LONGEST_PERIOD = 1e-6, 3600.0
+"""Of the samples of a Modelica model [s]."""
+Port = Annotated[Text, Option("--port", help="Where the element stands, if the scenario has several.")]
+
+
+@dataclass(frozen=True)
+class MaterialOptions:
+    """Which material is written, and where."""
+
+    out: Annotated[Path, Option(metavar="FOLDER", help="Where to write.")] = Path()
+    name: Annotated[Text, Option(help="Name of the material and the files [default: SCENARIO].")] = None
+    port: Port = None
+    preload: Annotated[Text, Option(help="Stress at zero strain, at the start [default: 0 MPa].")] = None
+    slack: Annotated[
+        bool, Option("--slack", help="It goes slack as a wire, instead of carrying compression as a bar.")
+    ] = False
+    force: Force = False
+    json: Json = False
+
+    def compile(self, source: ScenarioSource) -> tuple[PortKernel, str]:
+        """The material of a scenario, and its name.
+
+        Raises:
+            InputError: it would begin compressed though it goes slack.
+        """
+        from martensite.export.c_names import choose_identifier
+        from martensite.export.ports.kernel import compile_port
+        from martensite.export.ports.material import build_material_port
+
+        called = choose_identifier(self.name, source.file.stem)
+        stress = read_quantity("preload", self.preload, "Pa") or 0.0
+        if self.slack and stress < 0.0:
+            raise InputError("What goes slack under compression cannot begin compressed: leave out `--slack`.")
+        side = "slack" if self.slack else "carries"
+        system = source.load().system
+        return compile_port(build_material_port(system, port=self.port, preload=stress, compressed=side)), called
+
+    def write(self, kernel: PortKernel, called: str, texts: Mapping[str, str], lines: list[str]) -> None:
+        """Write its texts, and say so."""
+        files = _write_texts(self.out, called, texts, self.force)
+        _say_written(kernel, called, lines, files, self.json)
+
+
+@spread_options
+def umat(source: ScenarioSource, options: MaterialOptions) -> None:
+    """Write the material of a scenario as a user material (UMAT) of Abaqus and CalculiX, in C.
+
+    Strain and temperature come from the host; stress, latent heat and the consistent tangent go to it. For trusses;
+    where a host computes solids, it is a fibre along the first axis of the material.
+    """
+    from martensite.export.ports.umat import count_state_variables, write_umat
+
+    kernel, called = options.compile(source)
+    states = count_state_variables(kernel)
+    lines = [f"{states} state variables; constants: unit of stress, zero of temperature, lateral modulus, start"]
+    options.write(kernel, called, write_umat(kernel, called), lines)
+
+
+@spread_options
+def opensees(source: ScenarioSource, options: MaterialOptions) -> None:
+    """Write the material of a scenario as a uniaxialMaterial package of OpenSees, in C, with a script that uses it.
+
+    The temperature is a table over the time of the model.
+    """
+    from martensite.export.ports.opensees import write_opensees
+
+    kernel, called = options.compile(source)
+    lines = [f"uniaxialMaterial {called} tag 1 0.0 TEMPERATURE"]
+    options.write(kernel, called, write_opensees(kernel, called), lines)
+
+
+@spread_options
+def modelica(
+    source: ScenarioSource,
+    out: Annotated[Path | None, Option(metavar="FOLDER", help="Package to write [default: ./NAME].")] = None,
+    name: Annotated[Text, Option(help="Name of the package [default: SCENARIO].")] = None,
+    port: Port = None,
+    period: Annotated[str, Option(help="From sample to sample of the element.")] = "10 ms",
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Write an element of a scenario as a Modelica package: a model between two flanges, on functions in C.
+
+    Written by the specification of the language; it has not been run in a Modelica tool.
+    """
+    from martensite.base.files import make_folder
+    from martensite.export.c_names import MODELICA, choose_identifier
+    from martensite.export.ports.element import build_element_port
+    from martensite.export.ports.kernel import compile_port
+    from martensite.export.ports.modelica import write_modelica
+
+    called = choose_identifier(name, source.file.stem, MODELICA)
+    length = read_quantity("period", period, "s")
+    if not SHORTEST_PERIOD <= length <= LONGEST_PERIOD:
+        raise InputError(f"Option `--period` must be between 1 us and 1 h, but is {period}.")
+    kernel = compile_port(build_element_port(source.load().system, port=port))
+    folder = out or Path(called)
+    texts = write_modelica(kernel, called, length)
+    for path in texts:
+        if (folder / path).parent.exists():
+            Outputs(folder / path, None).check(force, data=(Path(path).suffix,))
+    for below in (folder, folder / "Resources", folder / "Resources" / "Include"):
+        make_folder(below)
+    files = _write_texts(folder, "", texts, True)
+    _say_written(kernel, called, ["not run in a Modelica tool: none was at hand"], files, json)
+
+
+def write_core_alone(system: AbstractSystem, part: str, port: str | None, name: str, precision: str) -> CCore:
+    """The core of an element, or of its material, for a host."""
+    from martensite.export.ports.element import build_element_port
+    from martensite.export.ports.kernel import compile_port
+    from martensite.export.ports.material import build_material_port
+
+    build = build_element_port if part == "element" else build_material_port
+    return compile_port(build(system, port=port)).write_core(name=name, precision=precision)
+
+
+def _write_texts(folder: Path, name: str, texts: Mapping[str, str], force: bool) -> list[Path]:
+    """Write texts by the endings of their files, all of them or none."""
+    from martensite.base.files import make_folder, replace_together, write_file
+
+    missing = not folder.exists()
+    files = {folder / f"{name}{end}": text for end, text in texts.items()}
+    for path in [folder.parent / next(iter(files)).name] if missing else files:
+        Outputs(path, None).check(force or missing, data=(path.suffix,))
+    make_folder(folder)
+    with replace_together():
+        for path, text in files.items():
+            write_file(path, text)
+    return list(files)
+
+
+def _say_written(kernel: PortKernel, name: str, lines: list[str], files: list[Path], json: bool) -> None:
+    from martensite.show.terminal import print_summary
+
+    port = kernel.system
+    told = [port.description(), *lines, *port.list_cautions()]
+    data = {"name": name, "described": port.description(), "states": kernel.size}
+    print_summary(Summary("", [Sentence(line) for line in told], data), json, files)

@@ -1,0 +1,85 @@
+"""A finished tuning of a scenario: whether it is worse than before, what to print, and what may be saved."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from martensite.base.summary import Block, Sentence, Summary
+from martensite.control.margins.loop_check import LoopReport
+from martensite.control.tuning.judgement import TuningJudgement
+from martensite.show.summaries.loop import check_scenario_loop
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from martensite.cli.outputs import AnswerOptions, Outputs
+    from martensite.control.loop.bench import Bench
+    from martensite.scenario.scenario import Scenario
+
+
+@dataclass(frozen=True, eq=False)
+class TuningVerdict:
+    """Errors before and after, and what `check` finds in the tuned loop."""
+
+    judgement: TuningJudgement
+    report: LoopReport
+    was_sound: bool
+    """Whether the loop before had no fault; only looked at if the tuned loop has one."""
+
+    @property
+    def lost(self) -> bool:
+        """True if the tuned loop is not sound and the loop before was."""
+        return self.was_sound and self.report.verdict == "not sound"
+
+    @property
+    def worse(self) -> bool:
+        """True if the error is larger than before, or the loop is no longer sound."""
+        return self.judgement.worse or self.lost
+
+    @property
+    def sentence(self) -> str:
+        """The verdict in one sentence without a full stop."""
+        if self.lost:
+            return f"Worse than before: the loop is no longer sound ({self.judgement.describe()})"
+        return f"{self.judgement.word}: {self.judgement.describe()}"
+
+    def list_blocks(self) -> Iterator[Block]:
+        """Yield what `check` finds, and its verdict."""
+        yield from (Sentence(str(one), "bad" if one.fault else "caution") for one in self.report.findings)
+        untested = f" ({', '.join(self.report.untested)})" if self.report.verdict == "not all tested" else ""
+        tone = "bad" if self.report.verdict == "not sound" else ""
+        yield Sentence(f"`check` of the tuned loop: {self.report.verdict}{untested}.", tone)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return all of it for programs."""
+        return {**self.judgement.to_dict(), "worse": self.worse, "check": self.report.to_dict()}
+
+
+def judge_scenario(scenario: Scenario, bench: Bench, judgement: TuningJudgement) -> TuningVerdict:
+    """Test the tuned bench of a scenario as `check` does, and the present one if the tuned one has a fault."""
+    report = check_scenario_loop(scenario, bench)
+    faulty = report.verdict == "not sound" and scenario.bench is not None
+    before = check_scenario_loop(scenario, scenario.bench) if faulty and scenario.bench is not None else report
+    return TuningVerdict(judgement, report, before.verdict != "not sound")
+
+
+@dataclass(frozen=True, eq=False)
+class TuningAnswer:
+    """What a tuning prints, writes and draws."""
+
+    verdict: TuningVerdict
+    summary: Summary
+    text: Callable[[], str]
+    """Makes the scenario with the new numbers."""
+    draw: Callable[[], Figure]
+
+    def give(self, outputs: Outputs, options: AnswerOptions) -> bool:
+        """Print and write it, the verdict first; a worse scenario only by force. Return whether it was refused."""
+        from martensite.cli.outputs import Verdict
+
+        verdict = Verdict(self.verdict.worse, self.verdict.sentence)
+        blocks = [*self.summary.blocks, *self.verdict.list_blocks()]
+        said = replace(self.summary, blocks=blocks, data={**self.summary.data, "verdict": self.verdict.to_dict()})
+        return outputs.answer_verdict(verdict, said, options, self.text, self.draw)

@@ -1,0 +1,112 @@
+"""Could a reference be followed if every signal were right? A bound, from the fastest ways up and down.
+
+The plant is heated under its largest signal to the top of the reference, then left under its least one. From a reading
+it can be no higher one period later than along the first way, and no lower than along the second: who follows a
+reference within these two is what the best controller comes near to, but for the time that a dead band takes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TypeAlias
+
+import numpy as np
+
+from martensite.base.errors import InputError
+from martensite.base.formats import write_difference, write_percent
+from martensite.control.loop.findings import LoopFinding
+from martensite.control.margins.loop_check import BEYOND, LoopCase
+from martensite.control.observers.base import ESTIMATED
+from martensite.kernels.c99_lanes import BLOCK
+from martensite.signals.sampling.sampled import Numbers
+from martensite.simulate.lanes import Lanes
+
+BEHIND, MOSTLY = 0.05, 0.2
+"""Share of the reference's span that is behind it, and share of the time for which that is no fault of its pace."""
+STRETCH, STEPS = 64, 20_000
+"""Of a plant as fast as it can: steps at a time, and at most."""
+Curve: TypeAlias = tuple[Numbers, Numbers]
+"""Times [s] and readings."""
+WAYS = (
+    ("falls faster than the element cools", "Try a slower way down, a thinner wire or more cooling."),
+    ("rises faster than the element heats", "Try a slower way up, or a higher signal."),
+)
+
+
+def check_pace(case: LoopCase) -> Iterator[LoopFinding]:
+    """Whether the reading could follow the reference if every signal were right."""
+    reached = case.read(case.heating)
+    sign = float(np.sign(reached[-1] - reached[0]))
+    ends = float(min(sign * reached)), float(max(sign * reached))
+    wanted, unit = np.clip(sign * case.reference, *ends), case.unit
+    rising, falling = _compute_fastest(case, sign, wanted, ends)
+    best = follow_fastest(wanted, rising, falling, case.duration / max(len(wanted) - 1, 1))
+    span = max(float(np.ptp(wanted)), BEYOND * (ends[1] - ends[0]))
+    for off, (times, _), (words, remedy) in zip((best - wanted, wanted - best), (falling, rising), WAYS, strict=True):
+        share = float(np.mean(off > BEHIND * span))
+        if share > MOSTLY:
+            said = (
+                f"The reference {words}: under the best signals the reading is more than {write_percent(BEHIND)} of "
+                f"its span behind for {write_percent(share)} of the time, and by up to "
+                f"{write_difference(float(off.max()), unit, 3)}; the whole way takes {times[-1]:.3g} s at least."
+            )
+            yield case.find("pace", "references", (said, remedy), (share, MOSTLY, "1"))
+
+
+def find_truth(case: LoopCase) -> str:
+    """The output of the plant that is read and controlled.
+
+    Raises:
+        InputError: it is none.
+    """
+    name = case.controller.measured
+    mounted = case.bench.sensors.members().get(name)
+    found = mounted.sees()[0] if mounted is not None else name.removeprefix(ESTIMATED)
+    if found not in case.bench.plant.outputs():
+        raise InputError(f"`{name}` is no output of the plant")
+    return found
+
+
+def _compute_fastest(case: LoopCase, sign: float, wanted: Numbers, ends: tuple[float, float]) -> tuple[Curve, Curve]:
+    """The ways under the largest signal, then under the least one, between the ends of the reference."""
+    slack = BEYOND * (ends[1] - ends[0])
+    top = min(float(wanted.max()), ends[1] - slack)
+    floor = max(min(float(wanted.min()), top - slack), ends[0] + slack)
+    lanes = Lanes(case.bench.plant, BLOCK)
+    lanes.reset(case.heating.signals[:, :1])
+    place = list(lanes.names).index(find_truth(case))
+    up = _march_until(case, lanes, case.limits[1], lambda y: sign * y >= top, place)
+    down = _march_until(case, lanes, case.limits[0], lambda y: sign * y <= floor, place)
+    return (up[0], np.maximum.accumulate(sign * up[1])), (down[0], np.minimum.accumulate(sign * down[1]))
+
+
+def _march_until(case: LoopCase, lanes: Lanes, signal: float, done: Callable[[Numbers], Numbers], place: int) -> Curve:
+    """Times and truths until something is reached, to which the lanes are taken."""
+    names, dt = [one.name for one in case.bench.plant.drives()], case.bench.period / case.bench.turns
+    held = case.heating.signals[:, 0].copy()
+    held[names.index(case.drive)] = signal
+    rows, some = [lanes.observe(held[:, None])[place, :1]], np.broadcast_to(held[:, None], (STRETCH, len(held), 1))
+    while STRETCH * len(rows) < STEPS:
+        before, found = lanes.state, lanes.advance(some, dt)[:, place, 0]
+        stop = np.flatnonzero(done(found))
+        if len(stop):
+            lanes.state = before
+            lanes.advance(some[: stop[0] + 1], dt, shown=False)
+            rows.append(found[: stop[0] + 1])
+            break
+        rows.append(found)
+    column = np.concatenate(rows)
+    return dt * np.arange(len(column)), column
+
+
+def follow_fastest(wanted: Numbers, rising: Curve, falling: Curve, dt: float) -> Numbers:
+    """The nearest to a reference, at samples dt [s] apart, between the fastest ways up and down."""
+    (up, high), (down, low) = rising, falling
+    found, now = np.empty(len(wanted)), float(wanted[0])
+    for k, asked in enumerate(wanted.tolist()):
+        if asked > now:
+            now = min(asked, max(now, float(np.interp(np.interp(now, high, up) + dt, up, high))))
+        elif asked < now:
+            now = max(asked, min(now, float(np.interp(np.interp(-now, -low, down) + dt, down, low))))
+        found[k] = now
+    return found

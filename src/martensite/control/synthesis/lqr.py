@@ -1,0 +1,166 @@
+"""State feedback by the linear-quadratic regulator, with an integral of the tracking error.
+
+    J = Σ_k  Σ_i (Δz_i/s_i)² + (I/s_I)² + (Δu/s_u)²,    u = u_0 - K Δz + K_I I
+
+over the plant in discrete time with the integral as a further state (Franklin, Powell and
+Workman 1998), solved by the discrete algebraic Riccati equation. Sizes s are deviations that
+weigh the same (Bryson's rule). With
+
+    N = (1 + K M_z)/M_y
+
+where M are gains at rest from the signal, a reference away from the operating point needs no
+error to get there as far as the plant is linear.
+
+A plant with hysteresis has a linear system for each branch; one design may serve both, by their
+mean or by the gains of the faster branch. What it does on either must be looked at in a run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, cast
+
+import numpy as np
+from scipy.linalg import solve_discrete_are
+
+from martensite.base.errors import ParameterError, SolveError, suggest_name
+from martensite.control.controllers.state_feedback import StateFeedback
+from martensite.control.synthesis.linear import Readings
+from martensite.identify.chains.linear_system import LinearSystem
+from martensite.signals.sampling.sampled import Numbers
+
+
+@dataclass(frozen=True)
+class LqrSizes:
+    """Deviations that weigh the same in the cost."""
+
+    states: tuple[float, ...]
+    """Of every state, in its SI unit; infinite for one that does not count."""
+    integral: float
+    """Of the integral of the error, in its unit times s."""
+    signal: float
+    """Of the signal, in the unit of the source."""
+
+
+@dataclass(frozen=True, eq=False)
+class Regulator:
+    """Gains that minimise the cost."""
+
+    readings: Readings
+    """The linear plant that they are for."""
+    measured: str
+    gains: tuple[float, ...]
+    """K, one per state."""
+    Ki: float
+    """K_I [signal per unit and s]."""
+    prefilter: float
+    """N."""
+
+    @property
+    def linear(self) -> LinearSystem:
+        """The plant."""
+        return self.readings.linear
+
+    def closed(self) -> Numbers:
+        """Matrix of the closed loop, states and integral."""
+        a, b, _ = augment_plant(self.linear, self.measured)
+        return a - b @ np.array([[*self.gains, -self.Ki]])
+
+    def poles(self) -> Numbers:
+        """Poles of the closed loop in the plane of z, the slowest first."""
+        found = np.linalg.eigvals(self.closed())
+        return found[np.argsort(-np.abs(found), kind="stable")]
+
+    def controller(
+        self, low: float, high: float, *, reference: Any, names: Sequence[str] | None = None
+    ) -> StateFeedback:
+        """The controller with these gains.
+
+        Args:
+            low: least signal.
+            high: largest signal.
+            reference: waveform that shall be followed.
+            names: what the states are called on a bench, such as `estimated.temperature`, in
+                their order; by default as in the plant.
+
+        Raises:
+            ParameterError: there are not as many names as states.
+        """
+        states = self.linear.output_names
+        called = tuple(names or states)
+        if len(called) != len(states):
+            raise ParameterError(f"There are {len(states)} states, but {len(called)} names.")
+        place = states.index(self.measured)
+        at = tuple(float(value) for value in self.linear.state)
+        return StateFeedback(
+            measured=called[place],
+            reference=reference,
+            states=called,
+            gains=self.gains,
+            at=at,
+            signal=float(self.linear.inputs[0]),
+            level=at[place],
+            prefilter=self.prefilter,
+            Ki=self.Ki,
+            low=low,
+            high=high,
+        )
+
+
+def augment_plant(linear: LinearSystem, measured: str) -> tuple[Numbers, Numbers, Numbers]:
+    """A and B with the integral of the error as the last state, and the row of what is measured."""
+    if measured not in linear.output_names:
+        raise ParameterError(
+            f"`{measured}` is no state of the linear plant. {suggest_name(measured, linear.output_names)}"
+        )
+    count, row = len(linear.a), linear.c[[linear.output_names.index(measured)]]
+    step = -linear.interval * row
+    a = np.block([[linear.a, np.zeros((count, 1))], [step @ linear.a, np.ones((1, 1))]])
+    return a, np.vstack([linear.b, step @ linear.b]), row
+
+
+def design_regulator(readings: Readings, measured: str, sizes: LqrSizes) -> Regulator:
+    """The regulator that minimises the cost of a linear plant with one input.
+
+    Args:
+        readings: from `realise_readings`, or the mean of both branches.
+        measured: which of its states shall follow a reference.
+        sizes: of the cost.
+
+    Raises:
+        ParameterError: a name or the sizes do not fit.
+        SolveError: no feedback from these states makes the plant stable.
+    """
+    linear = readings.linear
+    if linear.b.shape[1] != 1 or len(sizes.states) != len(linear.a):
+        raise ParameterError(
+            f"A regulator has one input and a size per state, but there are "
+            f"{linear.b.shape[1]} inputs, {len(linear.a)} states and {len(sizes.states)} sizes."
+        )
+    every = np.array([*sizes.states, sizes.integral, sizes.signal], dtype=float)
+    if not np.all(every > 0.0):
+        raise ParameterError(f"All sizes must be above 0, but they are {sizes}.")
+    a, b, row = augment_plant(linear, measured)
+    gains = solve_riccati(a, b, np.diag(every[:-1] ** -2.0), np.array([[every[-1] ** -2.0]]))[0]
+    inside = np.linalg.solve(np.eye(len(linear.a)) - linear.a, linear.b)
+    prefilter = (1.0 + float(gains[:-1] @ inside[:, 0])) / float((row @ inside)[0, 0])
+    kept = tuple(float(gain) for gain in gains[:-1])
+    return Regulator(readings, measured, kept, -float(gains[-1]), prefilter)
+
+
+def solve_riccati(a: Numbers, b: Numbers, q: Numbers, r: Numbers) -> Numbers:
+    """K of u = -K x that minimises Σ xᵀ Q x + uᵀ R u along x_k+1 = A x_k + B u_k.
+
+    Raises:
+        SolveError: the equation has no stabilising solution.
+    """
+    weights = np.diag(q)
+    scale = np.sqrt(np.where(weights > 0.0, weights, 1.0))
+    inner, into = scale[:, None] * a / scale, scale[:, None] * b
+    try:
+        p = solve_discrete_are(inner, into, q / np.outer(scale, scale), r)
+    except (np.linalg.LinAlgError, ValueError) as error:
+        raise SolveError(f"No feedback from these states makes the plant stable: {error}") from None
+    k = np.linalg.solve(r + into.T @ p @ into, into.T @ p @ inner)
+    return cast("Numbers", k * scale)

@@ -1,0 +1,159 @@
+r"""What a tuned loop shall do, as one smooth number with its derivatives.
+
+    cost = E + w_o O + w_e P + w_a A
+
+    E = Σ t |e|/(Σ t Δ)  (itae),   mean |e|/Δ  (iae),   mean e²/Δ²  (ise)
+    O = (mean max(0, beyond)⁸)^(1/8)/Δ         overshoot
+    P = mean power/P₀                          energy
+    A = mean |u_k - u_k-1|/U                   activity of the signal
+
+with the error e = r - y, the span Δ of the reference and where it starts from, P₀ and U the mean
+power and the range of the signal in a first run: every part is a share, and a weight says what it
+is worth beside the error. The time t of ITAE begins anew at every step of the reference, which is
+a change by more than 5 % of Δ within a sample. `beyond` is how far the output is on the other side
+of the new level, counted from a step until the reference moves again. |x| is √(x² + δ²) - δ with
+δ a thousandth of the span, so that derivatives exist; a power mean of order 8 stands for the
+largest excess.
+
+A batch of plants is judged by the mean of their costs, or by the mean over the worst share of
+them (conditional value at risk: Rockafellar and Uryasev (2000)).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from martensite.base.errors import ParameterError, suggest_name
+from martensite.control.tuning.loop_runs import Seen
+from martensite.signals.sampling.sampled import Numbers
+
+ERRORS = ("itae", "iae", "ise")
+STEP, SMOOTH, ORDER = 0.05, 1e-3, 8.0
+
+
+@dataclass(frozen=True)
+class TuningGoal:
+    """How parts of the cost count beside the error."""
+
+    error: str = "itae"
+    """itae, iae or ise."""
+    overshoot: float = 0.2
+    energy: float = 0.01
+    activity: float = 0.1
+    worst: float = 1.0
+    """Share of a batch that counts, the worst of it; 1 for the mean of all."""
+
+    def __post_init__(self) -> None:
+        """Raise `ParameterError` for what is no goal."""
+        if self.error not in ERRORS:
+            raise ParameterError(f"No goal is named `{self.error}`. {suggest_name(self.error, ERRORS)}")
+        weights = self.overshoot, self.energy, self.activity
+        if not all(0.0 <= weight < math.inf for weight in weights):
+            raise ParameterError("Weights of a goal must be at least 0 and finite.")
+        if not 0.0 < self.worst <= 1.0:
+            raise ParameterError(
+                f"The share of a batch that counts must be above 0 and at most 1, but is {self.worst:g}."
+            )
+
+    def over_plants(self, costs: Numbers) -> tuple[float, Numbers]:
+        """What a batch costs, and the share with which every plant counts in it."""
+        counted = max(math.ceil(self.worst * len(costs) - 1e-9), 1)
+        weights = np.zeros(len(costs))
+        weights[np.argsort(-costs, kind="stable")[:counted]] = 1.0 / counted
+        return float(costs[weights > 0.0].mean()), weights
+
+
+class Course:
+    """A reference and the scales of a first run: what costs are counted with."""
+
+    def __init__(self, seen: Seen, period: float) -> None:
+        """Learn from a first run, arrays of shape (samples,); `ParameterError` if the reference asks for nothing."""
+        reference, start = seen.reference, float(seen.output[0])
+        self.span = float(max(reference.max(), start) - min(reference.min(), start))
+        if not self.span > 0.0:
+            raise ParameterError("The reference stands where the output begins: nothing to tune.")
+        self.period = period
+        self.power = max(float(seen.power.mean()), 1e-12)
+        self.signal = max(float(np.ptp(seen.signal)), 1e-12)
+        self.change = np.diff(reference, prepend=start)
+        self.steps = np.abs(self.change) > STEP * self.span
+        self.steps[0] = True
+        places = np.arange(len(self.steps))
+        last = np.maximum.accumulate(np.where(self.steps, places, 0))
+        self.clock = (places - last) * period
+        self.way = self._way()
+
+    def _way(self) -> Numbers:
+        """Direction of the last step while the reference stands; 0 while it moves."""
+        found = np.zeros(len(self.change))
+        way = 0.0
+        for k, (change, step) in enumerate(zip(self.change, self.steps, strict=True)):
+            if step:
+                way = float(np.sign(change))
+            elif change != 0.0:
+                way = 0.0
+            found[k] = way
+        return found
+
+
+class Cost:
+    """A goal on a course: costs of runs, and their derivatives."""
+
+    def __init__(self, goal: TuningGoal, course: Course) -> None:
+        self.goal, self.course = goal, course
+
+    def __call__(self, seen: Seen) -> Numbers:
+        """Costs of runs, shape (runs, samples) -> (runs,); infinite where a run failed."""
+        with np.errstate(invalid="ignore"):
+            found = np.asarray(self.parts(seen)[0])
+        return np.where(np.isfinite(found), found, np.inf)
+
+    def slope(self, seen: Seen, slopes: Seen) -> Numbers:
+        """Derivatives of the cost of one run, from those of what was seen (samples, parameters)."""
+        _, output, signal, power = self.parts(seen)
+        return output @ slopes.output + signal @ slopes.signal + power @ slopes.power
+
+    def parts(self, seen: Seen) -> tuple[Any, Numbers, Numbers, Numbers]:
+        """Costs, and derivatives with respect to output, signal and power at every sample."""
+        goal, course = self.goal, self.course
+        error, by_output = self._error(seen.output - seen.reference)
+        beyond, more = self._overshoot(seen.output - seen.reference)
+        moved, by_signal = _smooth_size(np.diff(seen.signal) / course.signal)
+        count = max(moved.shape[-1], 1)
+        energy = seen.power.mean(-1) / course.power
+        activity = moved.sum(-1) / count
+        cost = error + goal.overshoot * beyond + goal.energy * energy + goal.activity * activity
+        ends = np.zeros((*by_signal.shape[:-1], 1))
+        by_signal = np.concatenate([ends, by_signal], -1) - np.concatenate([by_signal, ends], -1)
+        by_power = np.full_like(seen.power, goal.energy / course.power / seen.power.shape[-1])
+        by_signal = by_signal * (goal.activity / course.signal / count)
+        return cost, by_output + goal.overshoot * more, by_signal, by_power
+
+    def _error(self, e: Numbers) -> tuple[Any, Numbers]:
+        span, clock = self.course.span, self.course.clock
+        if self.goal.error == "ise":
+            return (e**2).mean(-1) / span**2, 2.0 * e / e.shape[-1] / span**2
+        timed = clock if self.goal.error == "itae" else np.ones_like(clock)
+        weights = timed / timed.sum()
+        size, slope = _smooth_size(e / span)
+        return size @ weights, slope * weights / span
+
+    def _overshoot(self, e: Numbers) -> tuple[Any, Numbers]:
+        span, way = self.course.span, self.course.way
+        count = max(int((way != 0.0).sum()), 1)
+        beyond = np.maximum(e * way / span, 0.0)
+        power = (beyond**ORDER).sum(-1, keepdims=True) / count
+        some = power > 0.0
+        mean = np.where(some, power, 1.0) ** (1.0 / ORDER)
+        slope = np.where(some, beyond ** (ORDER - 1.0) * mean ** (1.0 - ORDER), 0.0)
+        return np.where(some, mean, 0.0)[..., 0], slope * way / span / count
+
+
+def _smooth_size(x: Numbers) -> tuple[Numbers, Numbers]:
+    """|x| and its derivative, smooth around 0."""
+    root = np.sqrt(x**2 + SMOOTH**2)
+    return root - SMOOTH, x / root

@@ -1,0 +1,138 @@
+"""Comparison of a tuned loop with the loop before: the same plants, the same noise, one measure of the error.
+
+    rms = √(mean over plants of rms²)        itae, iae = mean over plants
+
+The measure is the error of the goal that was searched (`rms` for `ise`), else `rms`. A run that fails has an infinite
+error. A result is worse if its error is larger than before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from martensite.base.errors import InputError
+from martensite.base.formats import choose_difference_unit
+from martensite.control.tuning.goals import Course, Numbers
+from martensite.control.tuning.loop_runs import LoopRuns, Seen
+from martensite.control.tuning.measures import UNITS, compute_itae
+from martensite.control.tuning.plant_spread import Plants
+
+MEASURES = {"itae": "itae", "iae": "iae", "ise": "rms"}
+"""Error of a goal -> measure of a comparison."""
+ROUNDING = 1e-9
+"""Share by which two errors that are the same may differ."""
+
+
+class JudgedLoop(NamedTuple):
+    """A loop of a comparison."""
+
+    runs: LoopRuns
+    values: Mapping[str, float]
+    """Numbers by path that differ from those of the bench."""
+
+
+@dataclass(frozen=True, eq=False)
+class TuningJudgement:
+    """Errors of a loop on plants, before and after a tuning."""
+
+    measure: str
+    """rms, itae or iae."""
+    unit: str
+    """SI unit of what is controlled."""
+    before: Numbers
+    """One error per plant, in SI."""
+    after: Numbers
+    drawn: bool
+    """True for plants drawn within spreads, False for the nominal plant alone."""
+
+    @property
+    def errors(self) -> tuple[float, float]:
+        """Error over all plants, before and after, in SI."""
+        if self.measure == "rms":
+            return float(np.sqrt(np.mean(self.before**2))), float(np.sqrt(np.mean(self.after**2)))
+        return float(self.before.mean()), float(self.after.mean())
+
+    @property
+    def worse(self) -> bool:
+        """True if the error is larger than before."""
+        before, after = self.errors
+        return after > before * (1.0 + ROUNDING)
+
+    @property
+    def word(self) -> str:
+        """The verdict, in two words or three."""
+        before, after = self.errors
+        return "Worse than before" if self.worse else "As before" if after >= before else "Better than before"
+
+    def describe(self) -> str:
+        """Return both errors and the plants, such as `rms 0.3 mm instead of 0.7 mm on 16 plants, better on 15`."""
+        shown, factor = choose_difference_unit(self.unit)
+        unit = UNITS[self.measure].format(shown)
+        before, after = (f"{x / factor:.3g} {unit}" if np.isfinite(x) else "a run that fails" for x in self.errors)
+        better = int((self.after < self.before).sum())
+        where = f"{len(self.after)} plants, better on {better}" if self.drawn else "the plant of the scenario"
+        return f"{self.measure} {after} instead of {before} on {where}"
+
+    def to_dict(self) -> dict[str, float | int | str | bool]:
+        """Return all of it for programs, in SI."""
+        before, after = self.errors
+        ratios = self.after / self.before
+        return {
+            "worse": self.worse,
+            "measure": self.measure,
+            "before": before,
+            "after": after,
+            "plants": len(self.after),
+            "ratio_median": float(np.median(ratios)),
+            "ratio_worst": float(ratios.max()),
+            "share_improved": float((self.after < self.before).mean()),
+        }
+
+    def require_better(self, *, force: bool = False) -> None:
+        """Raise `InputError` for a worse result, unless it is forced."""
+        if self.worse and not force:
+            raise InputError(f"{self.word}: {self.describe()}; not saved. Pass `force=True` to save it.")
+
+
+def judge_loops(
+    before: JudgedLoop, after: JudgedLoop, plants: Plants | None = None, measure: str = "rms"
+) -> TuningJudgement:
+    """Run a loop before and after a tuning on the same plants, and compare the errors.
+
+    Args:
+        before: the present loop.
+        after: the tuned loop; its bench has the same plant.
+        plants: plants to judge on; the nominal plant if None.
+        measure: rms, itae or iae.
+
+    Raises:
+        ParameterError: the reference asks for nothing.
+    """
+    rows = [_run_plants(one, plants) for one in (before, after)]
+    period = before.runs.bench.period
+    finite = (row.one(int(k)) for row in rows for k in np.flatnonzero(np.isfinite(row.output).all(-1)))
+    known = next(finite, None)
+    course = None if known is None else Course(known, period)
+    unit = before.runs.bench.outputs()[before.runs.output].unit
+    errors = [_measure_errors(row, course, measure, period) for row in rows]
+    return TuningJudgement(measure, unit, errors[0], errors[1], plants is not None)
+
+
+def _run_plants(one: JudgedLoop, plants: Plants | None) -> Seen:
+    drawn = {} if plants is None else plants.values
+    return one.runs.run(one.runs.table({**drawn, **one.values}, 1 if plants is None else plants.count))
+
+
+def _measure_errors(seen: Seen, course: Course | None, measure: str, period: float) -> Numbers:
+    off = np.abs(seen.reference - seen.output)
+    if course is None:
+        return np.full(len(off), np.inf)
+    if measure == "itae":
+        found = np.asarray(compute_itae(seen, course))
+    else:
+        found = off[:, 1:].sum(-1) * period if measure == "iae" else np.sqrt((off**2).mean(-1))
+    return np.where(np.isfinite(found), found, np.inf)

@@ -1,0 +1,164 @@
+"""How good a loop is, in numbers that people know: errors, overshoot, settling, energy, heat.
+
+    IAE = ∫ |e| dt      ISE = ∫ e² dt      ITAE = ∫ t |e| dt, t from the last step of the reference
+    rms = √(ISE/T)      energy = ∫ P dt
+
+Overshoot is the largest excess over a new level, in shares of the span of the reference; settling
+is the longest time after which the output stays within 5 % of a step around its level, infinite
+where it never does so before the reference moves again. Both count steps after which the reference
+stands.
+
+Of steps and sines of a reference, each ending where the next begins:
+
+    rise        time from the step until the output has gone 90 % of it
+    settling    time from the step after which it stays within 5 % of it around the new level
+    overshoot   how far it goes beyond the new level, in shares of the step
+    error       mean of reference less output over the last tenth of the level
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from martensite.base.errors import InputError
+from martensite.control.tuning.goals import Course, Numbers
+from martensite.control.tuning.loop_runs import Seen
+
+RISE, BAND, LAST = 0.90, 0.05, 0.1
+
+
+class StepResponse(NamedTuple):
+    """How one step is answered."""
+
+    before: float
+    """Level of the reference before the step, in the unit of the output."""
+    after: float
+    """Level after it."""
+    rise: float
+    """[s]"""
+    settling: float
+    """[s]"""
+    overshoot: float
+    """In shares of the step."""
+    error: float
+    """Steady error, in the unit of the output."""
+
+
+def build_steps(levels: Sequence[tuple[float, float]], interval: float) -> Numbers:
+    """A reference that stands at levels, each for some time.
+
+    Args:
+        levels: pairs of level and time [s].
+        interval: sample time [s].
+
+    Raises:
+        InputError: a level lasts less than a sample.
+    """
+    counts = [round(time / interval) for _, time in levels]
+    if not counts or min(counts) < 1:
+        raise InputError(f"Every level must last a sample of {interval:g} s at least.")
+    return np.repeat([level for level, _ in levels], counts).astype(float)
+
+
+def measure_steps(reference: Numbers, output: Numbers, interval: float) -> list[StepResponse]:
+    """How an output answers every step of a reference of the same unit, both (samples,), at an interval [s]."""
+    turns = np.flatnonzero(np.diff(reference)) + 1
+    ends = [*turns[1:], len(reference)]
+    return [
+        _measure_step(float(reference[a - 1]), float(reference[a]), output[a:b], interval)
+        for a, b in zip(turns, ends, strict=True)
+    ]
+
+
+def _measure_step(before: float, after: float, output: Numbers, interval: float) -> StepResponse:
+    gone = (output - before) / (after - before)
+    risen = np.flatnonzero(gone >= RISE)
+    outside = np.flatnonzero(np.abs(gone - 1.0) > BAND)
+    last = int(outside[-1]) + 1 if len(outside) else 0
+    tail = output[len(output) - max(round(LAST * len(output)), 1) :]
+    return StepResponse(
+        before,
+        after,
+        rise=float(risen[0]) * interval if len(risen) else math.inf,
+        settling=last * interval if last < len(output) else math.inf,
+        overshoot=max(float(gone.max()) - 1.0, 0.0),
+        error=after - float(tail.mean()),
+    )
+
+
+@dataclass(frozen=True)
+class Measures:
+    """Numbers of one run, in SI units of what is controlled."""
+
+    itae: float
+    """[unit s²]"""
+    iae: float
+    """[unit s]"""
+    rms: float
+    """[unit]"""
+    overshoot: float
+    """In shares of the span of the reference."""
+    settling: float
+    """[s]"""
+    energy: float
+    """[J]"""
+    activity: float
+    """Mean change of the signal from sample to sample."""
+    hottest: float
+    """[K]"""
+
+    def to_dict(self) -> dict[str, Any]:
+        """All fields by name, for JSON."""
+        return asdict(self)
+
+
+UNITS = {
+    "itae": "{} s^2",
+    "iae": "{} s",
+    "rms": "{}",
+    "overshoot": "1",
+    "settling": "s",
+    "energy": "J",
+    "activity": "signal",
+    "hottest": "K",
+}
+"""Unit of every measure; {} is that of what is controlled."""
+
+
+def measure_loop(seen: Seen, course: Course) -> Measures:
+    """Numbers of one run, arrays of shape (samples,)."""
+    e = seen.reference - seen.output
+    period, after = course.period, np.abs(e[1:])
+    iae = float(after.sum() * period)
+    return Measures(
+        itae=compute_itae(seen, course),
+        iae=iae,
+        rms=float(np.sqrt((e**2).mean())),
+        overshoot=max(float((-e * course.way).max()), 0.0) / course.span + 0.0,
+        settling=_measure_settling(e, course),
+        energy=float(seen.power[:-1].sum() * period),
+        activity=float(np.abs(np.diff(seen.signal)).mean()),
+        hottest=float(seen.hottest.max()),
+    )
+
+
+def compute_itae(seen: Seen, course: Course) -> Any:
+    """∫ t |e| dt of runs, shape (..., samples) -> (...,); NaN where a run failed."""
+    found = np.abs(seen.reference - seen.output) @ course.clock * course.period
+    return float(found) if np.ndim(found) == 0 else found
+
+
+def _measure_settling(e: Numbers, course: Course) -> float:
+    """Longest settling of all steps after which the reference stands [s]."""
+    found, ends = 0.0, np.flatnonzero((course.way == 0.0) | course.steps).tolist()
+    for first in np.flatnonzero(course.steps & (course.way != 0.0)).tolist():
+        last = next((place for place in ends if place > first), len(e))
+        outside = np.abs(e[first:last]) > BAND * abs(course.change[first])
+        late = int(np.flatnonzero(outside)[-1]) + 1 if outside.any() else 0
+        found = max(found, late * course.period if late < last - first else np.inf)
+    return found

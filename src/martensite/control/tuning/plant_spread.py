@@ -1,0 +1,151 @@
+"""Plants that are not quite the one that a model describes: numbers drawn within declared spreads.
+
+    p = p₀ (1 + s z),       temperatures p = p₀ + s z,       z in [-1, 1]
+
+with z evenly spread: a scrambled Sobol' sequence (Owen (1998); SciPy) or a Latin hypercube, both of
+a seed. Only the plant is drawn. What a controller or an observer believes of it stays nominal.
+
+Gains are put beside each other on many plants: who has the smaller ITAE, how often and by how much.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.base.errors import ParameterError, suggest_name
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.plant_leaves import PLANT, find_plant_leaf, parse_half_width, require_allowed
+from martensite.control.tuning.goals import Course, Numbers
+from martensite.control.tuning.loop_runs import LoopRuns
+from martensite.control.tuning.measures import compute_itae
+from martensite.search.starts import draw_points
+
+METHODS = ("sobol", "latin-hypercube")
+
+
+@dataclass(frozen=True, eq=False)
+class Plants:
+    """Plants of one bench."""
+
+    values: Mapping[str, Any]
+    """Path in the bench -> one number per plant, in SI."""
+    count: int
+    seed: int
+
+    def bench(self, bench: Bench, k: int) -> Bench:
+        """The bench with plant number k; its controllers and observers do not know.
+
+        Raises:
+            ParameterError: there is no plant of this number.
+        """
+        if not 0 <= k < self.count:
+            raise ParameterError(f"There are {self.count} plants from 0 on; there is no {k}.")
+        return bench.with_values({path: float(row[k]) for path, row in self.values.items()})
+
+
+def draw_plants(
+    bench: Bench, spreads: Mapping[str, float], count: int = 64, seed: int = 0, method: str = "sobol"
+) -> Plants:
+    """Draw plants around that of a bench.
+
+    Args:
+        bench: the nominal one.
+        spreads: half the width by path, or unique ending of a path, in the plant: in shares of
+            the number, in K for temperatures.
+        count: how many; a power of 2 spreads best.
+        seed: of the draw.
+        method: sobol or latin-hypercube.
+
+    Raises:
+        ParameterError: an unknown name, a spread that is none or leaves what is allowed, no plant.
+    """
+    if method not in METHODS:
+        raise ParameterError(f"No draw is named `{method}`. {suggest_name(method, METHODS)}")
+    if count < 1 or not spreads:
+        raise ParameterError(
+            f"Plants need a spread and must be at least 1, but are {count} with {len(spreads)} spreads."
+        )
+    unit = _draw_unit(len(spreads), count, seed, method)
+    values: dict[str, Any] = {}
+    for (name, spread), z in zip(spreads.items(), unit.T, strict=True):
+        path, column = _draw_parameter(bench, name, spread, z)
+        values[path] = column
+    return Plants(values, count, seed)
+
+
+def _draw_unit(width: int, count: int, seed: int, method: str) -> NDArray[np.float64]:
+    """Numbers in [-1, 1], shape (count, width)."""
+    if method == "sobol":
+        return 2.0 * draw_points(width, count, seed) - 1.0
+    qmc: Any = import_module("scipy.stats.qmc")
+    return 2.0 * qmc.LatinHypercube(width, seed=seed).random(count) - 1.0
+
+
+def _draw_parameter(bench: Bench, name: str, spread: float, z: NDArray[np.float64]) -> tuple[str, NDArray[np.float64]]:
+    """Path in the bench and numbers of one parameter."""
+    leaf = find_plant_leaf(bench, name)
+    if not (math.isfinite(spread) and spread > 0.0):
+        raise ParameterError(f"The spread of `{name}` must be above 0, but is {spread:g}.")
+    if leaf.value == 0.0 and leaf.declared.unit != "K":
+        raise ParameterError(f"`{name}` is 0, and a spread is a share of it.")
+    found = leaf.value + parse_half_width(leaf, spread) * z
+    require_allowed(leaf, float(found.min()), float(found.max()))
+    return PLANT + leaf.path, found
+
+
+# ---------------------------------------------------------------- gains beside each other
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """ITAE of one set of numbers over that of another, plant by plant."""
+
+    median: float
+    worst: float
+    """Largest."""
+    won: float
+    """Share of the plants on which it is below 1."""
+
+
+@dataclass(frozen=True, eq=False)
+class OverPlants:
+    """ITAE of sets of numbers on plants."""
+
+    itae: dict[str, Numbers]
+    """One number per plant, in the unit of what is controlled times s²; infinite where a run
+    fails."""
+
+    def best(self) -> str:
+        """The set with the least median."""
+        return min(self.itae, key=lambda name: float(np.median(self.itae[name])))
+
+    def ratio(self, one: str, other: str) -> Ratio:
+        """How one set does beside another; `ParameterError` if there is no such set."""
+        for name in (one, other):
+            if name not in self.itae:
+                raise ParameterError(f"There is no set `{name}`. {suggest_name(name, self.itae)}")
+        found = self.itae[one] / self.itae[other]
+        return Ratio(float(np.median(found)), float(found.max()), float((found < 1.0).mean()))
+
+
+def compare_over_plants(runs: LoopRuns, sets: Mapping[str, Mapping[str, float]], plants: Plants) -> OverPlants:
+    """Run every set of numbers, given by path, on every plant.
+
+    Raises:
+        ParameterError: the reference asks for nothing.
+    """
+    nominal = runs.run(runs.table({}, 1))
+    course = Course(nominal.one(0), runs.bench.period)
+    found: dict[str, Numbers] = {}
+    for name, numbers in sets.items():
+        seen = runs.run(runs.table({**plants.values, **numbers}, plants.count))
+        values = np.asarray(compute_itae(seen, course))
+        found[name] = np.where(np.isfinite(values), values, np.inf)
+    return OverPlants(found)

@@ -1,0 +1,168 @@
+"""PID gains from a model alone: the least cost of a reference made of steps.
+
+    cost = mean|e| + overshoot + 2 mean|Δu| + 10⁻⁴ K_p + 10⁻⁶ K_d
+
+with errors and overshoot in one unit of the output and changes Δu per sample in one unit of the
+signal (`CostScale`). Overshoot is the largest excess over the new level of any step. Searched by
+Nelder and Mead's method over the logarithms of the gains, from several starts; nothing is taken
+from the plant itself, so that what the plant then does judges the model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.optimize import minimize
+
+from martensite.base.errors import ParameterError
+from martensite.control.controllers.pid import Gains
+from martensite.control.tuning.closed_loop import ControlledModel, Trajectory, compute_logarithms
+from martensite.control.tuning.measures import StepResponse, build_steps, measure_steps
+from martensite.signals.sampling.sampled import Numbers
+
+STARTS = ((10.0, 0.01, 0.1), (50.0, 0.05, 100.0), (100.0, 0.2, 1000.0), (5.0, 0.001, 1000.0))
+"""Gains that searches begin with, in the units of the cost."""
+
+
+@dataclass(frozen=True)
+class CostScale:
+    """Units of the cost, in SI."""
+
+    output: float = 1e-3
+    """One unit of the output, such as a millimetre."""
+    signal: float = 0.01
+    """One unit of the signal, such as a percent."""
+
+
+@dataclass(frozen=True)
+class CostWeights:
+    """How parts of the cost count; error and its unit are 1."""
+
+    overshoot: float = 1.0
+    activity: float = 2.0
+    proportional: float = 1e-4
+    derivative: float = 1e-6
+
+
+@dataclass(frozen=True)
+class ModelTuning:
+    """How gains are searched."""
+
+    levels: tuple[tuple[float, float], ...]
+    """Reference: levels in the unit of the output, and times [s]."""
+    scale: CostScale = field(default_factory=CostScale)
+    weights: CostWeights = field(default_factory=CostWeights)
+    starts: Sequence[tuple[float, float, float]] = STARTS
+    evaluations: int = 600
+    """Of all starts together."""
+    beyond_data: bool = False
+    """Whether a model is tuned on that rests where its records never were."""
+
+
+@dataclass(frozen=True, eq=False)
+class TunedGains:
+    """Gains that were found, and what the model does with them."""
+
+    gains: Gains
+    """In signal per unit of the output, per sample."""
+    cost: float
+    trajectory: Trajectory
+    responses: tuple[StepResponse, ...]
+    costs: tuple[float, ...]
+    """Where the searches ended, best first."""
+    evaluations: int
+    scale: CostScale
+
+    def shown(self) -> Gains:
+        """The gains in the units of the cost, such as percent per millimetre."""
+        return Gains(*(gain * self.scale.output / self.scale.signal for gain in self.gains))
+
+    def rows(self) -> list[tuple[str, float, str]]:
+        """Name, value and unit of everything, for people to read."""
+        found = [(name, float(gain), "1") for name, gain in self.gains._asdict().items()]
+        for k, step in enumerate(self.responses, start=1):
+            found += [
+                (f"step {k} rise", step.rise, "s"),
+                (f"step {k} settling", step.settling, "s"),
+                (f"step {k} overshoot", step.overshoot, "1"),
+                (f"step {k} error", step.error, "unit of the output"),
+            ]
+        return found
+
+
+def compute_cost(run: Trajectory, gains: Gains, tuning: ModelTuning) -> float:
+    """What a run costs; infinite where it is not finite."""
+    if not np.all(np.isfinite(run.output)):
+        return np.inf
+    scale, weights = tuning.scale, tuning.weights
+    steps = measure_steps(run.reference, run.output, run.interval)
+    beyond = max((one.overshoot * abs(one.after - one.before) for one in steps), default=0.0)
+    unit = scale.output / scale.signal
+    error = float(np.mean(np.abs(run.reference - run.output))) / scale.output
+    activity = float(np.mean(np.abs(np.diff(run.signal)))) / scale.signal
+    return (
+        error
+        + weights.overshoot * beyond / scale.output
+        + weights.activity * activity
+        + weights.proportional * unit * abs(gains.Kp)
+        + weights.derivative * unit * abs(gains.Kd)
+    )
+
+
+def tune_model(
+    model: ControlledModel, tuning: ModelTuning, watch: Callable[[str, float], None] | None = None
+) -> TunedGains:
+    """The gains of least cost on a model.
+
+    Args:
+        model: the model in its loop.
+        tuning: reference, cost and starts.
+        watch: called with a sentence and the share that is done.
+
+    Raises:
+        ParameterError: there is no start, or none of them gives a run that is finite; or the model is at rest
+            where its records never were (`rest_check.check_static_curve`).
+    """
+    if not tuning.beyond_data:
+        model.check_static_curve([level for level, _ in tuning.levels])
+    reference = build_steps(tuning.levels, model.chain.interval)
+    unit = tuning.scale.signal / tuning.scale.output
+    count = 0
+
+    def value(theta: Numbers) -> float:
+        nonlocal count
+        count += 1
+        gains = _build_gains(theta, model)
+        return compute_cost(model.run(gains, reference), gains, tuning)
+
+    ends: list[tuple[float, Numbers]] = []
+    for k, start in enumerate(tuning.starts):
+        begin = compute_logarithms(Gains(*(unit * gain for gain in start)))
+        ends.append(_search_simplex(value, begin, max(tuning.evaluations // len(tuning.starts), 1)))
+        if watch is not None:
+            watch(f"start {k + 1} of {len(tuning.starts)}", (k + 1) / len(tuning.starts))
+    ends.sort(key=lambda end: end[0])
+    if not ends or not np.isfinite(ends[0][0]):
+        raise ParameterError("No start of the tuning gives a run of the model that is finite.")
+    gains = _build_gains(ends[0][1], model)
+    run = model.run(gains, reference)
+    responses = tuple(measure_steps(reference, run.output, run.interval))
+    return TunedGains(gains, ends[0][0], run, responses, tuple(e[0] for e in ends), count, tuning.scale)
+
+
+def _build_gains(theta: Numbers, model: ControlledModel) -> Gains:
+    return Gains(*(model.block.sign * float(gain) for gain in np.exp(np.clip(theta, -60, 60))))
+
+
+def _search_simplex(value: Callable[[Numbers], float], begin: Numbers, evaluations: int) -> tuple[float, Numbers]:
+    simplex = np.vstack([begin, begin + np.eye(len(begin))])
+    with np.errstate(all="ignore"):
+        found = minimize(
+            value,
+            begin,
+            method="Nelder-Mead",
+            options={"maxfev": evaluations, "initial_simplex": simplex, "xatol": 1e-3, "fatol": 1e-6},
+        )
+    return float(found.fun), np.asarray(found.x)

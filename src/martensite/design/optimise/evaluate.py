@@ -1,0 +1,261 @@
+"""Designs judged: goals and slacks of constraints, in batches, and exact derivatives.
+
+A design is a point z in the box of its free numbers (`martensite.search.free_numbers`). Batches
+are marched in C side by side; at one point the run is marched with its derivatives, and by the
+chain rule
+
+    dm/dz_k = Σ_s  (∂m/∂y_s) (∂y_s/∂p_k) (dp_k/dz_k)
+
+with the values y_s at the ends of steps, from which a measure m is computed. Without a compiler every
+run is made on plain floats, and derivatives are central differences.
+
+Measures are smooth piece by piece: where the hottest sample becomes another, or a coordinate
+meets a stop, derivatives are those of one side. A wire that does not transform at all has
+measures that hardly depend on anything; derivatives are then 0, as they are in truth.
+
+A search sees them on scales of its own (`martensite.search.box_search`). The goal is the mean over
+all cases, divided by its size at the beginning, and its negative where it shall be as large as it
+can. A slack is how far a constraint is from its limit in one case, as a share of the limit (of 50 K
+for a temperature). What never happens, and a run that fails, is far beyond every limit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from martensite.design.optimise.question import DesignAim, DesignQuestion
+from martensite.search.batch_runner import BatchRunner
+from martensite.search.box_search import FAILED_GOAL, LARGEST_SLACK, JudgedPoints, PointSlopes
+from martensite.signals.sampling.sampled import Numbers
+from martensite.simulate.drive_waveforms import grid_of
+from martensite.simulate.measures.base import list_needed
+from martensite.simulate.measures.run_table import tabulate_samples
+from martensite.simulate.waveform_levels import Level, WaveformLevels
+
+CLOUD_SPREAD = 0.05
+"""How far points of a cloud around a design are scattered, as a share of ranges."""
+
+
+@dataclass
+class RunCounts:
+    """What was computed."""
+
+    simulations: int = 0
+    """Runs without derivatives."""
+    slopes: int = 0
+    """Runs with derivatives."""
+
+    def to_dict(self) -> dict[str, int]:
+        """For JSON."""
+        return {"simulations": self.simulations, "with_derivatives": self.slopes}
+
+
+class AimSlopes(NamedTuple):
+    """What a design is judged by, and its derivatives."""
+
+    values: Numbers
+    """(cases, aims)"""
+    slopes: Numbers
+    """By the place z of every free number, (cases, aims, free)."""
+
+
+class DesignEvaluator:
+    """All designs of a question, ready to be judged."""
+
+    differentiable, partial = True, False
+
+    def __init__(
+        self,
+        steering: WaveformLevels,
+        question: DesignQuestion,
+        *,
+        samples: int,
+        step: float,
+        also: Sequence[DesignAim] = (),
+        native: bool | None = None,
+    ) -> None:
+        """Prepare runs of so many samples, both ends included, in steps [s] of at most `step`.
+
+        Of the measures `also`, told besides, there are no derivatives; `native` runs in C, by default if there is a
+        compiler.
+
+        Raises:
+            ParameterError: a level of a waveform cannot be free.
+        """
+        levels = [c.level for one in question.free for c in one.targets if c.level is not None]
+        self.steering = steering.with_levels(levels)
+        self.question, self.step, self.counts = question, step, RunCounts()
+        self.samples = samples
+        self.goal_size = 1.0
+        """What goals are divided by [SI]."""
+        self.widths = np.ones(len(question.free))
+        self.scatter = CLOUD_SPREAD * self.widths
+        self.system = self.steering.whole
+        played = self.steering.system_waveforms()
+        self.grid = grid_of(self.system, played, steering.duration, samples, step, every=True)
+        self.times = np.array(self.grid.times)
+        self.also = tuple(also)
+        every = [aim.measure for aim in (*question.aims, *also) if aim.measure is not None]
+        self.outputs = list_needed(every, self.system)
+        self.runner = BatchRunner(self.system, self.grid, self.outputs, native=native)
+        self.native = self.runner.native
+        self._rows = [[self._find_row(c.path, c.level) for c in one.targets] for one in question.free]
+
+    def numbers(self, z: Numbers) -> Numbers:
+        """Free numbers [SI] at places, (..., free)."""
+        columns = [one.value(z[..., k]) for k, one in enumerate(self.question.free)]
+        return np.stack(columns, axis=-1)
+
+    def values(self, z: Numbers) -> Numbers:
+        """What designs are judged by, (designs, free) -> (designs, cases, aims); or NaN."""
+        return self.evaluate_aims(self.numbers(z), self.aims)
+
+    def evaluate_aims(self, numbers: Numbers, aims: Sequence[DesignAim]) -> Numbers:
+        """Some aims of free numbers [SI], (designs, free) -> (designs, cases, aims); or NaN."""
+        cases, table = len(self.question.cases), self._fill_table(numbers)
+        self.counts.simulations += len(table)
+        seen, every = self.runner.run_many(table).T, np.repeat(numbers, cases, axis=0)
+        found = np.stack([self._value(aim, seen, every) for aim in aims], axis=1)
+        found[~np.isfinite(seen).all(axis=(0, 1))] = np.nan
+        return found.reshape(len(numbers), cases, -1)
+
+    def slopes(self, z: Numbers) -> AimSlopes | None:
+        """One design with its derivatives; None if a run of it fails."""
+        inner = np.array([one.slope(p) for one, p in zip(self.question.free, z, strict=True)])
+        seeds = np.zeros((len(self.runner.paths), len(self._rows)))
+        for k, rows in enumerate(self._rows):
+            seeds[rows, k] = inner[k]
+        values: list[Numbers] = []
+        slopes: list[Numbers] = []
+        numbers = self.numbers(z[None, :])
+        for row in self._fill_table(numbers):
+            self.counts.slopes += 1
+            run = self.runner.run_slopes(row, seeds)
+            if run is None:
+                return None
+            seen, moved = run[0].T, np.moveaxis(run[1], 0, 1)
+            values.append(np.array([self._value(aim, seen[:, :, None], numbers)[0] for aim in self.aims]))
+            slopes.append(np.stack([self._slope(aim, seen[:, :, None], moved) for aim in self.aims]))
+        own = self._own_slopes() * inner
+        return AimSlopes(np.stack(values), np.stack(slopes) + own)
+
+    @property
+    def aims(self) -> tuple[DesignAim, ...]:
+        """What designs are judged by: the goal first."""
+        return self.question.aims
+
+    def course(self, numbers: Numbers, output: str) -> Numbers:
+        """An output of one design [SI], (free,) -> (samples,), in the first case; NaN if failed."""
+        self.counts.simulations += 1
+        runner = BatchRunner(self.system, self.grid, [output], native=self.native)
+        return runner.run_many(self._fill_table(numbers[None, :])[:1])[0, :, 0]
+
+    # ---------------------------------------------------------------- as a search sees them
+
+    @property
+    def runs(self) -> int:
+        """Runs so far, with derivatives and without."""
+        return self.counts.simulations + self.counts.slopes
+
+    @property
+    def sign(self) -> float:
+        """1 where the goal shall be small."""
+        return -1.0 if self.question.most else 1.0
+
+    def restore_goal(self, goal: float) -> float:
+        """A goal as a search sees it in SI."""
+        return self.sign * self.goal_size * goal
+
+    def set_size(self, values: Numbers) -> None:
+        """Take the size of the goal from that of some designs, (designs, cases, aims)."""
+        goals = np.abs(values[:, :, 0].mean(axis=1))
+        goals = goals[np.isfinite(goals) & (goals > 0.0)]
+        self.goal_size = float(np.median(goals)) if len(goals) else 1.0
+
+    def judge(self, z: Numbers) -> JudgedPoints:
+        """Goals and slacks of designs (designs, free)."""
+        return self.judge_values(self.values(z))
+
+    def judge_values(self, values: Numbers) -> JudgedPoints:
+        """Goals and slacks of values of designs, (designs, cases, aims)."""
+        goal = self.sign * values[:, :, 0].mean(axis=1) / self.goal_size
+        slack = [c.sign * (values[:, :, k + 1] - c.limit) / c.scale for k, c in enumerate(self.question.subject)]
+        table = np.stack(slack, axis=2).reshape(len(values), -1) if slack else goal[:, None][:, :0]
+        most = LARGEST_SLACK
+        held = np.clip(np.nan_to_num(table, nan=-most, posinf=most, neginf=-most), -most, most)
+        held[np.isnan(values).any(axis=(1, 2))] = -most
+        return JudgedPoints(np.where(np.isfinite(goal), goal, FAILED_GOAL), held)
+
+    def differentiate(self, z: Numbers) -> PointSlopes | None:
+        """Goal and slacks of a design with their derivatives; None if a run of it fails."""
+        found = self.slopes(z)
+        if found is None:
+            return None
+        one = self.judge_values(found.values[None])
+        slope = self.sign * found.slopes[:, 0].mean(axis=0) / self.goal_size
+        rows = [c.sign * found.slopes[:, k + 1] / c.scale for k, c in enumerate(self.question.subject)]
+        table = np.stack(rows, axis=1).reshape(-1, len(z)) if rows else np.zeros((0, len(z)))
+        table = np.where((np.abs(one.slack[0]) < LARGEST_SLACK)[:, None], table, 0.0)
+        return PointSlopes(float(one.goal[0]), one.slack[0], slope, table)
+
+    # ---------------------------------------------------------------- tables of parameters
+
+    def _find_row(self, path: str, level: Level | None) -> int:
+        steering = self.steering
+        whole = steering.path(path) if level is None else steering.level_path(level)
+        return self.runner.place(whole)
+
+    def _fill_table(self, numbers: Numbers) -> Numbers:
+        """Parameters of every design in every case, (designs * cases, parameters)."""
+        cases = self.question.cases
+        found = self.runner.table({}, len(numbers) * len(cases))
+        for rows, column in zip(self._rows, numbers.T, strict=True):
+            for row in rows:
+                found[:, row] = np.repeat(column, len(cases))
+        for k, case in enumerate(cases):
+            for path, value in case.items():
+                found[k :: len(cases), self._find_row(path, None)] = value
+        return found
+
+    # ---------------------------------------------------------------- measures
+
+    def _select_columns(self, aim: DesignAim, seen: Numbers) -> Numbers:
+        """The columns that a measure looks at."""
+        measure = aim.measure
+        names = () if measure is None else measure.columns(self.system)
+        return seen[[self.outputs.index(name) for name in names]]
+
+    def _value(self, aim: DesignAim, seen: Numbers, numbers: Numbers) -> Numbers:
+        if aim.measure is None:
+            return numbers[:, aim.place or 0]
+        return aim.measure.value(tabulate_samples(self.times, np.nan_to_num(self._select_columns(aim, seen))))
+
+    def _slope(self, aim: DesignAim, seen: Numbers, moved: Numbers) -> Numbers:
+        """d(measure)/d(number), (free,)."""
+        if aim.measure is None:
+            return np.zeros(moved.shape[2])
+        weights = aim.measure.derivatives(tabulate_samples(self.times, self._select_columns(aim, seen)))[:, :, 0]
+        return np.einsum("cs,csf->f", weights, self._select_columns(aim, moved))
+
+    def _own_slopes(self) -> Numbers:
+        """d(aim)/d(number) of aims that are free numbers, (aims, free)."""
+        found = np.zeros((len(self.aims), len(self.question.free)))
+        for k, aim in enumerate(self.aims):
+            if aim.place is not None:
+                found[k, aim.place] = 1.0
+        return found
+
+
+def apply_numbers(steering: WaveformLevels, question: DesignQuestion, numbers: Sequence[float]) -> WaveformLevels:
+    """System and waveforms of a design, checked; `ParameterError` if the system refuses the numbers together."""
+    pairs = [(c, float(v)) for one, v in zip(question.free, numbers, strict=True) for c in one.targets]
+    system = steering.system.with_values({c.path: v for c, v in pairs if c.level is None})
+    waves = dict(steering.own)
+    for drive in waves:
+        moved = {c.level.name: v for c, v in pairs if c.level and c.level.drive == drive}
+        waves[drive] = steering.at(drive, moved)
+    return replace(steering, system=system, waveforms=waves, levels=())

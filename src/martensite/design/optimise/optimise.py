@@ -1,0 +1,247 @@
+"""`optimise_design`: the numbers of an actuator for which a goal is best and all limits are kept.
+
+A sample of the box, descents with exact derivatives through the march (`search`), whole numbers
+rounded with their neighbours (`integer_variables`). Runs are made in fixed steps, at most a tenth
+of the least thermal time constant in the box. At the design that is found the steps are halved
+until this changes little, and the design is adjusted in the steps that this takes.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import ParameterError
+from martensite.design.optimise.evaluate import DesignEvaluator, Numbers, apply_numbers
+from martensite.design.optimise.optimised_design import (
+    OptimisedDesign,
+    ReportedMeasure,
+    RoundedDesign,
+    find_multipliers,
+)
+from martensite.design.optimise.question import (
+    DesignAim,
+    DesignQuestion,
+    build_life_constraints,
+    describe_life,
+    read_aim,
+    read_question,
+)
+from martensite.design.optimise.search import DesignSearch, Keep, round_design, search_designs, start_search
+from martensite.search.box_search import FEASIBLE_VIOLATION, BoxPoint, SearchMark, Tell
+from martensite.simulate.api import longest_step
+from martensite.simulate.drive_waveforms import Waveforms
+from martensite.simulate.waveform_levels import WaveformLevels
+
+ACCURACY = 1e-3
+"""Accepted change on halving the step, as a share of limits and of the goal."""
+HALVINGS = 5
+SHOWN = (
+    "stroke",
+    "rise-time",
+    "fall-time",
+    "energy",
+    "max({stress})",
+    "stroke({strain})",
+    "max({hottest})",
+    "max({power})",
+    "max({current})",
+    "max({voltage})",
+)
+"""Measures that are reported, whatever was asked for."""
+
+
+def optimise_design(
+    system: AbstractSystem,
+    waveform: Waveforms,
+    duration: float,
+    free: Sequence[str],
+    *,
+    minimise: str | None = None,
+    maximise: str | None = None,
+    subject: Sequence[str] = (),
+    life: float | None = 0.0,
+    cases: Sequence[str] = (),
+    samples: int = 1001,
+    step: float | None = None,
+    accuracy: float = ACCURACY,
+    search: DesignSearch | None = None,
+    written: Mapping[str, str] | None = None,
+    watch: Tell | None = None,
+    keep: Keep | None = None,
+    native: bool | None = None,
+) -> OptimisedDesign:
+    """Find the best design of a system in a run from rest.
+
+    Args:
+        system: a `System` of one element, or a `Machine` of several; where the search begins.
+        waveform: drive signal, or signals by the name of what they drive.
+        duration: length of the run [s].
+        free: what may change, such as `element.diameter=0.05..0.5 mm` or `drive.peak=1..5 W`.
+        minimise: what shall be least, such as `energy` (which it is if neither is given).
+        maximise: what shall be most.
+        subject: what must hold, such as `max(stress) <= 200 MPa` or `stroke >= 30 deg`.
+        life: share of the limits that the elements declare (stress, strain, temperature) that is to be left; None to
+            ignore them.
+        cases: further cases in which it must hold, such as `environment.temperature=35 degC`.
+        samples: at which measures look.
+        step: longest step [s]; chosen and refined if not given.
+        accuracy: accepted change on halving the step, as a share of limits and of the goal.
+        search: how to search.
+        written: path in the system -> path in its scenario, for names.
+        watch: called with a sentence and the share that is done.
+        keep: called with every design that is the best so far, whole numbers not yet whole at first.
+        native: whether to run in C; by default if there is a compiler.
+
+    Raises:
+        InputError: a text cannot be read, a name or unit is wrong, bounds are none.
+        SolveError: no design can be run.
+    """
+    if minimise is not None and maximise is not None:
+        raise ParameterError("A design has one goal: name what to minimise, or what to maximise.")
+    steering = WaveformLevels(system, waveform, duration)
+    question = read_question(
+        steering,
+        free,
+        maximise or minimise or "energy",
+        subject,
+        most=maximise is not None,
+        cases=cases,
+        written=written,
+    )
+    limits = [] if life is None else build_life_constraints(steering, question.free, life)
+    question = replace(question, subject=(*question.subject, *limits))
+    for case in question.cases:
+        system.with_values(case)
+    first = step or min(_find_longest_step(steering, question), duration / (samples - 1))
+    also = _list_measures(steering, {aim.words for aim in question.aims})
+    designs = DesignEvaluator(steering, question, samples=samples, step=first, also=also, native=native)
+    how = search or DesignSearch()
+    begin = np.array([one.share(one.start) for one in question.free])
+    hunt = search_designs(designs, begin, how, watch, keep)
+    history = list(hunt.history)
+    point, tried, relaxed = round_design(hunt, question.free, hunt.found)
+    if tried:
+        history.append(_mark_progress(designs, point))
+    halvings = HALVINGS if step is None else 0
+    finer, point, apart = _refine_step(designs, point, how, watch, accuracy, halvings)
+    history.append(_mark_progress(finer, point))
+    answer = _build_answer(steering, finer, point, apart)
+    return replace(
+        answer,
+        history=tuple(m._replace(goal=designs.restore_goal(m.goal)) for m in history),
+        held=tuple(_describe_rounded(designs, *one) for one in tried.items()),
+        relaxed=tuple(designs.numbers(relaxed.z).tolist()) if tried else None,
+        relaxed_goal=designs.restore_goal(relaxed.goal) if tried else None,
+        life=describe_life(limits, life, answer.missed),
+    )
+
+
+def _find_longest_step(steering: WaveformLevels, question: DesignQuestion) -> float:
+    """The shortest of the longest sensible steps at the corners of the box [s]."""
+    ends = [[(c.path, v) for v in (one.low, one.high)] for one in question.free for c in one.targets if c.level is None]
+    corners = itertools.islice(itertools.product(*ends), 256)
+    return min(longest_step(steering.system.rebuilt(dict(corner))) for corner in corners)
+
+
+def _refine_step(
+    designs: DesignEvaluator, point: BoxPoint, how: DesignSearch, watch: Tell | None, accuracy: float, halvings: int
+) -> tuple[DesignEvaluator, BoxPoint, float]:
+    """The design adjusted in steps that are short enough, and what halving them changes."""
+    fixed = np.array([one.whole for one in designs.question.free])
+    finer = _halve_step(designs)
+    apart = _compare_steps(designs, finer, point.z)
+    for _ in range(halvings):
+        if apart <= accuracy:
+            break
+        designs, finer = finer, _halve_step(finer)
+        hunt = start_search(designs, how, watch)
+        hunt.tell("shorter steps", 0.9)
+        hunt.judge(point.z[None])
+        hunt.descend(point.z, fixed)
+        point = hunt.found
+        apart = _compare_steps(designs, finer, point.z)
+    return designs, point, apart
+
+
+def _halve_step(old: DesignEvaluator) -> DesignEvaluator:
+    """The same designs in steps half as long; it goes on counting."""
+    designs = DesignEvaluator(
+        old.steering, old.question, samples=old.samples, step=0.5 * old.grid.longest, also=old.also, native=old.native
+    )
+    designs.counts, designs.goal_size = old.counts, old.goal_size
+    return designs
+
+
+def _compare_steps(designs: DesignEvaluator, finer: DesignEvaluator, z: Numbers) -> float:
+    """Largest change of what a design is judged by, as a share of limits and of the goal."""
+    both = [one.judge(z[None]) for one in (designs, finer)]
+    goal = abs(both[0].goal[0] - both[1].goal[0])
+    slack = np.abs(both[0].slack - both[1].slack)
+    return float(max(goal, slack.max(initial=0.0)))
+
+
+def _build_answer(steering: WaveformLevels, designs: DesignEvaluator, point: BoxPoint, apart: float) -> OptimisedDesign:
+    """The answer, but for what was seen on the way."""
+    question = designs.question
+    numbers = tuple(designs.numbers(point.z).tolist())
+    exact = tuple(float(round(v)) if one.whole else v for v, one in zip(numbers, question.free, strict=True))
+    slack = designs.judge(point.z[None]).slack[0].reshape(-1, len(question.subject) or 1)
+    missed = [c.words for k, c in enumerate(question.subject) if (slack[:, k] < -FEASIBLE_VIOLATION).any()]
+    notes: list[str] = []
+    if not point.kept:
+        notes.append(
+            "No design in the box was found that keeps all constraints; this one misses least. "
+            "Widen the bounds, or ask for less."
+        )
+    return OptimisedDesign(
+        designs=designs,
+        steering=apply_numbers(steering, question, exact),
+        z=tuple(point.z.tolist()),
+        numbers=exact,
+        kept=point.kept,
+        missed=tuple(missed),
+        reported=_report_measures(designs, exact),
+        balance=find_multipliers(designs, point.z),
+        accuracy=apart,
+        notes=notes,
+    )
+
+
+def _report_measures(designs: DesignEvaluator, numbers: Sequence[float]) -> tuple[ReportedMeasure, ...]:
+    """What the question asks for and other measures, of the scenario and of the design."""
+    start = [one.start for one in designs.question.free]
+    aims = {aim.words: aim for aim in (*designs.question.aims, *designs.also)}
+    before, after = designs.evaluate_aims(np.array([start, numbers]), list(aims.values()))
+    return tuple(
+        ReportedMeasure(aim.words, aim.unit, tuple(before[:, k].tolist()), tuple(after[:, k].tolist()))
+        for k, aim in enumerate(aims.values())
+    )
+
+
+def _list_measures(steering: WaveformLevels, asked: set[str]) -> list[DesignAim]:
+    """Other measures of the actuators of a system."""
+    system = steering.system
+    found: list[DesignAim] = []
+    for form in SHOWN:
+        name = form.partition("{")[2].partition("}")[0]
+        ports = list(system.actuators()) if name else [""]
+        for port in ports:
+            words = form.format(**{name: system.label(port, name)}) if name else form
+            if words not in asked:
+                found.append(read_aim(words, steering, ()))
+    return found
+
+
+def _describe_rounded(designs: DesignEvaluator, whole: tuple[int, ...], point: BoxPoint) -> RoundedDesign:
+    numbers = tuple(designs.numbers(point.z).tolist())
+    goal = designs.restore_goal(point.goal)
+    return RoundedDesign(whole, numbers, goal, point.kept, point.violation)
+
+
+def _mark_progress(designs: DesignEvaluator, point: BoxPoint) -> SearchMark:
+    return SearchMark(designs.runs, point.goal, point.violation)

@@ -1,0 +1,293 @@
+"""The search for the best design: a sample of the box, then descents from its best points.
+
+A Sobol sample of the box is judged in one batch. From its best points, which must lie apart, and
+from the design of the scenario it is descended (`martensite.search.box_search`).
+
+Where a wire does not transform at all, derivatives are 0: no descent leaves such a place, but
+a sample that reaches beyond it does. As long as no point of it keeps all constraints, more of the
+box is sampled.
+
+Whole numbers, such as the count of wires, are relaxed first: the search runs as if they could be anything. Then the
+whole numbers on both sides of what it found are held, one combination after another, and the other numbers are
+searched anew from there; from the best combination neighbours are tried, one up and one down, until none is better.
+
+Brute force beside a search, all designs of a grid over the box marched in batches, asks for n^k runs where a search
+asks for some hundreds, and is as good as its grid is fine: it is the check of a search, not a way to find designs.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.base.errors import ParameterError, SolveError
+from martensite.design.optimise.evaluate import DesignEvaluator, Numbers, RunCounts
+from martensite.design.optimise.question import DesignQuestion
+from martensite.search.box_search import FAILED_GOAL, BoxPoint, BoxSearch, JudgedPoints, Tell
+from martensite.search.free_numbers import FreeNumber
+from martensite.search.starts import choose_apart, start_sobol
+
+BATCH = 1024
+"""Designs of a grid that are judged together."""
+MOST_DESIGNS = 1_000_000
+"""Designs of the largest grid."""
+
+
+@dataclass(frozen=True)
+class DesignSearch:
+    """How designs are searched."""
+
+    sample: int = 64
+    """Points of the sample, a power of 2."""
+    more: int = 3
+    """How often the sample is doubled while none of its points keeps all constraints."""
+    descents: int = 3
+    """Points from which it is descended, beside the design of the scenario."""
+    iterations: int = 50
+    """Of each descent, and half of the runs with derivatives that it may make."""
+    clouds: int = 2
+    """How often the neighbourhood of the best end is tried."""
+    seed: int = 0
+
+
+Keep = Callable[[DesignQuestion, Sequence[float], bool], None]
+"""Is given the question, the free numbers [SI] of the best design so far, and whether it keeps all constraints."""
+
+
+def start_search(
+    designs: DesignEvaluator, search: DesignSearch, watch: Tell | None = None, keep: Keep | None = None
+) -> BoxSearch:
+    """A search of designs that has judged nothing yet."""
+    hunt = BoxSearch(designs, iterations=search.iterations, clouds=search.clouds, seed=search.seed, watch=watch)
+    best: list[BoxPoint] = []
+
+    def keep_better(point: BoxPoint) -> None:
+        """What is best with some whole numbers need not be it."""
+        if keep is not None and not (best and best[-1].is_better_than(point)):
+            best.append(point)
+            keep(designs.question, designs.numbers(point.z).tolist(), point.kept)
+
+    hunt.keep = keep_better
+    return hunt
+
+
+def search_designs(
+    designs: DesignEvaluator, begin: Numbers, search: DesignSearch, watch: Tell | None = None, keep: Keep | None = None
+) -> BoxSearch:
+    """Search the box from a sample of it and from one design; `SolveError` if no run of the sample can be made."""
+    hunt = start_search(designs, search, watch, keep)
+    starts = _choose_starts(_sample_box(hunt, designs, begin, search), search.descents)
+    for k, start in enumerate(starts):
+        hunt.tell(f"descent {k + 1} of {len(starts)}", 0.1 + 0.6 * k / len(starts))
+        hunt.descend(start.z)
+    hunt.tell("looking around", 0.7)
+    hunt.look_around()
+    return hunt
+
+
+def _sample_box(hunt: BoxSearch, designs: DesignEvaluator, begin: Numbers, search: DesignSearch) -> list[BoxPoint]:
+    """The sample, until one of its points keeps all constraints; the scenario first."""
+    sobol = start_sobol(hunt.size, search.seed)
+    hunt.tell("sampling", 0.0)
+    first = np.concatenate([begin[None], sobol.random(search.sample)])
+    values = designs.values(first)
+    designs.set_size(values)
+    points = hunt.note_points(first, designs.judge_values(values))
+    for k in range(search.more):
+        if any(point.kept for point in points):
+            break
+        hunt.tell("sampling more", 0.03 * (k + 1))
+        points += hunt.judge(sobol.random(len(points) - 1))
+    if all(point.goal >= FAILED_GOAL for point in points):
+        raise SolveError(
+            f"None of {len(points)} designs in the box can be run and judged; narrow the "
+            "bounds, or try the scenario by itself."
+        )
+    return points
+
+
+def _choose_starts(points: Sequence[BoxPoint], count: int) -> list[BoxPoint]:
+    """The best points that lie apart, after the design of the scenario."""
+    judged = JudgedPoints(np.array([p.goal for p in points]), -np.array([[p.violation] for p in points]))
+    places = np.stack([point.z for point in points])
+    chosen = [points[k] for k in choose_apart(places, judged.order(), count)]
+    own = points[0]
+    return chosen if any(one is own for one in chosen) else [*chosen, own]
+
+
+# ---------------------------------------------------------------- whole numbers
+
+
+Combination: TypeAlias = tuple[int, ...]
+Tried: TypeAlias = dict[Combination, BoxPoint]
+"""The best design with some whole numbers."""
+MOST_COMBINATIONS = 64
+"""Combinations that are tried."""
+ROUNDS = 3
+"""How often the relaxed design is searched anew."""
+
+
+def round_design(hunt: BoxSearch, free: Sequence[FreeNumber], relaxed: BoxPoint) -> tuple[BoxPoint, Tried, BoxPoint]:
+    """The best design whose whole numbers are whole, all that were tried, and the best relaxed one.
+
+    A whole design that is better than the relaxed one shows that this was not the best: it is searched anew from there.
+    The search goes on counting.
+    """
+    whole = np.array([one.whole for one in free])
+    tried: Tried = {}
+    if not whole.any():
+        return relaxed, tried, relaxed
+    for _ in range(ROUNDS):
+        _walk_neighbours(hunt, free, relaxed, whole, tried)
+        best = tried[_choose_best(tried)]
+        if not best.is_better_than(relaxed):
+            break
+        relaxed = _search_from(hunt, best.z, np.zeros(hunt.size, np.bool_))
+    return tried[_choose_best(tried)], dict(sorted(tried.items())), relaxed
+
+
+def _walk_neighbours(
+    hunt: BoxSearch, free: Sequence[FreeNumber], relaxed: BoxPoint, whole: NDArray[np.bool_], tried: Tried
+) -> None:
+    """Try what lies around the relaxed design, then neighbours of the best, one up or down."""
+    counted = [one for one in free if one.whole]
+    values = [one.value(float(u)) for one, u in zip(counted, relaxed.z[whole], strict=True)]
+    sides = [
+        sorted({max(math.floor(v + 1e-9), one.low), min(math.ceil(v - 1e-9), one.high)})
+        for v, one in zip(values, counted, strict=True)
+    ]
+    waiting = [tuple(int(n) for n in row) for row in itertools.product(*sides)]
+    begin = relaxed.z
+    while waiting and len(tried) < MOST_COMBINATIONS:
+        for numbers in waiting:
+            hunt.tell(f"whole numbers: {', '.join(map(str, numbers))}", 0.85)
+            z = begin.copy()
+            z[whole] = [one.share(float(n)) for one, n in zip(counted, numbers, strict=True)]
+            point = _search_from(hunt, z, whole)
+            if numbers not in tried or point.is_better_than(tried[numbers]):
+                tried[numbers] = point
+        best = _choose_best(tried)
+        begin = tried[best].z
+        waiting = [
+            (*best[:i], best[i] + step, *best[i + 1 :])
+            for i, one in enumerate(counted)
+            for step in (-1, 1)
+            if one.low <= best[i] + step <= one.high
+        ]
+        waiting = [numbers for numbers in waiting if numbers not in tried]
+
+
+def _choose_best(tried: Tried) -> Combination:
+    found = next(iter(tried))
+    for numbers, point in tried.items():
+        found = numbers if point.is_better_than(tried[found]) else found
+    return found
+
+
+def _search_from(hunt: BoxSearch, z: NDArray[np.float64], fixed: NDArray[np.bool_]) -> BoxPoint:
+    """The best design from a point, whatever was found before."""
+    hunt.best = None
+    hunt.judge(z[None])
+    hunt.descend(z, fixed)
+    hunt.look_around(fixed)
+    return hunt.found
+
+
+# ---------------------------------------------------------------- brute force beside it
+
+
+@dataclass(frozen=True)
+class DesignScan:
+    """The designs of a grid."""
+
+    z: Numbers
+    """(designs, free)"""
+    judged: JudgedPoints
+    shape: tuple[int, ...]
+    best: int | None
+    """The design that keeps all constraints and has the least goal; None if none keeps all."""
+    numbers: tuple[float, ...]
+    """Its free numbers [SI]; of the one that misses least where none keeps all."""
+    values: tuple[float, ...]
+    """What it is judged by, mean over the cases [SI]."""
+
+    def cells(self, z: Numbers) -> tuple[float, ...]:
+        """How far a design is from the best of the grid, in cells of it."""
+        place = self.z[self.judged.order()[0]]
+        wide = [1.0 / max(n - 1, 1) for n in self.shape]
+        return tuple(float(abs(a - b)) / w for a, b, w in zip(z, place, wide, strict=True))
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "simulations": len(self.z),
+            "shape": list(self.shape),
+            "kept": int(self.judged.kept.sum()),
+            "numbers": list(self.numbers),
+            "values": list(self.values),
+        }
+
+
+def scan_designs(
+    designs: DesignEvaluator, points: int | Sequence[int], watch: Callable[[float], None] | None = None
+) -> DesignScan:
+    """Judge all designs of a grid, even on the scale of each free number.
+
+    Args:
+        designs: ready to be judged.
+        points: along each free number; of a whole one all its numbers if they are fewer.
+        watch: called with the share that is done.
+
+    Raises:
+        ParameterError: there are too many, or fewer than two along a number.
+    """
+    free = designs.question.free
+    counts = [points] * len(free) if isinstance(points, int) else list(points)
+    axes = [_space_axis(designs, k, count) for k, count in enumerate(counts)]
+    shape = tuple(len(axis) for axis in axes)
+    if min(counts) < 2 or int(np.prod(shape)) > MOST_DESIGNS:
+        raise ParameterError(
+            f"A grid must have at least 2 points along each number and {MOST_DESIGNS:,} in all, "
+            f"but has {' x '.join(map(str, counts))}."
+        )
+    z = np.array(list(itertools.product(*axes)))
+    values = _evaluate_grid(designs, z, watch)
+    judged = designs.judge_values(values)
+    first = judged.order()[0]
+    return DesignScan(
+        z,
+        judged,
+        shape,
+        first if judged.kept[first] else None,
+        tuple(designs.numbers(z[first]).tolist()),
+        tuple(values[first].mean(axis=0).tolist()),
+    )
+
+
+def _evaluate_grid(designs: DesignEvaluator, z: Numbers, watch: Callable[[float], None] | None) -> Numbers:
+    """Values of all designs, which do not count as those of a search."""
+    counts, designs.counts = designs.counts, RunCounts()
+    found: list[Numbers] = []
+    try:
+        for k in range(0, len(z), BATCH):
+            found.append(designs.values(z[k : k + BATCH]))
+            if watch is not None:
+                watch(min(k + BATCH, len(z)) / len(z))
+    finally:
+        designs.counts = counts
+    return np.concatenate(found)
+
+
+def _space_axis(designs: DesignEvaluator, k: int, count: int) -> Numbers:
+    """Places of the points along a free number."""
+    one = designs.question.free[k]
+    if not one.whole:
+        return np.linspace(0.0, 1.0, count)
+    whole = np.unique(np.round(np.linspace(one.low, one.high, count)))
+    return np.array([one.share(float(number)) for number in whole])

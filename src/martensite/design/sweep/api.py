@@ -1,0 +1,292 @@
+"""Sweeps from Python: the command `martensite sweep` as a function."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections import Counter
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from martensite.base import units
+from martensite.base.errors import DataError, InputError, ParameterError
+from martensite.base.interrupts import rescue_answer
+from martensite.base.lazy import import_extra
+from martensite.base.registry import import_modules
+from martensite.design.sweep.backends.base import BACKENDS, AbstractBackend, Report
+from martensite.design.sweep.job import MEASURES, SweepJob, SweepRequest, build_spec, prepare_plan
+from martensite.design.sweep.plan import CHUNK, SweepPlan
+from martensite.design.sweep.store import Store, create_store
+from martensite.scenario.scenario import Scenario, load
+from martensite.simulate.variants import ACCELERATED
+
+if TYPE_CHECKING:
+    import xarray
+
+
+@dataclass
+class Progress:
+    """How far a sweep is."""
+
+    runs: int
+    """Runs in all chunks that shall be made, those done before included."""
+    before: int
+    """Runs done before."""
+    status: Counter[int] = field(default_factory=Counter[int])
+    """Runs made now, by status."""
+    seconds: float = 0.0
+    """CPU time of the chunks made now."""
+    remarks: list[str] = field(default_factory=list[str])
+
+    @property
+    def made(self) -> int:
+        """Runs made now."""
+        return self.status.total()
+
+    @property
+    def done(self) -> int:
+        """Runs that are there."""
+        return self.before + self.made
+
+    def note(self, report: Report) -> None:
+        """Count a chunk."""
+        self.status.update(report.status)
+        self.seconds += report.seconds
+        self.remarks.extend(report.remarks)
+
+
+Tell = Callable[[Progress], None]
+
+
+def run_chunks(
+    job: SweepJob, wanted: Sequence[int], done: set[int], backend: AbstractBackend, tell: Tell | None = None
+) -> Progress:
+    """Make the chunks that are wanted and not done yet.
+
+    Args:
+        job: makes a chunk and stores it.
+        wanted: numbers of chunks.
+        done: numbers of chunks that are there.
+        backend: who makes them.
+        tell: called after every chunk.
+
+    Raises:
+        InterruptError: it was interrupted; chunks that were made are kept.
+        StoppedError: it cannot go on; as well.
+    """
+    there = [chunk for chunk in wanted if chunk in done]
+    runs = sum(len(job.rows(chunk)) for chunk in wanted)
+    progress = Progress(runs, sum(len(job.rows(chunk)) for chunk in there))
+    missing = [chunk for chunk in wanted if chunk not in done]
+
+    def say_kept() -> str:
+        return (
+            f"Interrupted when {progress.done:,} of {runs:,} runs were there. They are kept: the same command goes "
+            "on from there."
+        )
+
+    with rescue_answer(say_kept):
+        if tell:
+            tell(progress)
+        with closing(backend.run(job, missing)) as reports:
+            for report in reports:
+                progress.note(report)
+                if tell:
+                    tell(progress)
+    return progress
+
+
+def parse_share(chunks: int, part: str | None) -> range:
+    """The chunks of part i of N of a sweep, written `i/N` with i from 1 on; all without.
+
+    Raises:
+        ParameterError: it is no such part.
+    """
+    if part is None:
+        return range(chunks)
+    first, slash, count = part.partition("/")
+    if not (slash and first.strip().isdecimal() and count.strip().isdecimal()):
+        raise ParameterError(f"A part of a sweep is written `1/16`, not `{part}`.")
+    i, total = int(first), int(count)
+    if not 1 <= i <= total:
+        raise ParameterError(f"Part `{part}` must be between 1/{total} and {total}/{total}.")
+    return range(i - 1, chunks, total)
+
+
+FEW = 2
+"""Chunks that are made faster than processes start."""
+
+
+@dataclass(frozen=True)
+class SweepExecution:
+    """How a sweep is run, which does not change what comes out."""
+
+    backend: str | None = None
+    """Who runs the chunks; None for several processes, or this one alone for a few chunks."""
+    workers: int = 0
+    scheduler: str | None = None
+    part: str | None = None
+    """Part of the chunks, `i/N`."""
+    modules: tuple[str, ...] = ()
+    """What registers parts of the user's own."""
+    force: bool = False
+    """Replace what is there."""
+
+    def made(self, chunks: int, runtime: str | None) -> AbstractBackend:
+        """The backend for so many chunks.
+
+        Raises:
+            InputError: there is none of that name, or an option has no effect on it.
+        """
+        made = BACKENDS[self._name(chunks, runtime)]
+        fields = getattr(made, "__dataclass_fields__", {})
+        given = {"workers": self.workers or None, "scheduler": self.scheduler}
+        for name, value in given.items():
+            if value is not None and name not in fields:
+                raise InputError(f"Option `--{name}` has no effect on the backend `{made.registered_name}`.")
+        return made(**{name: value for name, value in given.items() if value is not None})
+
+    def _name(self, chunks: int, runtime: str | None) -> str:
+        if self.backend:
+            return self.backend
+        if self.scheduler:
+            return "dask"
+        few = chunks <= FEW and not self.workers
+        return "serial" if few or runtime in ACCELERATED else "processes"
+
+
+@dataclass(frozen=True)
+class PlannedSweep:
+    """A sweep whose store is there."""
+
+    plan: SweepPlan
+    store: Store
+    job: SweepJob
+    part: range
+    """Chunks that are asked for."""
+    backend: AbstractBackend
+    remarks: tuple[str, ...] = ()
+    """What was found when the store was opened."""
+
+    def run(self, tell: Tell | None = None) -> Progress:
+        """Make the chunks that are missing; `tell` is called after each.
+
+        Raises:
+            StoppedError: it cannot go on, or was interrupted; what was made is kept.
+        """
+        found = run_chunks(self.job, self.part, self.store.made(), self.backend, tell)
+        found.remarks[:0] = self.remarks
+        return found
+
+
+def begin_sweep(scenario: Scenario, wanted: SweepRequest, path: Path, how: SweepExecution) -> PlannedSweep:
+    """Plan a sweep, and make its store or open it.
+
+    Nothing is removed or written before all that is asked for has been found to be right.
+
+    Raises:
+        InputError: an axis, an option or the store is wrong.
+    """
+    how.made(0, wanted.runtime)
+    if how.force and how.part:
+        raise InputError("`--force` would remove what other parts have made; leave it out.")
+    parse_share(1 << 30, how.part)
+    if not path.absolute().parent.is_dir():
+        raise DataError(f"There is no folder `{path.parent}` to write `{path.name}` into.")
+    old = Store(path) if path.exists() else None
+    if old:
+        old.require_sweep()  # nothing else is opened, or removed
+        if not how.force:  # the step and the runtime that it was begun with
+            known = old.spec
+            wanted = replace(wanted, step=wanted.step or known["step"], runtime=wanted.runtime or known["runtime"])
+    plan, wanted = prepare_plan(scenario, wanted)
+    spec = build_spec(scenario, wanted, how.modules)
+    if old and how.force:
+        shutil.rmtree(path)
+    store = create_store(path, plan, spec)
+    damaged = store.discard_damaged()
+    job, part = SweepJob(path.resolve(), json.dumps(spec)), parse_share(plan.chunks, how.part)
+    backend = how.made(len(set(part) - store.made()), wanted.runtime)
+    count = "1 chunk was" if len(damaged) == 1 else f"{len(damaged):,} chunks were"
+    remarks = (f"{count} damaged and had to be made again.",) if damaged else ()
+    return PlannedSweep(plan, store, job, part, backend, remarks)
+
+
+def count_missing(scenario: Scenario, wanted: SweepRequest, path: Path) -> int:
+    """How many chunks of a sweep `begin_sweep` would find missing; nothing is written.
+
+    Raises:
+        InputError: an axis, an option or the store is wrong.
+    """
+    chunks = prepare_plan(scenario, wanted)[0].chunks
+    return chunks - len(Store(path).made()) if path.exists() else chunks
+
+
+def run_sweep(
+    scenario: Scenario | str | Path,
+    *,
+    over: Sequence[str],
+    out: str | Path,
+    sample: str = "grid",
+    measures: Sequence[str] = MEASURES,
+    traces: Sequence[tuple[str, int]] = (),
+    seed: int = 0,
+    step: float | str | None = None,
+    runtime: str | None = None,
+    precision: str = "float64",
+    chunk: int = CHUNK,
+    backend: str | None = None,
+    workers: int = 0,
+    scheduler: str | None = None,
+    part: str | None = None,
+    modules: Sequence[str] = (),
+    force: bool = False,
+    tell: Tell | None = None,
+) -> xarray.Dataset:
+    """Run many variants of a scenario into a Zarr store, and open it.
+
+    Called again, it goes on where it was stopped, and returns at once when all is there.
+
+    Args:
+        scenario: as `load` returns it, or a file.
+        over: what is varied, such as `diameter=0.1..0.5 mm:9` or `length=250 mm +- 2 %`.
+        out: the store, a folder.
+        sample: grid, or a design with a number of runs, such as `sobol:1024`.
+        measures: one number each per run, such as `stroke` or `max(stress)`.
+        traces: outputs that are kept over time, each with a number of samples.
+        seed: of the sample.
+        step: longest of equal steps [s]; by default runs are made to the tolerance of the scenario,
+            each with an error control of its own, and the store says what accuracy each has.
+        runtime: c, jax, cuda or floats; by default c, if there is a compiler.
+        precision: float64, or float32 on JAX or CUDA.
+        chunk: runs that are made and written together; a GPU is only busy with many thousands.
+        backend: who runs the chunks: processes, serial or dask; by default this process alone
+            for a few chunks, on JAX or CUDA, else several. A script that takes another than serial must
+            do so under `if __name__ == "__main__":`.
+        workers: how many processes; 0 for one per core.
+        scheduler: address of a Dask scheduler.
+        part: part I of N of the chunks, `I/N`, for job arrays.
+        modules: modules or .py files that register parts of your own.
+        force: replace an existing store.
+        tell: called with the `Progress` after every chunk.
+
+    Returns:
+        What `open_sweep` returns: all runs, those that are missing or failed as NaN.
+
+    Raises:
+        InputError: something that was asked for is wrong.
+        StoppedError: it stopped on the way; what was made is kept.
+    """
+    from martensite.design.sweep.reading import open_sweep
+
+    import_extra("xarray", "sweep")  # missed before anything is run, not after
+    import_modules(modules)
+    found = scenario if isinstance(scenario, Scenario) else load(scenario)
+    length = units.parse_quantity(step, "s") if isinstance(step, str) else step
+    wanted = SweepRequest(tuple(over), sample, tuple(measures), tuple(traces), seed, chunk, length, runtime, precision)
+    how = SweepExecution(backend, workers, scheduler, part, tuple(modules), force)
+    begin_sweep(found, wanted, Path(out), how).run(tell)
+    return open_sweep(out)

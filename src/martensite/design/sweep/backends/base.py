@@ -1,0 +1,109 @@
+"""Backends: they take a job and the numbers of chunks, and yield a report of each as it is done.
+
+A job makes a chunk and puts it where it belongs; a report is small. A backend loses nothing: what a
+worker takes with it when it dies is made again, or reported as lost.
+
+A run may raise an error that nobody has thought of, or take its process with it: its chunk is halved until such
+runs are found, which are reported as lost, and the others are kept. So many in a chunk are no matter of some
+numbers, and stop the sweep.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Generator, Iterable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar
+
+from martensite.base.errors import MartensiteError, StoppedError
+from martensite.base.registry import Registry
+from martensite.design.sweep.plan import SweepPiece
+
+if TYPE_CHECKING:
+    from martensite.design.sweep.job import SweepJob
+
+
+@dataclass(frozen=True)
+class Report:
+    """What became of a chunk."""
+
+    chunk: int
+    status: dict[int, int]
+    """Number of runs by status."""
+    seconds: float = 0.0
+    """CPU time that it took."""
+    remarks: tuple[str, ...] = field(default=())
+    """Sentences on what went wrong on the way."""
+
+
+class AbstractBackend(ABC):
+    """Who runs chunks."""
+
+    registered_name: ClassVar[str] = ""
+
+    @abstractmethod
+    def run(self, job: SweepJob, chunks: Iterable[int]) -> Generator[Report]:
+        """Make chunks, in any order; stop at an error that the next chunk would meet as well.
+
+        Raises:
+            StoppedError: it cannot go on; chunks that were made before are kept.
+        """
+
+
+BACKENDS: Registry[AbstractBackend] = Registry("backend", "martensite.design.sweep.backends")
+
+
+MOST_LOST = 32
+"""Lost runs from which on it is given up."""
+NAMED = 5
+
+
+def keep_runs(
+    job: SweepJob, chunk: int, attempt: Callable[[range], SweepPiece], begin: str = ""
+) -> tuple[SweepPiece, tuple[str, ...]]:
+    """What can be kept of a chunk, and sentences on what cannot.
+
+    Args:
+        job: says what stands for a lost run.
+        chunk: its number.
+        attempt: makes some runs, or raises.
+        begin: what happened before; a sentence that is said in any case.
+
+    Raises:
+        StoppedError: too many runs are lost.
+        MartensiteError: raised on purpose by an attempt, and passed on.
+    """
+    lost: dict[int, str] = {}
+
+    def halved(rows: range) -> list[SweepPiece]:
+        try:
+            return [attempt(rows)]
+        except MartensiteError:
+            raise
+        except Exception as error:
+            if len(rows) == 1:
+                lost[rows.start] = f"{type(error).__name__}: {error}"
+                _give_up(chunk, lost)
+                return [job.lost(rows)]
+        middle = (rows.start + rows.stop) // 2
+        return halved(range(rows.start, middle)) + halved(range(middle, rows.stop))
+
+    pieces = halved(job.rows(chunk))
+    remarks = [begin] if begin else []
+    if lost:
+        reason = next(iter(lost.values())).rstrip(".")
+        remarks.append(f"Lost: run {_name_run(lost)} ({reason}). The others of its chunk were made.")
+    return SweepPiece.joined(pieces), tuple(remarks)
+
+
+def _name_run(lost: dict[int, str]) -> str:
+    return ", ".join(map(str, list(lost)[:NAMED])) + (" …" if len(lost) > NAMED else "")
+
+
+def _give_up(chunk: int, lost: dict[int, str]) -> None:
+    if len(lost) >= MOST_LOST:
+        raise StoppedError(
+            f"{MOST_LOST} runs of chunk {chunk} are lost (run {_name_run(lost)}), the first by "
+            f"{next(iter(lost.values())).rstrip('.')}. That is no matter of some numbers: try one "
+            "alone by `martensite run`. Chunks that were made are kept."
+        )

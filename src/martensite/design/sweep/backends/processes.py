@@ -1,0 +1,169 @@
+"""Chunks on this machine: one after another in this process, or over its cores (Python's process pool).
+
+A process that dies takes its chunks with it. They are made again, each in a process of its own; a chunk that kills
+its process once more is halved until the runs that do it are found. Ctrl-C is heard by this process alone, and ends
+the others: a chunk counts when all of it is written, so those under way are left for later. When this process is
+killed, the others end as well.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Generator, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import islice
+from multiprocessing import active_children, get_context, parent_process
+from threading import Thread
+from typing import TYPE_CHECKING
+
+from martensite.base.child_python import safe_children
+from martensite.base.errors import StoppedError
+from martensite.design.sweep.backends.base import BACKENDS, AbstractBackend, Report, keep_runs
+from martensite.design.sweep.plan import SweepPiece
+
+if TYPE_CHECKING:
+    from martensite.design.sweep.job import SweepJob
+
+
+@BACKENDS.register("serial")
+class Serial(AbstractBackend):
+    """This process alone."""
+
+    def run(self, job: SweepJob, chunks: Iterable[int]) -> Generator[Report]:
+        """One chunk after another."""
+        for chunk in chunks:
+            yield job(chunk)
+
+
+START = "spawn"
+"""A forked process would inherit the threads of JAX, half of them."""
+
+
+@BACKENDS.register("processes")
+@dataclass(frozen=True)
+class Processes(AbstractBackend):
+    """A pool of processes."""
+
+    workers: int = 0
+    """How many; 0 for one per core."""
+
+    @property
+    def count(self) -> int:
+        """Number of processes."""
+        return self.workers or count_cores()
+
+    def run(self, job: SweepJob, chunks: Iterable[int]) -> Generator[Report]:
+        """Two chunks per process are under way at a time."""
+        waiting, broken = iter(chunks), list[int]()
+        while True:
+            yield from self._pool(job, waiting, broken)
+            if not broken:
+                return
+            for chunk in broken:
+                yield salvage_chunk(job, chunk)
+            broken.clear()
+
+    def _pool(self, job: SweepJob, waiting: Iterator[int], broken: list[int]) -> Iterator[Report]:
+        """Reports of chunks until there are no more, or a process has died; then what it had."""
+        with _open_pool(self.count) as pool:
+            under_way: dict[Future[Report], int] = {}
+            while True:
+                room = 0 if broken else 2 * self.count - len(under_way)
+                for chunk in islice(waiting, room):
+                    try:
+                        with _ignore_interrupts():
+                            under_way[pool.submit(job, chunk)] = chunk
+                    except BrokenProcessPool:
+                        broken.append(chunk)
+                        break
+                if not under_way:
+                    return
+                for future in wait(under_way, return_when=FIRST_COMPLETED).done:
+                    chunk = under_way.pop(future)
+                    try:
+                        yield future.result()
+                    except BrokenProcessPool:
+                        broken.append(chunk)
+
+
+def count_cores() -> int:
+    """Number of cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def salvage_chunk(job: SweepJob, chunk: int) -> Report:
+    """Make a chunk whose process has died, keeping every run that can be made.
+
+    Raises:
+        StoppedError: no process can be started, or too many runs kill theirs.
+    """
+    begin = f"A process died at chunk {chunk}, which was made again."
+    piece, remarks = keep_runs(job, chunk, partial(_run_alone, job), begin)
+    return replace(job.store(chunk, piece), remarks=remarks)
+
+
+def _run_alone(job: SweepJob, rows: range) -> SweepPiece:
+    """Make some runs in a process of their own."""
+    with _open_pool(1) as pool:
+        try:
+            with _ignore_interrupts():
+                ready = pool.submit(os.getpid)
+            ready.result()
+        except BrokenProcessPool:
+            raise StoppedError(
+                "No process can be started here. In a script, sweep under "
+                '`if __name__ == "__main__":`; or choose the backend `serial`.'
+            ) from None
+        try:
+            return pool.submit(job.compute, rows).result()
+        except BrokenProcessPool:
+            raise RuntimeError("its process died") from None
+
+
+@contextmanager
+def _open_pool(count: int) -> Iterator[ProcessPoolExecutor]:
+    """A pool whose waiting chunks are dropped at the end, and those under way where nobody waits for them any more."""
+    before = active_children()
+    with safe_children():
+        pool = ProcessPoolExecutor(count, get_context(START), initializer=_end_with_parent)
+        try:
+            yield pool
+        except (KeyboardInterrupt, GeneratorExit):
+            for process in active_children():
+                if process not in before:
+                    process.kill()
+            raise
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
+def _end_with_parent() -> None:
+    """End this process when the one that has started it is gone, even by a kill."""
+    parent = parent_process()
+
+    def watch() -> None:
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    Thread(target=watch, daemon=True).start()
+
+
+@contextmanager
+def _ignore_interrupts() -> Iterator[None]:
+    """Processes that are started meanwhile do not hear Ctrl-C, which is for this one."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -1,0 +1,193 @@
+"""Sensitivity: how much of the variance of a measure every varied number explains.
+
+First order: the share of the variance that vanishes on average if the number is known. Total: the
+share that remains if all others are known; total minus first is what comes of acting together.
+Which estimate is made follows from the design:
+
+    saltelli       estimators of Saltelli et al. (2010), Comput. Phys. Commun. 181, table 2 b and f,
+                   as in SciPy and SALib, with bootstrap intervals
+    whole grid     sums of squares over its levels, which count as equally likely; no interval
+    other samples  `martensite.design.sweep.given_data_indices`
+
+Varied numbers count as independent, with the distributions that the design gave them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.base.errors import DataError
+from martensite.design.sweep.axes import Numbers
+from martensite.design.sweep.given_data_indices import NORMAL_95, SensitivityIndex, estimate_indices, is_spread
+from martensite.design.sweep.sampling.samples import count_block_runs
+from martensite.design.sweep.table import SweepColumn, SweepTable
+
+LEAST_BLOCKS = 8
+LEAST_RUNS = 32
+BOOTSTRAP = 20_000_000
+"""Numbers drawn for the intervals at most."""
+WIDE_INTERVAL = 0.1
+"""Half an interval that is remarked upon."""
+
+
+@dataclass(frozen=True, eq=False)
+class SensitivityIndices:
+    """What one measure of a sweep depends on."""
+
+    measure: str
+    unit: str
+    """SI unit of the measure."""
+    method: str
+    """saltelli, grid or given data."""
+    names: tuple[str, ...]
+    """Paths of the varied numbers."""
+    indices: dict[str, SensitivityIndex]
+    """By kind, such as `first` and `total`; each has one number per varied number."""
+    mean: float
+    deviation: float
+    used: int
+    """Number of runs."""
+    remarks: list[str] = field(default_factory=list[str])
+
+    @property
+    def order(self) -> list[int]:
+        """Places of the varied numbers, the most important first: by total order, or delta."""
+        leading = next(self.indices[k] for k in ("total", "delta", "first") if k in self.indices)
+        return [int(k) for k in np.argsort(-np.nan_to_num(leading.values), kind="stable")]
+
+
+def compute_sensitivity(found: SweepTable, measures: Sequence[str] | None = None) -> list[SensitivityIndices]:
+    """What the measures of a sweep depend on.
+
+    Args:
+        found: the runs.
+        measures: some of them, by their words; by default all.
+
+    Raises:
+        UnknownNameError: there is no such measure.
+        DataError: too few runs are there.
+    """
+    return [_analyse_measure(found, one) for one in found.chosen(None if measures is None else list(measures))]
+
+
+def _analyse_measure(found: SweepTable, one: SweepColumn) -> SensitivityIndices:
+    usable = found.good & np.isfinite(one.values)
+    if found.design == "saltelli":
+        return _analyse_blocks(found, one, usable)
+    if found.shape is not None and usable.all():
+        indices = estimate_grid_indices(one.values.reshape(found.shape))
+        return _build_result(found, one, "grid", indices, one.values, [])
+    remarks = _describe_left_out(found, one, usable)
+    if found.shape is not None:
+        remarks.append("The grid is not whole: its runs are taken as a sample.")
+    least = max(LEAST_RUNS, 4 * len(found.varied))
+    if usable.sum() < least:
+        raise DataError(f"`{one.name}` is known of {usable.sum():,} runs; at least {least} are needed.")
+    x, y = found.inputs[usable], one.values[usable]
+    indices, more = estimate_indices(x, y)
+    return _build_result(found, one, "given data", indices, y, remarks + more)
+
+
+def _build_result(
+    found: SweepTable, one: SweepColumn, method: str, indices: dict[str, SensitivityIndex], y: Numbers, more: list[str]
+) -> SensitivityIndices:
+    varies = is_spread(y)
+    constant = [] if varies else ["It is the same in all runs: nothing to be explained."]
+    return SensitivityIndices(
+        one.name,
+        one.unit,
+        method,
+        tuple(found.varied),
+        indices,
+        float(np.mean(y)),
+        float(np.std(y)) if varies else 0.0,
+        y.size,
+        [*more, *constant],
+    )
+
+
+def _describe_left_out(found: SweepTable, one: SweepColumn, usable: NDArray[np.bool_]) -> list[str]:
+    """Sentences on runs without a number."""
+    never = int(np.sum(found.good & ~usable))
+    counts = (
+        (found.missing, "not made yet"),
+        (found.failed, "failed"),
+        (never, f"without `{one.name}`, as it never happened in them"),
+    )
+    return [f"{count:,} runs are left out: {why}." for count, why in counts if count]
+
+
+# ---------------------------------------------------------------- blocks
+
+
+def _analyse_blocks(found: SweepTable, one: SweepColumn, usable: NDArray[np.bool_]) -> SensitivityIndices:
+    """From the blocks of a design `saltelli`; one without a number is left out as a whole."""
+    size = count_block_runs(len(found.varied))
+    whole = usable.reshape(-1, size).all(axis=1)
+    remarks = _describe_left_out(found, one, usable)
+    if not whole.all():
+        count = int(np.sum(~whole))
+        remarks.append(
+            f"{count:,} of {whole.size:,} blocks are left out, as one of their runs is: the "
+            "indices hold for what is left, and shift if those runs were alike."
+        )
+    if whole.sum() < LEAST_BLOCKS:
+        raise DataError(
+            f"`{one.name}` is known of {whole.sum()} whole blocks; at least {LEAST_BLOCKS} are "
+            "needed. Ask for more, such as `--sample saltelli:1024`."
+        )
+    y = one.values.reshape(-1, size)[whole].ravel()
+    indices = estimate_block_indices(y, len(found.varied))
+    widest = max(float(np.nanmax(i.wide, initial=0.0)) for i in indices.values())
+    if widest > WIDE_INTERVAL:
+        remarks.append(f"Intervals reach ± {widest:.2g}: more base samples would narrow them.")
+    return _build_result(found, one, "saltelli", indices, y, remarks)
+
+
+def estimate_block_indices(y: Numbers, width: int, seed: int = 0) -> dict[str, SensitivityIndex]:
+    """First and total order from blocks of runs, with intervals of 95 %.
+
+    Args:
+        y: a measure of all runs in the order of the design, (blocks (width + 2),).
+        width: number of axes.
+        seed: of the bootstrap.
+    """
+    if not is_spread(y):
+        return {name: SensitivityIndex.unknown(width) for name in ("first", "total")}
+    blocks = y.reshape(-1, count_block_runs(width)) - np.mean(y)
+    draws, rng = int(np.clip(BOOTSTRAP / y.size, 20, 200)), np.random.default_rng(seed)
+    rows = (rng.integers(len(blocks), size=len(blocks)) for _ in range(draws))
+    wide = NORMAL_95 * np.std([_estimate_orders(blocks[drawn]) for drawn in rows], 0, ddof=1)
+    pairs = zip(("first", "total"), _estimate_orders(blocks), wide, strict=True)
+    return {name: SensitivityIndex(values, half) for name, values, half in pairs}
+
+
+def _estimate_orders(blocks: Numbers) -> tuple[Numbers, Numbers]:
+    """First and total order, of blocks of mean 0."""
+    a, mixed, b = blocks[:, :1], blocks[:, 1:-1], blocks[:, -1:]
+    variance = np.var(blocks[:, [0, -1]])
+    first = np.mean(b * (mixed - a), axis=0) / variance
+    return first, 0.5 * np.mean((a - mixed) ** 2, axis=0) / variance
+
+
+# ---------------------------------------------------------------- grid
+
+
+def estimate_grid_indices(y: Numbers) -> dict[str, SensitivityIndex]:
+    """First and total order of a grid whose levels are equally likely: sums of squares.
+
+    Args:
+        y: a measure on the grid, one dimension per axis.
+    """
+    if not is_spread(y):
+        return {name: SensitivityIndex.unknown(y.ndim) for name in ("first", "total")}
+    every, variance = range(y.ndim), float(np.var(y))
+    others = [tuple(j for j in every if j != k) for k in every]
+    first = [float(np.var(np.mean(y, axis=axes))) / variance for axes in others]
+    total = [1.0 - float(np.var(np.mean(y, axis=k))) / variance for k in every]
+    none = np.full(y.ndim, np.nan)
+    return {"first": SensitivityIndex(np.array(first), none), "total": SensitivityIndex(np.array(total), none)}

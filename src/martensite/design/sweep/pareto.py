@@ -1,0 +1,120 @@
+"""Pareto fronts: the runs that no other beats.
+
+A run beats another if it is at least as good in every goal and better in one. Equal runs do not
+beat each other. Two goals take a sort; more are compared by blocks, the most promising first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.base.errors import DataError, ParameterError
+from martensite.design.sweep.axes import Numbers
+from martensite.design.sweep.table import SweepColumn, SweepTable
+
+Places: TypeAlias = NDArray[np.int64]
+BLOCK = 256
+FIRST = 64
+"""Rows of the set that are tried first: they beat most others."""
+
+
+@dataclass(frozen=True, eq=False)
+class ParetoFront:
+    """Runs that no other beats."""
+
+    goals: tuple[SweepColumn, ...]
+    most: tuple[bool, ...]
+    """Whether a goal shall be large."""
+    runs: Places
+    """Their numbers in the sweep, in the order of the first goal, the best first."""
+    compared: int
+    """Number of runs that were compared."""
+
+    def columns(self, found: SweepTable) -> dict[str, SweepColumn]:
+        """Varied numbers and goals, by name."""
+        return {**found.varied, **{one.name: one for one in self.goals}}
+
+
+def find_pareto_front(found: SweepTable, minimise: Sequence[str] = (), maximise: Sequence[str] = ()) -> ParetoFront:
+    """The runs of a sweep that no other beats.
+
+    Args:
+        found: the runs.
+        minimise: measures, or varied numbers, that shall be small.
+        maximise: those that shall be large.
+
+    Raises:
+        UnknownNameError: there is no such measure or number.
+        ParameterError: no goal is given, or one twice.
+        DataError: no run has all goals.
+    """
+    goals = tuple(found.column(name) for name in (*minimise, *maximise))
+    names = [one.name for one in goals]
+    if not goals:
+        raise ParameterError("A front needs goals; say what is wanted by --minimise or --maximise.")
+    twice = next((n for n in names if names.count(n) > 1), None)
+    if twice:
+        raise ParameterError(f"`{twice}` is a goal twice.")
+    most = (False,) * len(minimise) + (True,) * len(maximise)
+    values = np.stack([-g.values if m else g.values for g, m in zip(goals, most, strict=True)], 1)
+    rows = np.flatnonzero(found.good & np.isfinite(values).all(axis=1))
+    if not len(rows):
+        raise DataError("There is no run that has all goals.")
+    best = rows[find_unbeaten(values[rows])]
+    order = np.lexsort(values[best].T[::-1])
+    return ParetoFront(goals, most, best[order], len(rows))
+
+
+def find_unbeaten(values: Numbers) -> Places:
+    """Places of the rows that no other beats, rising.
+
+    Args:
+        values: (rows, goals), finite; small is good.
+    """
+    ranks = np.stack([np.unique(one, return_inverse=True)[1] for one in values.T], axis=1)
+    if ranks.shape[1] == 1:
+        return np.flatnonzero(ranks[:, 0] == 0)
+    if ranks.shape[1] == 2:
+        return _find_of_two(ranks)
+    return _find_of_many(ranks)
+
+
+def _find_of_two(ranks: Places) -> Places:
+    """With two goals: whoever has less of the second than all that have less of the first."""
+    order = np.lexsort((ranks[:, 1], ranks[:, 0]))
+    a, b = ranks[order].T
+    best = np.minimum.accumulate(b)
+    starts = np.r_[True, a[1:] != a[:-1]]
+    start = np.maximum.accumulate(np.where(starts, np.arange(len(a)), 0))
+    before = np.where(start > 0, best[start - 1], b.max() + 1)
+    return np.sort(order[(b == b[start]) & (b < before)])
+
+
+def _find_of_many(ranks: Places) -> Places:
+    """With more: a row can only be beaten by one of a smaller sum of ranks, so these come first."""
+    order = np.argsort(ranks.sum(axis=1), kind="stable")
+    ordered = np.ascontiguousarray(ranks[order].astype(np.int32))
+    kept = np.empty(0, np.int64)
+    for begin in range(0, len(ordered), BLOCK):
+        rows = np.arange(begin, min(begin + BLOCK, len(ordered)))
+        for some in (kept[:FIRST], kept[FIRST:], rows):
+            rows = rows[~_mark_beaten(ordered[rows], ordered[some])]
+        kept = np.concatenate((kept, rows))
+    return np.sort(order[kept])
+
+
+def _mark_beaten(rows: NDArray[np.int32], by: NDArray[np.int32]) -> NDArray[np.bool_]:
+    """Which rows are beaten by one of others."""
+    if not (len(rows) and len(by)):
+        return np.zeros(len(rows), bool)
+    as_good = np.ones((len(rows), len(by)), bool)
+    better = np.zeros((len(rows), len(by)), bool)
+    for mine, theirs in zip(rows.T, by.T, strict=True):
+        as_good &= theirs <= mine[:, None]
+        better |= theirs < mine[:, None]
+    return np.any(as_good & better, axis=1)

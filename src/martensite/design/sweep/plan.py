@@ -1,0 +1,209 @@
+"""The plan of a sweep: what is run, in which chunks, and what is kept of every run.
+
+A chunk is a stretch of runs. It depends on the plan and its number only, and so can be made
+anywhere, in any order, and again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, TypeVar
+
+import numpy as np
+
+from martensite.base.errors import MartensiteError, ParameterError
+from martensite.base.parameters import Parametrised, describe_structure
+from martensite.base.status import Status
+from martensite.design.sweep.axes import SweepAxis
+from martensite.design.sweep.sampling.samples import AbstractDesign
+from martensite.simulate.accuracy import FEW
+from martensite.simulate.ensembles import Ensemble, Numbers
+from martensite.simulate.measures.base import AbstractMeasure, list_needed
+from martensite.simulate.variants import ACCELERATED, NAMES, VariantSetup
+
+Kind = TypeVar("Kind")
+ENDED, ACCURACY = "ended", "accuracy"
+DETAILS = {
+    ENDED: ("s", "time at which a run ended"),
+    ACCURACY: ("1", "how far what is judged may be off, as a share of its range"),
+}
+"""What is said of every run beside its status: unit and meaning."""
+CHUNK = 512
+"""Runs in a chunk, unless chosen: about a second of work, and one file per column."""
+
+
+@dataclass(frozen=True)
+class SweepTrace:
+    """A column that is kept over time, at fewer samples."""
+
+    output: str
+    samples: int
+
+
+@dataclass(frozen=True, eq=False)
+class SweepPiece:
+    """What is kept of some runs."""
+
+    values: Numbers
+    """Varied numbers, (runs, axes), in SI."""
+    scalars: dict[str, Numbers]
+    """One number per run: by the words of a measure, or as one of `DETAILS`."""
+    traces: dict[str, Numbers]
+    """(runs, samples) by output."""
+    status: np.ndarray
+    """(runs,)"""
+
+    @staticmethod
+    def joined(pieces: Sequence[SweepPiece]) -> SweepPiece:
+        """Some after others."""
+        first = pieces[0]
+        return SweepPiece(
+            np.concatenate([p.values for p in pieces]),
+            {n: np.concatenate([p.scalars[n] for p in pieces]) for n in first.scalars},
+            {n: np.concatenate([p.traces[n] for p in pieces]) for n in first.traces},
+            np.concatenate([p.status for p in pieces]),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class SweepPlan:
+    """A sweep, ready to run."""
+
+    course: VariantSetup
+    """System, waveforms, length and step; which outputs it has is decided here."""
+    axes: tuple[SweepAxis, ...]
+    design: AbstractDesign
+    measures: Mapping[str, AbstractMeasure]
+    """By the words that name them."""
+    traces: tuple[SweepTrace, ...] = ()
+    chunk: int = CHUNK
+
+    def __post_init__(self) -> None:
+        """Raise `ParameterError` where the plan cannot be run."""
+        if not self.axes:
+            raise ParameterError("A sweep varies something; say what by `--over`.")
+        names = [one.target.name for one in self.axes]
+        twice = next((n for n in names if names.count(n) > 1), None)
+        if twice:
+            raise ParameterError(f"`{twice}` is varied twice.")
+        if not (self.measures or self.traces):
+            raise ParameterError("A sweep keeps something of every run; name an output.")
+        if self.chunk < 1:
+            raise ParameterError(f"A chunk must have at least one run, not {self.chunk}.")
+        self._check_axes()
+
+    def _check_axes(self) -> None:
+        """Raise where an end of an axis is not allowed, or decides how large the program is."""
+        system = self.course.system
+        for one in self.axes:
+            part = system if one.target.drive is None else self.course.waveforms[one.target.drive]
+            leaf = next(leaf for leaf in part.leaves() if leaf.path == one.target.path)
+            for number in one.extremes():
+                leaf.declared.convert(leaf.owner, one.target.name, number)
+                if _count_bytes(part, one.target.path, number) != describe_structure(part):
+                    raise ParameterError(
+                        f"`{one.target.name}` decides how large the program is and cannot be "
+                        "varied; run one sweep for each value."
+                    )
+
+    @cached_property
+    def size(self) -> int:
+        """Number of runs."""
+        return self.design.size(self.axes)
+
+    @property
+    def chunks(self) -> int:
+        """Number of chunks."""
+        return -(-self.size // self.chunk)
+
+    def rows(self, chunk: int) -> range:
+        """The runs of a chunk."""
+        return range(chunk * self.chunk, min((chunk + 1) * self.chunk, self.size))
+
+    def cautions(self) -> list[str]:
+        """Return sentences about what is allowed but probably not meant."""
+        kept = self.course.runtime == "cuda" and self.course.controlled and self._ready.measuring.totalled
+        if self.measures and self.course.runtime in ACCELERATED and not kept:
+            name = NAMES[self.course.runtime]
+            return [
+                f"On {name}, measures are computed from {self.course.samples:,} stored samples: a pulse between two of "
+                "them is missed. The runtime `c` computes measures from all steps."
+            ]
+        return []
+
+    @cached_property
+    def outputs(self) -> tuple[str, ...]:
+        """Every output that something is made of, once."""
+        shown = (trace.output for trace in self.traces)
+        return tuple(dict.fromkeys((*list_needed(self.measures.values(), self.course.system), *shown)))
+
+    @cached_property
+    def times(self) -> Numbers:
+        """Sample times of every run [s]."""
+        return np.array(self._ready.times)
+
+    def trace_times(self, trace: SweepTrace) -> Numbers:
+        """Sample times of a trace [s]."""
+        return self.times[self._places(trace)]
+
+    def compute(self, rows: range) -> SweepPiece:
+        """Run some runs."""
+        values = self.values(rows)
+        system, signals = self.by_owner([np.ascontiguousarray(column) for column in values.T])
+        return self._kept(values, self._ready.run(system, signals))
+
+    def values(self, rows: range) -> Numbers:
+        """Varied numbers of some runs, (runs, axes), in SI."""
+        return self.design.values(self.axes, rows.start, len(rows))
+
+    def by_owner(self, columns: Sequence[Kind]) -> tuple[dict[str, Kind], dict[str, dict[str, Kind]]]:
+        """What belongs to each axis, by path in the system, and by drive and path in waveforms."""
+        system: dict[str, Kind] = {}
+        signals: dict[str, dict[str, Kind]] = {}
+        for one, column in zip(self.axes, columns, strict=True):
+            drive = one.target.drive
+            table = system if drive is None else signals.setdefault(drive, {})
+            table[one.target.path] = column
+        return system, signals
+
+    def lost(self, rows: range) -> SweepPiece:
+        """What is kept of runs that cannot be made."""
+        lost = Ensemble.empty(self.outputs, len(rows), len(self.times), Status.LOST, len(self.measures))
+        return self._kept(self.values(rows), lost)
+
+    def try_measures(self) -> None:
+        """Raise `InputError` where a measure does not fit the runs; it is tried on an empty run."""
+        times = self.times
+        self._ready.measuring.measure_samples(times.tolist(), np.zeros((len(self.outputs), len(times), 1)))
+
+    @cached_property
+    def _ready(self) -> VariantSetup:
+        """The course with its outputs and measures; without traces it keeps as many samples as runs are compared at."""
+        samples = self.course.samples
+        if self.course.controlled and self.course.runtime not in ACCELERATED and not self.traces:
+            samples = min(samples, FEW)
+        measures = tuple(self.measures.values())
+        return replace(self.course, outputs=self.outputs, measures=measures, samples=samples)
+
+    def _kept(self, values: Numbers, ran: Ensemble) -> SweepPiece:
+        """Measures and traces; a run that failed has no measures."""
+        bad = ran.status >= Status.UNSOLVED
+        scalars = {words: np.where(bad, np.nan, row) for words, row in zip(self.measures, ran.numbers, strict=True)}
+        scalars |= {ENDED: ran.ended, ACCURACY: ran.accuracy}
+        traces = {t.output: ran.columns[t.output][:, self._places(t)] for t in self.traces}
+        return SweepPiece(values, scalars, traces, ran.status)
+
+    def _places(self, trace: SweepTrace) -> np.ndarray:
+        """Samples that a trace keeps: both ends, and evenly between them."""
+        last = len(self.times) - 1
+        return np.unique(np.round(np.linspace(0, last, min(trace.samples, last + 1))).astype(int))
+
+
+def _count_bytes(part: Parametrised, path: str, number: float) -> tuple[Any, ...]:
+    """The structure with another number; that of the nominal one where a check refuses it."""
+    try:
+        return describe_structure(part.with_values({path: number}))
+    except MartensiteError:  # a refused run is a row of the sweep
+        return describe_structure(part)

@@ -1,0 +1,234 @@
+"""Grids, and samples of the unit cube, any stretch of which is reached without making the others.
+
+    grid               every combination of the levels of all axes; the last axis varies fastest
+    monte-carlo        independent random numbers (PCG64)
+    latin-hypercube    every axis is cut into as many strata as there are runs, and each is met once
+                       (McKay, Beckman and Conover (1979)); the order of the strata of every axis is
+                       kept in memory, 4 bytes per run and axis
+    sobol              a scrambled Sobol' sequence, which fills space evenly (Owen (1998); SciPy)
+    saltelli           blocks of runs from which Sobol' indices follow, in the order of SALib
+
+For the last, two independent samples A and B of N points are made, from the first and the second
+half of the coordinates of a scrambled Sobol' sequence. Block n has point n of A, then for every
+axis that point with the coordinate of B, then point n of B: d + 2 runs (Saltelli et al. (2010),
+Comput. Phys. Commun. 181, radial design without second order). A power of 2 spreads the last two
+best.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib import import_module
+from threading import Lock
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.base.errors import ParameterError
+from martensite.base.registry import Registry
+from martensite.design.sweep.axes import Numbers, SweepAxis
+
+MOST_RUNS = 1_000_000_000
+
+
+@dataclass(frozen=True)
+class AbstractDesign(ABC):
+    """Runs of a sweep."""
+
+    registered_name: ClassVar[str] = ""
+    count: int | None = None
+    """How many samples are asked for; None on a grid."""
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        """Raise `ParameterError` for a seed that cannot be."""
+        if self.seed < 0:
+            raise ParameterError(f"A seed is 0 or above, but is {self.seed}.")
+
+    @abstractmethod
+    def size(self, axes: Sequence[SweepAxis]) -> int:
+        """Number of runs."""
+
+    @abstractmethod
+    def values(self, axes: Sequence[SweepAxis], first: int, count: int) -> Numbers:
+        """Numbers of some runs from `first` on, (count, axes), in SI."""
+
+
+class AbstractSample(AbstractDesign):
+    """A sample of the unit cube, put on the axes by their quantiles."""
+
+    def __post_init__(self) -> None:
+        """Raise `ParameterError` unless it is known how many."""
+        super().__post_init__()
+        if self.count is None or not 1 <= self.count <= MOST_RUNS:
+            raise ParameterError(
+                f"`{self.registered_name}` needs how many runs, such as `{self.registered_name}:1024`."
+            )
+
+    def size(self, axes: Sequence[SweepAxis]) -> int:
+        """As many as are asked for."""
+        return self.count or 0
+
+    @abstractmethod
+    def cube(self, width: int, first: int, count: int) -> Numbers:
+        """Points in the unit cube, (count, width)."""
+
+    def values(self, axes: Sequence[SweepAxis], first: int, count: int) -> Numbers:
+        """The quantiles of points in the unit cube."""
+        points = self.cube(len(axes), first, count)
+        return np.stack([one.quantile(points[:, k]) for k, one in enumerate(axes)], axis=1)
+
+
+DESIGNS: Registry[AbstractDesign] = Registry("sample", "martensite.design.sweep.sampling")
+
+
+def parse_sampling(words: str, seed: int = 0) -> AbstractDesign:
+    """The design that words such as `grid` or `sobol:1024` name.
+
+    Raises:
+        InputError: there is none of that name, or its number is none.
+    """
+    name, colon, count = words.partition(":")
+    if colon and not count.strip().isdecimal():
+        raise ParameterError(f"`{words}` must end with a number of runs, such as `{name}:1024`.")
+    return DESIGNS[name.strip()](int(count) if colon else None, seed)
+
+
+@DESIGNS.register("grid")
+class Grid(AbstractDesign):
+    """All combinations."""
+
+    def __post_init__(self) -> None:
+        """Raise `ParameterError` if a number of runs is given: levels decide."""
+        super().__post_init__()
+        if self.count is not None:
+            raise ParameterError(
+                "A grid has as many runs as its axes have combinations of levels; write their "
+                "levels behind each axis, such as `diameter=0.1..0.5 mm:9`."
+            )
+
+    def shape(self, axes: Sequence[SweepAxis]) -> tuple[int, ...]:
+        """Levels of each axis."""
+        return tuple(len(one.levels()) for one in axes)
+
+    def size(self, axes: Sequence[SweepAxis]) -> int:
+        """The product of all levels."""
+        found = math.prod(self.shape(axes))
+        if found > MOST_RUNS:
+            raise ParameterError(f"This grid has {found:,} runs; at most {MOST_RUNS:,} are allowed.")
+        return found
+
+    def values(self, axes: Sequence[SweepAxis], first: int, count: int) -> Numbers:
+        """Levels by their places on the grid."""
+        places = np.unravel_index(np.arange(first, first + count), self.shape(axes))
+        return np.stack([one.levels()[k] for one, k in zip(axes, places, strict=True)], axis=1)
+
+
+TINY = 2.0**-54
+MOST_STRATA = 20_000_000
+"""Runs of the largest Latin hypercube."""
+
+
+@DESIGNS.register("monte-carlo")
+class MonteCarlo(AbstractSample):
+    """Independent samples."""
+
+    def cube(self, width: int, first: int, count: int) -> Numbers:
+        """Numbers of a stream, from a place in it on; never 0."""
+        stream = np.random.PCG64(self.seed)
+        stream.advance(first * width)
+        return np.maximum(np.random.Generator(stream).random((count, width)), TINY)
+
+
+@DESIGNS.register("latin-hypercube")
+class LatinHypercube(AbstractSample):
+    """Points of a Latin hypercube, at random places in their strata."""
+
+    def __post_init__(self) -> None:
+        """Raise `ParameterError` unless it is known how many, and they fit into memory."""
+        super().__post_init__()
+        if (self.count or 0) > MOST_STRATA:
+            raise ParameterError(
+                f"A Latin hypercube has at most {MOST_STRATA:,} runs, not {self.count:,}; take `sobol`."
+            )
+
+    def cube(self, width: int, first: int, count: int) -> Numbers:
+        """Strata of all axes, and places in them."""
+        stream = np.random.PCG64([self.seed, 1])
+        stream.advance(first * width)
+        inside = np.random.Generator(stream).random((count, width))
+        strata = [_draw_strata(self.count or 0, self.seed, k)[first : first + count] for k in range(width)]
+        return np.maximum((np.stack(strata, axis=1) + inside) / (self.count or 1), TINY)
+
+
+@lru_cache(maxsize=64)
+def _draw_strata(count: int, seed: int, axis: int) -> NDArray[np.int32]:
+    """Strata of one axis in the order of the runs."""
+    rng = np.random.Generator(np.random.PCG64([seed, 2, axis]))
+    return rng.permutation(count).astype(np.int32)
+
+
+@DESIGNS.register("sobol")
+class Sobol(AbstractSample):
+    """Points of a scrambled Sobol' sequence."""
+
+    def cube(self, width: int, first: int, count: int) -> Numbers:
+        """Points from a place in the sequence on; never 0."""
+        with _one_at_a_time, warnings.catch_warnings():  # it says at every stretch that a power of 2 spreads best
+            warnings.simplefilter("ignore", UserWarning)
+            sequence = _begin_sequence(width, self.seed)
+            if sequence.num_generated > first:
+                sequence.reset()
+            if sequence.num_generated < first:
+                sequence.fast_forward(first - sequence.num_generated)
+            found = sequence.random(count)
+        return np.maximum(np.asarray(found, float), TINY)
+
+
+_one_at_a_time = Lock()
+
+
+@lru_cache(maxsize=8)
+def _begin_sequence(width: int, seed: int) -> Any:
+    """A sequence that is gone on with: forward it takes as long as there are points on the way."""
+    qmc: Any = import_module("scipy.stats.qmc")
+    return qmc.Sobol(width, seed=seed)
+
+
+@DESIGNS.register("saltelli")
+class Saltelli(AbstractSample):
+    """N base points, and N (d + 2) runs of d axes."""
+
+    def size(self, axes: Sequence[SweepAxis]) -> int:
+        """All runs of all blocks.
+
+        Raises:
+            ParameterError: they are too many.
+        """
+        found = (self.count or 0) * count_block_runs(len(axes))
+        if found > MOST_RUNS:
+            raise ParameterError(
+                f"`saltelli:{self.count}` of {len(axes)} axes has {found:,} runs; at most {MOST_RUNS:,} are allowed."
+            )
+        return found
+
+    def cube(self, width: int, first: int, count: int) -> Numbers:
+        """Runs from any one on, which need not be the first of its block."""
+        size = count_block_runs(width)
+        rows = np.arange(first, first + count)
+        begin, end = first // size, (first + count - 1) // size + 1
+        points = Sobol(self.count, self.seed).cube(2 * width, begin, end - begin)
+        a, b = points[rows // size - begin, :width], points[rows // size - begin, width:]
+        member = (rows % size)[:, None]
+        return np.where((member == np.arange(1, width + 1)) | (member == size - 1), b, a)
+
+
+def count_block_runs(width: int) -> int:
+    """Runs in a block of some axes."""
+    return width + 2

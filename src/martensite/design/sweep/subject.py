@@ -1,0 +1,68 @@
+"""What of a scenario can be varied, and what all of its variants have in common."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from martensite.base.errors import InputError
+from martensite.kernels.compiler import find_compiler
+from martensite.signals.base import AbstractWaveform
+from martensite.simulate.cuda.device import open_device
+from martensite.simulate.drive_waveforms import by_name
+from martensite.simulate.variants import ACCELERATED, VariantSetup
+
+if TYPE_CHECKING:
+    from martensite.scenario.scenario import Scenario
+
+
+def build_course(
+    scenario: Scenario, step: float | None = None, runtime: str | None = None, precision: str = "float64"
+) -> VariantSetup:
+    """What all variants of a scenario have in common.
+
+    Args:
+        scenario: the nominal one.
+        step: longest of equal steps [s]; by default that of the scenario, or None for runs to its
+            tolerance.
+        runtime: c, jax, cuda or floats; by default c if there is a compiler.
+        precision: float64, or float32 on JAX or CUDA.
+
+    Raises:
+        InputError: runs on JAX or in float32 have no step, or there is no CUDA device.
+    """
+    system, samples = scenario.require_home("Every run of a sweep").whole, scenario.samples
+    interval = system.sample_time()
+    if interval:
+        samples = min(samples, max(int(scenario.duration / interval + 1e-6) + 1, 2))
+    chosen = runtime or ("c" if find_compiler() is not None else "floats")
+    found = interval or (scenario.step if step is None else step)
+    if found is None and (chosen == "jax" or (chosen == "cuda" and precision != "float64")):
+        raise InputError(
+            "A sweep on JAX or in float32 runs on equal steps; say how long they are at most by `--step`, or take the "
+            "runtime `c`."
+        )
+    if chosen == "cuda":
+        open_device()  # missed before anything is written
+    return VariantSetup(
+        system,
+        list_waveforms(scenario),
+        scenario.duration,
+        samples,
+        found,
+        (),
+        chosen,
+        precision,
+        tolerance=scenario.tolerance,
+        devices=None if chosen in ACCELERATED else 1,
+    )
+
+
+def list_waveforms(scenario: Scenario) -> dict[str, AbstractWaveform]:
+    """All that drives a scenario, by name; references and noise of a bench among it."""
+    played = dict(by_name(scenario.system, scenario.waveform))
+    if scenario.bench is None:
+        return played
+    from martensite.control.loop.run import noise_waveforms, reference_waveforms
+
+    played |= reference_waveforms(scenario.bench)
+    return played | noise_waveforms(scenario.bench, scenario.duration, scenario.seed)

@@ -1,1 +1,0 @@
-"""Linear plants at operating points."""

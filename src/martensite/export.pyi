@@ -1,1 +1,0 @@
-from martensite_export import *

@@ -1,0 +1,253 @@
+"""Models, plants and benches for python-control: the thing itself, and its linear system.
+
+A model of blocks, a plant or a whole bench is a `NonlinearIOSystem` in discrete time with its own
+state, so that it can be put in a loop with whatever python-control offers; the linear system is a
+`StateSpace`, for Bode and Nyquist plots, margins and pole placement.
+
+A plant remembers where it turned. Its linear system holds on one branch, the one of its operating
+point; `control.linearize` needs a signal a little above that of rest on the heating branch, and
+below it on the cooling one. Signals are held for a period. What a bench reads at the end of a
+period, such as the reference of its controller, is one sample earlier here than in `simulate`.
+
+python-control comes with `pip install 'martensite[control]'`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import InputError, suggest_name
+from martensite.base.lazy import import_extra
+from martensite.control.loop.names import JITTER, NOISE
+from martensite.control.synthesis.linear import linearise_plant
+from martensite.identify.chains.chain import Chain
+from martensite.identify.chains.linear_system import LinearSystem
+from martensite.identify.chains.linearise import linearise_chain
+from martensite.kernels import floats
+from martensite.simulate.api import steps_in
+from martensite.simulate.compiled import bind_system
+from martensite.simulate.operating_point import SteadyPoint
+
+
+def to_control(chain: Chain) -> Any:
+    """The chain as a `control.NonlinearIOSystem` with its sample time as `dt`.
+
+    States are called after their block: `1.x1`, `1.x2`, …; python-control takes dots in names.
+    The state at rest under an input is that of `operating_point`.
+
+    Raises:
+        InputError: python-control is not installed.
+    """
+    control = import_extra("control", "control", "python-control")
+    step = _Step(chain)
+    return control.NonlinearIOSystem(
+        step.update,
+        step.output,
+        inputs=list(chain.input_names),
+        outputs=list(chain.output_names),
+        states=step.names,
+        dt=chain.interval,
+        name=_remove_dots(chain.name),
+    )
+
+
+def to_state_space(system: Chain | LinearSystem, level: Any = 0.0) -> Any:
+    """A linear system as a `control.StateSpace`, without states that take no part.
+
+    Args:
+        system: a linear system, or a chain that is linearised at rest.
+        level: the input at which a chain is linearised, one number or one for each input.
+
+    Raises:
+        InputError: python-control is not installed, the level does not fit, or it is an actuator.
+    """
+    if isinstance(system, AbstractSystem):
+        raise InputError("`to_state_space` takes a chain or a linear system; give an actuator to `plant_state_space`.")
+    control = import_extra("control", "control", "python-control")
+    linear = system if isinstance(system, LinearSystem) else linearise_chain(system, level)
+    slim = linear.reduce_states()
+    return control.ss(
+        slim.a,
+        slim.b,
+        slim.c,
+        slim.d,
+        slim.interval,
+        inputs=list(slim.input_names) or None,
+        outputs=list(slim.output_names) or None,
+    )
+
+
+def to_nonlinear_system(
+    system: AbstractSystem, period: float | None = None, *, outputs: Sequence[str] | None = None
+) -> Any:
+    """A plant or a bench as a `control.NonlinearIOSystem` in discrete time.
+
+    Inputs are its drives; noise and jitter of sensors are 0. Dots in names become underscores.
+    Its state at rest is that of `rest_state`.
+
+    Args:
+        system: a plant, or a bench, whose own period counts.
+        period: time from sample to sample of a plant [s].
+        outputs: which outputs; all if none are named.
+
+    Raises:
+        InputError: python-control is not installed, a name does not fit, or no period is given.
+    """
+    control = import_extra("control", "control", "python-control")
+    step = _PlantStep(system, period, outputs)
+    return control.nlsys(
+        step.update,
+        step.output,
+        inputs=[_remove_dots(n) for n in step.inputs],
+        outputs=[_remove_dots(n) for n in step.outputs],
+        states=step.names,
+        dt=step.interval,
+        name=_remove_dots(type(system).__name__.lower()),
+    )
+
+
+def rest_state(system: AbstractSystem, signals: Sequence[float] = ()) -> Any:
+    """The flat state of a plant or bench at rest, as `to_nonlinear_system` takes it.
+
+    Args:
+        system: the plant, or the bench.
+        signals: first ones of its drives, in their order; what is not given is 0.
+    """
+    drives = len(system.drives())
+    first = [*map(float, signals), *[0.0] * (drives - len(signals))][:drives]
+    functions, _ = bind_system(system)
+    return np.array(functions["init"](*first))
+
+
+def plant_state_space(
+    point: SteadyPoint,
+    period: float | None = None,
+    *,
+    outputs: Sequence[str] | None = None,
+    inputs: Sequence[str] | None = None,
+) -> Any:
+    """The linear system of a plant around an operating point, on its branch, as a `StateSpace`.
+
+    States that take no part are left out; those that do keep their names. Units are SI, those
+    of the outputs and drives of the plant.
+
+    Args:
+        point: where the plant rests, and how it got there.
+        period: time for which signals are held [s]; of a system in discrete time its own.
+        outputs: which outputs; all if none are named.
+        inputs: which drives; the one that is varied if none are named.
+
+    Raises:
+        InputError: python-control is not installed, or a name does not fit.
+    """
+    control = import_extra("control", "control", "python-control")
+    linear = linearise_plant(point, period, inputs=inputs)
+    chosen = _choose_names(outputs, linear.output_names)
+    rows = [linear.output_names.index(name) for name in chosen]
+    names, kept = state_names(point.system), linear.active
+    return control.ss(
+        linear.a[kept][:, kept],
+        linear.b[kept],
+        linear.c[rows][:, kept],
+        linear.d[rows],
+        linear.interval,
+        inputs=[_remove_dots(n) for n in linear.input_names],
+        outputs=[_remove_dots(n) for n in chosen],
+        states=[names[k] for k in kept],
+    )
+
+
+def state_names(system: AbstractSystem) -> list[str]:
+    """What the numbers of the flat state of a system are called: `elements0_memory_temperature`."""
+    state = system.init(floats, *[0.0] * len(system.drives()))
+    return [name or "state" for name in _walk_numbers("", state)]
+
+
+def _walk_numbers(name: str, nested: Any) -> Iterator[str]:
+    if not isinstance(nested, tuple):
+        yield name
+        return
+    fields: Any = getattr(type(nested), "_fields", None)  # type: ignore[arg-type]
+    for k, item in enumerate(nested):  # type: ignore[arg-type]
+        inner = f"{name}_{fields[k]}" if fields else f"{name}{k}"
+        yield from _walk_numbers(inner.removeprefix("_"), item)
+
+
+def _choose_names(wanted: Sequence[str] | None, known: Sequence[str]) -> list[str]:
+    for name in wanted or ():
+        if name not in known:
+            raise InputError(f"There is no output `{name}`. {suggest_name(name, known)}")
+    return list(wanted or known)
+
+
+class _PlantStep:
+    """One period of a plant, as python-control calls it."""
+
+    def __init__(self, system: AbstractSystem, period: float | None, outputs: Sequence[str] | None) -> None:
+        own = system.sample_time()
+        interval = own or period
+        if not interval or interval <= 0.0:
+            raise InputError("A plant in continuous time needs a `period` above 0 s.")
+        drives = [drive.name for drive in system.drives()]
+        self.interval: float = interval
+        self.inputs = [name for name in drives if not name.startswith((NOISE, JITTER))]
+        self.outputs = _choose_names(outputs, list(system.outputs()))
+        self.names = state_names(system)
+        self._given = [drives.index(name) for name in self.inputs]
+        self._list_extras = [list(system.outputs()).index(name) for name in self.outputs]
+        self._functions, self._size = bind_system(system)
+        self._idle = [0.0] * len(drives)
+        self._turns = 1 if own else steps_in(system, interval)
+
+    def _signals(self, u: Any) -> list[float]:
+        signals = list(self._idle)
+        for place, value in zip(self._given, np.atleast_1d(u).tolist(), strict=True):
+            signals[place] = value
+        return signals
+
+    def update(self, time: float, x: Any, u: Any, parameters: Any) -> Any:
+        """The state a period later."""
+        state, signals = tuple(np.asarray(x, dtype=float).tolist()), self._signals(u)
+        for _ in range(self._turns):
+            found = self._functions["step"](*state, *signals, self.interval / self._turns)
+            state = found[: self._size]
+        return np.array(state)
+
+    def output(self, time: float, x: Any, u: Any, parameters: Any) -> Any:
+        """The outputs in a state under signals."""
+        state = np.asarray(x, dtype=float).tolist()
+        seen = self._functions["observe"](*state, *self._signals(u))
+        return np.array([seen[k] for k in self._list_extras])
+
+
+class _Step:
+    """One sample of a chain, as python-control calls it."""
+
+    def __init__(self, chain: Chain) -> None:
+        self.chain = chain
+        self.names = [
+            f"{k}.x{i}" for k, block in enumerate(chain.blocks, start=1) for i in range(1, block.states() + 1)
+        ]
+
+    def _run(self, x: Any, u: Any) -> tuple[Any, Any]:
+        state = np.array(x, dtype=float)
+        row = np.asarray(u, dtype=float).reshape(1, -1)
+        y = self.chain.engine.simulate(self.chain.theta, row, state)
+        return y[0], state
+
+    def update(self, time: float, x: Any, u: Any, parameters: Any) -> Any:
+        """The state for the next sample."""
+        return self._run(x, u)[1]
+
+    def output(self, time: float, x: Any, u: Any, parameters: Any) -> Any:
+        """The outputs of this sample."""
+        return self._run(x, u)[0]
+
+
+def _remove_dots(text: str) -> str:
+    """A name that python-control takes: it refuses dots."""
+    return text.replace(".", "_")

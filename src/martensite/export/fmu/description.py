@@ -1,0 +1,165 @@
+"""modelDescription.xml of FMI 2.0 and 3.0, and buildDescription.xml of 3.0."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from importlib.metadata import version
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+from martensite.export.fmu.plan import FmuPlan
+from martensite.export.fmu.variables import TIME, FmuVariable, add_units
+
+CATEGORIES = ("logStatusWarning", "logStatusDiscard", "logStatusError")
+
+
+def write_description(fmi: str, plan: FmuPlan, variables: Sequence[FmuVariable], token: str) -> str:
+    """modelDescription.xml of an FMI version, 2.0 or 3.0."""
+    made = _write_version_2(plan, variables, token) if fmi == "2.0" else _write_version_3(plan, variables, token)
+    return as_text(made)
+
+
+def build_description(identifier: str, sources: Sequence[str]) -> str:
+    """buildDescription.xml of FMI 3.0."""
+    root = Element("fmiBuildDescription", fmiVersion="3.0")
+    made = SubElement(root, "BuildConfiguration", modelIdentifier=identifier)
+    files = SubElement(made, "SourceFileSet", language="C99")
+    for name in sources:
+        SubElement(files, "SourceFile", name=name)
+    SubElement(made, "Library", name="m")
+    return as_text(root)
+
+
+def as_text(root: Element) -> str:
+    """XML of an element and all below it."""
+    indent(root)
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="unicode") + "\n"
+
+
+def _write_version_2(plan: FmuPlan, variables: Sequence[FmuVariable], token: str) -> Element:
+    root = Element("fmiModelDescription", fmiVersion="2.0", modelName=plan.title, guid=token)
+    root.attrib |= {"description": plan.system.description(), "generationTool": _name_tool()}
+    if plan.continuous:
+        _offer_exchange(root, plan, "canGetAndSetFMUstate", "canSerializeFMUstate")
+        root.attrib["numberOfEventIndicators"] = "0"
+        SubElement(SubElement(root[0], "SourceFiles"), "File", name="all.c")
+    slave = SubElement(root, "CoSimulation", modelIdentifier=plan.identifier)
+    slave.attrib |= {
+        "canHandleVariableCommunicationStepSize": "true",
+        "canInterpolateInputs": "false" if plan.period else "true",
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
+    }
+    SubElement(SubElement(slave, "SourceFiles"), "File", name="all.c")
+    _write_head(root, plan, variables)
+    rows = SubElement(root, "ModelVariables")
+    places = {one.reference: index for index, one in enumerate(variables, 1)}
+    for one in variables:
+        scalar = SubElement(rows, "ScalarVariable", _name_variable(one))
+        rate = {} if one.rate_of is None else {"derivative": str(places[one.rate_of])}
+        SubElement(scalar, "Real", _type_variable(one) | rate)
+    parts = SubElement(root, "ModelStructure")
+    for name, listed in _list_unknowns(variables).items():
+        unknowns = SubElement(
+            parts, {"Output": "Outputs", "InitialUnknown": "InitialUnknowns"}.get(name, "Derivatives")
+        )
+        for one in listed:
+            SubElement(unknowns, "Unknown", index=str(places[one.reference]))
+    return root
+
+
+def _write_version_3(plan: FmuPlan, variables: Sequence[FmuVariable], token: str) -> Element:
+    root = Element("fmiModelDescription", fmiVersion="3.0", modelName=plan.title)
+    root.attrib |= {
+        "instantiationToken": token,
+        "description": plan.system.description(),
+        "generationTool": _name_tool(),
+    }
+    if plan.continuous:
+        _offer_exchange(root, plan, "canGetAndSetFMUState", "canSerializeFMUState")
+    simulated = SubElement(root, "CoSimulation", modelIdentifier=plan.identifier)
+    simulated.attrib |= {
+        "canHandleVariableCommunicationStepSize": "true",
+        "canGetAndSetFMUState": "true",
+        "canSerializeFMUState": "true",
+    }
+    _write_head(root, plan, variables)
+    rows = SubElement(root, "ModelVariables")
+    time = {"name": _time_name(variables), "valueReference": str(TIME)}
+    SubElement(rows, "Float64", time, causality="independent", variability="continuous", unit="s")
+    for one in variables:
+        rate = {} if one.rate_of is None else {"derivative": str(one.rate_of)}
+        SubElement(rows, "Float64", _name_variable(one) | _type_variable(one) | rate)
+    parts = SubElement(root, "ModelStructure")
+    for name, listed in _list_unknowns(variables).items():
+        for one in listed:
+            SubElement(parts, name, valueReference=str(one.reference))
+    return root
+
+
+def _offer_exchange(root: Element, plan: FmuPlan, *abilities: str) -> None:
+    """Model exchange: what an importer integrates."""
+    SubElement(root, "ModelExchange", {"modelIdentifier": plan.identifier, **dict.fromkeys(abilities, "true")})
+
+
+def _list_unknowns(variables: Sequence[FmuVariable]) -> dict[str, list[FmuVariable]]:
+    """Variables that are calculated, by what the model structure of FMI 3.0 calls them."""
+    outputs = [one for one in variables if one.causality == "output"]
+    rates = [one for one in variables if one.rate_of is not None]
+    states = [one for one in variables if one.nominal is not None]
+    found = {"Output": outputs, "ContinuousStateDerivative": rates, "InitialUnknown": [*outputs, *states, *rates]}
+    return {name: listed for name, listed in found.items() if listed or name != "ContinuousStateDerivative"}
+
+
+def _write_head(root: Element, plan: FmuPlan, variables: Sequence[FmuVariable]) -> None:
+    """What both versions have between what the FMU can do and its variables."""
+    used = {one.unit: None for one in variables if one.unit is not None}
+    add_units(root, list({**used, "s": None}))
+    logged = SubElement(root, "LogCategories")
+    for name in CATEGORIES:
+        SubElement(logged, "Category", name=name)
+    SubElement(root, "DefaultExperiment", _write_experiment(plan))
+
+
+def _write_experiment(plan: FmuPlan) -> dict[str, str]:
+    found, scenario = {"startTime": "0.0"}, plan.scenario
+    interval = plan.period
+    if scenario is not None:
+        found["stopTime"] = repr(scenario.duration)
+        interval = interval or scenario.duration / (scenario.samples - 1)
+    return found | ({"stepSize": repr(interval)} if interval else {})
+
+
+def _name_variable(one: FmuVariable) -> dict[str, str]:
+    initial = {"output": "calculated", "parameter": "exact", "local": "exact"}.get(one.causality)
+    if one.causality == "local" and one.variability == "continuous":
+        initial = "calculated"
+    return {
+        "name": one.name,
+        "valueReference": str(one.reference),
+        "description": one.words,
+        "causality": one.causality,
+        "variability": one.variability,
+        **({} if initial is None else {"initial": initial}),
+    }
+
+
+def _type_variable(one: FmuVariable) -> dict[str, str]:
+    found: dict[str, str] = {}
+    if one.unit is not None:
+        found["unit"] = one.unit
+    if one.display is not None:
+        found["displayUnit"] = one.display
+    shown = ("min", one.low), ("max", one.high), ("nominal", one.nominal), ("start", one.start)
+    for name, value in shown:
+        if value is not None and math.isfinite(value):
+            found[name] = repr(float(value))
+    return found
+
+
+def _time_name(variables: Sequence[FmuVariable]) -> str:
+    return "simulation_time" if any(one.name == "time" for one in variables) else "time"
+
+
+def _name_tool() -> str:
+    return f"martensite {version('martensite')}"

@@ -1,0 +1,172 @@
+"""What an FMU is made of: a model in C, its step, and what its numbers are called."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import Leaf, describe_structure
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.run import reference_waveforms
+from martensite.export.c_core import CCore, build_c_core
+from martensite.export.ports.element import ElementPort, build_element_port
+from martensite.export.rates import ContinuousState, build_rates_core, gives_rates, list_continuous
+from martensite.scenario.scenario import Scenario
+from martensite.simulate.api import longest_step
+
+FREE, CONSTANT, HIDDEN = "FREE", "CONSTANT", "HIDDEN"
+
+
+@dataclass(frozen=True)
+class ModelNumber:
+    """A number of the system."""
+
+    leaf: Leaf
+    name: str
+    """By which it is reached: that of `--set` for a scenario, else its path."""
+    unit: str
+    kind: str
+    """FREE to be set, CONSTANT, or HIDDEN: not used, or a limit that is infinite."""
+    place: int
+    """Among the parameters of the core, if it is one of them."""
+
+
+@dataclass(frozen=True)
+class FmuPlan:
+    """A model in C, and all that the archive says of it."""
+
+    identifier: str
+    title: str
+    system: AbstractSystem
+    core: CCore
+    step: float
+    """The inner step, or the period of a system in discrete time [s]."""
+    numbers: tuple[ModelNumber, ...]
+    """All numbers of the system, in its order."""
+    first: tuple[float, ...]
+    """Inputs that nobody sets."""
+    scenario: Scenario | None
+    continuous: tuple[ContinuousState, ...] = ()
+    """Continuous states, of a model that is for model exchange too."""
+
+    @property
+    def period(self) -> float:
+        """That of a system in discrete time [s]; else 0."""
+        return self.system.sample_time()
+
+
+def plan_port(model: Scenario | AbstractSystem, identifier: str, step: float | None, port: str | None) -> FmuPlan:
+    """The plan of an element alone; its numbers are called by their paths in it.
+
+    Raises:
+        InputError: there is no such port, or none was chosen among several.
+        ParameterError: the step is out of range.
+    """
+    scenario = None if isinstance(model, AbstractSystem) else model
+    system = model if isinstance(model, AbstractSystem) else model.system
+    alone = build_element_port(system, port=port, velocity="given")
+    if step is None:
+        step = _choose_step(system, scenario, None)
+    plan = plan_of(alone, identifier, step)
+    return plan if scenario is None else replace(plan, title=scenario.title or identifier, scenario=scenario)
+
+
+def plan_of(model: Scenario | AbstractSystem, identifier: str, step: float | None) -> FmuPlan:
+    """The plan of a scenario or a system.
+
+    Raises:
+        ParameterError: the step is out of range, or is not to be chosen.
+    """
+    scenario = None if isinstance(model, AbstractSystem) else model
+    system = _fix_steps(model if isinstance(model, AbstractSystem) else model.whole)
+    chosen = _choose_step(system, scenario, step)
+    rated, name = gives_rates(system), f"{identifier}_core"
+    core = build_rates_core(system, name=name) if rated else build_c_core(system, name=name)
+    return FmuPlan(
+        identifier=identifier,
+        title=identifier if scenario is None else scenario.title,
+        system=system,
+        core=core,
+        step=chosen,
+        numbers=_list_numbers(core, system, scenario),
+        first=_first_inputs(core, system),
+        scenario=scenario,
+        continuous=list_continuous(system) if rated else (),
+    )
+
+
+def _fix_steps(system: AbstractSystem) -> AbstractSystem:
+    """A bench with as many steps in a period as it has now, whatever its numbers become."""
+    if isinstance(system, Bench) and not system.substeps:
+        return system.with_parts(substeps=system.turns)
+    return system
+
+
+def _choose_step(system: AbstractSystem, scenario: Scenario | None, step: float | None) -> float:
+    period = system.sample_time()
+    if step is not None and period:
+        raise ParameterError(f"This model goes on in samples of {period:g} s; it has no step to choose.")
+    if step is not None and not 0.0 < step < math.inf:
+        raise ParameterError(f"Argument `step` must be above 0, but is {step}.")
+    if step is not None:
+        return step
+    if period:
+        return float(period)
+    if scenario is None:
+        return longest_step(system)
+    if scenario.step is not None:
+        return scenario.step
+    return float(f"{scenario.equal_step():.9g}")
+
+
+def _first_inputs(core: CCore, system: AbstractSystem) -> tuple[float, ...]:
+    """References as they begin, temperatures those of the surroundings, all others 0."""
+    known: dict[str, float] = {}
+    if isinstance(system, Bench):
+        known = {name: one.value(0.0) for name, one in reference_waveforms(system).items()}
+    if isinstance(system, ElementPort):
+        known["ambient"] = system.environment.temperature
+    for port, one in system.actuators().items():
+        if one.source.sets_temperature:
+            known.setdefault(system.drive_at(port), one.environment.temperature)
+    return tuple(known.get(one.name, 0.0) for one in core.inputs)
+
+
+# ---------------------------------------------------------------- numbers
+
+
+def _list_numbers(core: CCore, system: AbstractSystem, scenario: Scenario | None) -> tuple[ModelNumber, ...]:
+    places = {one.name: one.index for one in core.parameters}
+    sampled = bool(system.sample_time())
+    found: list[ModelNumber] = []
+    for leaf in system.leaves():
+        kind = FREE
+        unused = isinstance(system, ElementPort) and leaf.path == "environment.temperature"  # `ambient` is an input
+        if unused or leaf.path not in places or not math.isfinite(leaf.value):
+            kind = HIDDEN
+        elif sampled and _is_structural(system, leaf):
+            kind = CONSTANT
+        name = leaf.path if scenario is None else scenario.places.path(leaf.path)
+        unit = leaf.declared.unit if scenario is None else scenario.places.unit(leaf)
+        found.append(ModelNumber(leaf, name, unit, kind, places.get(leaf.path, 0)))
+    return tuple(found)
+
+
+def _is_structural(system: AbstractSystem, leaf: Leaf) -> bool:
+    """Whether another value of a number makes another program, or another period.
+
+    So it is with the period of a bench and the delays of its sensors. Found by trying.
+    """
+    usual = describe_structure(system), system.sample_time()
+    value, (low, high) = float(leaf.value), leaf.declared.bounds
+    for one in {0.25 * value, 0.75 * value, 1.5 * value, 4.0 * value, low, high}:
+        if math.isfinite(one) and one != value:
+            try:
+                other = system.with_values({leaf.path: one})
+            except ParameterError:
+                continue
+            if (describe_structure(other), other.sample_time()) != usual:
+                return True
+    return False

@@ -1,0 +1,154 @@
+"""What an FMU shows: inputs, outputs and parameters, with value references that stay.
+
+A value reference is its kind times 100000 and the place among its kind: inputs from 0, outputs
+from 100000, parameters from 200000, time 300000 and the inner step 300001; continuous states from
+400000 and their rates from 500000, where it is for model exchange too. The place of a
+parameter is that among all numbers of the system, also of those that are not shown.
+
+Units of a model description are exponents of SI base units, with what a person would rather read;
+a display unit is a scale: value shown = factor * value + offset.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from xml.etree.ElementTree import Element, SubElement
+
+from martensite.base import units
+from martensite.base.errors import UnitError
+from martensite.export.fmu.plan import CONSTANT, HIDDEN, FmuPlan, ModelNumber
+
+KIND = 100_000
+TIME, INNER = 3 * KIND, 3 * KIND + 1
+STATES, RATES = 4 * KIND, 5 * KIND
+
+
+@dataclass(frozen=True)
+class FmuVariable:
+    """One variable of a model description."""
+
+    name: str
+    reference: int
+    causality: str
+    """Input, output, parameter, or local for a constant, a continuous state and its rate."""
+    variability: str
+    words: str
+    declared: str
+    """The unit as declared."""
+    start: float | None = None
+    """None for what is calculated."""
+    low: float = -math.inf
+    high: float = math.inf
+    nominal: float | None = None
+    """A usual size, of a continuous state."""
+    rate_of: int | None = None
+    """Reference of the continuous state of which it is the rate in time."""
+
+    @property
+    def unit(self) -> str | None:
+        """The SI unit; None where it has none."""
+        return unit_of(self.declared)
+
+    @property
+    def display(self) -> str | None:
+        """The unit a person would rather read, if that is another one."""
+        return display_of(self.declared)
+
+
+def list_variables(plan: FmuPlan) -> tuple[FmuVariable, ...]:
+    """Inputs, outputs, parameters, the inner step, continuous states and their rates."""
+    pace = "discrete" if plan.period else "continuous"
+    found = [
+        FmuVariable(one.name, one.index, "input", pace, one.words, one.unit, start)
+        for one, start in zip(plan.core.inputs, plan.first, strict=True)
+    ]
+    taken = {one.name for one in found}
+    for one in plan.core.outputs:
+        name = _free_name(one.name, "echo", taken)
+        found.append(FmuVariable(name, KIND + one.index, "output", pace, one.words, one.unit))
+    for place, number in enumerate(plan.numbers):
+        if number.kind != HIDDEN:
+            name = _free_name(number.name, "parameter", taken)
+            found.append(_describe_parameter(name, 2 * KIND + place, number))
+    if not plan.period:
+        name = _free_name("inner_step", "parameter", taken)
+        words = "longest step of the model within a step of the co-simulation (above 0)"
+        found.append(FmuVariable(name, INNER, "parameter", "fixed", words, "s", plan.step, 0.0))
+    return (*found, *_list_states(plan, taken))
+
+
+def _list_states(plan: FmuPlan, taken: set[str]) -> list[FmuVariable]:
+    states: list[FmuVariable] = []
+    rates: list[FmuVariable] = []
+    for k, one in enumerate(plan.continuous):
+        name = _free_name(one.name, "state", taken)
+        row = ("local", "continuous", one.words, one.unit)
+        states.append(FmuVariable(name, STATES + k, *row, nominal=one.nominal))
+        unit = "1/s" if one.unit == "1" else f"{one.unit}/s"
+        row = ("local", "continuous", f"rate of {name} in time", unit)
+        rates.append(FmuVariable(f"der({name})", RATES + k, *row, rate_of=STATES + k))
+    return [*states, *rates]
+
+
+def _describe_parameter(name: str, reference: int, number: ModelNumber) -> FmuVariable:
+    declared, value = number.leaf.declared, float(number.leaf.value)
+    if number.kind == CONSTANT:
+        words = f"{declared.doc}; constant, for it decides what the program is"
+        return FmuVariable(name, reference, "local", "constant", words, number.unit, value)
+    low, high = declared.bounds
+    words = f"{declared.doc} (above {low:g})" if declared.open_low else declared.doc
+    return FmuVariable(name, reference, "parameter", "fixed", words, number.unit, value, low, high)
+
+
+def _free_name(name: str, suffix: str, taken: set[str]) -> str:
+    """A name that is not taken, from now on taken: `drive_echo` for an output like an input."""
+    while name in taken:
+        name = f"{name}_{suffix}"
+    taken.add(name)
+    return name
+
+
+# ---------------------------------------------------------------- units
+
+
+def unit_of(declared: str) -> str | None:
+    """What a declared unit is called in a model description; None where it has none."""
+    if declared == units.DEGREES:
+        return "K"
+    return None if declared in ("", "of the reading", *units.OF_READINGS) else declared
+
+
+def display_of(declared: str) -> str | None:
+    """The unit in which to show a quantity, if that is another one."""
+    shown = units.choose_readable_unit(declared)
+    return None if declared == units.DEGREES or shown == declared else shown
+
+
+def add_units(parent: Element, names: list[str]) -> None:
+    """The definitions of some units, in their order, below an element."""
+    definitions = SubElement(parent, "UnitDefinitions")
+    for name in names:
+        unit = SubElement(definitions, "Unit", name=name)
+        exponents = base_units(name)
+        if exponents is not None:
+            SubElement(unit, "BaseUnit", {key: str(power) for key, power in exponents.items()})
+        shown = display_of(name)
+        if shown is not None:
+            SubElement(unit, "DisplayUnit", {"name": shown, **_find_scale(shown, name)})
+
+
+def base_units(name: str) -> dict[str, int] | None:
+    """Exponents of base units; None for units of none, and for fractional ones."""
+    try:
+        exponents = units.find_dimensions(name)
+    except UnitError:
+        return None
+    whole = all(power == int(power) for power in exponents.values())
+    return {key: int(power) for key, power in exponents.items()} if whole else None
+
+
+def _find_scale(shown: str, name: str) -> dict[str, str]:
+    factor, offset = units.find_conversion(shown, name)
+    scale = {"factor": repr(1.0 / factor)}
+    return scale | ({"offset": repr(-offset / factor)} if offset else {})

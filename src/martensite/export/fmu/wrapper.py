@@ -1,0 +1,106 @@
+"""Sources of an FMU: the core, the interface of FMI on it, and the table that ties them together.
+
+No header of the standard is needed: the interface declares what it defines. `all.c` takes in
+everything else, so that a compiler is given one file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from importlib.resources import files
+
+from martensite.export.fmu.plan import FmuPlan, ModelNumber
+from martensite.export.fmu.variables import KIND
+from martensite.simulate.grid import place_signal
+
+SHARED = ("instance.c", "values.c", "steps.c", "states.c")
+"""What both versions of FMI share; each takes in the one before."""
+MOST_STEPS = 1e9
+"""Inner steps in one step of the co-simulation."""
+_LARGEST = 1.7e308
+
+
+def write_sources(plan: FmuPlan, version: str, token: str) -> dict[str, str]:
+    """All C of an FMU, by file; `token` is its GUID, or instantiation token."""
+    interface = _list_interface(plan, version)
+    found = {"all.c": _write_all(plan, interface), "model.h": _write_model(plan, token), **plan.core.files}
+    folder = files("martensite.export.fmu")
+    for name in (*SHARED, *interface):
+        found[name] = (folder / name).read_text(encoding="utf-8")
+    return found
+
+
+def _list_interface(plan: FmuPlan, version: str) -> list[str]:
+    more = ["exchange.c", f"exchange{version[0]}.c"] if plan.continuous else []
+    return [f"fmi{version[0]}.c", *more]
+
+
+def _write_all(plan: FmuPlan, interface: Iterable[str]) -> str:
+    included = (f"{plan.core.name}.c", "model.h", *interface)
+    return "".join(f'#include "{name}"\n' for name in included)
+
+
+def _write_model(plan: FmuPlan, token: str) -> str:
+    """model.h: what the interface has to know of the core."""
+    core = plan.core.name
+    numbers = {
+        "FMU_TOKEN": f'"{token}"',
+        "FMU_TOKEN_SIZE": len(token) + 1,
+        "FMU_KIND": KIND,
+        "FMU_STEP": repr(plan.step),
+        "FMU_PERIOD": repr(float(plan.period)),
+        "FMU_OWN": 0 if plan.period else 1,
+        "FMU_MOST_STEPS": repr(MOST_STEPS),
+        "FMU_INPUTS": f"{core}_INPUTS",
+        "FMU_OUTPUTS": f"{core}_OUTPUTS",
+        "FMU_NUMBERS": len(plan.numbers),
+        "CORE_STATES": f"{core}_STATES",
+        "CORE_MODEL": f"{core}_model",
+        "CORE(f)": f"{core}_##f",
+        "CORE_STATUS(s)": f"{core}_##s",
+    }
+    numbers |= _locate_moved(plan)
+    nominals = [one.nominal for one in plan.continuous]
+    numbers |= {"FMU_CONTINUOUS": f"{core}_CONTINUOUS"} if nominals else {}
+    defined = "".join(f"#define {key} {value}\n" for key, value in numbers.items())
+    rules = ",\n    ".join(_write_rule(number) for number in plan.numbers)
+    at_end = [place_signal(drive.at_end) for drive in plan.system.drives()]
+    return (
+        f"{defined}\n{_RULE}static const rule rules[] = {{\n    {rules}\n}};\n"
+        f"static const double first_inputs[] = {{{_format_numbers(plan.first)}}};\n"
+        "/* Where in an inner step an input is read. */\n"
+        f"static const double sampled_at[] = {{{_format_numbers(at_end)}}};\n"
+        + (f"static const double nominals[] = {{{_format_numbers(nominals)}}};\n" if nominals else "")
+    )
+
+
+def _locate_moved(plan: FmuPlan) -> dict[str, object]:
+    """Inputs of which one is the velocity of the other, if there are such."""
+    places = {one.name: one.index for one in plan.core.inputs}
+    if "velocity" not in places:
+        return {}
+    return {"FMU_MOVED": places["elongation"], "FMU_VELOCITY": places["velocity"]}
+
+
+_RULE = """\
+enum { FREE, CONSTANT, HIDDEN };
+
+/* A number of the system: its place in the core, and what is allowed; open: low itself is not. */
+typedef struct {
+    const char *name;
+    int kind, place, open;
+    double low, high;
+} rule;
+
+"""
+
+
+def _write_rule(number: ModelNumber) -> str:
+    declared = number.leaf.declared
+    low, high = (max(-_LARGEST, min(_LARGEST, bound)) for bound in declared.bounds)
+    is_open = int(declared.open_low)
+    return f'{{"{number.name}", {number.kind}, {number.place}, {is_open}, {low!r}, {high!r}}}'
+
+
+def _format_numbers(values: Iterable[float]) -> str:
+    return ", ".join([repr(float(value)) for value in values] or ["0.0"])

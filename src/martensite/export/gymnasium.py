@@ -1,0 +1,142 @@
+"""A bench as an environment of Gymnasium: a learner has the drives that no controller has.
+
+    environment = SmaEnv(bench, Task(output="position", low=0.0, high=4e-3, duration=20.0))
+
+What is observed, rewarded and drawn is said in `martensite.export.episodes` and
+`martensite.export.learning_task`. What `gymnasium.make` finds by name says `martensite.export.gymnasium_names`.
+
+Gymnasium comes with `pip install 'martensite[gymnasium]'`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+
+from martensite.base.errors import InputError, suggest_name
+from martensite.base.lazy import import_extra
+from martensite.control.loop.bench import Bench
+from martensite.export.episodes import BOUND, Episodes
+from martensite.export.frames import Frames
+from martensite.export.gymnasium_names import register_environments
+from martensite.export.learning_task import LearningTask
+from martensite.export.packaged_tasks import find_bench
+
+RENDER_MODES = ("rgb_array",)
+HERE = find_spec("gymnasium") is not None
+BASE: Any = import_module("gymnasium").Env if HERE else object
+
+
+def import_gymnasium() -> Any:
+    """The package.
+
+    Raises:
+        InputError: Gymnasium is not installed.
+    """
+    return import_extra("gymnasium", "gymnasium", "Gymnasium")
+
+
+def build_spaces(episodes: Episodes) -> tuple[Any, Any]:
+    """Spaces of the actions and of the observations of one environment."""
+    box: Any = import_gymnasium().spaces.Box
+    actions, observations = episodes.sizes
+    return box(-1.0, 1.0, (actions,), np.float32), box(-BOUND, BOUND, (observations,), np.float32)
+
+
+def describe_rendering(bench: Bench, render_mode: str | None) -> dict[str, Any]:
+    """Metadata of an environment: what can be rendered, and how many periods are in a second.
+
+    Raises:
+        InputError: there is no such mode.
+    """
+    if render_mode not in (None, *RENDER_MODES):
+        raise InputError(f"There is no render mode `{render_mode}`. {suggest_name(render_mode, RENDER_MODES)}")
+    return {"render_modes": list(RENDER_MODES), "render_fps": max(1, round(1.0 / bench.period))}
+
+
+class SmaEnv(BASE):
+    """A bench as a `gymnasium.Env`.
+
+    An action has one number per free drive, from -1 to 1; an observation the readings, the
+    reference and its preview, from -2 to 2. Both are of 32 bits.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES)}  # noqa: RUF012 - as Gymnasium has it
+
+    def __init__(
+        self,
+        bench: Bench | str,
+        task: LearningTask | Mapping[str, Any] | None = None,
+        *,
+        native: bool | None = None,
+        render_mode: str | None = None,
+    ) -> None:
+        """An environment that has not been reset.
+
+        Args:
+            bench: with at least one drive that nobody has; or the name of a packaged task.
+            task: what shall be done on it; for a packaged task the fields that shall be others, if any.
+            native: whether to run in C; by default if there is a compiler.
+            render_mode: `rgb_array`, if pictures are wanted.
+
+        Raises:
+            InputError: Gymnasium is not installed, or a name or range does not fit.
+            ParameterError: a spread does not fit.
+        """
+        import_gymnasium()
+        bench, task = find_bench(bench, task)
+        self.metadata = type(self).metadata | describe_rendering(bench, render_mode)
+        self._episodes = Episodes(bench, task, 1, native)
+        self._frames: Frames | None = None
+        self.action_space, self.observation_space = build_spaces(self._episodes)
+        self.render_mode = render_mode
+
+    def reset(self, *, seed: int | None = None, options: Mapping[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Begin an episode.
+
+        Args:
+            seed: of reference, plant and noise of this and all later episodes.
+            options: `reference`, a waveform, and `values`, parameters of the bench by path, in
+                place of what would be drawn.
+
+        Raises:
+            InputError: there is no such option.
+        """
+        super().reset(seed=seed)
+        found, shown = self._episodes.begin(np.ones(1, bool), [self.np_random], options)
+        self._frames = watch_episodes(self._frames, self._episodes, self.render_mode)
+        return found[0], {name: float(row[0]) for name, row in shown.items()}
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """One period: observation, reward, terminated, truncated, and what is true [SI]."""
+        found = self._episodes.step(np.asarray(action, float)[None])
+        self._frames = watch_episodes(self._frames, self._episodes, self.render_mode)
+        shown = {name: float(row[0]) for name, row in found.shown.items()}
+        return (
+            found.observations[0],
+            float(found.rewards[0]),
+            bool(found.terminated[0]),
+            bool(found.truncated[0]),
+            shown,
+        )
+
+    def render(self) -> Any:
+        """The picture now, of 8 bits, shape (height, width, 3); none without a `render_mode` or before `reset`."""
+        return None if self._frames is None else self._frames.draw(0)
+
+
+def watch_episodes(frames: Frames | None, episodes: Episodes, render_mode: str | None) -> Frames | None:
+    """Frames that know the last period, if any are wanted."""
+    if render_mode is None:
+        return None
+    frames = frames or Frames(episodes)
+    frames.watch()
+    return frames
+
+
+if HERE:
+    register_environments()

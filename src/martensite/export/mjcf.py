@@ -1,0 +1,124 @@
+"""Systems as MJCF, the model format of MuJoCo, and as bridges that move them.
+
+For every mechanism that has a writer in `WRITERS` the model holds the same geometry, inertia,
+springs and damping as the equations of the mechanism, and a tendon for every port, called
+after it; joints are called after the coordinates. The elements are not in the model, for MuJoCo
+has none: `bridge_of` puts those of the system along the tendons, in the same state.
+
+A mechanism without inertia (`motion = "quasi-static"`) gets that of its parameters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.actuators.mechanisms.base import AbstractMechanism
+from martensite.actuators.mechanisms.finger import Finger
+from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform
+from martensite.base.errors import InputError, ParameterError
+from martensite.export.mjcf_finger import write_finger
+from martensite.export.mjcf_model import Model, new_model
+from martensite.export.mjcf_platform import write_platform
+from martensite.export.mujoco_bridge import MujocoBridge, TendonActuator
+from martensite.kernels import floats
+from martensite.signals.base import AbstractWaveform
+from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms
+
+TIMESTEP = 2e-3
+"""MuJoCo's own default [s]."""
+
+Writer = Callable[[Model, Any, float], None]
+"""Fills a model with a mechanism, for a time step [s]."""
+
+WRITERS: dict[type[AbstractMechanism], Writer] = {Finger: write_finger, ParallelPlatform: write_platform}
+"""Mechanism -> writer; a subclass may have other equations and needs one of its own."""
+
+
+def to_mjcf(system: AbstractSystem, *, timestep: float = TIMESTEP) -> str:
+    """The mechanism of a system as MJCF text, with a tendon and an actuator for every element.
+
+    Args:
+        system: a `System` or a `Machine`.
+        timestep: of the model [s].
+
+    Raises:
+        InputError: nothing writes this mechanism, or MuJoCo cannot do something it does.
+    """
+    return model_of(system, timestep=timestep).text()
+
+
+def model_of(system: AbstractSystem, *, timestep: float = TIMESTEP) -> Model:
+    """The sections of the document that `to_mjcf` writes.
+
+    Raises:
+        InputError: as `to_mjcf`.
+    """
+    if not 0.0 < timestep < 1.0:
+        raise ParameterError(f"Argument `timestep` must be above 0 s and below 1 s, but is {timestep:.6g}.")
+    mechanism = system.mechanism
+    write = WRITERS.get(type(mechanism))
+    if write is None:
+        known = ", ".join(f"`{cls.registered_name}`" for cls in WRITERS)
+        raise InputError(
+            f"Mechanism `{mechanism.registered_name}` cannot be written as MJCF; those that can: {known}. Any model "
+            "of your own can be driven by `MujocoBridge`; `martensite export mujoco --snippet` writes what it needs."
+        )
+    model = new_model(str(mechanism.registered_name), timestep)
+    write(model, mechanism, timestep)
+    return model
+
+
+def bridge_of(
+    system: AbstractSystem, *, timestep: float = TIMESTEP, coupling: str = "centred"
+) -> tuple[str, MujocoBridge]:
+    """A system as MJCF text, and as a bridge in which its elements move that model.
+
+    The elements are at the start as they are in a run of the system. Run it under `tendon_signals(system, waveform)`.
+
+    Args:
+        system: a `System` or a `Machine`.
+        timestep: of the model [s].
+        coupling: `centred` is of second order, as runs of a system are; `end` is stable at any step.
+
+    Raises:
+        InputError: it cannot be written, or MuJoCo is missing.
+    """
+    text = to_mjcf(system, timestep=timestep)
+    forces = start_forces(system)
+    actuators = [
+        TendonActuator(
+            tendon=port, element=one.element, environment=one.environment, source=one.source, start_force=forces[port]
+        )
+        for port, one in system.actuators().items()
+    ]
+    return text, MujocoBridge(text, actuators, coupling=coupling)
+
+
+def start_forces(system: AbstractSystem) -> dict[str, float]:
+    """Force of the element at each port at assembly [N].
+
+    Raises:
+        InputError: the sources share a supply, which is not taken along.
+    """
+    if getattr(system, "supply", None) is not None:
+        raise InputError(
+            "A `supply` that several sources share is not known to a model of MuJoCo, in which every element is on its "
+            "own; leave it out, or give every source its own limits."
+        )
+    found = zip(system.actuators(), system.mechanism.start_forces(floats), strict=True)
+    return {port: float(force) for port, force in found}
+
+
+def tendon_signals(system: AbstractSystem, waveform: Waveforms) -> dict[str, AbstractWaveform]:
+    """The waveforms of a run by the names of tendons; what is not named gets 0.
+
+    Args:
+        system: that of `bridge_of`.
+        waveform: as for `simulate`, such as the `waveform` of a scenario.
+
+    Raises:
+        InputError: a name or a unit does not fit.
+    """
+    return dict(zip(system.actuators(), arrange_waveforms(system, waveform), strict=False))

@@ -1,0 +1,125 @@
+"""What a MuJoCo model of one's own needs for the elements of a system: lines to paste.
+
+Per element that is a tendon through sites and a motor that turns control into force. The document can also be
+included, by MuJoCo's `<include file="..."/>`; sites are in its comment, for they belong into the bodies of the model.
+For a mechanism that has a writer in `martensite.export.mjcf` sites and paths are those of its model; any other gets
+two sites per element, at places that are left to the reader.
+
+MuJoCo counts the force of a tendon as positive where it lengthens it, so with `gear="-1"` the
+control is the tension [N].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+from xml.etree.ElementTree import Element, indent, tostring
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.actuators.mechanisms.base import AbstractMechanism
+from martensite.actuators.mechanisms.finger import Finger
+from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform
+from martensite.base.errors import InputError
+from martensite.export.mjcf import WRITERS, model_of, start_forces
+from martensite.export.mjcf_model import ORANGE, append_element
+
+FRAMES: dict[type[AbstractMechanism], str] = {
+    Finger: "The origin is on the hinge, which turns about +y; the phalanges lie along -x and +x, "
+    "the\n   wire is below them.",
+    ParallelPlatform: "The origin is in the middle of the base, z is up; that of the plate is on the joint.",
+}
+"""Where the sites of a mechanism are measured from, in words."""
+ANYWHERE = (
+    "Every element needs one where it is held and one where it pulls: `pos` and names are\n"
+    "   yours. What counts is how the path between them changes, not how long it is."
+)
+
+
+class Parts(NamedTuple):
+    """What a snippet is made of."""
+
+    sites: list[tuple[str, Element]]
+    """Where each site belongs, in words, and its line."""
+    tendons: list[Element]
+    where: str
+    """What places are measured from."""
+
+
+def to_mjcf_snippet(system: AbstractSystem) -> str:
+    """Tendons and motors of the elements of a system, with sites and advice in a comment.
+
+    Args:
+        system: a `System` or a `Machine`.
+
+    Raises:
+        InputError: it has no elements, or MuJoCo cannot do something that its mechanism does.
+    """
+    if not system.actuators():
+        raise InputError(f"There is no shape-memory element in {system.description()}.")
+    parts = _list_sites_and_paths(system) if type(system.mechanism) in WRITERS else _left_open(system)
+    root = Element("mujocoinclude")
+    append_element(root, "tendon").extend(parts.tendons)
+    motors = append_element(root, "actuator")
+    for tendon in parts.tendons:
+        append_element(motors, "motor", name=tendon.get("name", ""), tendon=tendon.get("name", ""), gear="-1")
+    indent(root)
+    comment = COMMENT.format(
+        where=parts.where,
+        sites="\n".join(_write_sites(parts.sites)),
+        forces="\n".join(f"   {port}: {F:.6g} N" for port, F in start_forces(system).items()),
+    )
+    return f"<!--{comment.replace('--', '- -')}-->\n{tostring(root, encoding='unicode')}\n"
+
+
+def _list_sites_and_paths(system: AbstractSystem) -> Parts:
+    model, ports = model_of(system), set(system.actuators())
+    tendons = [one for one in model.tendons if one.get("name") in ports]
+    used = {site.get("site") for one in tendons for site in one}
+    places = [("<worldbody>", model.world)]
+    places += [(f'<body name="{one.get("name")}">', one) for one in model.world.iter("body")]
+    sites = [(place, site) for place, body in places for site in body.findall("site") if site.get("name") in used]
+    return Parts(sites, tendons, FRAMES.get(type(system.mechanism), ""))
+
+
+def _left_open(system: AbstractSystem) -> Parts:
+    sites: list[tuple[str, Element]] = []
+    tendons = [Element("spatial", name=port, width="0.0006", rgba=ORANGE) for port in system.actuators()]
+    for end, body in (("holder", "the body that holds one end"), ("pulled", "the body it pulls")):
+        for tendon in tendons:
+            name = f"{tendon.get('name')}_{end}"
+            sites.append((body, Element("site", name=name, pos="0 0 0", size="0.001")))
+            append_element(tendon, "site", site=name)
+    return Parts(sites, tendons, ANYWHERE)
+
+
+def _write_sites(sites: list[tuple[str, Element]]) -> Iterator[str]:
+    before = ""
+    for place, site in sites:
+        if place != before:
+            yield f"   in {place}:"
+        before = place
+        yield f"     {tostring(site, encoding='unicode')}"
+
+
+COMMENT = """
+Shape-memory elements for a MuJoCo model of your own. Written by martensite; SI units.
+
+1. Sites. Paste each line into its body; `pos` is in the frame of that body.
+   {where}
+{sites}
+
+2. Tendons and motors. Paste the sections below, or write <include file="..."/> with the name of
+   this file. A path may have more sites, or bend over a cylinder: <geom geom="drum"/>. An element
+   that goes to and fro n times needs <pulley divisor="1/n"/> (as a number) before its sites.
+   gear="-1" makes the control the tension [N]. Limit neither control nor force, and give the
+   tendon no stiffness: that is what the element does.
+
+3. Flags. Geoms that overlap at a joint collide if one of them belongs to the world; where nothing
+   is to touch: <option><flag contact="disable"/></option>
+
+4. Start. The element has to be told how hard it is pulled where the model starts. On the
+   mechanism of the scenario:
+{forces}
+   martensite.holding_tensions asks your model for what holds it still. Weights, springs and stops
+   of that mechanism are not here: your model takes its place.
+"""

@@ -1,0 +1,221 @@
+"""Pictures and films of a run of a MuJoCo model, on machines without a screen too.
+
+Drawing needs OpenGL. Without a screen there are two ways, `egl` and `osmesa`; they are tried one
+after the other, and then `glfw` with a screen, unless the environment variable `MUJOCO_GL` names
+one. Frames are drawn in a process of their own (this module, as a program), because MuJoCo chooses its
+graphics when it is imported, and because a graphics driver that fails may end the process.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from martensite.base.child_python import python_command, python_environment
+from martensite.base.errors import DataError, MartensiteError, ParameterError, UnknownNameError
+from martensite.base.files import replace_file
+from martensite.export.mujoco_plant import load_mujoco
+from martensite.export.mujoco_result import MujocoResult
+
+FILMS = (".mp4", ".gif")
+INSTALL = (
+    "No OpenGL that draws without a screen was found ({}). Install one, on Debian or Ubuntu with "
+    "`apt install libegl1 libgl1-mesa-dri`, or run where a screen is."
+)
+
+
+def render_mujoco(
+    model: Any,
+    result: MujocoResult,
+    path: str | Path,
+    *,
+    time: float | None = None,
+    fps: float = 25.0,
+    speed: float = 1.0,
+    size: tuple[int, int] = (640, 480),
+    camera: str | None = None,
+) -> Path:
+    """Draw a run: one pose as `.png`, or all of it as `.mp4` or `.gif`; the path written.
+
+    An MP4 needs the program ffmpeg (or the package `imageio-ffmpeg`); where there is none, a GIF
+    is written beside it, with a warning.
+
+    Args:
+        model: the `mjModel` of the run.
+        result: what `MujocoBridge.run` returned; its samples are the poses that there are.
+        path: file to write; the suffix is the format.
+        time: of the pose [s], for a picture; by default the last one.
+        fps: frames per second of a film.
+        speed: how many times faster than life a film is.
+        size: width and height in pixels.
+        camera: name of a camera of the model; by default the free one.
+
+    Raises:
+        DataError: the suffix is another one, or the file cannot be written.
+        ParameterError: an argument is out of range.
+        MartensiteError: nothing on this machine can draw; the sentence says what to install.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in (".png", *FILMS):
+        raise DataError(f"The picture `{path}` has no suffix that can be drawn: .png, .mp4, .gif.")
+    if not (fps > 0.0 and speed > 0.0 and min(size) > 0):
+        raise ParameterError("Arguments `fps`, `speed` and `size` must be above 0.")
+    known = [model.camera(i).name for i in range(model.ncam)]
+    if camera is not None and camera not in known:
+        raise UnknownNameError("camera of the model is", camera, known)
+    film = path.suffix.lower() in FILMS
+    times = _film_times(result, fps, speed) if film else [result.times[-1] if time is None else time]
+    frames = draw_poses(model, [_find_pose(result, t) for t in times], size, camera)
+    return _write_film(frames, path, fps) if film else _write_png(frames[0], path)
+
+
+def draw_poses(
+    model: Any, poses: Sequence[Sequence[float]], size: tuple[int, int], camera: str | None = None
+) -> np.ndarray:
+    """Pictures (frames, height, width, 3) of poses, by the first OpenGL that works.
+
+    Raises:
+        MartensiteError: none does.
+    """
+    reasons: list[str] = []
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        load_mujoco().mj_saveModel(model, str(folder / "model.mjb"), None)
+        np.save(folder / "poses.npy", np.asarray(poses))
+        view = json.dumps({"size": size, "camera": camera})
+        (folder / "view.json").write_text(view, encoding="utf-8")
+        for backend in _list_backends():
+            failed = _draw_in_process(folder, backend)
+            if failed is None:
+                return np.load(folder / "frames.npy")
+            reasons.append(f"{backend or 'default'}: {failed}")
+    raise MartensiteError(INSTALL.format("; ".join(reasons)))
+
+
+def _list_backends() -> tuple[str, ...]:
+    chosen = os.environ.get("MUJOCO_GL", "")
+    if chosen or not sys.platform.startswith("linux"):
+        return (chosen,)
+    return ("egl", "osmesa", "glfw") if os.environ.get("DISPLAY") else ("egl", "osmesa")
+
+
+def _draw_in_process(folder: Path, backend: str) -> str | None:
+    command = python_command("-m", "martensite.export.mujoco_render", str(folder))
+    done = subprocess.run(
+        command, env=python_environment(MUJOCO_GL=backend), capture_output=True, text=True, check=False
+    )
+    if done.returncode == 0:
+        return None
+    said = [line for line in done.stderr.splitlines() if line.strip()]
+    return said[-1].strip() if said else f"ended with {done.returncode}"
+
+
+def _find_pose(result: MujocoResult, time: float) -> list[float]:
+    nearest = min(range(len(result.times)), key=lambda k: abs(result.times[k] - time))
+    return result.poses[nearest]
+
+
+def _film_times(result: MujocoResult, fps: float, speed: float) -> list[float]:
+    first, last = result.times[0], result.times[-1]
+    return [first + k * speed / fps for k in range(int((last - first) * fps / speed + 1e-9) + 1)]
+
+
+def _write_png(frame: np.ndarray, path: Path) -> Path:
+    from matplotlib.image import imsave
+
+    with replace_file(path) as part:
+        imsave(part, frame, format="png")
+    return path
+
+
+def _write_film(frames: np.ndarray, path: Path, fps: float) -> Path:
+    if path.suffix.lower() == ".mp4":
+        program = _find_ffmpeg()
+        if program is not None:
+            _write_mp4(program, frames, path, fps)
+            return path
+        path = path.with_suffix(".gif")
+        warnings.warn(
+            f"No ffmpeg was found, so `{path.name}` was written instead of an MP4; "
+            "`pip install imageio-ffmpeg` brings one.",
+            stacklevel=3,
+        )
+    _write_gif(frames, path, fps)
+    return path
+
+
+def _find_ffmpeg() -> str | None:
+    found = shutil.which("ffmpeg")
+    if found is None:
+        try:
+            from imageio_ffmpeg import get_ffmpeg_exe  # type: ignore[import-not-found]
+
+            found = get_ffmpeg_exe()
+        except (ImportError, RuntimeError):
+            return None
+    return found
+
+
+def _write_mp4(program: str, frames: np.ndarray, path: Path, fps: float) -> None:
+    """H.264 in an MP4, whose sides must be even: an odd last line or column is left out."""
+    _, height, width, _ = frames.shape
+    with replace_file(path) as part:
+        read = f"-f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {fps} -i -"
+        write = "-vf crop=trunc(iw/2)*2:trunc(ih/2)*2 -pix_fmt yuv420p -f mp4"
+        command = [program, *f"-y -loglevel error {read} {write}".split(), str(part)]
+        done = subprocess.run(command, input=frames.tobytes(), capture_output=True, check=False)
+        if done.returncode:
+            said = done.stderr.decode(errors="replace").strip().splitlines()
+            raise DataError(f"ffmpeg could not write `{path}`: {said[-1] if said else ''}")
+
+
+def _write_gif(frames: np.ndarray, path: Path, fps: float) -> None:
+    from PIL import Image
+
+    images = [Image.fromarray(frame) for frame in frames]
+    with replace_file(path) as part:
+        images[0].save(
+            part, format="gif", save_all=True, append_images=images[1:], loop=0, duration=max(1000.0 / fps, 20.0)
+        )
+
+
+def draw_folder(folder: Path) -> None:
+    """Draw all poses in a folder, in the process that `draw_poses` starts.
+
+    `model.mjb`, `poses.npy` (frames, coordinates) and `view.json` are read, `frames.npy` (frames,
+    height, width, 3) is written.
+    """
+    mujoco = load_mujoco()
+    view = json.loads((folder / "view.json").read_text(encoding="utf-8"))
+    model = mujoco.MjModel.from_binary_path(str(folder / "model.mjb"))
+    width, height = view["size"]
+    model.vis.global_.offwidth = max(model.vis.global_.offwidth, width)
+    model.vis.global_.offheight = max(model.vis.global_.offheight, height)
+    data, poses = mujoco.MjData(model), np.load(folder / "poses.npy")
+    renderer = mujoco.Renderer(model, height, width)
+    try:
+        frames = [_draw_frame(renderer, mujoco, model, data, pose, view["camera"]) for pose in poses]
+    finally:
+        renderer.close()
+    np.save(folder / "frames.npy", np.stack(frames))
+
+
+def _draw_frame(renderer: Any, mujoco: Any, model: Any, data: Any, pose: Any, camera: str | None) -> np.ndarray:
+    data.qpos[:] = pose
+    mujoco.mj_forward(model, data)
+    renderer.update_scene(data, camera=-1 if camera is None else camera)
+    return renderer.render().copy()
+
+
+if __name__ == "__main__":
+    draw_folder(Path(sys.argv[1]))

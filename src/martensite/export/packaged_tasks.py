@@ -1,0 +1,105 @@
+"""Tasks that come with the package: a scenario of `scenarios/` each, and what shall be done on it.
+
+A task and its scenario stay as they are under one version of a name: what is found on `martensite/Wire-v0` today can
+be compared tomorrow. Temperature limits of finger and platform, whose materials have none, are assumed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from itertools import product
+from pathlib import Path
+from typing import Any, cast
+
+from martensite.base.errors import InputError, suggest_name
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.parts import Controllers
+from martensite.export.learning_task import LearningTask
+from martensite.scenario.scenario import load
+
+FOLDER = Path(__file__).parent / "scenarios"
+JOINTS = tuple("_".join(words) for words in product(("thumb", "index", "middle"), ("proximal", "distal")))
+TENDONS = tuple("_".join(words) for words in product(JOINTS, ("flexor", "extensor")))
+VERTICES = ("first", "second", "third")
+TASKS: dict[str, LearningTask] = {
+    "finger": LearningTask(
+        output="angle",
+        low=0.0,
+        high=math.radians(70.0),
+        duration=10.0,
+        preview=(0.5,),
+        signals={"drive": (0.0, 3.0)},
+        spreads={"element.diameter": 0.02, "environment.temperature": 3.0},
+        energy_weight=0.01,
+        temperature_limit=390.0,
+    ),
+    "hand": LearningTask(
+        output=JOINTS,
+        low=0.0,
+        high=math.radians(70.0),
+        duration=20.0,
+        preview=(0.5,),
+        signals=dict.fromkeys(TENDONS, (0.0, 3.0)),
+        spreads={f"{name}.element.strand.diameter": 0.02 for name in TENDONS},
+        energy_weight=0.01,
+    ),
+    "platform": LearningTask(
+        output=("alpha", "beta"),
+        low=-math.radians(10.0),
+        high=math.radians(10.0),
+        duration=40.0,
+        preview=(1.0,),
+        signals=dict.fromkeys(VERTICES, (0.0, 5.0)),
+        spreads={f"{name}.element.diameter": 0.02 for name in VERTICES},
+        energy_weight=0.01,
+        temperature_limit=355.0,
+    ),
+    "wire": LearningTask(
+        output="position",
+        low=0.0,
+        high=4e-3,
+        duration=12.0,
+        preview=(0.5,),
+        signals={"drive": (0.0, 0.9)},
+        spreads={"element.diameter": 0.03, "environment.temperature": 5.0, "source.supply": 0.05},
+        energy_weight=0.01,
+    ),
+}
+"""Tasks by name, which is that of their scenario."""
+
+
+def load_bench(name: str) -> Bench:
+    """The bench of a packaged task, with no controller and no guard: that a wire can burn is part of the task.
+
+    Raises:
+        InputError: there is no task of this name.
+    """
+    if name not in TASKS:
+        raise InputError(f"There is no packaged task `{name}`. {suggest_name(name, TASKS)}")
+    bench = cast(Bench, load(FOLDER / f"{name}.toml").bench)
+    return bench.with_parts(controllers=Controllers(), supervisor=None)
+
+
+def find_bench(bench: Bench | str, task: LearningTask | Mapping[str, Any] | None) -> tuple[Bench, LearningTask]:
+    """Bench and task, where either may be one of the package.
+
+    Args:
+        bench: a bench, or the name of a packaged task.
+        task: what shall be done on it. For a packaged task it may be left out, or be the fields of the task that
+            shall be others.
+
+    Raises:
+        InputError: there is no such packaged task, or a bench of one's own has no task.
+        ParameterError: a task has no such field, or it does not fit.
+    """
+    if isinstance(task, LearningTask):
+        return load_bench(bench) if isinstance(bench, str) else bench, task
+    if not isinstance(bench, str):
+        raise InputError("A bench of one's own needs a `task`, a `LearningTask`.")
+    known = [one.name for one in fields(LearningTask)]
+    for name in task or {}:
+        if name not in known:
+            raise InputError(f"A task has no field `{name}`. {suggest_name(name, known)}")
+    return load_bench(bench), replace(TASKS[bench], **(task or {}))

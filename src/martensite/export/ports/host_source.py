@@ -1,0 +1,23 @@
+"""One file of C for a host: the core of a port, and the interface of the host on it."""
+
+from __future__ import annotations
+
+from string import Template
+
+from martensite.export.c_core import CCore
+
+
+def join_source(core: CCore, interface: str, title: str) -> str:
+    """A core with its header in the place where it is included, then an interface made of a template."""
+    whole = core.source.replace(f'#include "{core.name}.h"', core.header)
+    filled = Template(interface).substitute(
+        NAME=core.name, LAW=core.description, PARAMETERS="".join(_list_parameters(core)), INDEX=len(core.parameters)
+    )
+    return f"/* {title} */\n\n{whole}\n{filled}"
+
+
+def _list_parameters(core: CCore) -> list[str]:
+    return [
+        f"     {place + 1:3d}  {one.default:<14.8g} {one.name} [{one.unit}]\n"
+        for place, one in enumerate(core.parameters)
+    ]

@@ -1,0 +1,158 @@
+"""The kernel of a port: a step tried from a committed state, with the slopes that a host's Newton iteration needs.
+
+Beside `init`, `step` and `observe` of every traced system it has a function
+
+    respond(state, inputs, dt) -> state', residual, crossing, answers, ∂ answers/∂ inputs
+
+whose slopes are those of what is computed, through the solve of the step (`martensite.kernels.slopes`): the consistent
+tangent. A step of a material that is not solved at once is taken in equal parts, in the manner of
+`martensite.simulate.material_point`; its slopes are then central differences of the whole. The kernel is printed for
+Python floats and for C from the same trace.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.parameters import Keyed, values_at
+from martensite.export.c_core import CCore, core_of, describe_drives, list_outputs
+from martensite.export.c_tried import PARTS
+from martensite.export.ports.element import ElementPort
+from martensite.export.ports.material import PROBES, MaterialPort
+from martensite.kernels.compute_once import cache_answers
+from martensite.kernels.graph import PARAMETER
+from martensite.kernels.nested import NestedShape, flatten_numbers
+from martensite.kernels.program import Program
+from martensite.kernels.slopes import differentiate_results
+from martensite.simulate.compiled import REPORT, compile_system
+from martensite.simulate.march import SOLVED
+
+MATERIAL_ANSWERS = ("stress", "heat")
+ELEMENT_ANSWERS = ("force", "temperature", "resistance", "martensite_fraction")
+RESPOND = "respond"
+Functions = dict[str, Callable[..., tuple[float, ...]]]
+
+
+@dataclass(frozen=True, eq=False)
+class PortKernel:
+    """A traced port with its numbers."""
+
+    system: ElementPort | MaterialPort
+    program: Program
+    values: list[float]
+    """Of its parameters."""
+    size: int
+    """Numbers of a state."""
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    answers: tuple[str, ...]
+    """Outputs of which slopes are known."""
+    probes: tuple[float, ...]
+    """Where inputs of a step are the first numbers of a state, by how much to change them for differences: a step that
+    is not solved at once is taken in parts. Empty where a host must make its steps shorter."""
+
+    @cached_property
+    def functions(self) -> Functions:
+        """`init`, `step`, `observe` and `respond` on floats."""
+        return dict(self.program.bind_floats(*self.values))
+
+    def write_core(self, *, name: str | None = None, precision: str = "float64") -> CCore:
+        """The same in C, with `NAME_try`."""
+        return core_of(
+            self.system,
+            self.program,
+            self.size,
+            describe_drives(self.system),
+            list_outputs(self.system, self.outputs),
+            name=name,
+            precision=precision,
+            reports=True,
+            pruned=True,
+            answers=self.answers,
+            probes=self.probes if precision == "float64" else (),
+        )
+
+    def try_step(self, state: Sequence[float], inputs: Sequence[float], dt: float) -> tuple[Sequence[float], bool]:
+        """What `respond` gives for a step, in parts where it must be; and whether it was solved."""
+        found = self.functions[RESPOND](*state, *inputs, dt)
+        parts = 1
+        while not found[self.size] <= SOLVED and self.probes and parts < PARTS:
+            parts *= 2
+            found = self._in_parts(state, inputs, dt, parts)
+            if found[self.size] <= SOLVED:
+                found = self._with_differences(found, state, inputs, dt, parts)
+        return found, found[self.size] <= SOLVED and all(map(math.isfinite, found))
+
+    def _in_parts(self, state: Sequence[float], inputs: Sequence[float], dt: float, parts: int) -> Sequence[float]:
+        """The last of equal parts of a step, with the worst of their reports."""
+        begin, now, worst, crossing = state[: len(inputs)], state, 0.0, 0.0
+        found: Sequence[float] = ()
+        for k in range(1, parts + 1):
+            share = k / parts
+            there = [a + (b - a) * share if k < parts else b for a, b in zip(begin, inputs, strict=True)]
+            found = self.functions[RESPOND](*now, *there, dt / parts)
+            now = found[: self.size]
+            worst, crossing = max(worst, found[self.size]), max(crossing, found[self.size + 1])
+        return [*now, worst, crossing, *found[self.size + 2 :]]
+
+    def _with_differences(
+        self, found: Sequence[float], state: Sequence[float], inputs: Sequence[float], dt: float, parts: int
+    ) -> Sequence[float]:
+        first, count = self.size + 2, len(self.answers)
+        columns: list[list[float]] = []
+        worst = found[self.size]
+        for place, probe in enumerate(self.probes):
+            sides: list[Sequence[float]] = []
+            for change in (probe, -probe):
+                moved = [one + change if k == place else one for k, one in enumerate(inputs)]
+                sides.append(self._in_parts(state, moved, dt, parts))
+                worst = max(worst, sides[-1][self.size])
+            ends = [side[first : first + count] for side in sides]
+            columns.append([(a - b) / (2.0 * probe) for a, b in zip(*ends, strict=True)])
+        slopes = [one for row in zip(*columns, strict=True) for one in row]
+        return [*found[: self.size], worst, found[self.size + 1], *found[first : first + count], *slopes]
+
+
+def compile_port(system: ElementPort | MaterialPort) -> PortKernel:
+    """Trace a port, or return the program of an earlier one of the same structure, with the numbers of this one."""
+    material = isinstance(system, MaterialPort)
+    answers = MATERIAL_ANSWERS if material else ELEMENT_ANSWERS
+    compiled = compile_system(system)
+    values = values_at(system, compiled.paths)
+    inputs = tuple(drive.name for drive in system.drives())
+    program = _add_response(Keyed(system), answers)
+    return PortKernel(system, program, values, compiled.size, inputs, compiled.outputs, answers, PROBES * material)
+
+
+@cache_answers(32)
+def _add_response(keyed: Keyed[AbstractSystem], answers: tuple[str, ...]) -> Program:
+    compiled, count = compile_system(keyed.part), len(keyed.part.drives())
+    known = compiled.program
+    program = Program(known.graph, list(known.parameters), dict(known.functions))
+    numbers = {path: program.graph.input(f"p{i}", PARAMETER) for i, path in enumerate(compiled.paths)}
+    system: Any = keyed.part.rebuilt(numbers)
+    size = compiled.size
+    shape = NestedShape(system.init(program.xp, *program.functions["init"].outputs[:count]))
+    places = [compiled.outputs.index(name) for name in answers]
+
+    def respond(xp: Any, *arguments: Any) -> list[Any]:
+        *given, dt = arguments
+        drives = given[size:]
+        after, report = system.step(xp, shape.rebuild(given[:size]), *drives, dt=dt)
+        seen = system.observe(xp, after, *drives)
+        return [*flatten_numbers(after), *flatten_numbers(report)[: len(REPORT)], *(seen[k] for k in places)]
+
+    names = [f"s{i}" for i in range(size)], [f"u{i}" for i in range(count)]
+    program.add(RESPOND, [*names[0], *names[1], "dt"], respond)
+    made = program.functions[RESPOND]
+    first = size + len(REPORT)
+    wanted = made.inputs[size : size + count]
+    slopes = differentiate_results(program, RESPOND, range(first, first + len(places)), wanted)
+    flat = tuple(one for row in slopes for one in row)
+    program.functions[RESPOND] = replace(made, outputs=made.outputs + flat)
+    return program

@@ -1,0 +1,122 @@
+"""Texts around a WebAssembly module: the script, its types, and a guide."""
+
+from __future__ import annotations
+
+import json
+import zlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from string import Template
+from typing import Any
+
+from martensite.export.c_core import CCore
+from martensite.export.c_names import CoreVariable
+from martensite.export.c_text import count_elements
+from martensite.export.wasm.slopes import CoreSlopes
+
+STEP = 0.01
+"""Length [s] of the step in the guide, of a model that may take any."""
+
+
+def script_text(core: CCore, first: Sequence[float], slopes: CoreSlopes | None = None) -> str:
+    """NAME.js."""
+    sizes: dict[str, Any] = {
+        "INPUTS": len(core.inputs),
+        "OUTPUTS": len(core.outputs),
+        "SIZE": sum(map(count_elements, (len(core.parameters), core.constants, core.states))) + 2,
+        "TAG": zlib.crc32(core.source.encode()),
+        "DIRECTIONS": json.dumps(slopes.places if slopes else {}),
+        "WIDTH": slopes.width if slopes else 1,
+        "VALUES": slopes.program.constants if slopes else 0,
+        "TANGENT": slopes.size if slopes else 0,
+    }
+    tables = {
+        "parameters": {one.name: _describe_parameter(one) for one in core.parameters},
+        "signals": {one.name: _describe(one) | {"first": first[one.index]} for one in core.inputs},
+        "outputs": {one.name: _describe(one) for one in core.outputs},
+    }
+    begin = f"// {_flatten(core.description)}, as WebAssembly. Written by martensite (`martensite export wasm`).\n\n"
+    begin += "".join(f"const {name} = {value};\n" for name, value in sizes.items())
+    begin += "".join(f"export const {name} = {_print_table(rows)};\n" for name, rows in tables.items())
+    begin += f"export const sampleTime = {core.sample_time!r};\n\n"
+    return begin + _read_text("wrapper.js").replace("$NAME", core.name)
+
+
+def types_text(core: CCore, slopes: CoreSlopes | None = None) -> str:
+    """NAME.d.ts."""
+    return Template(_read_text("wrapper.d.ts")).substitute(
+        NAME=core.name,
+        TITLE=_flatten(core.description).replace("*/", "* /"),
+        PARAMETERS=_join_names(core.parameters),
+        SIGNALS=_join_names(core.inputs),
+        OUTPUTS=_join_names(core.outputs),
+        DIRECTIONS=" | ".join(map(json.dumps, slopes.names)) if slopes else "never",
+    )
+
+
+def guide_text(
+    core: CCore, title: str, first: Sequence[float], raw: int, packed: int, slopes: CoreSlopes | None = None
+) -> str:
+    """README.md, with the sizes of the module [bytes]."""
+    given = ", ".join(f"{json.dumps(one.name)}: {first[one.index]!r}" for one in core.inputs[:1])
+    driven = {one.name for one in core.inputs}
+    parameter = next((one for one in core.parameters if one.used), core.parameters[0])
+    return Template(_read_text("guide.md")).substitute(
+        NAME=core.name,
+        TITLE=_flatten(title),
+        DESCRIPTION=_flatten(core.description),
+        RAW=f"{raw:,}",
+        PACKED=f"{packed:,}",
+        PARAMETER=parameter.name,
+        VALUE=f"{parameter.default!r}",
+        STEP=core.sample_time or STEP,
+        GIVEN=f"{{ {given} }}",
+        OUTPUT=next((one.name for one in core.outputs if one.name not in driven), core.outputs[0].name),
+        SLOPES=_describe_slopes(slopes),
+        SIGNALS=_print_rows(core.inputs),
+        OUTPUTS=_print_rows(core.outputs),
+        PARAMETERS=_print_rows(core.parameters),
+    )
+
+
+def _describe_slopes(slopes: CoreSlopes | None) -> str:
+    if slopes is None:
+        return "Slopes by parameters are not in it; `--slopes` puts them there."
+    named = ", ".join(f"`{name}`" for name in slopes.names)
+    return (
+        f"`create({{ slopes: [{json.dumps(slopes.names[0])}] }})` takes derivatives along: `slope(output, by)` is one\n"
+        f"  now, `run` returns columns `slopes[output][by]`. There are slopes by {named}."
+    )
+
+
+def _read_text(name: str) -> str:
+    return (Path(__file__).parent / name).read_text(encoding="utf-8")
+
+
+def _flatten(text: str) -> str:
+    """A text on one line, and no more."""
+    return " ".join(text.split())
+
+
+def _describe(one: CoreVariable) -> dict[str, Any]:
+    return {"index": one.index, "unit": one.unit, "words": one.words}
+
+
+def _describe_parameter(one: CoreVariable) -> dict[str, Any]:
+    return _describe(one) | {"value": one.default, "low": one.low, "high": one.high, "used": one.used}
+
+
+def _print_table(rows: Mapping[str, Any]) -> str:
+    """An object of JavaScript, which knows `Infinity` where JSON does not."""
+    lines = "".join(f"  {json.dumps(name)}: {json.dumps(row)},\n" for name, row in rows.items())
+    return f"{{\n{lines}}}"
+
+
+def _join_names(variables: Sequence[CoreVariable]) -> str:
+    return "".join(f"\n  | {json.dumps(one.name)}" for one in variables) or "never"
+
+
+def _print_rows(variables: Sequence[CoreVariable]) -> str:
+    """A table of names with unit and meaning."""
+    cells = [(f"`{one.name}`", one.unit, _flatten(one.words).replace("|", "\\|")) for one in variables]
+    return "\n".join(f"| {' | '.join(row)} |" for row in [("name", "unit", ""), ("---", "---", "---"), *cells])

@@ -1,0 +1,74 @@
+"""List the numbers of a scenario that can be varied."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from martensite.base.errors import ParameterError, suggest_name
+from martensite.base.parameters import find_paths
+from martensite.scenario.assemble import waveform_path
+from martensite.scenario.place_units import PlaceUnits
+from martensite.search.free_numbers import Target
+from martensite.simulate.drive_waveforms import by_name
+
+if TYPE_CHECKING:
+    from martensite.control.loop.bench import Bench
+    from martensite.scenario.scenario import Scenario
+
+SWITCHES = "automatic_from", "automatic_until"
+"""Numbers of a bench that no program has: they are in what is played."""
+
+
+def find_one(name: str, targets: Mapping[str, Target]) -> Target:
+    """What can be varied under a path, or its unique ending; `ParameterError` if there is none, or several."""
+    found = find_paths(name, targets)
+    if len(found) == 1:
+        return targets[found[0]]
+    if found:
+        raise ParameterError(f"`{name}` is ambiguous: {', '.join(found)}.")
+    raise ParameterError(f"There is no parameter `{name}` to vary. {suggest_name(name, targets)}")
+
+
+def list_targets(scenario: Scenario) -> dict[str, Target]:
+    """Every number of a scenario that can be varied, by its path in the scenario."""
+    references = _list_references(scenario.bench) if scenario.bench else {}
+    found = [*_list_system_targets(scenario, references), *_list_waveform_targets(scenario)]
+    return {target.name: target for target in found}
+
+
+def _list_system_targets(scenario: Scenario, references: Mapping[str, str]) -> Iterator[Target]:
+    """Numbers of the system or bench; those of a reference belong to its waveform."""
+    for leaf in scenario.whole.leaves():
+        name, unit = scenario.places.path(leaf.path), scenario.places.unit(leaf)
+        if scenario.places.is_copy(leaf.path) or not math.isfinite(leaf.value):
+            continue
+        if name.rpartition(".")[2] in SWITCHES:
+            continue
+        begin = next((b for b in references if leaf.path.startswith(b)), None)
+        drive = None if begin is None else references[begin]
+        path = leaf.path.removeprefix(begin or "")
+        yield Target(name, path, unit, float(leaf.value), leaf.declared.doc, drive)
+
+
+def _list_references(bench: Bench) -> dict[str, str]:
+    """Beginning of a path in a bench -> the name under which its waveform is played."""
+    from martensite.control.loop.names import list_hands, list_references
+
+    members = bench.controllers.members()
+    found = {f"controllers.{one}.reference.": name for one, name in zip(members, list_references(bench), strict=True)}
+    return found | {f"controllers.{one}.manual.signal.": name for one, (name, _) in list_hands(bench).items()}
+
+
+def _list_waveform_targets(scenario: Scenario) -> Iterator[Target]:
+    """Numbers of the waveforms of a scenario."""
+    signals = {drive.name: drive.unit for drive in scenario.system.drives()}
+    played: Mapping[str, Any] = by_name(scenario.system, scenario.waveform)
+    for name, waveform in played.items():
+        begin = waveform_path(scenario.system, name, scenario.places.drive)
+        for leaf in waveform.leaves():
+            if math.isfinite(leaf.value):
+                unit = PlaceUnits(signals[name]).unit(leaf.declared)
+                words = leaf.declared.doc
+                yield Target(begin + leaf.path, leaf.path, unit, float(leaf.value), words, name)

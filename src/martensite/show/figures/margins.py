@@ -1,0 +1,120 @@
+"""Bode and Nyquist plots of a loop on both branches, with its margins; responses are those of python-control."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from martensite.base.errors import InputError
+from martensite.base.formats import write_quantity
+from martensite.base.lazy import import_extra
+from martensite.control.margins.linear_loop import LinearLoop
+from martensite.control.margins.loop_check import LoopCase
+from martensite.control.margins.loop_points import linearise_case
+from martensite.control.margins.margins import compute_margins, list_frequencies
+from martensite.identify.chains.linear_system import LinearSystem
+from martensite.show.figures.panels import make_panels
+from martensite.show.figures.style import COOLING, HEATING, INK, QUIET, use_style
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from martensite.scenario.scenario import Scenario
+
+MARGINS_WIDTH, MARGINS_HEIGHT = 8.2, 4.8
+COLOURS = {"heating": HEATING, "cooling": COOLING, "dead band": QUIET}
+LINES = ("-", "--", ":", "-.")
+SHOWN, NEAR = 2.5, 0.5
+"""Half width of the Nyquist plot, and the distance from -1 at which M_s is 2."""
+
+
+def to_control_system(linear: LinearSystem) -> Any:
+    """A linear system as a `control.StateSpace`, without states that take no part.
+
+    Raises:
+        InputError: python-control is not installed.
+    """
+    slim = linear.reduce_states()
+    return import_extra("control", "control", "python-control").ss(slim.a, slim.b, slim.c, slim.d, slim.interval)
+
+
+def plot_scenario_margins(scenario: Scenario) -> Figure:
+    """The figure of the first loop of a scenario that holds a reading.
+
+    Raises:
+        InputError: there is no loop that has a linear system, or python-control is not installed.
+    """
+    members = {} if scenario.bench is None else scenario.bench.controllers.members()
+    drive = next((name for name, one in members.items() if one.holds), None)
+    if scenario.bench is None or drive is None:
+        raise InputError("There is no loop to draw margins of: no controller on the bench holds a reading.")
+    case = LoopCase(scenario.bench, drive, members[drive], scenario.duration)
+    return plot_margins(linearise_case(case), scenario.title)
+
+
+def plot_margins(loops: Sequence[LinearLoop], title: str = "") -> Figure:
+    """Bode plots on the left, Nyquist plots on the right, with the circle outside of which M_s is below 2.
+
+    Args:
+        loops: from `linearise_loops`; such as do not answer at all are left out.
+        title: above.
+    """
+    moving = [one for one in loops if len(one.loop.active)]
+    if not moving:
+        raise InputError("None of the loops answers, so that there is nothing to draw.")
+    places = {one.branch: [other for other in moving if other.branch == one.branch] for one in moving}
+    with use_style():
+        figure, panels = make_panels(MARGINS_WIDTH, MARGINS_HEIGHT, 2, 2, title, width_ratios=(1.25, 1.0))
+        size, angle, plane = panels[0, 0], panels[1, 0], _merge_column(figure, panels)
+        for one in moving:
+            k = places[one.branch].index(one)
+            look = {"color": COLOURS[one.branch], "linestyle": LINES[k % len(LINES)], "label": _describe_loop(one)}
+            omega = list_frequencies(one.loop.interval)
+            found = np.squeeze(to_control_system(one.loop)(np.exp(1j * omega * one.loop.interval)))
+            size.loglog(omega, np.abs(found), **look)
+            angle.semilogx(omega, np.degrees(np.unwrap(np.angle(found))), **look)
+            plane.plot(found.real, found.imag, **look)
+            _mark_margins(one, size, angle)
+        size.axhline(1.0, color=INK, linewidth=0.8)
+        angle.axhline(-180.0, color=INK, linewidth=0.8)
+        turn = np.linspace(0.0, 2.0 * np.pi, 181)
+        plane.plot(-1.0 + NEAR * np.cos(turn), NEAR * np.sin(turn), color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
+        plane.plot([-1.0], [0.0], "+", color=INK)
+        plane.set(xlim=(-SHOWN, 0.5), ylim=(-SHOWN, 0.5), xlabel="real part of L", ylabel="imaginary part of L")
+        plane.set_aspect("equal", adjustable="box")
+        size.legend(loc="lower left", fontsize=7.0)
+        size.set(ylabel="|L|")
+        angle.set(ylabel="phase of L [°]", xlabel="frequency [rad/s]")
+    return figure
+
+
+def _merge_column(figure: Figure, panels: Any) -> Any:
+    """One panel in the place of the two on the right."""
+    upper, lower = panels[0, 1], panels[1, 1]
+    grid = upper.get_subplotspec().get_gridspec()
+    upper.remove()
+    lower.remove()
+    return figure.add_subplot(grid[:, 1])
+
+
+def _mark_margins(one: LinearLoop, size: Any, angle: Any) -> None:
+    """The crossover, and the phase that is left there."""
+    found = compute_margins(one.loop)
+    if math.isfinite(found.crossover):
+        colour = COLOURS[one.branch]
+        size.plot([found.crossover], [1.0], "o", color=colour, markersize=3.5)
+        left = math.degrees(found.phase) - 180.0
+        angle.plot([found.crossover] * 2, [-180.0, left], color=colour, linewidth=0.7, marker="o", markersize=2.5)
+
+
+def _describe_loop(one: LinearLoop) -> str:
+    """Branch and reading, with M_s and the phase margin."""
+    found = compute_margins(one.loop)
+    at = write_quantity(one.reading, one.unit, 3)
+    if not found.stable:
+        return f"{one.branch} {at}: unstable"
+    phase = f", {math.degrees(found.phase):.0f}°" if math.isfinite(found.phase) else ""
+    return f"{one.branch} {at}: $M_s$ {found.sensitivity:.2f}{phase}"

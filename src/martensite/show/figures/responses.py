@@ -1,0 +1,156 @@
+"""Figures of a plant's speeds and of its response over frequency."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from martensite.base import units
+from martensite.design.analysis.frequency_response import FrequencyResponse
+from martensite.design.analysis.speeds import Speeds
+from martensite.show.figures.labels import label_difference, label_ratio
+from martensite.show.figures.machine import choose_colours
+from martensite.show.figures.panels import add_panels, write_headline
+from martensite.show.figures.style import COOLING, HEATING, QUIET, make_figure, use_style
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+WIDTH, HEIGHT = 10.0, 3.4
+DASHES: tuple[Any, ...] = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (6, 2, 1, 2)))
+"""Loads, in their order; then again."""
+RESPONSE_WIDTH, RESPONSE_HEIGHT = 10.0, 3.5
+LEAST = 1e-4
+"""Least gain that is shown, as a share of the largest."""
+
+
+def plot_speeds(found: Speeds, title: str = "") -> Figure:
+    """Draw the steps that `compute_speeds` made up and down again, and how fast they were."""
+    with use_style():
+        figure = make_figure(WIDTH, HEIGHT)
+        ((course, times, rates),) = add_panels(figure, 1, 3, (0.6, 0.15, 0.71, 0.51))
+        write_headline(figure, title or f"Steps of {found.drive}: heating against cooling")
+        _draw_courses(course, found)
+        unit, size = label_difference(found.units[1])
+        _draw_both(times, found, found.rise, found.fall)
+        times.set_title("time to 90 % of the way [s]")
+        _draw_both(rates, found, found.fastest_up / size, found.fastest_down / size)
+        rates.set_title(f"largest rate [{unit}/s]")
+        for axes in (times, rates):
+            axes.set_xlabel(_label_axis(found.drive, found.units[0]))
+            axes.set_ylim(0.0, 1.06 * axes.get_ylim()[1])
+        figure.legend(
+            *times.get_legend_handles_labels(),
+            loc="upper right",
+            bbox_to_anchor=(0.99, 1.0),
+            ncols=min(len(found.loads), 6),
+            columnspacing=1.4,
+        )
+        return figure
+
+
+def _draw_courses(axes: Any, found: Speeds) -> None:
+    """The output over time; colours are signals, dashes loads."""
+    unit, size = label_difference(found.units[1])
+    drive = units.choose_readable_unit(found.units[0])
+    for rows, dash, load in _list_loads(found, found.courses):
+        for row, signal, tint in zip(rows, found.signals, choose_colours(len(found.signals)), strict=True):
+            word = f"{units.from_si(float(signal), drive, found.units[0]):.3g}"
+            first = load == 0
+            label = word if first else "_nolegend_"
+            axes.plot(found.times, (row - row[0]) / size, color=tint, linestyle=dash, label=label)
+    axes.axvline(found.hold, color=QUIET, linewidth=0.7, zorder=1.0)
+    axes.set(title=f"{found.output.replace('_', ' ')} [{unit}]", xlabel="$t$ [s]", xlim=(0.0, found.times[-1]))
+    axes.legend(title=_label_axis(found.drive, found.units[0]), title_fontsize=8.0, loc="upper right")
+
+
+def _draw_both(axes: Any, found: Speeds, up: Any, down: Any) -> None:
+    """Heating and cooling over the signal; dashes are loads."""
+    shown = units.choose_readable_unit(found.units[0])
+    signals = [units.from_si(float(one), shown, found.units[0]) for one in found.signals]
+    pairs = zip(_list_loads(found, up), _list_loads(found, down), strict=True)
+    for (heat, dash, load), (cool, _, _) in pairs:
+        for row, tint, word in ((heat, HEATING, "heating"), (cool, COOLING, "cooling")):
+            finite = np.where(np.isfinite(row), row, np.nan)
+            label = f"{word}{_name_load(found, load)}"
+            axes.plot(signals, finite, ".", color=tint, linestyle=dash, label=label)
+
+
+def _list_loads(found: Speeds, table: Any) -> list[tuple[Any, Any, int]]:
+    """Rows of a table by load, with the dashes of each."""
+    return [(table[k], DASHES[k % len(DASHES)], k) for k in range(len(found.loads))]
+
+
+def _name_load(found: Speeds, k: int) -> str:
+    if not found.load:
+        return ""
+    return f", {found.load.rpartition('.')[2]} {found.loads[k]:.3g}"
+
+
+def _label_axis(name: str, unit: str) -> str:
+    shown = units.choose_readable_unit(unit)
+    return name if shown == "1" else f"{name} [{ {'degC': '°C'}.get(shown, shown) }]"
+
+
+def plot_frequency_response(found: FrequencyResponse, title: str = "") -> Figure:
+    """Draw gain, phase and distortion over frequency.
+
+    A hollow mark is a cycle that had not settled; a cross on the gain is the bandwidth. Where
+    next to nothing moves there is neither phase nor distortion.
+    """
+    with use_style():
+        figure = make_figure(RESPONSE_WIDTH, RESPONSE_HEIGHT)
+        (axes,) = add_panels(figure, 1, 3, (0.75, 0.15, 0.8, 0.51))
+        write_headline(figure, title or f"From {found.drive} to {found.output.replace('_', ' ')}")
+        unit, size = label_ratio(found.units[1], found.units[0])
+        seen = np.where(found.gain > LEAST * np.max(found.gain), 1.0, np.nan)
+        rows = (found.gain / size, seen * np.degrees(found.phase), seen * 100.0 * found.distortion)
+        for one, values in zip(axes, rows, strict=True):
+            _draw_lines(one, found, values)
+        _mark_bandwidths(axes[0], found, size)
+        _set_logarithmic(axes[0], rows[0])
+        for one, words in zip(axes, (f"gain [{unit}]", "phase [°]", "not in the first harmonic [%]"), strict=True):
+            one.set_title(words)
+        axes[2].set_ylim(bottom=0.0)
+        figure.legend(
+            *axes[0].get_legend_handles_labels(),
+            loc="upper right",
+            ncols=6,
+            bbox_to_anchor=(0.99, 0.985),
+            title=_describe_units(found),
+            title_fontsize=8.0,
+        )
+        return figure
+
+
+def _draw_lines(axes: Any, found: FrequencyResponse, values: Any) -> None:
+    shown = units.choose_readable_unit(found.units[0])
+    for k, (bias, tint) in enumerate(zip(found.biases, choose_colours(len(found.biases)), strict=True)):
+        label = f"{units.from_si(float(bias), shown, found.units[0]):.3g}"
+        axes.plot(found.frequencies, values[k], ".-", color=tint, label=label)
+        loose = ~found.settled[k]
+        look = {"color": tint, "markerfacecolor": "white", "linestyle": "none"}
+        axes.plot(found.frequencies[loose], values[k][loose], "o", **look)
+    axes.set(xscale="log", xlim=(found.frequencies.min() / 1.1, found.frequencies.max() * 1.1), xlabel="$f$ [Hz]")
+
+
+def _set_logarithmic(axes: Any, gains: Any) -> None:
+    """A logarithmic axis over what is not next to nothing."""
+    most = float(np.max(gains))
+    if most > 0.0:
+        axes.set(yscale="log", ylim=(max(0.7 * float(np.min(gains)), LEAST * most), 1.5 * most))
+
+
+def _mark_bandwidths(axes: Any, found: FrequencyResponse, size: float) -> None:
+    """Where the gain is that of half the power."""
+    for width, row in zip(found.bandwidth, found.gain, strict=True):
+        if np.isfinite(width):
+            axes.plot(width, row[0] / size / np.sqrt(2.0), "x", color=QUIET, zorder=3.0)
+
+
+def _describe_units(found: FrequencyResponse) -> str:
+    shown = units.choose_readable_unit(found.units[0])
+    unit = {"1": "", "degC": " °C"}.get(shown, f" {shown}")
+    size = units.find_conversion(shown, found.units[0])[0]
+    return f"bias{f' [{unit.strip()}]' if unit else ''}, ± {found.amplitude / size:.3g}"

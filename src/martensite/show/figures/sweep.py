@@ -1,0 +1,231 @@
+"""The figure of a sweep: measures over one varied number, maps over two, or a matrix of scatter.
+
+In the matrix every pair of varied numbers is coloured by a measure, which stands below over each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.base.formats import typeset_unit
+from martensite.base.status import Status
+from martensite.design.sweep.given_data_indices import is_spread
+from martensite.design.sweep.table import SweepColumn, SweepTable, shorten_names
+from martensite.show.figures.panels import add_colour_bar, write_suptitle
+from martensite.show.figures.style import FAINT, HEATING, QUIET, SIMULATED, make_figure, use_style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MOST = 6
+"""Measures in a figure."""
+PANEL = 3.4, 2.7
+"""Width and height of a panel [inch]."""
+MAP = "viridis"
+NARROW = 30.0
+"""Ratio of the ends of a logarithmic axis below which it has numbers between powers of ten."""
+MOST_AXES = 6
+MOST_POINTS = 4000
+"""Runs that are drawn at most, chosen at random."""
+CELL = 1.7
+"""Size of a panel [inch]."""
+
+
+def plot_sweep(found: SweepTable, measures: Sequence[str] | None = None, title: str = "") -> Figure:
+    """Draw what a sweep found.
+
+    One varied number: measures over it. Two: a map of each measure. More: a matrix of scatter of
+    all varied numbers, coloured by the first measure, which is also drawn over each.
+
+    Args:
+        found: the runs.
+        measures: some of them, by their words; by default the first six.
+        title: headline; by default that of the sweep.
+
+    Raises:
+        UnknownNameError: there is no such measure.
+        DataError: only traces were kept.
+    """
+    chosen = found.chosen(None if measures is None else list(measures))[:MOST]
+    many = len(found.varied) > 2
+    with use_style():
+        size = measure_matrix(found) if many else _choose_size(len(chosen))
+        figure = make_figure(*size)
+        figure.set_layout_engine("constrained")
+        if many:
+            draw_matrix(figure, found, chosen[0])
+        else:
+            _draw_panels(figure, found, chosen)
+        write_suptitle(figure, title or write_sweep_title(found))
+    return figure
+
+
+def _choose_size(count: int) -> tuple[float, float]:
+    rows, columns = arrange_panels(count)
+    return PANEL[0] * max(columns, 1.3), PANEL[1] * rows + 0.3
+
+
+def _draw_panels(figure: Figure, found: SweepTable, chosen: list[SweepColumn]) -> None:
+    panels = figure.subplots(*arrange_panels(len(chosen)), squeeze=False).ravel()
+    draw = _draw_over_one if len(found.varied) == 1 else _draw_over_two
+    for panel, one in zip(panels, chosen, strict=False):
+        draw(panel, found, one)
+    for panel in panels[len(chosen) :]:
+        panel.set_axis_off()
+
+
+def _draw_over_one(axes: Axes, found: SweepTable, one: SweepColumn) -> None:
+    (varied,) = found.varied.values()
+    x, y = varied.readable(), one.readable()
+    usable = found.good & np.isfinite(y)
+    order = np.argsort(x[usable], kind="stable")
+    line = "-" if found.shape is not None else ""
+    axes.plot(x[usable][order], y[usable][order], line, color=SIMULATED, marker="o", ms=3.0)
+    _mark_failures(axes, x, None, found, one)
+    axes.set(xlabel=label_varied(found)[0], ylabel=label_column(one))
+    set_scales(axes, varied)
+    if not np.any(usable):
+        axes.set_yticks([])
+
+
+def _draw_over_two(axes: Axes, found: SweepTable, one: SweepColumn) -> None:
+    first, second = found.varied.values()
+    usable = found.good & np.isfinite(one.values)
+    values = np.where(usable, one.readable(), np.nan)
+    if found.shape is None:
+        x, y = first.readable(), second.readable()
+        drawn = axes.scatter(x[usable], y[usable], c=values[usable], s=9.0, cmap=MAP, lw=0.0)
+    else:
+        levels = [c.readable(n) for c, n in zip((first, second), found.levels or (), strict=True)]
+        drawn = _draw_map(axes, levels, values.reshape(found.shape))
+        x, y = (grid.ravel() for grid in np.meshgrid(*levels, indexing="ij"))
+    _mark_failures(axes, x, y, found, one)
+    names = label_varied(found)
+    axes.set(xlabel=names[0], ylabel=names[1])
+    set_scales(axes, first, second)
+    axes.grid(False)
+    add_colour_bar(axes.figure, drawn, axes, label_column(one))
+
+
+def _draw_map(axes: Axes, levels: list[Any], values: Any) -> Any:
+    """Cells around the levels, and lines of equal values where there are enough of them."""
+    axes.set_facecolor(FAINT)
+    drawn = axes.pcolormesh(*levels, np.ma.masked_invalid(values.T), shading="nearest", cmap=MAP, rasterized=True)
+    if min(values.shape) > 3 and np.isfinite(values).all() and is_spread(values):
+        lines = axes.contour(*levels, values.T, levels=6, colors="white", linewidths=0.6)
+        axes.clabel(lines, fontsize=7.0, fmt="%.4g")
+    return drawn
+
+
+def _mark_failures(axes: Axes, x: Any, y: Any, found: SweepTable, one: SweepColumn) -> None:
+    """Runs that failed, and those in which what is measured never happened."""
+    never = found.good & np.isinf(one.values)
+    looks: tuple[tuple[Any, str, Any], ...] = (
+        (found.status >= Status.UNSOLVED, "failed", {"marker": "x", "color": HEATING}),
+        (never, "never", {"marker": "o", "mfc": "none", "color": QUIET}),
+    )
+    for rows, word, look in looks:
+        if not rows.any():
+            continue
+        on_axis: dict[str, Any] = {"transform": axes.get_xaxis_transform()} if y is None else {}
+        height = np.full(int(rows.sum()), 0.03) if y is None else y[rows]
+        axes.plot(x[rows], height, ls="", ms=4.5, label=word, clip_on=False, **look, **on_axis)
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(loc="upper left", bbox_to_anchor=(0.0, 1.12), ncols=2, borderpad=0.0)
+
+
+def label_column(one: SweepColumn, short: str = "") -> str:
+    """Name and unit of a column, for an axis."""
+    return f"{short or one.name} [{typeset_unit(one.shown, '–')}]"
+
+
+def label_varied(found: SweepTable) -> list[str]:
+    """Labels of all varied numbers."""
+    names = shorten_names(found.varied)
+    return [label_column(one, names[path]) for path, one in found.varied.items()]
+
+
+def set_scales(axes: Axes, x: SweepColumn, y: SweepColumn | None = None) -> None:
+    """Give the axes of a panel the scales of their columns, with plain numbers."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+    for one, axis, name in ((x, axes.xaxis, "xscale"), (y, axes.yaxis, "yscale")):
+        if one is not None and one.log:
+            axes.set(**{name: "log"})
+            values = one.values[np.isfinite(one.values)]
+            narrow = not values.size or values.max() < NARROW * values.min()
+            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if narrow else (1.0,)))
+            axis.set_minor_locator(NullLocator())
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def write_sweep_title(found: SweepTable) -> str:
+    """Title of a sweep, and how many runs it has."""
+    failed = f", {found.failed:,} failed" if found.failed else ""
+    missing = f", {found.missing:,} not made yet" if found.missing else ""
+    return f"{found.title}: {len(found.status):,} runs{failed}{missing}"
+
+
+def arrange_panels(count: int) -> tuple[int, int]:
+    """Rows and columns of panels."""
+    columns = 2 if count == 4 else min(count, 3)
+    return -(-count // columns), columns
+
+
+def measure_matrix(found: SweepTable) -> tuple[float, float]:
+    """Width and height of the figure [inch]."""
+    count = min(len(found.varied), MOST_AXES)
+    return CELL * count + 1.4, CELL * count + 0.6
+
+
+def draw_matrix(figure: Figure, found: SweepTable, one: SweepColumn) -> None:
+    """Draw the lower triangle of all pairs, and the measure over each number in the last row.
+
+    Of more than six varied numbers, those are drawn whose ranks go most with the measure.
+    """
+    columns, names = list(found.varied.values()), label_varied(found)
+    usable = found.good & np.isfinite(one.values)
+    shown = _find_leading(columns, one, usable)
+    rows, failed = _pick_runs(usable), _pick_runs(found.status >= Status.UNSOLVED)
+    colours = one.readable()
+    count = len(shown)
+    panels: Any = figure.subplots(count, count, squeeze=False)
+    drawn: Any = None
+    for i, j in np.ndindex(count, count):
+        panel, below = panels[i, j], i == count - 1
+        if j > i:
+            panel.set_axis_off()
+            continue
+        x = columns[shown[j]]
+        y = one if below else columns[shown[i + 1]]
+        across, up = x.readable(), y.readable()
+        drawn = panel.scatter(across[rows], up[rows], c=colours[rows], s=4.0, lw=0.0, cmap=MAP, rasterized=True)
+        if not below:
+            panel.plot(across[failed], up[failed], "x", color=HEATING, ms=3.5)
+        set_scales(panel, x, y)
+        name = label_column(one) if below else names[shown[i + 1]]
+        panel.set(xlabel=names[shown[j]], ylabel=name)
+        panel.label_outer()
+    add_colour_bar(figure, drawn, panels.ravel().tolist(), label_column(one), aspect=35)
+
+
+def _find_leading(columns: list[SweepColumn], one: SweepColumn, usable: NDArray[np.bool_]) -> list[int]:
+    if len(columns) <= MOST_AXES:
+        return list(range(len(columns)))
+    from martensite.design.sweep.given_data_indices import rank_columns
+
+    y = rank_columns(one.values[usable])
+    strengths = [abs(np.corrcoef(rank_columns(c.values[usable]), y)[0, 1]) for c in columns]
+    return sorted(np.argsort(strengths)[::-1][:MOST_AXES].tolist())
+
+
+def _pick_runs(rows: NDArray[np.bool_]) -> NDArray[np.int64]:
+    places = np.flatnonzero(rows)
+    if len(places) <= MOST_POINTS:
+        return places
+    return np.sort(np.random.default_rng(0).choice(places, MOST_POINTS, replace=False))

@@ -1,0 +1,153 @@
+"""A design in words: its numbers, what it does, and what holds it where it is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from martensite.base.formats import write_quantity
+from martensite.base.summary import Block, DataTable, Sentence, Summary
+from martensite.design.optimise.optimised_design import OptimisedDesign, ReportedMeasure, RoundedDesign
+
+NUMBERS = ("free", "scenario", "found", "from", "to", "")
+MEASURES = ("measure", "scenario", "found", "limit", "")
+IMBALANCE = 0.05
+"""Share of the slope of the goal that is not balanced, from which on it is told."""
+COARSE = 1e-2
+"""Change by half the steps from which on it is told."""
+
+
+def summarise_design(found: OptimisedDesign, title: str) -> Summary:
+    """Everything about a design."""
+    question, counts = found.question, found.counts
+    sense = "most" if question.most else "least"
+    lead = (
+        f"{sense} {question.goal.words}: {write_quantity(found.goal, question.goal.unit)}, of "
+        f"{counts.simulations:,} simulations and {counts.slopes:,} with derivatives"
+    )
+    blocks = [
+        DataTable(NUMBERS, _number_rows(found), right=(1, 2, 3, 4)),
+        DataTable(MEASURES, _measure_rows(found), right=(1, 2, 3)),
+        *_describe_whole(found),
+        *_describe_balance(found),
+        *_describe_grid(found),
+        *_describe_doubts(found),
+    ]
+    return Summary(title, blocks, {"title": title} | found.to_dict(), lead)
+
+
+def describe_verdict(found: OptimisedDesign) -> str:
+    """Return whether a design keeps all limits, and what it reaches or misses, without a full stop."""
+    if not found.kept:
+        return f"No design that keeps all limits was found: the nearest one misses {', '.join(found.missed)}"
+    sense, goal = "most" if found.question.most else "least", found.question.goal
+    return f"All limits are kept: {sense} {goal.words} {write_quantity(found.goal, goal.unit, 4)}"
+
+
+def _describe_doubts(found: OptimisedDesign) -> Iterator[Block]:
+    if found.life:
+        yield Sentence(found.life)
+    if found.accuracy > COARSE:
+        yield Sentence(
+            f"Caution: half the steps ({found.step:.3g} s) change this by "
+            f"{100.0 * found.accuracy:.2g} % of limits and goal.",
+            "caution",
+        )
+    yield from (Sentence(f"Not kept: {words}", "bad") for words in found.missed)
+    yield from (Sentence(f"Caution: {note}", "caution") for note in found.notes)
+
+
+def _number_rows(found: OptimisedDesign) -> list[tuple[str, ...]]:
+    rows: list[tuple[str, ...]] = []
+    for one, value, z in zip(found.question.free, found.numbers, found.z, strict=True):
+        bound = None if one.whole else one.bound(z)
+        remark = "whole" if one.whole else f"at its {bound} bound" if bound else ""
+        values = (one.start, value, one.low, one.high)
+        rows.append((one.name, *(write_quantity(v, one.unit) for v in values), remark))
+    return rows
+
+
+def _measure_rows(found: OptimisedDesign) -> list[tuple[str, ...]]:
+    question = found.question
+    places = {one.name: k for k, one in enumerate(question.free)}
+    return [
+        (one.words, _write_values(one, one.before), _write_values(one, one.after), *_write_limits(found, one.words))
+        for one in found.reported
+        if one.words not in places
+    ]
+
+
+def _write_values(one: ReportedMeasure, values: Sequence[float]) -> str:
+    return ", ".join(dict.fromkeys(_write_value(value, one) for value in values))
+
+
+def _write_value(value: float, one: ReportedMeasure) -> str:
+    if math.isnan(value):
+        return "failed"
+    if math.isinf(value):
+        return "never"
+    if one.unit == "K" and one.words.startswith("stroke"):
+        return f"{value:.5g} K"
+    return write_quantity(float(f"{value:.9g}"), one.unit)
+
+
+def _write_limits(found: OptimisedDesign, words: str) -> tuple[str, str]:
+    question = found.question
+    limits = [c for c in question.subject if c.aim.words == words]
+    goal = [("most" if question.most else "least")] if words == question.goal.words else []
+    pressing = [] if found.balance is None else [p.name for p in found.balance.pressing]
+    active = ["active"] if any(c.words in pressing for c in limits) else []
+    missed = ["not kept"] if any(c.words in found.missed for c in limits) else []
+    signs = [("<= " if c.most else ">= ") + write_quantity(c.limit, c.aim.unit) for c in limits]
+    return ", ".join(signs), ", ".join([*goal, *(missed or active)])
+
+
+def _describe_whole(found: OptimisedDesign) -> Iterator[Block]:
+    if not found.held or found.relaxed is None or found.relaxed_goal is None:
+        return
+    free, unit = found.question.free, found.question.goal.unit
+    names = [one.name for one in free if one.whole]
+    others = [(k, one) for k, one in enumerate(free) if not one.whole]
+    rows = [_whole_row(one, others, unit) for one in found.held]
+    head = (*names, *(one.name for _, one in others), found.question.goal.words, "kept")
+    yield DataTable(head, rows, right=range(len(head) - 1))
+    values = ", ".join(f"{one.name} = {v:.4g}" for one, v in zip(free, found.relaxed, strict=True) if one.whole)
+    goal = write_quantity(found.relaxed_goal, unit)
+    yield Sentence(f"If nothing had to be whole: {values}, {goal}.")
+
+
+def _whole_row(one: RoundedDesign, others: Sequence[tuple[int, object]], unit: str) -> tuple[str, ...]:
+    numbers = [write_quantity(float(f"{one.numbers[k]:.5g}"), getattr(free, "unit", "1")) for k, free in others]
+    kept = "yes" if one.kept else f"no, misses {100.0 * one.violation:.2g} %"
+    return (*map(str, one.whole), *numbers, write_quantity(float(f"{one.goal:.5g}"), unit), kept)
+
+
+def _describe_balance(found: OptimisedDesign) -> Iterator[Block]:
+    if found.balance is None or not found.kept:
+        return
+    for one in found.balance.pressing:
+        yield Sentence(one.words(found.question.goal.unit))
+    if found.balance.residue > IMBALANCE:
+        yield Sentence(
+            f"Caution: {100.0 * found.balance.residue:.2g} % of the slope of the goal is not "
+            "balanced: this is a kink, or not yet the best.",
+            "caution",
+        )
+
+
+def _describe_grid(found: OptimisedDesign) -> Iterator[Block]:
+    scan, question = found.scan, found.question
+    if scan is None:
+        return
+    size = f"Grid of {' x '.join(map(str, scan.shape))} = {len(scan.z):,} simulations"
+    if scan.best is None:
+        yield Sentence(f"{size}: none of its designs keeps all constraints.")
+        return
+    best = ", ".join(
+        f"{one.name} {write_quantity(v, one.unit, 5)}" for one, v in zip(question.free, scan.numbers, strict=True)
+    )
+    cells = ", ".join(f"{c:.2g}" for c in scan.cells(np.array(found.z)))
+    goal = write_quantity(scan.values[0], question.goal.unit)
+    yield Sentence(f"{size}: best {goal} at {best}; the design found is {cells} cells away.")

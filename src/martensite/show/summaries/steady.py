@@ -1,0 +1,186 @@
+"""Steady states, cycles and response curves in words and numbers; units are chosen here, at the edge."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from martensite.base.formats import write_quantity
+from martensite.base.summary import Block, DataTable, Sentence, Summary
+from martensite.control.loop.switched_cycles import SwitchedCycle
+from martensite.show.summaries.run import tell_limits
+from martensite.simulate.steady.curves import FoldCurve
+from martensite.simulate.steady.cycles import PeriodicOrbit
+from martensite.simulate.steady.equilibria import SteadyState
+from martensite.simulate.steady.periodic_motion import Stability
+from martensite.simulate.steady.readable import choose_output, convert_speed
+from martensite.simulate.steady.rotations import ResponseCurve, ResponseSweep
+
+SPEEDS = ("rpm", "rad/s", "Hz")
+"""Units in which the speed of a rotor may be said."""
+SHOWN = 12
+"""Points of a curve that are shown."""
+PROFILE = "["
+"""What is in the name of an output of one cell of many, which is left out."""
+
+
+def write_speed(speed: float, unit: str) -> str:
+    """The speed of a rotor [rad/s] in a unit."""
+    return f"{convert_speed(speed, unit):.6g} {unit}"
+
+
+def summarise_rest(found: SteadyState, title: str) -> Summary:
+    """Everything about an equilibrium."""
+    shown = {name: one for name, one in found.system.outputs().items() if PROFILE not in name}
+    rows = [(name, write_quantity(found.outputs[name], one.unit)) for name, one in shown.items()]
+    held = ", ".join(
+        f"{one.name} = {write_quantity(found.signals[one.name], one.unit)}" for one in found.system.drives()
+    )
+    slowest = f", the slowest within {found.time_constant:.3g} s" if 0.0 < found.time_constant < np.inf else ""
+    blocks = [
+        tell_limits(found.judgement),
+        Sentence(f"{title}: at rest under {held}, {_NAMES[found.start]}."),
+        Sentence(f"Stable: small changes die out{slowest}." if found.stable else "Unstable: a small change grows."),
+        DataTable(("output", "at rest"), rows, right=(1,)),
+        *_tell_neutral(found.stability),
+    ]
+    numbers = {
+        "kind": "rest",
+        "signals": found.signals,
+        "start": found.start,
+        "outputs": {name: found.outputs[name] for name in shown},
+        "stable": found.stable,
+        "time_constant": found.time_constant,
+        "neutral": found.stability.neutral,
+        "limits": found.judgement.to_dict(),
+    }
+    return Summary("", blocks, numbers)
+
+
+_NAMES = {"cold": "come to from the cold", "hot": "come to from the hot", "state": "come to from another rest"}
+
+
+def _tell_neutral(found: Stability) -> list[Block]:
+    """What hysteresis and counters leave open."""
+    if not found.neutral:
+        return []
+    return [
+        Sentence(
+            f"{found.neutral} directions are neutral: what is remembered and not overwritten, or only counts up, stays "
+            "as it is after a change."
+        )
+    ]
+
+
+def summarise_cycle(found: PeriodicOrbit, title: str) -> Summary:
+    """Everything about a limit cycle."""
+    shown = {name: one for name, one in found.system.outputs().items() if PROFILE not in name}
+    rows = [
+        (name, *(write_quantity(float(f(found.outputs[name])), one.unit) for f in (np.min, np.max)))
+        for name, one in shown.items()
+    ]
+    switched = isinstance(found, SwitchedCycle)
+    on = f", of which it is on for {found.on_time:.6g} s" if isinstance(found, SwitchedCycle) else ""
+    blocks = [
+        tell_limits(found.judgement),
+        Sentence(f"{title}: repeats itself after {found.period:.6g} s{on}."),
+        Sentence(
+            f"{'Stable' if found.stable else 'Unstable'}: of a small change at most "
+            f"{100.0 * found.stability.largest:.3g} % are left after a period."
+        ),
+        DataTable(("output", "lowest", "highest"), rows, right=(1, 2)),
+        *_tell_neutral(found.stability),
+    ]
+    numbers: dict[str, Any] = {
+        "kind": "switched cycle" if switched else "cycle",
+        "period": found.period,
+        "outputs": {name: [float(np.min(found.outputs[name])), float(np.max(found.outputs[name]))] for name in shown},
+        "stable": found.stable,
+        "multipliers": [[float(m.real), float(m.imag)] for m in found.stability.multipliers],
+        "neutral": found.stability.neutral,
+        "periods": found.periods,
+        "limits": found.judgement.to_dict(),
+    }
+    if isinstance(found, SwitchedCycle):
+        numbers["on_time"] = found.on_time
+    return Summary("", blocks, numbers)
+
+
+def summarise_response(
+    found: ResponseCurve, title: str, speed: str, boundaries: list[FoldCurve], sweeps: Sequence[ResponseSweep] = ()
+) -> Summary:
+    """Everything about a response curve, and the boundaries of its folds."""
+    name = choose_output(found)
+    unit = found.varied.unit
+    places = _choose_points(found)
+    rows = [
+        (
+            write_quantity(float(found.parameter[k]), unit),
+            write_speed(float(found.speed[k]), speed),
+            write_quantity(float(found.amplitude[name][k]), found.units[name], 4),
+            "fold" if found.fold[k] else "stable" if found.stable[k] else "unstable",
+        )
+        for k in places
+    ]
+    blocks: list[Block] = [
+        DataTable((found.varied.name, "speed of the rotor", f"amplitude of {name}", ""), rows, right=(0, 1, 2)),
+        Sentence(
+            f"{title}: {len(found.parameter)} points, {int(found.fold.sum())} folds. A run jumps where a stable piece "
+            "ends; another curve that is not connected to this one is not found."
+        ),
+    ]
+    for one in boundaries:
+        blocks += _tell_boundary(one)
+    runs = [
+        {"parameter": one.parameter.tolist(), "speed": one.speed.tolist(), "amplitude": one.amplitude[name].tolist()}
+        for one in sweeps
+    ]
+    return Summary("", blocks, _collect_response(found, speed, boundaries) | {"runs": runs})
+
+
+def _choose_points(found: ResponseCurve) -> list[int]:
+    """Folds, and some points between."""
+    spread = np.round(np.linspace(0, len(found.parameter) - 1, SHOWN)).astype(int)
+    return sorted({*spread.tolist(), *np.flatnonzero(found.fold).tolist()})
+
+
+def _tell_boundary(one: FoldCurve) -> list[Block]:
+    spread = sorted({*np.round(np.linspace(0, len(one.first) - 1, SHOWN // 2)).astype(int).tolist()})
+    rows = [
+        (write_quantity(float(one.second[k]), one.units[1]), write_quantity(float(one.first[k]), one.units[0]))
+        for k in spread
+    ]
+    return [DataTable((one.names[1], f"fold of {one.names[0]}"), rows, right=(0, 1))]
+
+
+def _collect_response(found: ResponseCurve, speed: str, boundaries: list[FoldCurve]) -> dict[str, Any]:
+    return {
+        "kind": "response",
+        "over": found.varied.name,
+        "unit": found.varied.unit,
+        "parameter": found.parameter.tolist(),
+        "speed": found.speed.tolist(),
+        "amplitude": {name: column.tolist() for name, column in found.amplitude.items() if PROFILE not in name},
+        "stable": found.stable.tolist(),
+        "multiplier": found.multiplier.tolist(),
+        "neutral": found.neutral.tolist(),
+        "folds": [
+            {
+                "parameter": float(found.parameter[k]),
+                "speed": float(found.speed[k]),
+                "speed_shown": write_speed(float(found.speed[k]), speed),
+            }
+            for k in np.flatnonzero(found.fold)
+        ],
+        "boundaries": [
+            {
+                "of": list(one.names),
+                "units": list(one.units),
+                "first": one.first.tolist(),
+                "second": one.second.tolist(),
+            }
+            for one in boundaries
+        ],
+    }

@@ -1,0 +1,144 @@
+"""Batches on given steps on a GPU: what `martensite.simulate.variants` asks of the runtime `cuda`.
+
+Chunks are as large as the free memory of the device allows. Only samples of the wanted outputs come back.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from martensite.base.errors import InputError, ParameterError
+from martensite.simulate.cuda import device
+from martensite.simulate.cuda.source import REPORTS, MarchSource
+from martensite.simulate.cuda.to_ends import march_to_ends
+from martensite.simulate.envelope import envelope_of, varied_stops
+from martensite.simulate.grid import LaneGrid, TimeGrid
+from martensite.simulate.native import spread_limits
+
+if TYPE_CHECKING:
+    from martensite.simulate.variants import Numbers, OnSteps, Values, VariantSetup
+
+__all__ = ["count_together", "march_batch", "march_on_cuda", "march_to_ends"]
+Rows: TypeAlias = "tuple[Numbers, Numbers, Numbers]"
+OWN_SIGNALS = 1 << 28
+"""Bytes of signals in a block of runs that have signals of their own."""
+OWN_ROWS = 1 << 29
+"""Bytes of samples in a block of runs to a tolerance, which are held twice."""
+
+
+def count_together(course: VariantSetup, own: bool, count: int) -> int:
+    """Runs that march together: all, or as many as have room where each has signals of its own.
+
+    Raises:
+        InputError: there is no device, or more devices are asked for than one.
+    """
+    if course.devices not in (1, None):
+        raise ParameterError(f"The runtime `cuda` takes one device, but `devices` is {course.devices}.")
+    device.open_device()
+    if course.controlled:
+        columns = len({*course.outputs, *course.system.convergence_scales()})
+        return max(1, min(count, OWN_ROWS // (8 * columns * course.samples)))
+    if not own:
+        return count
+    steps = course.duration / course.longest + course.samples
+    each = steps * (course.compiled.inputs + 1) * np.dtype(float).itemsize
+    return max(1, min(count, int(OWN_SIGNALS / each)))
+
+
+def march_on_cuda(course: VariantSetup, values: Values, grid: TimeGrid | LaneGrid, runs: int) -> OnSteps:
+    """Columns (runs, samples), reports (2, runs), and when runs left the envelope [s], (runs,).
+
+    Raises:
+        InputError: there is no device, or a run does not fit into its memory.
+    """
+    compiled, own_limits = course.compiled, bool(varied_stops(values))
+    varied = tuple(place for place, path in enumerate(compiled.paths) if path in values)
+    own_steps = isinstance(grid, LaneGrid)
+    source = MarchSource(compiled, course.places, varied, course.precision, own_steps, own_limits)
+    limits = np.array(envelope_of(course.system), float)
+    if own_limits:
+        limits = spread_limits(course.find_limits(values, runs), runs)
+    table = np.array([values[compiled.paths[place]] for place in varied]).reshape(len(varied), runs)
+    rows, reports, left = march_batch(source, compiled.values(course.system), table, grid, limits, course.chunk)
+    return [rows[:, k].T for k in range(rows.shape[1])], reports, left
+
+
+def march_batch(
+    source: MarchSource, nominal: Any, table: Any, grid: TimeGrid | LaneGrid, limits: Any, chunk: int | None = None
+) -> Rows:
+    """Rows (samples, outputs, runs), reports (2, runs), and when runs left the envelope [s], (runs,).
+
+    Args:
+        source: what is compiled.
+        nominal: all parameters of the program, of which the varied ones do not count.
+        table: the varied parameters, (varied, runs).
+        grid: the steps of all, or of every run.
+        limits: of the envelope, low and high, (2, envelope), with an axis of runs if they vary.
+        chunk: runs at a time; by default as many as have room.
+    """
+    march, runs = load_march(source), table.shape[1]
+    with device.DeviceMemory() as memory:
+        chunk = chunk or march.count_fitting(memory.count_free(), len(grid.times), len(grid.arrays[-1]), runs)
+    made = np.empty((len(grid.times), len(source.outputs), runs)), np.empty((REPORTS, runs)), np.empty(runs)
+    for first in range(0, runs, chunk):
+        some = slice(first, min(first + chunk, runs))
+        signals = [a[..., some] if source.own_steps and a.ndim > 1 else a for a in grid.arrays]
+        bounds = limits[..., some] if source.own_limits else limits
+        found = march.run(nominal, [table[:, some], *signals, bounds], [a.shape[:-1] for a in made], len(grid.counts))
+        for whole, piece in zip(made, found, strict=True):
+            whole[..., some] = piece
+    return made
+
+
+class GivenStepsMarch:
+    """A march on given steps on the device."""
+
+    def __init__(self, source: MarchSource) -> None:
+        self.source, self.program = source, device.DeviceProgram(source.text)
+
+    def count_fitting(self, free: int, samples: int, steps: int, runs: int) -> int:
+        """How many of some runs have room in so many bytes at a time.
+
+        Raises:
+            InputError: not one has.
+        """
+        source, sizes = self.source, self.source.sizes
+        signals = steps * (sizes["INPUTS"] + 1) + samples * sizes["DRIVES"]
+        each = samples * sizes["OUTPUTS"] + sizes["VARIED"] + REPORTS + 2 * sizes["ENVELOPE"] * source.own_limits
+        size = source.kind.itemsize
+        free -= size * signals * (not source.own_steps)
+        fitting = int(free / (8 + size * (each + signals * source.own_steps)))
+        if fitting < 1:
+            raise InputError(
+                f"A run of {samples:,} samples has no room in the memory of the GPU; take fewer `samples` or `outputs`."
+            )
+        return min(runs, fitting)
+
+    def run(self, nominal: Any, given: Sequence[Any], shapes: Sequence[tuple[int, ...]], intervals: int) -> list[Any]:
+        """What some runs make: rows, reports, and times, of so many numbers a run."""
+        kind, runs = self.source.kind, given[0].shape[1]
+        kinds = kind, kind, np.dtype(float)
+        made = [np.empty((*shape, runs), k) for shape, k in zip(shapes, kinds, strict=True)]
+        with device.DeviceMemory() as memory:
+            prepared = memory.take(kind.itemsize * self.source.sizes["COMMON"])
+            places = [ctypes.c_longlong(one) for one in (memory.give(np.array(nominal, kind)), prepared)]
+            self.program.launch("prepare", 1, places)
+            memory.move(prepared, self.program.locate("common"), kind.itemsize * self.source.sizes["COMMON"])
+            arrays = (np.ascontiguousarray(a, np.int32 if a.dtype.kind == "i" else kind) for a in given)
+            there = [memory.take(array.nbytes) for array in made]
+            places = [ctypes.c_longlong(one) for one in (*map(memory.give, arrays), *there)]
+            self.program.launch("march", runs, [ctypes.c_longlong(runs), ctypes.c_int(intervals), *places])
+            for place, array in zip(there, made, strict=True):
+                memory.fetch(place, array)
+        return made
+
+
+@lru_cache(maxsize=32)
+def load_march(source: MarchSource) -> GivenStepsMarch:
+    """What a source was compiled to, kept for the next call."""
+    return GivenStepsMarch(source)

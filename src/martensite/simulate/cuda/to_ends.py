@@ -1,0 +1,88 @@
+"""Runs with an error control on a GPU: the very C of `martensite.simulate.marching_native`, one run a thread.
+
+NVRTC compiles it as it stands, for the device by default. A thread keeps its run in memory of its own, which the
+compiler lays out so that neighbours are neighbours.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import re
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from martensite.base.errors import ParameterError
+from martensite.simulate.compiled import CompiledMarch
+from martensite.simulate.cuda import device
+from martensite.simulate.cuda.source import THREADS, WORDS
+from martensite.simulate.ledger import EMPTY
+from martensite.simulate.marching_native import MarchArrays, MarchKernel, MarchRows, Runs, kernel_of
+
+FLAGS = ("-default-device", "-diag-suppress=177")
+"""What says nothing of it is for the device; functions that this march has no use for."""
+NAMES = """
+#ifdef __CUDACC__
+#define restrict __restrict__
+#define _Bool bool
+#define inline __noinline__
+#endif
+"""
+
+
+def march_to_ends(runs: Runs) -> MarchRows:
+    """March runs to their ends, each with an error control of its own.
+
+    Raises:
+        ParameterError: a drive has too many segments.
+        InputError: there is no device.
+    """
+    runs = replace(runs, plan=replace(runs.plan, recorded=False))
+    arrays = MarchArrays(runs)
+    if not arrays.knows_all():
+        raise ParameterError("A drive has too many pieces for the runtime `cuda`; use the runtime `c`.")
+    kernel = kernel_of(replace(runs.plan, compiled=_leave_out_ledger(runs.plan.compiled)), runs.outputs, 1, runs.own)
+    program = load_program(kernel)
+    with device.DeviceMemory() as memory:
+
+        def locate(array: Any) -> int:
+            """Rows need not be copied to be empty."""
+            return memory.take(array.nbytes, EMPTY_BYTE) if array is arrays.rows else memory.give(array)
+
+        march = arrays.describe(locate)
+        place = memory.give(np.frombuffer(memoryview(march), np.uint8))
+        program.launch("march_to_ends", runs.count, [ctypes.c_longlong(place)])
+        memory.fetch(march.rows, arrays.rows)
+        memory.fetch(march.numbers, arrays.numbers)
+        if runs.plan.totalled:
+            memory.fetch(march.totals, arrays.totals)
+    return MarchRows(arrays.rows, arrays.numbers, arrays.record, arrays.totals)
+
+
+EMPTY_BYTE = 0xFF
+"""Eight of them are no number."""
+
+
+def print_source(kernel: MarchKernel) -> str:
+    """CUDA C of a march."""
+    text = re.sub(r"^#include .*$", "", kernel.source(), flags=re.MULTILINE)
+    return f"#define THREADS {THREADS}\n{WORDS}{NAMES}{text}{_read_kernel()}"
+
+
+def _read_kernel() -> str:
+    return Path(__file__).with_suffix(".cu").read_text(encoding="utf-8")
+
+
+@lru_cache(maxsize=32)
+def load_program(kernel: MarchKernel) -> Any:
+    """What was compiled, kept for the next call."""
+    return device.DeviceProgram(print_source(kernel), FLAGS)
+
+
+@lru_cache(maxsize=32)
+def _leave_out_ledger(compiled: CompiledMarch) -> CompiledMarch:
+    """Batches tell no balance."""
+    return replace(compiled, book=EMPTY)

@@ -1,0 +1,76 @@
+"""Compute the energy of every cycle of a run, by `martensite.simulate.energy`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from martensite.actuators.mechanisms.load_line import AbstractLoadLine
+from martensite.base.errors import InputError, require_known
+from martensite.signals.sampling.sampled import Numbers
+from martensite.simulate.curve_rows import add_step_rows
+from martensite.simulate.energy import EnergyCourses, integrate_energies
+from martensite.simulate.result import Result
+
+Pair = tuple[str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class CycleEnergies(EnergyCourses):
+    """Energies of every cycle, shape (cycles,) [J]."""
+
+    period: float
+    """[s]"""
+
+    @property
+    def net_work(self) -> Numbers:
+        """Work less what was returned."""
+        return self.work - self.returned
+
+    @property
+    def kept(self) -> Numbers:
+        """Electrical less heat: what is left in the elements at the end of a cycle."""
+        return self.electrical - self.lost
+
+
+def compute_cycle_energies(result: Result, period: float, *, pairs: Sequence[Pair] | None = None) -> CycleEnergies:
+    """Energies of all whole cycles of a run.
+
+    Args:
+        result: a run, of a plant or of a bench.
+        period: length of a cycle [s].
+        pairs: columns of force and of the coordinate that grows as it pulls, such as a torque and
+            an angle; by default force and position of a mechanism with one element on a line.
+
+    Raises:
+        InputError: there is no whole cycle, a column is missing, or the mechanism needs `pairs`.
+    """
+    result = add_step_rows(result)
+    times = np.asarray(result.times)
+    cycles = math.floor((times[-1] - times[0]) / period * (1.0 + 1e-9)) if period > 0.0 else 0
+    if cycles < 1:
+        raise InputError(f"A run of {times[-1] - times[0]:g} s has no whole cycle of {period:g} s.")
+    ends = times[0] + period * np.arange(cycles + 1)
+    ways = [
+        (np.asarray(result.columns[force]), np.asarray(result.columns[coordinate]))
+        for force, coordinate in _find_columns(result, pairs)
+    ]
+    over = integrate_energies(result, ways)
+    totals = over.electrical, over.lost, over.work, over.returned
+    found = [np.diff(np.interp(ends, times, total)) for total in totals]
+    return CycleEnergies(found[0], found[1], found[2], found[3], period)
+
+
+def _find_columns(result: Result, pairs: Sequence[Pair] | None) -> Sequence[Pair]:
+    """Columns of force and coordinate."""
+    if pairs is None:
+        if not isinstance(result.system.mechanism, AbstractLoadLine):
+            raise InputError("Say by `pairs` which force of this mechanism works along which coordinate.")
+        (port,) = result.system.actuators()
+        return [(result.system.label(port, "force"), result.coordinate)]
+    for name in (one for pair in pairs for one in pair):
+        require_known("column", name, result.columns)
+    return pairs

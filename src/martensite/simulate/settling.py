@@ -1,0 +1,133 @@
+"""Where a run starts, found by marching: at rest, or in a cycle that closes.
+
+`equilibrium` is where the system comes to rest under the first values of its drives, `settled cycle` where it begins a
+period of its drives that ends as it began. Both are marched to, with no guess of the answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import InputError
+from martensite.signals.base import AbstractWaveform
+from martensite.signals.constant import Constant
+from martensite.simulate.api import longest_step, simulate
+from martensite.simulate.drive_waveforms import Waveforms, by_name
+from martensite.simulate.initial import AT, EQUILIBRIUM, PERIOD, WHERE
+from martensite.simulate.restarts import HOME, Restart
+from martensite.simulate.result import Result
+from martensite.simulate.steady.cycles import find_period
+
+MOST_CYCLES, MOST_RESTS = 300, 9
+"""Periods that are marched, and stretches of time, each twice as long as the one before."""
+RESTLESS = 4
+"""Stretches after which what moves must have come to less than half of what it was."""
+REST = 200.0
+"""The first of these, in steps with which a run begins."""
+LOOKED = 65
+"""Samples of such a run."""
+
+
+def find_settled(system: AbstractSystem, waveform: Waveforms, given: Mapping[str, Any], tolerance: float) -> Restart:
+    """What a table says is to be found.
+
+    Raises:
+        InputError: it is not found, or the drives have no period.
+        SolveError: a search marched to where no run goes.
+    """
+    search = _Search(system, waveform, tolerance)
+    return search.find_equilibrium() if given[AT] == EQUILIBRIUM else search.find_cycle(given.get(PERIOD))
+
+
+@dataclass(frozen=True)
+class _Search:
+    """Marches to where a run shall start."""
+
+    system: AbstractSystem
+    waveform: Waveforms
+    tolerance: float
+
+    def find_equilibrium(self) -> Restart:
+        """Where nothing moves under the first values of the drives."""
+        waves = by_name(self.system, self.waveform)
+        held = {name: Constant(level=one.value(0.0)) for name, one in waves.items()}
+        step = longest_step(self.system)
+        length = REST * step if step < float("inf") else 1.0
+
+        def rests(result: Result) -> float:
+            half = len(result.times) // 2
+            return self._worst(result, lambda column: max(column[half:]) - min(column[half:]), least_only=True)
+
+        start, moved = HOME, [float("inf")]
+        while len(moved) <= MOST_RESTS and not min(moved[:-RESTLESS], default=float("inf")) < 2.0 * min(
+            moved[-RESTLESS:]
+        ):
+            start, by = self._march(held, length, start, rests)
+            if by <= self.tolerance:
+                return start
+            moved.append(by)
+            length *= 2.0
+        raise InputError(
+            f"{WHERE} The system does not come to rest under the first values of its drives: in the last "
+            f"{0.25 * length:.4g} s what is judged still moved by {moved[-1]:.2g} times the least range that counts."
+        )
+
+    def find_cycle(self, period: float | None) -> Restart:
+        """Where a period [s] begins that ends as it began."""
+        waves = by_name(self.system, self.waveform)
+        period = self._find_period(waves) if period is None else period
+        for name, one in waves.items():
+            require_periodic(name, one, period)
+
+        def closes(result: Result) -> float:
+            return self._worst(result, lambda column: abs(column[-1] - column[0]))
+
+        start, open_by = HOME, float("inf")
+        for _ in range(MOST_CYCLES):
+            start, open_by = self._march(waves, period, start, closes)
+            if open_by <= self.tolerance:
+                return start
+        raise InputError(
+            f"{WHERE} The cycle of {period:.6g} s does not close: after {MOST_CYCLES} of them it still ends "
+            f"{open_by:.2g} of a range from where it began, more than the tolerance of {self.tolerance:.2g}."
+        )
+
+    def _find_period(self, waves: Mapping[str, AbstractWaveform]) -> float:
+        """That of all drives [s], with a hint where there is none."""
+        try:
+            return find_period(waves)
+        except InputError as error:
+            raise InputError(f'{WHERE} {error} Or give their `period`, such as `period = "2 s"`.') from None
+
+    def _march(
+        self, waves: Mapping[str, AbstractWaveform], length: float, start: Restart, judge: Callable[[Result], float]
+    ) -> tuple[Restart, float]:
+        """The state after a length of time [s], and what a judge says of the way there."""
+        result = simulate(
+            self.system, waves, length, tolerance=0.5 * self.tolerance, samples=LOOKED, start=start
+        ).require()
+        return result.restarts[-1].at_time_zero(), judge(result)
+
+    def _worst(self, result: Result, measure: Callable[[list[float]], float], least_only: bool = False) -> float:
+        """Largest of what is measured of a judged column, as a share of its range, or of the least that counts."""
+        found = [0.0]
+        for name, least in self.system.convergence_scales().items():
+            column = result.columns[name]
+            found.append(measure(column) / (least if least_only else max(least, max(column) - min(column))))
+        return max(found)
+
+
+def require_periodic(name: str, waveform: AbstractWaveform, period: float) -> None:
+    """Raise `InputError` for a waveform that is another one a period [s] later."""
+    places = [period * (k + 0.37) / LOOKED for k in range(LOOKED)]
+    pairs = [(waveform.value(t), waveform.value(t + period)) for t in places]
+    size = max(abs(a) for a, _ in pairs)
+    for time, (a, b) in zip(places, pairs, strict=True):
+        if abs(a - b) > 1e-6 * size:
+            raise InputError(
+                f"{WHERE} Drive `{name}` does not repeat after {period:.6g} s: it is {a:.6g} at {time:.6g} s, "
+                f"but {b:.6g} a period later."
+            )

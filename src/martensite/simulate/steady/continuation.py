@@ -1,0 +1,251 @@
+r"""Pseudo-arclength continuation: a curve of solutions of F(z) = 0 with one unknown more than equations.
+
+From a point z on the curve with the unit tangent t, the next one solves
+
+    F(z') = 0,        t · (z' - z) = h
+
+with Newton steps, so that the curve is followed around its folds, where the last unknown, the
+parameter, turns back. Unknowns count in units of `sizes`, anew at every point: h is about the relative
+change of all of them. Directions along which nothing changes (what a state remembers and does not use) are
+left out of every step: the shortest of all solutions is taken.
+
+A fold is where the parameter stands still along the curve. Where its component of the tangent changes
+sign between two points, the length h at which it is 0 is found between them by Brent's method, each trial
+being a corrected point of the curve.
+
+Source: Keller (1977), Numerical solution of bifurcation and nonlinear eigenvalue problems; Doedel (1981).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from martensite.base.errors import SolveError
+from martensite.signals.sampling.sampled import Numbers
+from martensite.simulate.steady.roots import find_root
+
+ITERATIONS = 12
+"""Newton steps of a correction."""
+QUICK = 5
+"""Those after which the next step of the curve is not longer."""
+SETTLED, GOOD = 1e-11, 1e-6
+"""Length of a Newton step that ends a correction, and below which one may end that no longer gets shorter."""
+RANK = 1e-10
+"""Share of the largest singular value below which a direction counts as one along which nothing changes."""
+CORNER = 1e-3
+"""Step below which the curve may turn sharply: a wire that goes taut makes a corner."""
+SHORTEST = 1e-7
+"""Step of the curve below which it is given up."""
+
+
+class Linearised(NamedTuple):
+    """Equations at a point."""
+
+    residual: Numbers
+    """(equations,), in units in which 1 is large."""
+    jacobian: Numbers
+    """d(residual)/d(unknown), (equations, unknowns)."""
+    sizes: Numbers
+    """What counts as a change of each unknown, (unknowns,)."""
+
+
+class Equations(Protocol):
+    """What is continued; the last unknown is the parameter."""
+
+    def linearise(self, point: Numbers) -> Linearised:
+        """Residual and its derivatives at a point."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class CurvePoint:
+    """A point of a curve."""
+
+    unknowns: Numbers
+    """The last one is the parameter."""
+    tangent: Numbers
+    """Of unit length, in units of `sizes`."""
+    sizes: Numbers
+    fold: bool = False
+
+    @property
+    def parameter(self) -> float:
+        """The last unknown."""
+        return float(self.unknowns[-1])
+
+    @property
+    def turn(self) -> float:
+        """How the parameter changes along the curve; 0 at a fold."""
+        return float(self.tangent[-1])
+
+
+@dataclass(frozen=True)
+class CurveSteps:
+    """How a curve is followed."""
+
+    first: float = 0.05
+    longest: float = 0.3
+    """As a share of the sizes of the unknowns."""
+    most: int = 600
+    """Points, at most."""
+
+
+STEADY_STEPS = CurveSteps()
+"""Steps where none are asked for."""
+
+
+def correct_point(
+    equations: Equations, guess: Numbers, normal: Numbers, sizes: Numbers | None = None
+) -> tuple[Numbers, Linearised, int]:
+    """The solution in the plane through a guess with a normal, and how many Newton steps it took.
+
+    Args:
+        equations: what is solved.
+        guess: where to begin.
+        normal: of the plane, in units of the sizes.
+        sizes: of the unknowns; by default as the equations say.
+
+    Raises:
+        SolveError: Newton's method finds none.
+    """
+    point, last = np.array(guess, float), np.inf
+    for number in range(1, ITERATIONS + 1):
+        found = equations.linearise(point)
+        if not (np.isfinite(found.residual).all() and np.isfinite(found.jacobian).all()):
+            break
+        units = found.sizes if sizes is None else sizes
+        aside = normal @ ((point - guess) / units)
+        matrix = np.vstack([found.jacobian * units, normal])
+        change = np.linalg.lstsq(matrix, -np.append(found.residual, aside), rcond=RANK)[0]
+        point = point + change * units
+        length = float(np.linalg.norm(change))
+        if length <= SETTLED or (length <= GOOD and length > 0.3 * last):
+            return point, found, number
+        if length > 1e3:
+            break
+        last = length
+    raise SolveError("Newton's method finds no solution near the guess.")
+
+
+def find_tangent(found: Linearised, along: Numbers) -> Numbers:
+    """Unit tangent of the curve at a point, the way that `along` goes.
+
+    Of all directions in which the residual does not change, that which is nearest to `along`.
+    """
+    scaled = found.jacobian * found.sizes
+    _, singular, rows = np.linalg.svd(scaled, full_matrices=True)
+    rank = int(np.sum(singular > RANK * singular[0]))
+    rank = min(rank, len(rows) - 1)
+    free = rows[rank:]
+    tangent = free.T @ (free @ along)
+    length = float(np.linalg.norm(tangent))
+    if not length > 1e-6:
+        raise SolveError("The curve has no tangent here: two branches may cross.")
+    return tangent / length
+
+
+class Curve:
+    """A curve that is followed from a solution, in one direction."""
+
+    def __init__(self, equations: Equations, steps: CurveSteps = STEADY_STEPS) -> None:
+        self.equations, self.steps = equations, steps
+
+    def begin(self, guess: Numbers, direction: float) -> CurvePoint:
+        """The solution at the parameter of a guess; the curve then goes up or down with it.
+
+        Raises:
+            SolveError: there is none nearby.
+        """
+        normal = np.zeros(len(guess))
+        normal[-1] = np.copysign(1.0, direction)
+        point, found, _ = correct_point(self.equations, guess, normal)
+        return CurvePoint(point, find_tangent(found, normal), found.sizes)
+
+    def step(self, begin: CurvePoint, length: float) -> tuple[CurvePoint, int]:
+        """The point a length along the curve, and how many Newton steps it took."""
+        guess = begin.unknowns + length * begin.tangent * begin.sizes
+        point, found, number = correct_point(self.equations, guess, begin.tangent, begin.sizes)
+        along = begin.tangent * begin.sizes / found.sizes
+        return CurvePoint(point, find_tangent(found, along), found.sizes), number
+
+    def follow(self, begin: CurvePoint, low: float, high: float) -> Iterator[CurvePoint]:
+        """Points from a solution on, folds among them, to the bounds of the parameter.
+
+        Raises:
+            SolveError: the curve cannot be followed any further.
+        """
+        here, length = begin, self.steps.first
+        yield here
+        for _ in range(self.steps.most):
+            there, length = self._advance(here, length)
+            if here.turn * there.turn < 0.0 and not here.fold:
+                yield (fold := self.locate(here, there, lambda one: one.turn, length_of(here, there), True))
+                if not low <= fold.parameter <= high:
+                    return
+            if not low < there.parameter < high:
+                bound = low if there.parameter <= low else high
+                yield self._end_at(bound, here, there)
+                return
+            yield there
+            here = there
+        raise SolveError(f"The curve has more than {self.steps.most} points.")
+
+    def _advance(self, here: CurvePoint, length: float) -> tuple[CurvePoint, float]:
+        """The next point, and the length of the step after it."""
+        while length >= SHORTEST:
+            try:
+                there, number = self.step(here, length)
+                if length < CORNER or _agree(here, there):
+                    longer = length * (1.6 if number < QUICK else 1.0)
+                    return there, min(longer, self.steps.longest)
+            except SolveError:
+                pass
+            length *= 0.5
+        raise SolveError(
+            f"The curve of steady states cannot be followed beyond a parameter of {here.parameter:.6g}: it ends, or "
+            "breaks off, there."
+        )
+
+    def _end_at(self, bound: float, here: CurvePoint, there: CurvePoint) -> CurvePoint:
+        """Where the curve goes through a bound of the parameter, which it then is exactly."""
+        near = self.locate(here, there, lambda one: one.parameter - bound, length_of(here, there))
+        guess, normal = near.unknowns.copy(), np.zeros(len(near.unknowns))
+        guess[-1], normal[-1] = bound, 1.0
+        point, found, _ = correct_point(self.equations, guess, normal)
+        return CurvePoint(point, find_tangent(found, near.tangent), found.sizes)
+
+    def locate(
+        self,
+        here: CurvePoint,
+        there: CurvePoint,
+        function: Callable[[CurvePoint], float],
+        length: float,
+        fold: bool = False,
+    ) -> CurvePoint:
+        """The point between two where a function of points is 0."""
+        known = {0.0: here, length: there}
+
+        def value(at: float) -> float:
+            if at not in known:
+                known[at] = self.step(here, at)[0]
+            return function(known[at])
+
+        root = find_root(value, 0.0, length)
+        value(root)
+        one = known[root]
+        return CurvePoint(one.unknowns, one.tangent, one.sizes, fold)
+
+
+def length_of(here: CurvePoint, there: CurvePoint) -> float:
+    """How long the step from one point to the other was."""
+    return float(here.tangent @ ((there.unknowns - here.unknowns) / here.sizes))
+
+
+def _agree(here: CurvePoint, there: CurvePoint) -> bool:
+    """Whether the curve goes on in about the same direction."""
+    along = here.tangent * here.sizes / there.sizes
+    return float(along @ there.tangent) > 0.9 * float(np.linalg.norm(along))

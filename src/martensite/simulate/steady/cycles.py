@@ -1,0 +1,246 @@
+r"""Limit cycles: motions that repeat themselves, found by shooting instead of waiting.
+
+Under drives of a period T the state after it is a function P of the state before, and its Jacobian is exact. The cycle
+is P(s) = s: periods that are run bring memory and branch to where they belong, Newton steps do the rest. Floquet
+multipliers, the eigenvalues of the Jacobian, say by what a small change is multiplied in a period.
+
+Transformations do not forget: a change of what is remembered and not overwritten in a period stays as it is. Such
+directions have the multiplier 1 and are counted as neutral, neither stable nor unstable. A cycle is therefore one of a
+family, that to which the run from the start that was asked for comes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.actuators.assembly.base import JUDGED
+from martensite.base.errors import InputError, SolveError
+from martensite.signals.base import AbstractWaveform
+from martensite.signals.constant import Constant
+from martensite.signals.sampling.sampled import Numbers
+from martensite.simulate.api import longest_step
+from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms, grid_of
+from martensite.simulate.judgement import Judgement, judge_columns
+from martensite.simulate.steady.equilibria import rest_signals
+from martensite.simulate.steady.periodic_motion import PeriodGrid, PeriodicMotion, Stability
+from martensite.simulate.steady.subjects import Subject
+
+if TYPE_CHECKING:
+    from martensite.scenario.scenario import Scenario
+
+LEAD, MOST = 4, 20_000
+"""Periods that are run before the first Newton step, and in all."""
+ROUNDING = 1e-14
+"""Part of a Newton step that is none, in sizes of the states."""
+QUIET = 1e-9
+"""Change of a martensite fraction that is none."""
+FEWEST = 200
+"""Steps in a period."""
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodicOrbit:
+    """A motion that repeats itself."""
+
+    system: AbstractSystem
+    period: float
+    """[s]"""
+    times: Numbers
+    """Within the period [s], both ends included."""
+    outputs: dict[str, Numbers]
+    """At these times, in SI."""
+    state: Numbers
+    """All state variables at the begin of the period, flat."""
+    stability: Stability
+    residual: float
+    """What still changes over a period, as a share of what counts."""
+    periods: int
+    """How many were marched to find it."""
+
+    @cached_property
+    def judgement(self) -> Judgement:
+        """Limits that the motion exceeds."""
+        columns = {name: column.tolist() for name, column in self.outputs.items()}
+        return judge_columns(self.system, self.times.tolist(), columns)
+
+    @property
+    def stable(self) -> bool:
+        """Whether every change that is not neutral dies out."""
+        return self.stability.stable
+
+    def amplitude(self, name: str) -> float:
+        """Half of the way of an output from its smallest to its largest value."""
+        return 0.5 * float(np.ptp(self.outputs[name]))
+
+
+def find_cycle(
+    subject: Scenario | AbstractSystem,
+    waveform: Waveforms | None = None,
+    *,
+    step: float | None = None,
+    state: Numbers | None = None,
+) -> PeriodicOrbit:
+    """The motion that a system comes to under drives that repeat themselves.
+
+    Args:
+        subject: a scenario, or a system.
+        waveform: waveforms of its drives, in place of those of the scenario.
+        step: longest step [s]; by default a 200th of the period, or the longest that the mechanism takes.
+        state: from which the run begins; by default at rest without signals.
+
+    Raises:
+        InputError: the drives have no period, or several.
+        CompileError: there is no C compiler.
+        SolveError: the state does not come to repeat itself.
+    """
+    one = Subject.read(subject, waveform)
+    period = find_period(one.waveforms)
+    grid = build_period(one.system, one.waveforms, period, step)
+    motion = PeriodicMotion(one.system, rest_signals(one.system), [], grid=grid)
+    begin = motion.stretch.rest(list(grid.signals[0] * 0.0 + rest_signals(one.system))) if state is None else state
+    way = Shooting(motion, np.array(begin, float))
+    way.run()
+    times, outputs = motion.observe(way.state)
+    stability = motion.judge(way.state)
+    return PeriodicOrbit(one.system, period, times, outputs, way.state, stability, way.left, way.count)
+
+
+class Shooting:
+    """The way from a state to one that repeats itself.
+
+    A Newton step leaps over what a run would go through. Where laws remember, a leap over the begin of a transformation
+    would leave it out: so there are leaps only while no fraction changes from period to period, none is longer than
+    what counts as a change of temperature or stress, and one after which a fraction changes is taken back. While
+    transformations go on the periods are run.
+    """
+
+    def __init__(self, motion: PeriodicMotion | Any, begin: Numbers, most: int = MOST) -> None:
+        self.most = most
+        system = motion.stretch.system
+        self.motion, self.state, self.count, self.left = motion, begin, 0, math.inf
+        remembers = bool(motion.stretch.compiled.points)
+        ports = system.actuators() if remembers else {}
+        self.fractions = [system.label(port, "martensite_fraction") for port in ports]
+        self.leaps = {system.label(port, name): JUDGED[name] for port in ports for name in ("temperature", "stress")}
+
+    def run(self) -> None:
+        """March and leap until the state repeats itself.
+
+        Raises:
+            SolveError: it does not.
+        """
+        self._march(LEAD)
+        wait = 1
+        while self.count < self.most:
+            self.left = self.motion.measure_change(self.state)
+            self.count += 1
+            if self.left <= self.motion.settled:
+                return
+            wait = 1 if self._leap() else min(2 * wait, 64)
+            self._march(wait)
+        raise SolveError(
+            f"The state does not repeat itself after {self.count} periods: it still changes by {self.left:.1e} of what "
+            "it does in one."
+        )
+
+    def _march(self, periods: int) -> None:
+        for _ in range(periods):
+            self.state = self.motion.go_on(self.state)
+        self.count += periods
+
+    def _leap(self) -> bool:
+        """A Newton step, or a part of it; whether it is taken."""
+        motion, state = self.motion, self.state
+        end = motion.march(state)[0][-1]
+        before = self._see(state)
+        if self._changed(before, self._see(end)):
+            return False
+        found = motion.linearise(state)
+        change = np.linalg.lstsq(found.jacobian * found.sizes, -found.residual, rcond=1e-10)[0] * found.sizes
+        change[np.abs(change) <= ROUNDING * found.sizes] = 0.0
+        there = self._see(state + change)
+        reach = [abs(there[name] - before[name]) / most for name, most in self.leaps.items()]
+        trial = state + change / max(1.0, *reach, 1.0)
+        try:
+            left = motion.measure_change(trial)
+        except SolveError:
+            return False
+        self.count += 1
+        if not left < self.left or self._changed(before, self._see(motion.march(trial)[0][-1])):
+            return False
+        self.state = trial
+        return True
+
+    def _see(self, state: Numbers) -> dict[str, float]:
+        signals = self.motion.signals_at_begin()
+        return {name: float(one[0]) for name, one in self.motion.stretch.observe(state[None], signals[None]).items()}
+
+    def _changed(self, before: Mapping[str, float], after: Mapping[str, float]) -> bool:
+        """Whether a fraction is another one."""
+        return any(abs(after[name] - before[name]) > QUIET for name in self.fractions)
+
+
+def find_period(waveforms: Mapping[str, AbstractWaveform]) -> float:
+    """The period that all drives have in common [s].
+
+    Raises:
+        InputError: one has none, or they differ.
+    """
+    periods = dict[str, float]()
+    for name, one in waveforms.items():
+        if isinstance(one, Constant):
+            continue
+        numbers = {leaf.path: float(leaf.value) for leaf in one.leaves()}
+        if "frequency" in numbers and numbers["frequency"] > 0.0:
+            periods[name] = 1.0 / numbers["frequency"]
+        elif "period" in numbers:
+            periods[name] = numbers["period"]
+        else:
+            raise InputError(
+                f"The drive `{name}` (`{one.registered_name}`) has no period; a cycle needs drives that repeat "
+                "themselves, such as `pwm` or `sine`."
+            )
+    if not periods:
+        raise InputError("All drives are constant, so they have no period; ask for the rest, or for the rotation.")
+    longest = max(periods.values())
+    for name, one in periods.items():
+        if abs(longest / one - round(longest / one)) > 1e-9:
+            raise InputError(
+                f"The drives have no period in common: that of `{name}` is {one:.6g} s, another {longest:.6g} s."
+            )
+    return longest
+
+
+def build_period(
+    system: AbstractSystem, waveforms: Mapping[str, AbstractWaveform], period: float, step: float | None
+) -> PeriodGrid:
+    """Steps of a period, the second one: a waveform may begin otherwise than it goes on.
+
+    Raises:
+        InputError: a waveform does not repeat itself in the period.
+    """
+    longest = step or min(period / FEWEST, longest_step(system))
+    rows = list[Numbers]()
+    grids = [grid_of(system, dict(waveforms), count * period, count + 1, longest) for count in (1, 2)]
+    for grid in grids:
+        rows.append(np.column_stack([np.asarray(grid.drives, float), np.asarray(grid.lengths)]))
+    first, both = rows
+    second = both[len(first) :]
+    if len(both) != 2 * len(first) or not np.allclose(first, second, rtol=1e-6, atol=1e-9 * np.abs(first).max()):
+        raise InputError(f"The drives do not repeat themselves after {period:.6g} s.")
+    times = np.concatenate([[0.0], np.cumsum(first[:, -1])])
+    signals = _read_signals(system, waveforms, times)
+    return PeriodGrid(np.ascontiguousarray(first), times, signals)
+
+
+def _read_signals(system: AbstractSystem, waveforms: Mapping[str, AbstractWaveform], times: Numbers) -> Numbers:
+    """All drives at some times, (times, drives)."""
+    waves = arrange_waveforms(system, dict(waveforms))
+    return np.array([one.signals(times.tolist()) for one in waves]).T.reshape(len(times), len(waves))

@@ -1,0 +1,171 @@
+r"""Equilibria: where a system rests under drives that are held, and what becomes of a small change there.
+
+With hysteresis one signal has many states of rest, and what was before decides which is met. Three ways there:
+
+    cold       at rest without signals (at ambient temperature), then the signals are switched on
+    hot        at rest under the highest signals, then they go down to those that are held
+    a state    of an equilibrium that was found before, from which the signals change to these
+
+The system is marched until nothing that is judged changes any more; so an unstable equilibrium is never met, and a
+dynamic mechanism that swings over its place of rest takes its elements with it, as it would.
+
+Stability is read off the exact Jacobian of a step there: a change grows or dies out by its eigenvalues μ, at the rates
+ln μ/Δt. At the edge of a transformation the slope is that of the side from which the state was reached.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import InputError, SolveError, require_known
+from martensite.signals.sampling.sampled import Numbers
+from martensite.simulate.api import longest_step
+from martensite.simulate.judgement import Judgement, judge_state
+from martensite.simulate.lanes import Lanes
+from martensite.simulate.operating_point import settle_lanes
+from martensite.simulate.steady.periodic_motion import Stability, index_drives, judge_stability
+from martensite.simulate.steady.stretch import Stretch
+from martensite.simulate.steady.subjects import Subject
+
+if TYPE_CHECKING:
+    from martensite.scenario.scenario import Scenario
+
+STARTS = ("cold", "hot")
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyState:
+    """A system at rest under held drives."""
+
+    system: AbstractSystem
+    signals: dict[str, float]
+    """Of all drives, in SI."""
+    start: str
+    """`cold`, `hot` or `state`: where it came from."""
+    outputs: dict[str, float]
+    """In SI."""
+    state: Numbers
+    """All state variables, flat."""
+    stability: Stability
+    """Of one step."""
+    step: float
+    """Its length [s]."""
+    before: dict[str, float]
+    """Outputs of the state that it came from, in SI."""
+
+    @cached_property
+    def judgement(self) -> Judgement:
+        """Limits that the state exceeds."""
+        return judge_state(self.system, self.outputs, self.before)
+
+    @property
+    def stable(self) -> bool:
+        """Whether every change that is not neutral dies out."""
+        return self.stability.stable
+
+    @property
+    def time_constant(self) -> float:
+        """Of the change that dies out last [s]; 0 if none takes longer than a step, infinite if one grows."""
+        largest = self.stability.largest
+        if largest >= 1.0:
+            return np.inf
+        return -self.step / float(np.log(largest)) if largest > 1e-3 else 0.0
+
+
+def find_steady_state(
+    subject: Scenario | AbstractSystem,
+    drive: Mapping[str, float] | float | None = None,
+    *,
+    start: str | SteadyState = "cold",
+    high: Mapping[str, float] | float | None = None,
+) -> SteadyState:
+    """Where a system rests under drives that are held.
+
+    Args:
+        subject: a scenario, or a system.
+        drive: level of the first drive, or levels by name, in SI; those that are constant in the scenario need none.
+        start: `cold`, `hot`, or an equilibrium from which the drives change to these.
+        high: under which it rested before, for `hot`; by default the highest levels of the scenario.
+
+    Raises:
+        InputError: a drive is unknown or not given, or `high` is missing.
+        CompileError: there is no C compiler.
+        SolveError: the system does not come to rest: it vibrates or turns.
+    """
+    one = Subject.read(subject)
+    signals = one.hold(drive)
+    if isinstance(start, SteadyState):
+        return _judge_rest(
+            one.system, settle_system(one.system, [signals], start.state), signals, "state", start.outputs
+        )
+    require_known("start", start, STARTS)
+    before = [one.hold(_choose_high(one, high))] if start == "hot" else []
+    return _judge_rest(one.system, settle_system(one.system, [*before, signals]), signals, start)
+
+
+def _choose_high(one: Subject, high: Mapping[str, float] | float | None) -> Mapping[str, float] | float:
+    """The drives under which it rested before."""
+    if high is not None:
+        return high
+    if one.scenario is None or not np.isfinite(one.scenario.duration):
+        raise InputError("The start `hot` needs `high`, the drive under which the system rested before.")
+    return one.highest(one.scenario.duration)
+
+
+def settle_system(system: AbstractSystem, course: list[Numbers], state: Numbers | None = None) -> Numbers:
+    """The state after resting under some signals, one after the other; from rest without signals if none is given.
+
+    Raises:
+        SolveError: it does not come to rest.
+    """
+    lanes = Lanes(system, 1)
+    lanes.reset(rest_signals(system)[:, None])
+    if state is not None:
+        lanes.state = np.array(state)[:, None]
+    for signals in course:
+        settle_lanes(lanes, signals[:, None])
+    failed = lanes.status[0]
+    if failed.failed:
+        raise SolveError(f"The system failed on its way to rest. {failed.sentence}")
+    return lanes.state[:, 0].copy()
+
+
+def rest_signals(system: AbstractSystem) -> Numbers:
+    """No signals; the ambient temperature for a drive that prescribes one."""
+    ambient = {system.drive_at(port): one.environment.temperature for port, one in system.actuators().items()}
+    return index_drives(system, {one.name: ambient[one.name] for one in system.drives() if one.unit == "K"})
+
+
+def _judge_rest(
+    system: AbstractSystem, state: Numbers, signals: Numbers, start: str, before: dict[str, float] | None = None
+) -> SteadyState:
+    """An equilibrium with its outputs, its stability and the outputs of the state before, by default without drives."""
+    stretch, dt = Stretch(system), longest_step(system)
+    row, _ = stretch.hold(signals)
+    given, n = np.append(row, dt)[None], stretch.size
+    end = stretch.march(state, given, np.eye(n), np.zeros((*given.shape, n)), np.zeros((0, n)))
+    home = rest_signals(system)
+    if before is None:
+        before = _first_row(stretch.observe(stretch.rest(list(home))[None], home[None]))
+    names = [one.name for one in system.drives()]
+    return SteadyState(
+        system,
+        dict(zip(names, map(float, signals), strict=True)),
+        start,
+        _first_row(stretch.observe(state[None], signals[None])),
+        state,
+        judge_stability(end.slopes),
+        dt,
+        before,
+    )
+
+
+def _first_row(columns: dict[str, Numbers]) -> dict[str, float]:
+    """The first value of every column."""
+    return {name: float(column[0]) for name, column in columns.items()}

@@ -1,0 +1,65 @@
+r"""Folds in two parameters: the curve along which a curve of solutions turns back.
+
+At a fold the Jacobian F_x of the unknowns without the parameters has a singular value σ = w^T F_x v that goes through
+0, with w and v of unit length. Its derivatives need one second derivative of the model only,
+
+    ∂σ/∂z_j = w^T (∂F_x/∂z_j) v,
+
+which for all j together is the change of the Jacobian along v, and is differenced. (F, σ) = 0 is a curve in the
+unknowns and both parameters, and is followed like any other; a cusp, at which two folds meet, is a fold of it.
+
+Source: Govaerts (2000), Numerical methods for bifurcations of dynamical equilibria, chapter 4.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from martensite.signals.sampling.sampled import Numbers
+from martensite.simulate.steady.continuation import Equations, Linearised, correct_point
+
+NUDGE = 1e-4
+"""By how much a point is moved along v to difference the Jacobian, in sizes."""
+
+
+class FoldEquations:
+    """Folds of equations whose last two unknowns are the parameters; the last one is followed."""
+
+    def __init__(self, equations: Equations) -> None:
+        self.equations = equations
+        self._pair: tuple[Numbers, Numbers] | None = None
+
+    def linearise(self, point: Numbers) -> Linearised:
+        """F and σ with their derivatives."""
+        found = self.equations.linearise(point)
+        matrix = (found.jacobian * found.sizes)[:, :-2]
+        right, left = self._pair = self._find_pair(matrix)
+        nudge = NUDGE * np.append(right, [0.0, 0.0]) * found.sizes
+        ahead, behind = (self.equations.linearise(point + sign * nudge).jacobian for sign in (1.0, -1.0))
+        change = left @ (ahead - behind) / (2.0 * NUDGE)
+        residual = np.append(found.residual, left @ matrix @ right)
+        return Linearised(residual, np.vstack([found.jacobian, change]), found.sizes)
+
+    def _find_pair(self, matrix: Numbers) -> tuple[Numbers, Numbers]:
+        """v and w of the singular value that is nearest to that of before, or else of the smallest."""
+        columns, singular, rows = np.linalg.svd(matrix)
+        count = len(singular)
+        if self._pair is None:
+            place = count - 1
+            return rows[place], columns[:, place]
+        right, left = self._pair
+        place = int(np.argmax(np.abs(rows[:count] @ right)))
+        return np.copysign(1.0, rows[place] @ right) * rows[place], np.copysign(
+            1.0, columns[:, place] @ left
+        ) * columns[:, place]
+
+
+def find_fold(equations: FoldEquations, guess: Numbers, second: float) -> Numbers:
+    """The fold near a point of a curve, at a value of the second parameter.
+
+    Raises:
+        SolveError: there is none nearby.
+    """
+    normal = np.zeros(len(guess) + 1)
+    normal[-1] = 1.0
+    return correct_point(equations, np.append(guess, second), normal)[0]

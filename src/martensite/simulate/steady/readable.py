@@ -1,0 +1,29 @@
+"""Choose outputs and units in which steady states and response curves are read easily."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from martensite.base import units
+from martensite.signals.sampling.sampled import Numbers
+from martensite.simulate.steady.rotations import ResponseCurve
+
+
+def convert_speed(speed: Any, unit: str) -> Any:
+    """Return the speed of a rotor [rad/s], a number or an array, in a unit."""
+    return speed / (2.0 * np.pi) if unit == "Hz" else speed * (60.0 / (2.0 * np.pi) if unit == "rpm" else 1.0)
+
+
+def choose_output(found: ResponseCurve) -> str:
+    """The output whose amplitude is shown: the first that swings and that is judged."""
+    judged = found.motion.stretch.system.convergence_scales()
+    swings = [name for name in judged if name in found.amplitude and "speed" not in name and found.units[name] != "K"]
+    return swings[0] if swings else next(iter(found.amplitude))
+
+
+def list_readable(values: Numbers, unit: str) -> tuple[Numbers, str]:
+    """Numbers in a unit that is read easily, and that unit."""
+    shown = units.choose_readable_unit(unit)
+    return np.array([units.from_si(float(v), shown, unit) for v in values]), shown

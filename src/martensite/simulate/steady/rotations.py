@@ -1,0 +1,353 @@
+r"""Steady rotations of a machine, and how they change with a drive or a number: curves with folds.
+
+A machine whose rotor turns under held drives is followed along a parameter by continuation, through states that no run
+reaches because they are unstable. Of every point the Floquet multipliers are known. Where a stable curve turns back a
+run jumps; that is the Sommerfeld effect.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.actuators.assembly.base import JUDGED
+from martensite.actuators.mechanisms.multibody import AbstractMultibody
+from martensite.base.errors import InputError, ParameterError, SolveError
+from martensite.signals.sampling.sampled import Numbers
+from martensite.simulate.api import longest_step
+from martensite.simulate.lanes import Lanes
+from martensite.simulate.steady.continuation import STEADY_STEPS, Curve, CurvePoint, CurveSteps
+from martensite.simulate.steady.equilibria import rest_signals
+from martensite.simulate.steady.periodic_motion import TURN, PeriodicMotion, Stability, VariedNumber
+from martensite.simulate.steady.stretch import Stretch
+from martensite.simulate.steady.subjects import Subject
+
+if TYPE_CHECKING:
+    from martensite.scenario.scenario import Scenario
+
+STEPS = 512
+"""In a turn: they leave out a few parts in 10⁵ near a resonance."""
+FINER = 8.0
+"""By how much shorter steps of a run are than the longest that a mechanism takes, so that it keeps its resonance."""
+CHUNK, CHUNKS = 4000, 100
+"""Steps after which a run is looked at, and how often."""
+STEADY = 1e-3
+"""Change of the speed of the rotor between two looks, as a share, from which the equations are solved."""
+WARMED = 0.05
+"""Change of a temperature in the same time [K]."""
+Tell = Callable[[str, float], None]
+
+
+@dataclass(frozen=True, eq=False)
+class ResponseCurve:
+    """Steady rotations along a parameter; arrays of shape (points,)."""
+
+    varied: VariedNumber
+    parameter: Numbers
+    """What is varied, in SI."""
+    speed: Numbers
+    """Mean speed of the rotor [rad/s]."""
+    mean: dict[str, Numbers]
+    """Of every output over a turn, in SI."""
+    amplitude: dict[str, Numbers]
+    """Half of the way from its smallest to its largest value in a turn."""
+    multiplier: Numbers
+    """Size of the largest Floquet multiplier."""
+    neutral: Numbers
+    """How many directions are neutral."""
+    fold: Numbers
+    """Where the parameter turns back."""
+    points: tuple[CurvePoint, ...]
+    motion: PeriodicMotion
+    units: dict[str, str]
+    """SI unit of every output."""
+    subject: Subject
+    """What it is the curve of."""
+
+    @property
+    def stable(self) -> Numbers:
+        """Where every change that is not neutral dies out; a fold ends a stable piece."""
+        return (self.multiplier < 1.0) & ~self.fold
+
+    @property
+    def folds(self) -> Numbers:
+        """The parameter at the folds, in the order of the curve."""
+        return self.parameter[self.fold]
+
+
+def trace_response(
+    subject: Scenario | AbstractSystem,
+    over: str,
+    low: float,
+    high: float,
+    *,
+    drive: Mapping[str, float] | None = None,
+    start: str = "low",
+    steps: int = STEPS,
+    how: CurveSteps = STEADY_STEPS,
+    tell: Tell | None = None,
+) -> ResponseCurve:
+    """Follow the steady rotation of a machine along a drive or a number, around its folds.
+
+    A curve is connected to where it begins; another one of the same machine, which is not, is not found.
+
+    Args:
+        subject: a scenario, or a system, one of whose coordinates turns.
+        over: what is varied: the name of a drive, or the path (or unique ending) of a number.
+        low: its lower bound, in SI.
+        high: its upper bound, in SI.
+        drive: levels of drives that are held, by name; those that are constant in the scenario need none.
+        start: `low` or `high`: the bound at which a run from rest says where to begin.
+        steps: in a turn.
+        how: lengths of the steps along the curve.
+        tell: called now and then with what is done and which share of the range.
+
+    Raises:
+        InputError: nothing turns, a name is unknown, or a drive is not given.
+        ParameterError: bounds that do not rise.
+        CompileError: there is no C compiler.
+        SolveError: no steady rotation is found where the curve begins, it cannot be followed, or an element that
+            remembers is heated or cooled along it.
+    """
+    if not low < high:
+        raise ParameterError(f"The bounds of `{over}` must rise, but are {low:g} and {high:g}.")
+    one = Subject.read(subject)
+    varied = one.vary(over, low, high)
+    given = dict(drive or {})
+    if varied.path is None:
+        given[one.names()[varied.drive]] = low
+    signals = one.hold(given)
+    begin = {"low": low, "high": high}.get(start)
+    if begin is None:
+        raise InputError(f"A curve begins at `low` or at `high`, not at `{start}`.")
+    motion, guess = begin_rotation(one, varied, begin, signals, steps)
+    curve = Curve(motion, how)
+    found = list[CurvePoint]()
+    for point in curve.follow(curve.begin(guess, high - low if start == "low" else low - high), low, high):
+        found.append(point)
+        if tell is not None:
+            tell("following the curve", abs(point.parameter - begin) / (high - low))
+    return _describe_curve(motion, varied, found, one)
+
+
+def continue_response(
+    curve: ResponseCurve,
+    place: int,
+    over: str,
+    low: float,
+    high: float,
+    *,
+    how: CurveSteps = STEADY_STEPS,
+    tell: Tell | None = None,
+) -> ResponseCurve:
+    """Follow another number from a point of a response curve, which holds what it was a curve of.
+
+    So a state that no run from rest comes to, or an unstable one, is followed along a damping or an unbalance.
+
+    Args:
+        curve: a response curve.
+        place: which of its points, counted from 0.
+        over: what is varied now: the name of a drive, or the path (or unique ending) of a number.
+        low: its lower bound, in SI.
+        high: its upper bound, in SI; what it is now must lie between.
+        how: lengths of the steps along the curve.
+        tell: called now and then with what is done and which share of the range.
+
+    Returns:
+        The curve from where it meets a bound, through the point, to where it meets one on the other side.
+
+    Raises:
+        ParameterError: there is no such point or number, or bounds that do not enclose what it is now.
+        SolveError: the curve cannot be followed, or an element that remembers is heated or cooled along it.
+    """
+    if not 0 <= place < len(curve.points):
+        raise ParameterError(f"The curve has {len(curve.points)} points, and none of number {place}.")
+    point, before = curve.points[place].unknowns, curve.motion
+    held, signals = curve.subject.at(curve.varied, float(point[-1]), before.signals)
+    one = Subject(held, curve.subject.waveforms, curve.subject.title, curve.subject.scenario)
+    varied = one.vary(over, low, high)
+    now = one.value(varied, signals)
+    if not low <= now <= high:
+        raise ParameterError(f"`{varied.name}` is {now:g} {varied.unit}, which its bounds must enclose.")
+    motion = PeriodicMotion(held, signals, [varied], rotor=before.rotor, steps=before.steps)
+    motion.angle = before.angle
+    guess, halves = np.append(point[:-1], now), list[list[CurvePoint]]()
+    for direction in (-1.0, 1.0):
+        follower = Curve(motion, how)
+        halves.append([])
+        for one_point in follower.follow(follower.begin(guess, direction), low, high):
+            halves[-1].append(one_point)
+            if tell is not None:
+                tell("following the curve", abs(one_point.parameter - now) / (high - low))
+    return _describe_curve(motion, varied, [*halves[0][:0:-1], *halves[1]], one)
+
+
+def begin_rotation(
+    one: Subject, varied: VariedNumber, value: float, signals: Numbers, steps: int
+) -> tuple[PeriodicMotion, Numbers]:
+    """The equations of a turn, and where a run from rest comes to at a value: state, time of a turn, value.
+
+    Raises:
+        InputError: nothing turns.
+        SolveError: the speed does not become steady.
+    """
+    system, held = one.at(varied, value, signals)
+    state, place, speed = spin_up(system, held)
+    motion = PeriodicMotion(one.system, signals, [varied], rotor=place, steps=steps)
+    motion.angle = state[place] % TURN
+    state[place] = motion.angle
+    return motion, np.concatenate([state, [TURN / speed, value]])
+
+
+def find_angles(system: AbstractSystem) -> list[int]:
+    """Places in the state of coordinates that are angles."""
+    mechanism = system.mechanism
+    if not isinstance(mechanism, AbstractMultibody) or not mechanism.moves:
+        return []
+    turning = [k for k, one in enumerate(mechanism.coordinates()) if one.unit == "rad"]
+    places = Stretch(system).place(lambda state: state.mechanism.course.position)
+    return [places[k] for k in turning]
+
+
+def spin_up(system: AbstractSystem, signals: Numbers) -> tuple[Numbers, int, float]:
+    """State, place of the angle and mean speed [rad/s] of what turns steadily under held signals, from rest.
+
+    Raises:
+        InputError: no coordinate turns.
+        SolveError: the speed does not become steady.
+    """
+    angles = find_angles(system)
+    lanes, dt = Lanes(system, 1), longest_step(system) / FINER
+    lanes.reset(rest_signals(system)[:, None])
+    warm = [lanes.names.index(system.label(port, "temperature")) for port in system.actuators()]
+    last, held = 0.0, np.broadcast_to(signals[:, None], (CHUNK, len(signals), 1))
+    heat = lanes.observe(signals[:, None])[warm, 0]
+    for _ in range(CHUNKS):
+        before = lanes.state[:, 0].copy()
+        lanes.advance(held, dt, shown=False)
+        if lanes.status[0].failed:
+            raise SolveError(f"The run to a steady rotation failed. {lanes.status[0].sentence}")
+        turned = [float(lanes.state[k, 0] - before[k]) for k in angles]
+        most = max(turned, key=abs, default=0.0)
+        speed, before_heat = most / (CHUNK * dt), heat
+        heat = lanes.observe(signals[:, None])[warm, 0]
+        still = bool(np.all(np.abs(heat - before_heat) <= WARMED))
+        if abs(most) > TURN and abs(speed - last) <= STEADY * abs(speed) and still:
+            return lanes.state[:, 0].copy(), angles[turned.index(most)], speed
+        if abs(most) < TURN and abs(speed) <= abs(last):
+            raise InputError(
+                "Nothing turns: no coordinate of this system goes on through whole turns under the held drives. Ask "
+                "for its rest, or for the cycle of its drives."
+            )
+        last = speed
+    raise SolveError(f"The rotor has no steady speed after {CHUNKS * CHUNK * dt:.3g} s under held drives.")
+
+
+def _describe_curve(
+    motion: PeriodicMotion, varied: VariedNumber, points: list[CurvePoint], one: Subject
+) -> ResponseCurve:
+    """Outputs and stability of all points."""
+    names = list(one.system.outputs())
+    mean, amplitude = ({name: np.empty(len(points)) for name in names} for _ in range(2))
+    judged = list[Stability]()
+    for k, point in enumerate(points):
+        judged.append(motion.judge(point.unknowns))
+        _, seen = motion.observe(point.unknowns)
+        for name in names:
+            mean[name][k] = seen[name][:-1].mean()
+            amplitude[name][k] = 0.5 * np.ptp(seen[name])
+    require_same_heat(motion, mean)
+    return ResponseCurve(
+        varied,
+        np.array([point.parameter for point in points]),
+        np.array([TURN / motion.period(point.unknowns) for point in points]),
+        mean,
+        amplitude,
+        np.array([each.largest for each in judged]),
+        np.array([each.neutral for each in judged]),
+        np.array([point.fold for point in points]),
+        tuple(points),
+        motion,
+        {name: output.unit for name, output in one.system.outputs().items()},
+        one,
+    )
+
+
+def require_same_heat(motion: PeriodicMotion, mean: Mapping[str, Numbers]) -> None:
+    """Raise `SolveError` if elements whose laws remember are heated or cooled along a curve.
+
+    From point to point a curve leaps; what would transform on the way would be left out.
+    """
+    system = motion.stretch.system
+    if not motion.stretch.compiled.points:
+        return
+    for port in system.actuators():
+        name = system.label(port, "temperature")
+        change = float(np.ptp(mean[name]))
+        if change > JUDGED["temperature"]:
+            raise SolveError(
+                f"Along this curve `{name}` changes by {change:.3g} K, and what transforms then depends on the way "
+                "there, which a curve leaps over. Follow one curve for each temperature, from a run of its own."
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class ResponseSweep:
+    """What a run meets whose parameter goes in steps and is held; arrays of shape (levels,)."""
+
+    parameter: Numbers
+    speed: Numbers
+    """Mean speed of the rotor [rad/s]."""
+    amplitude: dict[str, Numbers]
+    """Of every output, half of the way from its smallest to its largest value."""
+
+    def cut(self, begin: int, end: int) -> ResponseSweep:
+        """Some of the levels."""
+        amplitude = {name: column[begin:end] for name, column in self.amplitude.items()}
+        return ResponseSweep(self.parameter[begin:end], self.speed[begin:end], amplitude)
+
+
+def sweep_response(
+    subject: Scenario | AbstractSystem,
+    over: str,
+    levels: Numbers,
+    hold: float,
+    *,
+    drive: Mapping[str, float] | None = None,
+) -> ResponseSweep:
+    """Run a machine from rest through levels of a drive, each held, and say what it does at the end of each.
+
+    Args:
+        subject: a scenario, or a system, one of whose coordinates turns.
+        over: name of the drive that is varied.
+        levels: one after the other, in SI.
+        hold: how long each is held [s]; slow machines need long.
+        drive: levels of the other drives, by name.
+
+    Raises:
+        InputError: a name is unknown, or no drive.
+    """
+    one = Subject.read(subject)
+    varied = one.vary(over, float(np.min(levels)), float(np.max(levels)))
+    if varied.path is not None:
+        raise InputError(f"A run goes through levels of a drive, which `{over}` is not.")
+    angles, names = find_angles(one.system), list(one.system.outputs())
+    lanes, dt = Lanes(one.system, 1), longest_step(one.system) / FINER
+    lanes.reset(rest_signals(one.system)[:, None])
+    count, rows = max(math.ceil(hold / dt), 2), list[tuple[float, Numbers]]()
+    tail = max(count // 4, 1)
+    for level in levels:
+        signals = one.hold({**(drive or {}), one.names()[varied.drive]: float(level)})[:, None]
+        lanes.advance(np.broadcast_to(signals, (count - tail, *signals.shape)), dt, shown=False)
+        before = lanes.state[angles, 0].copy()
+        seen = lanes.advance(np.broadcast_to(signals, (tail, *signals.shape)), dt)[:, : len(names), 0]
+        turned = lanes.state[angles, 0] - before
+        rows.append((float(np.abs(turned).max(initial=0.0)) / (tail * dt), 0.5 * np.ptp(seen, axis=0)))
+    table = np.array([row for _, row in rows])
+    amplitude = dict(zip(names, table.T, strict=True))
+    return ResponseSweep(np.array(levels, float), np.array([speed for speed, _ in rows]), amplitude)

@@ -1,0 +1,118 @@
+"""What steady states are asked of: a scenario or a system, its drives as they are held, and what is varied."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import InputError, require_known
+from martensite.signals.base import AbstractWaveform
+from martensite.signals.constant import Constant
+from martensite.signals.sampling.sampled import Numbers
+from martensite.simulate.drive_waveforms import Waveforms, by_name
+from martensite.simulate.steady.periodic_motion import VariedNumber, index_drives
+
+if TYPE_CHECKING:
+    from martensite.scenario.scenario import Scenario
+    from martensite.search.free_numbers import Target
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A system and what drives it."""
+
+    system: AbstractSystem
+    waveforms: dict[str, AbstractWaveform]
+    title: str
+    scenario: Scenario | None = None
+
+    @classmethod
+    def read(cls, given: Scenario | AbstractSystem, waveform: Waveforms | None = None) -> Subject:
+        """A scenario, or a system with waveforms.
+
+        Raises:
+            InputError: the scenario has a controller, whose loop is no plant.
+        """
+        if not isinstance(given, AbstractSystem):
+            if given.bench is not None:
+                raise InputError(
+                    f"Scenario `{given.title}` has sensors or controllers; steady states are those of a plant. "
+                    "Of an ON/OFF loop ask for the cycle."
+                )
+            own = by_name(given.system, given.waveform if waveform is None else waveform)
+            return cls(given.system, own, given.title, given)
+        return cls(given, by_name(given, waveform or {}), given.description())
+
+    def names(self) -> list[str]:
+        """Of the drives."""
+        return [one.name for one in self.system.drives()]
+
+    def hold(self, levels: Mapping[str, float] | float | None) -> Numbers:
+        """Signals of all drives, held: those given, else constants of the scenario.
+
+        Args:
+            levels: by the name of the drive; a number is that of the first one.
+
+        Raises:
+            InputError: there is no such drive, or one that changes in the scenario is not given.
+        """
+        names = self.names()
+        if isinstance(levels, int | float) and not names:
+            raise InputError("This system has no drive that could be held.")
+        given = {names[0]: float(levels)} if isinstance(levels, int | float) else dict(levels or {})
+        for name in given:
+            require_known("drive", name, names)
+        for name, one in self.waveforms.items():
+            if name not in given:
+                if not isinstance(one, Constant):
+                    raise InputError(
+                        f"Drive `{name}` changes in time (`{one.registered_name}`); say at which level it is held, or "
+                        "ask for the cycle."
+                    )
+                given[name] = one.value(0.0)
+        return index_drives(self.system, given)
+
+    def highest(self, duration: float) -> dict[str, float]:
+        """Largest level that each drive reaches within a time [s]."""
+        return {name: one.moments(0.0, duration).high for name, one in self.waveforms.items()}
+
+    def vary(self, name: str, low: float, high: float) -> VariedNumber:
+        """A drive, a level of its waveform or a number of the system, by its name or path.
+
+        Raises:
+            ParameterError: there is none of that name, or several.
+        """
+        drives = {one.name: one.unit for one in self.system.drives()}
+        span = abs(high - low)
+        if name in drives:
+            return VariedNumber(name, drives[name], None, self.names().index(name), span)
+        target = self.find_target(name)
+        if target is None:
+            path = self.system.resolve(name)
+            leaf = next(one for one in self.system.leaves() if one.path == path)
+            return VariedNumber(path, leaf.declared.unit, path, -1, span)
+        if target.drive is not None:
+            return VariedNumber(target.name, target.unit, None, self.names().index(target.drive), span)
+        return VariedNumber(target.name, target.unit, target.path, -1, span)
+
+    def find_target(self, name: str) -> Target | None:
+        """A number of the scenario; None for a bare system."""
+        return None if self.scenario is None else self.scenario.find_target(name)
+
+    def value(self, varied: VariedNumber, signals: Numbers) -> float:
+        """Where a varied number is now."""
+        if varied.path is None:
+            return float(signals[varied.drive])
+        return float(next(one.value for one in self.system.leaves() if one.path == varied.path))
+
+    def at(self, varied: VariedNumber, value: float, signals: Numbers) -> tuple[AbstractSystem, Numbers]:
+        """System and signals with another value of a varied number."""
+        if varied.path is None:
+            moved = np.array(signals)
+            moved[varied.drive] = value
+            return self.system, moved
+        return self.system.with_values({varied.path: value}), signals

@@ -1,0 +1,11 @@
+from martensite.studies.base import load_study as load_study
+from martensite.studies.electrothermal.staircase import reduce_to_plateaus as reduce_to_plateaus
+from martensite.studies.electrothermal.staircase import supply_offset as supply_offset
+from martensite.studies.electrothermal.staircase import unwrap_counter as unwrap_counter
+from martensite.studies.platform.workspace import Workspace as Workspace
+from martensite.studies.platform.workspace import reachable_angles as reachable_angles
+from martensite.studies.platform.workspace_figure import plot_workspace as plot_workspace
+from martensite.studies.public_benchmarks import SKIP as SKIP
+from martensite.studies.public_benchmarks import read_silverbox as read_silverbox
+from martensite.studies.public_benchmarks import read_wiener_hammerstein as read_wiener_hammerstein
+from martensite.studies.tables import printed_numbers as printed_numbers

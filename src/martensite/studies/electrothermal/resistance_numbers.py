@@ -1,0 +1,79 @@
+"""Numbers of what run 5 says about R(ξ, T): two ways to fit it, and what neither can tell."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from martensite.fit.profiling import profile_likelihood
+from martensite.search.profile import Profile
+from martensite.studies.electrothermal import heating_fit as heating
+from martensite.studies.electrothermal import model, record
+from martensite.studies.electrothermal import resistance_fit as fitting
+from martensite.studies.tables import Printed
+
+
+@cache
+def strip_profile(name: str, offset: float) -> Profile:
+    """Profile of A_s or A_f with the plain mixture."""
+    return profile_likelihood(fitting.fit_shape("mixture", offset), name)
+
+
+def compute_resistance(stated: Printed) -> dict[str, float]:
+    """Resistivities, offset and place of the drop; shapes of R; then the electrical way."""
+    known = {
+        "lower": fitting.LOWER,
+        "upper": fitting.UPPER,
+        "rho_difference": stated.rho_M - stated.rho_A,
+        "rise_percent": 100.0 * stated.rise,
+    }
+    if not record.has_files(record.UNTRAINED, record.WARMTH):
+        return known
+    return known | compute_fits(stated) | compute_shapes(stated) | compute_films(stated)
+
+
+def compute_fits(stated: Printed) -> dict[str, float]:
+    """Resistivities, their difference at three offsets, and the offset."""
+    fit = fitting.fit_shape("mixture", stated.offset)
+    offsets = {"": stated.offset, "_lower": fitting.LOWER, "_upper": fitting.UPPER}
+    differences = {
+        f"fit_difference{shape_name}{name}": fitting.resistivity_difference(fitting.fit_shape(shape, offset))[0]
+        for shape, shape_name in (("mixture", ""), ("both", "_slopes"))
+        for name, offset in offsets.items()
+    }
+    return differences | {
+        "fit_rho_austenite": fit["rho_A"],
+        "fit_rho_martensite": fit["rho_M"],
+        "fit_rms": fitting.residual_rms(fit),
+        "fit_held_out": fitting.residual_rms(fit, "held-out"),
+        "fit_offset": fitting.offset_of("mixture").value,
+        "fit_offset_slope": fitting.offset_of("austenite").value,
+        "fit_offset_slopes": fitting.offset_of("both").value,
+        "heated_offset": heating.offset_found().value,
+        "fit_strip_start": strip_profile("A_s", stated.offset).interval[0] - model.ZERO,
+        "fit_strip_end": strip_profile("A_f", stated.offset).interval[1] - model.ZERO,
+        "fit_between": float(fitting.count_transforming(fit)),
+    }
+
+
+def compute_shapes(stated: Printed) -> dict[str, float]:
+    """How much better a resistance that grows with temperature does."""
+    fits = {name: fitting.fit_shape(name, stated.offset) for name in ("mixture", "austenite", "both")}
+    plain = fitting.akaike_criterion(fits["mixture"])
+    found = {f"left_out_{name}": fitting.predicted_rms(name, stated.offset) for name in fits}
+    return found | {
+        "fit_rise": 4000.0 * fits["austenite"]["a_rho_A"],
+        "aicc_austenite": fitting.akaike_criterion(fits["austenite"]) - plain,
+        "aicc_both": fitting.akaike_criterion(fits["both"]) - plain,
+        "geometry": 100.0 * fitting.stretch_share(model.read_number("eps_L")),
+    }
+
+
+def compute_films(stated: Printed) -> dict[str, float]:
+    """The electrical way: film coefficient and difference of the resistivities."""
+    heated, films = heating.fit_heating(stated.offset), heating.apparent_films(stated.offset)
+    return {
+        "heated_film": heated["h"],
+        "heated_difference": fitting.resistivity_difference(heated)[0],
+        "camera_film_cold": films[0],
+        "camera_film_hot": films[-1],
+    }

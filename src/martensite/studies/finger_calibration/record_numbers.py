@@ -1,0 +1,140 @@
+"""Numbers of the data: what one calibration test determines, and what more records add."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from martensite.search.identifiability import Identifiability, assess_identifiability
+from martensite.search.uncertainty import Uncertainty, estimate_uncertainty
+from martensite.studies.finger_calibration import bench
+from martensite.studies.finger_calibration.bench import EVERY, JOINT, NEAR, Data
+from martensite.studies.finger_calibration.searches import best_fit
+from martensite.studies.tables import Printed
+
+SURE = 2.0
+"""Standard errors within which a number counts as found again."""
+CHOSEN_ELSE = ("E_M", "T_L", "Delta_sigma", "dsigma_dT")
+"""The parameters that are left with σ_L fixed."""
+
+
+def compute_record(printed: Printed) -> dict[str, Any]:
+    """How many numbers the test holds, whether they are found again, and how well."""
+    weak, count = assess_records(NEAR, printed).weak, len(printed.searched)
+    near, joint = (parameter_errors(data, printed) for data in (NEAR, JOINT))
+    slopes = [one.numbers["dsigma_dT"] for one in (near, joint)]
+    pair = ("Delta_sigma", "dsigma_dT")
+    return {
+        "count": float(count - sum(one.exact for one in weak)),
+        "lost": " ".join(one.sentence for one in weak),
+        "again": [row for data in EVERY for row in list_again(data, printed)],
+        "joint_slope": slopes[0] / slopes[1],
+        "near_slope": slopes[0] / 1e6,
+        "joint_error": slopes[1] / 1e6,
+        "near": near,
+        "joint": joint,
+        "correlation": near.correlation[pair],
+        "joint_correlation": joint.correlation[pair],
+    }
+
+
+def table_numbers(printed: Printed) -> dict[str, float]:
+    """The searched parameters as printed in Table 1 [SI]."""
+    return {one.name: one.value for one in printed.searched}
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Smallest standard errors that an unbiased fit can have (Cramér and Rao), noise known."""
+
+    numbers: dict[str, float]
+    """[SI]; σ_L fixed."""
+    ratio: float
+    """Of Δσ/(dσ/dT) [K]."""
+    correlation: dict[tuple[str, str], float]
+
+
+@cache
+def parameter_errors(data: Data, printed: Printed) -> Errors:
+    """From the derivatives with Table 1."""
+    found = of_columns(data, CHOSEN_ELSE, printed)
+    table = table_numbers(printed)
+    i, j = (CHOSEN_ELSE.index(name) for name in ("Delta_sigma", "dsigma_dT"))
+    width, slope = table["Delta_sigma"], table["dsigma_dT"]
+    rows, a, b = found.covariance, 1.0 / slope, -width / slope**2
+    variance = a * a * rows[i][i] + 2.0 * a * b * rows[i][j] + b * b * rows[j][j]
+    pairs = {
+        (one, other): found.correlation[m][n]
+        for m, one in enumerate(CHOSEN_ELSE)
+        for n, other in enumerate(CHOSEN_ELSE)
+        if m < n
+    }
+    numbers = dict(zip(CHOSEN_ELSE, found.errors, strict=True))
+    known = {name: error / found.noise for name, error in numbers.items()}
+    return Errors(known, math.sqrt(variance) / found.noise, pairs)
+
+
+def of_columns(data: Data, names: tuple[str, ...], printed: Printed) -> Uncertainty:
+    """What is uncertain about some of the parameters, all others fixed at Table 1."""
+    found, free = bench.at_table(data, printed), bench.table_problem(data, printed)
+    places = [free.names.index(name) for name in names]
+    return estimate_uncertainty(
+        found.residuals,
+        found.jacobian[:, places],
+        names,
+        values=[printed.searched.column("value")[i] for i in places],
+        scales=[free.free[i].slope(float(free.start[i])) for i in places],
+    )
+
+
+def assess_records(data: Data, printed: Printed) -> Identifiability:
+    """What a set of records holds of the five parameters, about Table 1."""
+    found, problem = bench.at_table(data, printed), bench.table_problem(data, printed)
+    return assess_identifiability(
+        found.jacobian,
+        printed.searched.column("name"),
+        values=printed.searched.column("value"),
+        scales=[f.slope(float(u)) for f, u in zip(problem.free, problem.start, strict=True)],
+        units=[f.unit for f in problem.free],
+    )
+
+
+def cold_temperature(numbers: dict[str, float]) -> float:
+    """T* = T_L - σ_L/(dσ/dT), where σ_A is 0 [K]."""
+    return numbers["T_L"] - numbers["sigma_L"] / numbers["dsigma_dT"]
+
+
+def temperature_width(numbers: dict[str, float]) -> float:
+    """Δσ/(dσ/dT) [K]."""
+    return numbers["Delta_sigma"] / numbers["dsigma_dT"]
+
+
+def list_again(data: Data, printed: Printed) -> list[dict[str, Any]]:
+    """Whether least squares find Table 1 again in records that were made with it."""
+    fit, bound = best_fit(data, printed).fit, parameter_errors(data, printed)
+    table, known = table_numbers(printed), bound.numbers
+    slope = table["dsigma_dT"], fit["dsigma_dT"], known["dsigma_dT"]
+    ratio = temperature_width(table), temperature_width(fit.numbers), bound.ratio
+    kelvin = cold_temperature(table), cold_temperature(fit.numbers), known["T_L"]
+    rows = (
+        ("slope", "dσ/dT", slope, 1e6, "MPa/K"),
+        ("ratio", "Δσ/(dσ/dT)", ratio, 1.0, "K"),
+        ("T", "T_L - σ_L/(dσ/dT)", kelvin, 1.0, "K"),
+        ("E_M", "E_M", (table["E_M"], fit["E_M"], known["E_M"]), 1e9, "GPa"),
+    )
+    return [
+        {
+            "key": data.key,
+            "data": data.name,
+            "name": name,
+            "symbol": symbol,
+            "true": true / unit,
+            "found": found / unit,
+            "error": error / unit,
+            "sure": SURE * error / unit,
+            "unit": words,
+        }
+        for name, symbol, (true, found, error), unit, words in rows
+    ]

@@ -1,0 +1,109 @@
+"""Controllers tuned on models alone, and what the models and the bench then do under them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from martensite.control.tuning.closed_loop import ControlledModel, Trajectory
+from martensite.control.tuning.measures import StepResponse, measure_steps
+from martensite.control.tuning.tuning import TunedGains, tune_model
+from martensite.identify.chains.chain import Chain
+from martensite.studies.hammerstein_wiener import loop, models
+from martensite.studies.hammerstein_wiener.bench import INTERVAL
+from martensite.studies.hammerstein_wiener.comparisons import nrmse_fit
+
+LOOPS = ("stage 2, 12 wavelets", "stage 2, not anchored", "stage 2, hysteresis", "whole")
+"""Models that controllers are tuned on: second stages behind stage 1, and the whole one."""
+
+
+@dataclass(frozen=True, eq=False)
+class LoopPair:
+    """A model and the bench under the same gains."""
+
+    tuned: TunedGains
+    model: Trajectory
+    bench: Trajectory
+
+    @property
+    def likeness(self) -> float:
+        """Fit of the trajectory of the model to that of the bench [%]."""
+        return nrmse_fit(self.bench.output, self.model.output)
+
+    def responses(self) -> list[tuple[StepResponse, StepResponse]]:
+        """Every step, by model and bench."""
+        rows = (measure_steps(r.reference, r.output, INTERVAL) for r in (self.model, self.bench))
+        return list(zip(*rows, strict=True))
+
+
+@dataclass(frozen=True, eq=False)
+class Sines:
+    """The same following a sine; root mean squares after the first 20 s."""
+
+    model: Trajectory
+    bench: Trajectory
+
+    @property
+    def tracking(self) -> float:
+        """Of the bench against the reference [m]."""
+        return _counted_rms(self.bench.reference - self.bench.output)
+
+    @property
+    def branches(self) -> tuple[float, float]:
+        """The same while the reference rises, the wire heated, and while it falls [m]."""
+        error = self.bench.reference - self.bench.output
+        rising = np.gradient(self.bench.reference) >= 0.0
+        return _counted_rms(error, rising), _counted_rms(error, ~rising)
+
+    @property
+    def apart(self) -> float:
+        """Of the bench against the model [m]."""
+        return _counted_rms(self.bench.output - self.model.output)
+
+    @property
+    def apart_heated(self) -> float:
+        """The same where the controller heats the bench, and can do something about it [m]."""
+        return _counted_rms(self.bench.output - self.model.output, self.bench.signal > 0.0)
+
+    @property
+    def apart_unheated(self) -> float:
+        """The same where its duty is 0 and the bench cools by itself [m]."""
+        return _counted_rms(self.bench.output - self.model.output, self.bench.signal <= 0.0)
+
+
+def _counted_rms(error: np.ndarray, where: np.ndarray | None = None) -> float:
+    """Over the samples that count, or those of them where a flag holds."""
+    first = round(loop.SINE_SCORED / INTERVAL)
+    chosen = error[first:] if where is None else error[first:][where[first:]]
+    return float(np.sqrt(np.mean(chosen**2)))
+
+
+@cache
+def build_controlled(name: str) -> ControlledModel:
+    """A model of the study with its position in a loop."""
+    chain: Chain = models.estimate_recipe("whole") if name == "whole" else models.join_stages(name)
+    return ControlledModel(chain)
+
+
+@cache
+def find_gains(name: str) -> TunedGains:
+    """Gains found on a model alone."""
+    return tune_model(build_controlled(name), loop.TUNING)
+
+
+@cache
+def compare_steps(name: str) -> LoopPair:
+    """Both on a staircase."""
+    reference, found = loop.step_reference(), find_gains(name)
+    return LoopPair(
+        found, build_controlled(name).run(found.gains, reference), loop.run_controlled(found.gains, reference)
+    )
+
+
+@cache
+def compare_sines(name: str) -> Sines:
+    """Both on a sine."""
+    reference, found = loop.sine_reference(), find_gains(name).gains
+    return Sines(build_controlled(name).run(found, reference), loop.run_controlled(found, reference))

@@ -1,0 +1,185 @@
+"""The test bench as simulated: what heats the wire, the variants compared, and their runs.
+
+Table 2 gives for every voltage the heating power P = h S (T_ss - T_a), with S the lateral
+surface of the wire. As voltage and power are to be those of the paper whatever the leads
+take, the sine heats with
+
+    P(t) = V²/R_eq(V),    R_eq(V) = V²/[h S (T_ss - T_a)]
+
+R_eq linear in V between the four voltages of the table and constant outside. Times of the
+sine count from the start of its second period.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+from typing import cast
+
+from martensite.actuators.assembly import System
+from martensite.actuators.elements.wire import Wire
+from martensite.physics.electrical.sources import PowerSource, VoltageSource
+from martensite.physics.thermal.base import AbstractCooling, Environment
+from martensite.physics.thermal.films import ConstantCooling, PolynomialCooling
+from martensite.scenario.examples import EXAMPLES
+from martensite.scenario.scenario import Scenario, load
+from martensite.signals.constant import Constant
+from martensite.signals.table import Table
+from martensite.simulate.api import simulate
+from martensite.simulate.result import Result
+from martensite.studies.readings import passing_time
+from martensite.studies.tables import Printed
+
+SCENARIO = EXAMPLES / "migaone.toml"
+ZERO = 273.15
+"""0 °C [K]."""
+VARIANTS = {
+    "polynomial": "polynomial h, heat capacity 837 J/(kg K) and latent heat",
+    "constant": "mean constant h, heat capacity 837 J/(kg K) and latent heat",
+    "paper": "polynomial h, heat capacity 320 J/(kg K), no latent heat: the paper's equations",
+    "one-curve": "the paper's equations, and (6), which holds for heating, on cooling too",
+}
+_TOLERANCE = 1e-4
+_SETTLING = 600.0
+"""[s]; more than ten of the longest time constants of a step response."""
+
+
+@cache
+def load_scenario() -> Scenario:
+    """The scenario of this study."""
+    return load(SCENARIO)
+
+
+def base_wire() -> Wire:
+    """The wire of the scenario."""
+    return cast("Wire", load_scenario().single_system.element)
+
+
+def read_number(path: str) -> float:
+    """A number of the scenario's system by its dotted path, in SI units."""
+    return load_scenario().system.value_of(path)
+
+
+def printed_film(printed: Printed) -> PolynomialCooling:
+    """The film coefficient as printed."""
+    return PolynomialCooling(h0=printed.h0, h1=printed.h1, h2=printed.h2)
+
+
+def mean_constant(printed: Printed) -> ConstantCooling:
+    """The mean of the four film coefficients of Table 2."""
+    return ConstantCooling(h=sum(printed.steps.column("film")) / len(printed.steps.column("film")))
+
+
+def run_heated(cooling: AbstractCooling, values: Mapping[str, float] | None = None) -> System:
+    """The bench with a given cooling, heated by an imposed power; numbers changed by name."""
+    base = load_scenario().single_system
+    environment = base.environment.with_parts(cooling=cooling)
+    system = base.with_parts(environment=environment, source=PowerSource())
+    return system.with_values(values or {})
+
+
+@cache
+def run_variant(key: str, printed: Printed) -> System:
+    """One of `VARIANTS`."""
+    if key == "constant":
+        return run_heated(mean_constant(printed))
+    values: dict[str, float] = {}
+    if key in ("paper", "one-curve"):
+        values = {"heat_capacity": printed.heat_capacity, "latent_heat": 0.0}
+    if key == "one-curve":
+        values |= {"M_s": read_number("A_f"), "M_f": read_number("A_s")}
+    return run_heated(printed_film(printed), values)
+
+
+def heating_power(step: Printed, printed: Printed) -> float:
+    """Power in the wire that holds a steady state of Table 2 [W]."""
+    return step.film * base_wire().surface() * (step.temperature - printed.ambient)
+
+
+def equivalent_resistance(voltage: float, printed: Printed) -> float:
+    """R_eq at a voltage [V], such that V²/R_eq is the heating power [ohm]."""
+    known = [(s.voltage, s.voltage**2 / heating_power(s, printed)) for s in printed.steps]
+    if voltage <= known[0][0]:
+        return known[0][1]
+    for (low, first), (high, last) in pairwise(known):
+        if voltage <= high:
+            return first + (last - first) * (voltage - low) / (high - low)
+    return known[-1][1]
+
+
+@cache
+def steady_temperature(cooling: AbstractCooling, power: float) -> float:
+    """Temperature long after switching on a power [W], simulated [°C]."""
+    run = simulate(run_heated(cooling), Constant(level=power), _SETTLING, tolerance=_TOLERANCE, samples=101)
+    return run["temperature"][-1] - ZERO
+
+
+@cache
+def sine_run(key: str, printed: Printed) -> Result:
+    """Two periods of the sine with one of `VARIANTS`."""
+    sine, duration, samples = (load_scenario().single_waveform, load_scenario().duration, load_scenario().samples)
+    times = [duration * i / (samples - 1) for i in range(samples)]
+    volts = [sine.value(t) for t in times]
+    powers = [v * v / equivalent_resistance(v, printed) for v in volts]
+    return simulate(
+        run_variant(key, printed),
+        Table(times=tuple(times), values=tuple(powers)),
+        duration,
+        tolerance=_TOLERANCE,
+        samples=samples,
+    )
+
+
+@dataclass(frozen=True)
+class SineResponse:
+    """What is read off the second period of the sine."""
+
+    hottest: float
+    """[°C]"""
+    rise: float
+    """Time of passing half the quoted stroke on the way up [s]."""
+    fall: float
+    """Time of passing it on the way down [s]."""
+    stroke: float
+    """[m]"""
+
+
+def read_response(key: str, printed: Printed) -> SineResponse:
+    """Read off the second period of a variant."""
+    run = sine_run(key, printed)
+    half = len(run.times) // 2
+    start, position = run.times[half], run.columns["position"]
+    level = 0.5 * printed.stroke
+    top = max(range(half, len(position)), key=position.__getitem__)
+    falling = [-x for x in position[top:]]
+    return SineResponse(
+        hottest=max(run["temperature"][half:]) - ZERO,
+        rise=passing_time(run.times[half : top + 1], position[half : top + 1], level) - start,
+        fall=passing_time(run.times[top:], falling, -level) - start,
+        stroke=position[top] - min(position[half:]),
+    )
+
+
+@cache
+def actuation_time(
+    printed: Printed, ambient: float, values: tuple[tuple[str, float], ...] = (), duration: float = 3.0
+) -> float:
+    """Time from switching on the supply to 95 % of the stroke [s].
+
+    Args:
+        printed: supply voltage, and resistance of the wire; nothing is in series.
+        ambient: ambient temperature [°C].
+        values: numbers of the system to change, by name.
+        duration: length of the run, in which the stroke must complete [s].
+    """
+    environment = Environment(temperature=ambient + ZERO, cooling=printed_film(printed))
+    base = load_scenario().single_system.with_parts(environment=environment, source=VoltageSource())
+    system = base.with_values(dict(values))
+    wire = cast("Wire", system.element)
+    rho = printed.resistance * wire.section() / wire.length
+    system = system.with_values({"rho_A": rho, "rho_M": rho})
+    supply = Constant(level=printed.supply)
+    run = simulate(system, supply, duration, tolerance=_TOLERANCE, samples=1001)
+    return passing_time(run.times, run.columns["position"], 0.95 * max(run.columns["position"]))

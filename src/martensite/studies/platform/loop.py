@@ -1,0 +1,78 @@
+"""ON/OFF control of the angle: runs in a loop, and what is read off them.
+
+The paper's controller keeps the gate on "until the gyro sets to the desired angle"; it says
+neither how far the angle falls before it is on again, nor how often and how late it is measured.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache
+
+from martensite.control.controllers.relay import OnOff
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.parts import Controllers, MountedSensor, Sensors
+from martensite.control.loop.run import simulate_bench
+from martensite.control.sensors.position import IdealSensor
+from martensite.signals.constant import Constant
+from martensite.simulate.result import Result
+from martensite.studies.platform import bench
+from martensite.studies.platform.bench import Case
+from martensite.studies.readings import choose_runtime
+from martensite.studies.tables import Printed
+
+BAND = 0.5
+"""How far the angle falls before it is on again: assumed [°]."""
+DELAY = 0.3
+"""Age of a measurement, where there is a delay: assumed [s]."""
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """How long and how often a case is controlled."""
+
+    duration: float
+    """[s]"""
+    period: float
+    """[s]"""
+
+
+QUICK, CYCLES, LAGGING = Sampling(3.6, 0.005), Sampling(62.0, 0.02), Sampling(62.0, 0.01)
+"""Of springs that heat within seconds; of slower ones, through two limit cycles; and of set C."""
+
+
+def run_controlled(case: Case, printed: Printed, sampling: Sampling, delay: float = 0.0, motion: str = "") -> Result:
+    """ON/OFF control at the high voltage from rest to the target, sampled in every period."""
+    return _run_controlled(case, bench.without_results(printed), sampling, delay, motion)
+
+
+@cache
+def _run_controlled(case: Case, printed: Printed, sampling: Sampling, delay: float, motion: str) -> Result:
+    system = bench.build_machine(case, printed, printed.high, **({"motion": motion} if motion else {}))
+    controller = OnOff(
+        measured="alpha",
+        reference=Constant(level=math.radians(printed.target)),
+        band=math.radians(BAND),
+        high=printed.high,
+    )
+    gyro = MountedSensor(sensor=IdealSensor(), of=("alpha",), delay=delay)
+    looped = Bench(
+        plant=system,
+        period=sampling.period,
+        substeps=5 if motion else 1,
+        sensors=Sensors(alpha=gyro),
+        controllers=Controllers(**{bench.HOT: controller}),
+    )
+    return simulate_bench(looped, sampling.duration, runtime=choose_runtime())
+
+
+def angle_overshoot(result: Result, printed: Printed) -> float:
+    """How far the angle goes beyond the target [°]."""
+    return max(bench.angle_degrees(result)) - printed.target
+
+
+def switching_times(result: Result) -> list[float]:
+    """Times at which the voltage changes [s]: off, on, off and so on."""
+    drive = result[f"{bench.HOT}.drive"]
+    return [result.times[k] for k in range(1, len(drive)) if drive[k] != drive[k - 1]]

@@ -1,0 +1,207 @@
+"""Numbers of the response times: what the printed equations give, and what they cannot.
+
+Heated by V²/R with any fixed resistances, any heat capacity, latent heat and heat loss, the time
+to an angle is T(V) = ∫ C dx/[V² p(x) - q(x)] with the same C > 0, p > 0 and q ≥ 0 at both
+voltages, because the path x from cold to hot does not depend on power. The integrand at 3 V is at
+least 25/9 of that at 5 V, hence T(3 V)/T(5 V) ≥ 25/9, with equality without heat loss. The paper
+has 30/18 = 5/3. A current limit alone that both voltages reach gives 1: something between the two
+must be present, or a lag that does not depend on the voltage.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+from martensite.studies.platform import bench
+from martensite.studies.platform.bench import (
+    AS_PRINTED,
+    CASES,
+    COARSE,
+    FINE,
+    IN_SERIES,
+    LATE,
+    LIMITED,
+    RISE,
+    STEEP,
+    VARIANTS,
+    Case,
+)
+from martensite.studies.readings import passing_time
+from martensite.studies.tables import Printed
+
+FREE, SLOWED = 12.0, 80.0
+"""Durations of runs without a current limit, with nothing and something in series [s]."""
+LONG = 400.0
+"""Duration after which a platform that has not arrived has stalled [s]."""
+NO_STRESS = "C of 1 GPa/K"
+"""Name of the reading in which stress hardly matters."""
+ARRIVALS = (1.0, 2.0)
+"""What the two times may differ by [s]: the second is "around 30 s"."""
+
+SETS = {
+    "A": ("h and series resistance chosen for these two times", "A"),
+    "A'": ("h of free convection, one current per voltage chosen for each time", "A2"),
+}
+"""Calibrated sets: how, and the name in their claims."""
+
+
+def compute_response(printed: Printed) -> dict[str, Any]:
+    """As printed; the ratio; the limit; the calibrated sets; cooling."""
+    return {
+        **compute_times(printed),
+        **compute_ratios(printed),
+        "long": LONG,
+        "limited_angle": bench.angle_degrees(bench.run_heated(LIMITED, printed, printed.high, LONG, 0.05))[-1],
+        "needed_current": needed_current(printed),
+        "paths": _list_paths(printed),
+        "sets": [row for key in SETS for row in _list_set(key, printed)],
+        **compute_damped(printed),
+        **compute_cooling(printed),
+    }
+
+
+def free_times(case: Case, printed: Printed) -> tuple[float, float]:
+    """Times [s] to the angle at the high and at the low voltage, without a current limit."""
+    duration = FREE if case.series == 0.0 else SLOWED
+    fast, slow = (
+        bench.arrival_time(case, printed, volts, printed.angle, duration) for volts in (printed.high, printed.low)
+    )
+    return fast, slow
+
+
+def response_times(key: str, printed: Printed, angle: float) -> tuple[float, float]:
+    """Times [s] of a calibrated set to an angle [°] at the high and at the low voltage."""
+    fast, slow = (
+        bench.arrival_time(CASES[key], printed, volts, angle, duration, bench.step_of(CASES[key]))
+        for volts, duration in ((printed.high, RISE), (printed.low, LATE))
+    )
+    return fast, slow
+
+
+def needed_current(printed: Printed) -> float:
+    """Current that holds the angle of the response times with everything as printed [A].
+
+    Temperature and resistance there are those of the path, which does not depend on power.
+    """
+    result = bench.run_heated(AS_PRINTED, printed, printed.high, FREE)
+    warm = bench.at_angle(result, printed.angle, "temperature") - bench.ZERO - printed.ambient
+    ohms = bench.at_angle(result, printed.angle, "resistance")
+    surface = bench.build_spring(AS_PRINTED, printed).surface()
+    return math.sqrt(printed.film * surface * warm / ohms)
+
+
+def compute_times(printed: Printed) -> dict[str, Any]:
+    """Times as printed, and with every reading of what is not printed."""
+    found = {name: free_times(case, printed) for name, case in VARIANTS.items()}
+    rows = [
+        {"volts": volts, "published": published, "around": around}
+        for volts, published, around in zip(
+            (printed.high, printed.low), (printed.fast, printed.slow), ARRIVALS, strict=True
+        )
+    ]
+    slowest: list[dict[str, Any]] = []
+    for k, row in enumerate(rows):
+        name = max(found, key=lambda name, k=k: found[name][k])
+        fastest = min(pair[k] for pair in found.values())
+        slowest.append(row | {"name": name, "time": found[name][k], "fastest": fastest})
+    as_printed = zip(rows, free_times(AS_PRINTED, printed), strict=True)
+    return {
+        "as_printed": [row | {"time": time} for row, time in as_printed],
+        "readings": len(found),
+        "slowest": slowest,
+        "current_drawn": printed.high / printed.R_A,
+    }
+
+
+def time_ratios(printed: Printed) -> dict[str, float]:
+    """Time at the low voltage over that at the high one, of every reading."""
+    found = {name: free_times(case, printed) for name, case in (VARIANTS | IN_SERIES).items()}
+    return {name: slow / fast for name, (fast, slow) in found.items()}
+
+
+def compute_ratios(printed: Printed) -> dict[str, Any]:
+    """The smallest and the largest of `ratios`, and that with a limited current."""
+    found = time_ratios(printed)
+    least, most = (choose(found, key=found.__getitem__) for choose in (min, max))
+    fast, slow = (
+        bench.arrival_time(replace(LIMITED, slope=STEEP), printed, volts, printed.angle, RISE)
+        for volts in (printed.high, printed.low)
+    )
+    return {
+        "ratio_printed": printed.slow / printed.fast,
+        "ratio": found[least],
+        "ratio_count": len(found),
+        "least": least,
+        "bound": (bound := (printed.high / printed.low) ** 2),
+        "slow_at_least": bound * printed.fast,
+        "ratio_largest": found[most],
+        "most": most,
+        "ratio_limited": slow / fast,
+        "limited_time": fast,
+    }
+
+
+def _list_paths(printed: Printed) -> list[dict[str, Any]]:
+    """Temperature and fraction at both angles, with either reading of the stress factor."""
+    shift = 200.0 / printed.C_A
+    cases = {"MPa": ("C_A = 6 MPa/°C", AS_PRINTED), "GPa": ("C_A = 1 GPa/°C", VARIANTS[NO_STRESS])}
+    found: list[dict[str, Any]] = []
+    for key, (words, case) in cases.items():
+        result = bench.run_heated(case, printed, printed.high, FREE)
+        found += [
+            {
+                "key": key,
+                "words": words,
+                "turned": angle,
+                "celsius": bench.at_angle(result, angle, "temperature") - bench.ZERO,
+                "fraction": bench.at_angle(result, angle, "martensite_fraction"),
+                "small_shift": 1e-3 * shift,
+                "shift": shift,
+            }
+            for angle in (printed.angle, printed.target)
+        ]
+    return found
+
+
+def _list_set(key: str, printed: Printed) -> list[dict[str, Any]]:
+    """Times of a calibrated set at both voltages, to both angles."""
+    words, short = SETS[key]
+    columns = (
+        (printed.high, printed.low),
+        (printed.fast, printed.slow),
+        response_times(key, printed, printed.angle),
+        response_times(key, printed, printed.target),
+    )
+    shared = {"key": key, "words": words, "short": short}
+    return [
+        shared
+        | {"volts": volts, "published": published, "time": time, "later": later}
+        | {"currents": _list_currents(CASES[key], volts, printed)}
+        for volts, published, time, later in zip(*columns, strict=True)
+    ]
+
+
+def _list_currents(case: Case, volts: float, printed: Printed) -> str:
+    """The currents of a case at a voltage, in words."""
+    limit = case.limits[0 if volts >= printed.high else 1]
+    low, high = (min(volts / (ohms + case.series), limit) for ohms in (printed.R_M, printed.R_A))
+    return f"{low:.2f} A" if high - low < 0.005 else f"{low:.2f} to {high:.2f} A"
+
+
+def compute_damped(printed: Printed) -> dict[str, float]:
+    """Times of set C, whose joint is damped."""
+    fast, slow = response_times("C", printed, printed.angle)
+    result = bench.run_heated(CASES["C"], printed, printed.high, RISE, FINE)
+    hottest = max(result["first.temperature"]) - bench.ZERO
+    return {"set_C_5V": fast, "set_C_3V": slow, "hottest": hottest, "rise": RISE}
+
+
+def compute_cooling(printed: Printed) -> dict[str, float]:
+    """How long set A takes back, and the same way up."""
+    result = bench.run_heated(CASES["A"], printed, printed.high, RISE, COARSE)
+    turned = bench.angle_degrees(result)
+    begin, end = (passing_time(result.times, turned, angle) for angle in (printed.angle - 20.0, printed.angle))
+    back = bench.run_cooling(printed, CASES["A"])
+    return {f"cooling_{name}": time for name, time in back.items()} | {"way_up": end - begin}

@@ -1,0 +1,191 @@
+"""Computed numbers that come with a study, in its `results.json`, so that they are shown at once.
+
+The file holds the numbers of every part, the version of the package and a fingerprint of the files of the study
+that made them; words and verdicts are those of `claims.toml`, which may be changed without computing anything.
+
+    python -m martensite.studies.shipped_numbers NAME...     compute the numbers of studies anew, and write their files
+
+A study whose figure takes minutes has it beside them, in `figure.svg`, written by the same command.
+
+Compile as users do, without `MARTENSITE_CFLAGS`: searches may end elsewhere where rounding differs.
+
+A test compares fingerprints, and two quick studies with what is computed; the pages of the documentation, for which
+all parts are computed that do not wander, warn of every number that has become another. Slow tests compute the others.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import sys
+from collections.abc import Iterator, Mapping
+from importlib.metadata import version
+from numbers import Real
+from pathlib import Path
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+from martensite.base.files import write_file
+from martensite.studies.base import Claim, StudyReport
+
+if TYPE_CHECKING:
+    from martensite.studies.tables import TableStudy
+
+FOLDER = Path(__file__).parent
+FILE, FIGURE = "results.json", "figure.svg"
+COMPUTING = (".py", ".toml", ".csv")
+"""Endings of files that numbers depend on."""
+ABOUT_WORDS = re.compile(r"claims\.toml|__init__\.py|.*figure\.py|.*panels\.py")
+"""Files of a study that no number depends on."""
+OTHERS = re.compile(r"^from martensite\.studies\.(\w+)", re.MULTILINE)
+SHARED = ("base", "tables", "claim_tables", "shipped_numbers", "figures", "result_cache")
+"""What all studies use and no number depends on."""
+DIGITS = 12
+"""Significant digits that are kept."""
+CLOSE, FAINT = 2e-3, 1e-9
+"""How far a number may move from one machine to another: as a share, and at all."""
+LOOSE = 4.0
+"""The same share for a number that a search may end at or not: of the same size, no more."""
+
+
+def fingerprint_study(folder: Path) -> str:
+    """What tells the program behind the numbers of a study from others, in a few letters."""
+    digest, folders = hashlib.sha256(), [folder]
+    for place in folders:
+        for path in sorted(place.iterdir()) if place.is_dir() else [place.with_suffix(".py")]:
+            if path.suffix in COMPUTING and not ABOUT_WORDS.fullmatch(path.name):
+                text = path.read_text("utf-8")
+                digest.update(f"{path.relative_to(folder.parent)}\n{text}".encode())
+                named = (FOLDER / name for name in sorted(set(OTHERS.findall(text))) if name not in SHARED)
+                folders += [other for other in named if other not in folders]
+    return digest.hexdigest()[:12]
+
+
+def write_results(study: TableStudy, folder: Path) -> Path:
+    """Compute all parts and write their numbers beside the tables."""
+    numbers = {part: simplify_numbers(study.part_numbers(part)) for part in study.table["parts"]}
+    made = {"version": version("martensite"), "made_by": fingerprint_study(folder)}
+    path = folder / FILE
+    if (folder / FIGURE).is_file():
+        study.figure(folder / FIGURE)
+    write_file(path, json.dumps({**made, "numbers": numbers}, indent=1, ensure_ascii=False).encode() + b"\n")
+    return path
+
+
+def read_results(folder: Path) -> dict[str, Any] | None:
+    """Version, fingerprint and numbers that a study came with; None without any."""
+    path = folder / FILE
+    if not path.is_file():
+        return None
+    found = json.loads(path.read_text("utf-8"))
+    found["numbers"] = {part: _restore_part(numbers) for part, numbers in found["numbers"].items()}
+    return found
+
+
+def simplify_numbers(numbers: Mapping[str, Any]) -> dict[str, Any]:
+    """The numbers of a part as JSON has them: of objects what is a number or a text."""
+    return {name: _simplify(value) for name, value in numbers.items()}
+
+
+def _simplify(value: Any) -> Any:
+    match value:
+        case bool() | str() | None:
+            return value
+        case int():
+            return value
+        case Real():
+            return float(f"{float(value):.{DIGITS}g}")
+        case Mapping():
+            return {str(key): _simplify(one) for key, one in value.items()}
+        case list() | tuple() if not hasattr(value, "_fields"):
+            return [_simplify(one) for one in value]
+        case _:
+            return {name: _simplify(one) for name, one in _list_attributes(value)}
+
+
+def _list_attributes(value: Any) -> Iterator[tuple[str, Any]]:
+    """Public fields and properties of an object, those that are numbers, texts, or lists of them."""
+    known = getattr(type(value), "__dict__", {})
+    fields = getattr(value, "_fields", None) or vars(value)
+    names = [*fields, *(name for name, one in known.items() if isinstance(one, property))]
+    for name in names:
+        found = getattr(value, name)
+        if not name.startswith("_") and _is_plain(found):
+            yield name, found
+
+
+def _is_plain(value: Any) -> bool:
+    if isinstance(value, (list, tuple)):
+        return len(value) <= 16 and all(map(_is_plain, value))
+    return isinstance(value, (Real, str, SimpleNamespace))
+
+
+def _restore_part(numbers: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: _restore(value) for name, value in numbers.items()}
+
+
+def _restore(value: Any) -> Any:
+    """Objects with attributes, and rows with names."""
+    match value:
+        case dict():
+            return SimpleNamespace(**_restore_part(value))
+        case [dict(), *_]:
+            return [_restore_part(row) for row in value]
+        case _:
+            return value
+
+
+def find_figure(study: TableStudy) -> Path | None:
+    """The figure that a study came with, made by the program that made its numbers; None if it is to be drawn."""
+    path, found = study.folder() / FIGURE, read_results(study.folder())
+    return path if path.is_file() and found and found["made_by"] == fingerprint_study(study.folder()) else None
+
+
+def find_changes(study: TableStudy, *, wandering: bool = True) -> list[str]:
+    """What of the numbers of a study, computed now, is not as it was shipped, a sentence each.
+
+    Of parts that wander, whose searches may end elsewhere on another machine, only claims are compared, and loosely;
+    they are left out where they are not wanted.
+    """
+    shipped = study.shipped()
+    if shipped is None:
+        return [f"It has no `{FILE}`."]
+    if study.lacks_compiler():
+        return []
+    known = _list_numbers([*shipped.claims, *shipped.reports])
+    found: list[str] = []
+    for part in study.table["parts"]:
+        wanders = part in study.table.get("wanders", ())
+        if wanders and not wandering:
+            continue
+        answer = study.settle_part(part)
+        share = LOOSE if wanders else CLOSE
+        for id, new in _list_numbers([*answer.claims, *(() if wanders else answer.reports)]).items():
+            old = known.get(id, new)
+            if abs(new - old) > max(share * abs(old), FAINT):
+                found.append(f"`{id}` was shipped as {old:.6g} and is {new:.6g}.")
+    return found
+
+
+def _list_numbers(found: list[Claim | StudyReport]) -> dict[str, float]:
+    """Computed numbers by the names of claims and reports, and what misprinted equations give."""
+    computed = {one.id: one.computed for one in found}
+    printed = {f"{one.id}, as printed": one.as_printed for one in found if isinstance(one, Claim)}
+    return {id: number for id, number in {**computed, **printed}.items() if number is not None}
+
+
+def main(names: list[str]) -> None:
+    """Write the results of studies of this package."""
+    from martensite.studies.base import load_study
+    from martensite.studies.tables import TableStudy
+
+    for name in names:
+        study = load_study(name)
+        if isinstance(study, TableStudy):
+            study.full = True
+            sys.stdout.write(f"{write_results(study, study.folder())}\n")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

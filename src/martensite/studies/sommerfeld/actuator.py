@@ -1,0 +1,54 @@
+"""The wire on its own test bench: 100 mm under 500 g, heated by nine voltages and cooled.
+
+Closure B of study `wire-heating` with the law of the beam's wire. Recovered strain and current
+over time are the thesis's Figures 9 to 12, which its text does not hold; the alloy is assumed, so
+neither temperatures of transformation nor strokes are predictions.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+from martensite.scenario.scenario import Scenario, load
+from martensite.signals.step import Step
+from martensite.simulate.api import simulate
+from martensite.simulate.result import Result
+from martensite.studies.tables import Printed
+from martensite.studies.wire_heating.bench import CLOSURES
+
+HEATED, LENGTH = 60.0, 120.0
+"""How long the voltage is on, and how long a run lasts [s]."""
+COMPLETE = 0.01
+"""Martensite fraction below which the transformation counts as complete."""
+
+
+@cache
+def load_scenario() -> Scenario:
+    """Closure B with the Elahinia–Ashrafiuon law."""
+    return load(CLOSURES["b"], {"element.law": "elahinia"})
+
+
+@cache
+def run_heated(volts: float) -> Result:
+    """The voltage [V] on for 60 s, off for 60 s."""
+    wave = Step(high=volts, until=HEATED)
+    return simulate(load_scenario().system, wave, LENGTH, tolerance=1e-3, samples=601)
+
+
+def at_end(volts: float, name: str) -> float:
+    """A column just before the voltage is switched off."""
+    run = run_heated(volts)
+    return run[name][round(HEATED / LENGTH * (len(run.times) - 1)) - 1]
+
+
+def recovered_strain(volts: float) -> float:
+    """Strain recovered at the end of heating."""
+    start = run_heated(volts)["strain"][0]
+    return start - at_end(volts, "strain")
+
+
+def complete_from(printed: Printed) -> float:
+    """The lowest of the voltages that transforms the whole wire [V]; NaN if none does."""
+    found = (volts for volts in printed.heating_voltages if at_end(volts, "martensite_fraction") < COMPLETE)
+    return next(found, math.nan)

@@ -1,0 +1,81 @@
+"""The machines of the study: motor and beam as printed, calibrated, and with a wire."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from pathlib import Path
+from typing import cast
+
+from martensite.actuators.mechanics.beam_modes import BeamModes, CantileverBeam, beam_modes
+from martensite.actuators.mechanisms.beam_motor import BeamMotor, modal_numbers
+from martensite.scenario.scenario import Scenario, load
+from martensite.studies.tables import Printed
+
+SCENARIO = Path(__file__).with_name("scenario.toml")
+ZERO = 273.15
+"""0 °C [K]."""
+STEP = 4e-4
+"""Step of all runs [s]."""
+
+
+@cache
+def load_scenario() -> Scenario:
+    """The calibrated beam with the wire."""
+    return load(SCENARIO)
+
+
+@cache
+def printed_motor(printed: Printed, coupling: str = "lagrange") -> BeamMotor:
+    """Table 3."""
+    return BeamMotor(
+        coupling=coupling,
+        mass=printed.mass,
+        stiffness=printed.stiffness,
+        damping=printed.damping,
+        unbalance=printed.unbalance,
+        eccentricity=printed.eccentricity,
+        rotor_inertia=printed.rotor_inertia,
+        rotor_friction=printed.friction,
+        torque_constant=printed.constant,
+        back_emf=printed.constant,
+        resistance=printed.resistance,
+        inductance=printed.inductance,
+    )
+
+
+@cache
+def calibrated_motor() -> BeamMotor:
+    """That of the scenario, without the wire."""
+    known = cast("BeamMotor", load_scenario().system.mechanism)
+    return known.with_parts(wire="none", wire_length=math.inf)
+
+
+def natural_frequency(motor: BeamMotor) -> float:
+    """√(k/M) of the first mode [rad/s]."""
+    return math.sqrt(motor.stiffness / motor.mass)
+
+
+def build_beam(printed: Printed) -> CantileverBeam:
+    """Table 4, with nothing at the tip."""
+    return CantileverBeam(
+        E=printed.young, density=printed.density, width=printed.width, height=printed.height, length=printed.length
+    )
+
+
+@cache
+def beam_with_motor(printed: Printed, frequency: float, modes: int) -> tuple[float, BeamModes]:
+    """Tip mass [kg] with which the beam has a natural frequency [Hz], and its modes."""
+    bare = build_beam(printed)
+    light, heavy = 0.0, 10.0
+    for _ in range(50):
+        middle = 0.5 * (light + heavy)
+        found = beam_modes(bare.with_values({"tip_mass": middle}), 1)
+        light, heavy = (middle, heavy) if found.frequencies[0] > frequency else (light, middle)
+    return light, beam_modes(bare.with_values({"tip_mass": light}), modes)
+
+
+def motor_with_modes(motor: BeamMotor, printed: Printed, modes: int) -> BeamMotor:
+    """A motor on the beam of Table 4 in several modes, with its first natural frequency."""
+    _, found = beam_with_motor(printed, natural_frequency(motor) / (2.0 * math.pi), modes)
+    return motor.with_parts(**modal_numbers(found))

@@ -1,0 +1,160 @@
+"""The beam with the heated wire: when it is switched, what it does, and which slack fits.
+
+The wire is switched by `LatchedOnOff`: on at 3 Hz of the rotor, off once the amplitude is below
+30 % of its peak. Cold, the wire is slack and cannot influence what switches it on; hot, it
+cannot know when it will be switched off. So three runs close the loop: cold, hot to the end, and
+hot until then.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+
+from martensite.control.controllers.latched_on_off import LatchedOnOff, replay_controller
+from martensite.signals.constant import Constant
+from martensite.signals.ramp import Ramp
+from martensite.signals.step import Step
+from martensite.simulate.api import simulate
+from martensite.simulate.result import Result
+from martensite.studies.readings import choose_runtime
+from martensite.studies.sommerfeld import runs
+from martensite.studies.sommerfeld.machines import STEP, calibrated_motor, load_scenario
+from martensite.studies.sommerfeld.runs import Windows, split_windows
+from martensite.studies.tables import Printed
+
+RATE = 0.2
+"""Of the voltage in all ramps with the wire [V/s]: assumed."""
+PERIOD = runs.SAMPLING
+"""Of the controller [s]: assumed."""
+SHARE = 0.3
+"""Of the peak amplitude, below which the wire is switched off: assumed."""
+SLACKS = (0.005, 0.010, 0.015, 0.020, 0.025)
+"""Tried in the fit."""
+REACH = 6.0
+"""Voltage to which they are tried [V]; all jump before."""
+NAMES = ("rotor_speed", "displacement")
+
+
+def build_controller(printed: Printed) -> LatchedOnOff:
+    """The ON/OFF controller of the thesis."""
+    return LatchedOnOff(
+        measured="rotor_speed",
+        reference=Constant(level=2.0 * math.pi * printed.switching_frequency),
+        oscillation="displacement",
+        share=SHARE,
+        window=runs.WINDOW,
+        high=printed.wire_current,
+    )
+
+
+@cache
+def run_ramp(slack: float, volts: float, drive: Step) -> Result:
+    """A ramp from 0 to a voltage [V] with a current in the wire."""
+    system = load_scenario().system.with_values({"slack": slack})
+    duration = volts / RATE
+    waves = {"motor": Ramp(high=volts, end=duration), "drive": drive}
+    return simulate(system, waves, duration, step=STEP, samples=round(duration / PERIOD) + 1, runtime=choose_runtime())
+
+
+def switching_times(printed: Printed, found: Result) -> list[float]:
+    """Times at which the controller would have switched along a run [s]."""
+    columns = {name: found[name].tolist() for name in NAMES}
+    signals = replay_controller(build_controller(printed), found.times, columns)
+    rows = zip(found.times[1:], signals, signals[1:], strict=False)
+    return [time for time, before, after in rows if before != after]
+
+
+@cache
+def switched_on(printed: Printed) -> float:
+    """When the wire is switched on [s]: along a ramp without it."""
+    cold = runs.run_course(calibrated_motor(), Ramp(high=1.0, end=1.0 / RATE), 1.0 / RATE)
+    return switching_times(printed, cold)[0]
+
+
+def always_on_current(printed: Printed) -> Step:
+    """Current of the wire [A] that is never switched off."""
+    return Step(high=printed.wire_current, at=switched_on(printed))
+
+
+@dataclass(frozen=True)
+class SlackTrial:
+    """A ramp with the wire on, with one slack."""
+
+    slack: float
+    jump: float
+    """[V]"""
+    reduction: float
+    """Of the peak amplitude, as a share of that without the wire."""
+    sweep: Windows
+
+
+@cache
+def run_without_wire(printed: Printed) -> Windows:
+    """The whole ramp without the wire."""
+    return runs.run_upward(calibrated_motor(), RATE, printed.last_voltage)
+
+
+@cache
+def run_trial(printed: Printed, slack: float) -> SlackTrial:
+    """The ramp with a slack."""
+    found = run_ramp(slack, REACH, always_on_current(printed))
+    sweep = split_windows(found, calibrated_motor())
+    return SlackTrial(slack, sweep.jump, 1.0 - sweep.peak / run_without_wire(printed).peak, sweep)
+
+
+def run_trials(printed: Printed) -> list[SlackTrial]:
+    """The ramp with every slack."""
+    return [run_trial(printed, slack) for slack in SLACKS]
+
+
+def best_trial(printed: Printed) -> SlackTrial:
+    """The slack tried that comes nearest to both published numbers, by their relative errors."""
+
+    def apart(one: SlackTrial) -> float:
+        volts = one.jump / printed.jump_with_wire - 1.0
+        return math.hypot(volts, (1.0 - one.reduction) / (1.0 - printed.reduction) - 1.0)
+
+    return min(run_trials(printed), key=apart)
+
+
+def slack_for(printed: Printed, name: str, value: float) -> float:
+    """Slack at which `jump` or `reduction` has a value, linear between those tried; else NaN."""
+    tried = [(one.slack, getattr(one, name) - value) for one in run_trials(printed)]
+    for (s0, d0), (s1, d1) in pairwise(tried):
+        if (d0 < 0.0) != (d1 < 0.0):
+            return s0 + (s1 - s0) * d0 / (d0 - d1)
+    return math.nan
+
+
+@dataclass(frozen=True)
+class Controlled:
+    """The whole ramp with the wire switched by the controller."""
+
+    on: float
+    """[s]"""
+    off: float
+    """[s]"""
+    result: Result
+    sweep: Windows
+
+
+@cache
+def run_controlled(printed: Printed) -> Controlled:
+    """The whole ramp with the best slack."""
+    slack, on = best_trial(printed).slack, switched_on(printed)
+    off = switching_times(printed, run_ramp(slack, REACH, always_on_current(printed)))[1]
+    drive = Step(high=printed.wire_current, at=on, until=off)
+    found = run_ramp(slack, printed.last_voltage, drive)
+    return Controlled(on, off, found, split_windows(found, calibrated_motor()))
+
+
+def agreement_voltage(printed: Printed) -> float:
+    """Voltage up to which the amplitudes with and without the wire agree within 10 % [V]."""
+    one, other = run_controlled(printed).sweep, run_without_wire(printed)
+    for volts, a, b in zip(one.voltage, one.amplitude, other.amplitude, strict=False):
+        if abs(a - b) > 0.1 * b and volts > 1.0:
+            return float(volts)
+    return math.nan

@@ -1,0 +1,203 @@
+"""Studies as tables: what a source prints and what is claimed of it, in two TOML files.
+
+`printed.toml` holds numbers by the place where the source prints them,
+
+    source = "key of the bibliography"
+    ["Table 3"]
+    stiffness = { value = 541.0, unit = "N/m" }
+
+and tables of rows with named columns. What stands under a place that begins with `not printed` was read or chosen for
+this project; no claim can have it as published. `claims.toml` holds words, claims, reports and the digest; see
+`martensite.studies.claim_tables`. What `results.json` holds is computed; see `martensite.studies.shipped_numbers`.
+"""
+
+from __future__ import annotations
+
+import sys
+import tomllib
+from collections.abc import Callable, Mapping
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+from typing import Any, ClassVar
+
+from martensite.base.errors import DataError, suggest_name
+from martensite.studies.base import AbstractStudy, Answer, Claim
+from martensite.studies.claim_tables import check_keys, read_claims, settle_part, write_digest
+from martensite.studies.shipped_numbers import read_results
+
+FOLDER = Path(__file__).parent
+ENTRY, TABLE = ("value", "unit", "what"), ("columns", "units", "rows")
+"""Keys of a printed number, and of a printed table."""
+OWN = "not printed"
+"""Beginning of a place in no source."""
+
+
+class Printed(SimpleNamespace):
+    """Numbers that a source prints, by their names; they are read, not written."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"Printed numbers cannot be set; use `with_numbers({name}=…)`.")
+
+    def __hash__(self) -> int:
+        return hash(tuple(vars(self).items()))
+
+    def with_numbers(self, **numbers: Any) -> Printed:
+        """The same with some numbers in the place of those printed.
+
+        Raises:
+            DataError: there is no number of that name.
+        """
+        for name in numbers:
+            if name not in vars(self):
+                raise DataError(f"No printed number `{name}`. {suggest_name(name, vars(self))}")
+        return Printed(**vars(self) | numbers)
+
+
+class PrintedRows(tuple[Printed, ...]):
+    """Rows of a printed table."""
+
+    def column(self, name: str) -> tuple[Any, ...]:
+        """A column by its name."""
+        return tuple(getattr(row, name) for row in self)
+
+
+class TableStudy(AbstractStudy):
+    """A study with tables beside it, in the folder of its class.
+
+    The numbers of a part `wire` are computed by `compute_wire(printed)` of the module
+    `wire_numbers`, and the figure is drawn by `draw_figure(printed)` of the module `figure`.
+    """
+
+    table: ClassVar[Mapping[str, Any]] = {}
+    """`claims.toml`."""
+
+    def __init_subclass__(cls) -> None:
+        """Read the tables, and check them."""
+        super().__init_subclass__()
+        if not hasattr(sys.modules.get(cls.__module__), "__file__"):
+            return  # typed into a console: the tables are those of its base
+        cls.table = table = read_claims(cls.folder() / "claims.toml")
+        cls.title, cls.guide, cls.caption = table["title"], table["guide"], table["caption"]
+        cls.cites, cls.data, cls.order = tuple(table["cites"]), tuple(table.get("data", ())), table["order"]
+        cls.scenario_files = tuple(table.get("scenarios", cls.scenario_files))
+
+    def __init__(self, printed: Printed | None = None, *, full: bool = False) -> None:
+        """Take the numbers as printed, or others in their place.
+
+        With `full` a study that leaves out what takes long does not.
+        """
+        self.full = full
+        self.printed = printed or read_printed(self.folder() / "printed.toml")
+        self._numbers: dict[str, Mapping[str, Any]] = {}
+
+    @classmethod
+    def folder(cls) -> Path:
+        """Where its tables are."""
+        return Path(str(sys.modules[cls.__module__].__file__)).parent
+
+    def compute_part(self, key: str) -> Mapping[str, Any]:
+        """The numbers of a part, computed now."""
+        return getattr(self._import_module(f"{key}_numbers"), f"compute_{key}")(self.printed)
+
+    def part_numbers(self, key: str) -> Mapping[str, Any]:
+        """The same, computed once."""
+        if key not in self._numbers:
+            self._numbers[key] = self.compute_part(key)
+        return self._numbers[key]
+
+    def parts(self) -> dict[str, Callable[[], Answer]]:
+        """Every claim with its verdict and every report, part by part."""
+        if self.lacks_compiler():
+            return {"a C compiler": lambda: Answer([self._without_compiler()])}
+        named: dict[str, str] = self.table["parts"]
+        return {words: lambda key=key: self.settle_part(key) for key, words in named.items()}
+
+    def settle_part(self, key: str) -> Answer:
+        """Claims and reports of one part, computed now."""
+        return settle_part(self.table, key, self.part_numbers(key), self.printed)
+
+    def digest(self) -> Mapping[str, str]:
+        """What a reader should know, in a few lines."""
+        if self.lacks_compiler():
+            return {}
+        return self._write_digest({key: self.part_numbers(key) for key in self.table["parts"]})
+
+    def shipped(self) -> Answer | None:
+        """Digest, claims and reports from the numbers that the study came with."""
+        found = read_results(self.folder())
+        if found is None:
+            return None
+        numbers = {key: {**part, "shipped": True} for key, part in found["numbers"].items()}
+        answers = [settle_part(self.table, key, numbers[key], self.printed) for key in self.table["parts"]]
+        made_by = f"martensite {found['version']} ({found['made_by']})"
+        return Answer.join(answers, self._write_digest(numbers), made_by)
+
+    def figure(self, path: Path) -> None:
+        """Write the figure that a reader of the source recognises (png, svg or pdf)."""
+        from martensite.show.figures.style import write_figure
+
+        write_figure(self._import_module("figure").draw_figure(self.printed), Path(path))
+
+    def _write_digest(self, numbers: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
+        together = {name: value for part in numbers.values() for name, value in part.items()}
+        answers = [settle_part(self.table, key, part, self.printed) for key, part in numbers.items()]
+        return write_digest(self.table, together, self.printed, answers)
+
+    def lacks_compiler(self) -> bool:
+        """Whether numbers cannot be computed on this machine."""
+        if "compiler" not in self.table:
+            return False
+        from martensite.kernels.compiler import find_compiler
+
+        return find_compiler() is None
+
+    def _without_compiler(self) -> Claim:
+        """What takes the place of all claims where they cannot be computed."""
+        place, why = (self.table["compiler"][key] for key in ("place", "why"))
+        words = "compiler", "all of this study", f"{self.printed.source}, {place}"
+        return Claim(*words, None, None, "1", None, "not comparable", why, differs="this machine has no C compiler")
+
+    def _import_module(self, name: str) -> ModuleType:
+        """A module beside that of the class."""
+        return import_module(f"{sys.modules[type(self).__module__].__package__}.{name}")
+
+
+# ---------------------------------------------------------------- printed numbers
+
+
+def printed_numbers(study: str) -> Printed:
+    """The numbers that the source of a study of this package prints, by the folder of the study."""
+    return read_printed(FOLDER / study / "printed.toml")
+
+
+@cache
+def read_printed(path: Path) -> Printed:
+    """A file of printed numbers.
+
+    Raises:
+        DataError: a number stands at no place, or its keys are not those of one.
+    """
+    table = tomllib.loads(path.read_text("utf-8"))
+    numbers: dict[str, Any] = {"source": table.pop("source"), "unprinted": ()}
+    for place, entries in table.items():
+        if not isinstance(entries, dict):
+            raise DataError(f"Number `{place}` of {path} must stand under a place in the source.")
+        for name, entry in entries.items():
+            if name in numbers:
+                raise DataError(f"Number `{name}` of {path} must have one place, but has two.")
+            numbers[name] = _read_entry(name, entry, path)
+            if place.startswith(OWN):
+                numbers["unprinted"] += (name,)
+    return Printed(**numbers)
+
+
+def _read_entry(name: str, entry: Mapping[str, Any], path: Path) -> Any:
+    """A number, a tuple of numbers, or a tuple of rows."""
+    if "rows" in entry:
+        check_keys(entry, TABLE, TABLE, f"Table `{name}` of {path}")
+        columns = entry["columns"]
+        return PrintedRows(Printed(**dict(zip(columns, row, strict=True))) for row in entry["rows"])
+    check_keys(entry, ENTRY, ("value", "unit"), f"Number `{name}` of {path}")
+    return tuple(entry["value"]) if isinstance(entry["value"], list) else entry["value"]

@@ -1,0 +1,9 @@
+from martensite.testing.conformance import Conformance as Conformance
+from martensite.testing.conformance import ConformanceError as ConformanceError
+from martensite.testing.conformance import Finding as Finding
+from martensite.testing.conformance import check_conformance as check_conformance
+from martensite.testing.conformance import check_material as check_material
+from martensite.testing.conformance import check_target as check_target
+from martensite.testing.conformance import find_parts as find_parts
+from martensite.testing.examples import build_example as build_example
+from martensite.testing.examples import list_variants as list_variants

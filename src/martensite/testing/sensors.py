@@ -1,0 +1,166 @@
+"""What every sensor promises: rest, a lag in any steps, whole steps in its range, its noise."""
+
+import math
+
+import numpy as np
+
+from martensite.base import units
+from martensite.base.errors import UnitError
+from martensite.control.sensors.base import AbstractSensor, simulate_readings
+from martensite.kernels import floats
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.testing.conformance import require_condition
+from martensite.testing.readings import find_range, require_same_traced
+
+MANY = 4000
+"""Readings of which the noise is judged."""
+WILD = (0.0, -0.0, 1e-300, 1e-3, -1e-3, 0.7, 1.2345, -0.3, 3.3, 300.0, 1e12, -1e12)
+OWN_UNIT = ("noise", "resolution", "offset", "bias", "lowest", "highest", "range", "first")
+"""What a sensor declares in the unit of its readings."""
+
+
+def change_sensor(sensor: AbstractSensor, **numbers: float) -> AbstractSensor:
+    """A sensor with those of some numbers that it has."""
+    return sensor.with_parts(**{n: v for n, v in numbers.items() if n in sensor.declarations})
+
+
+def silence_sensor(sensor: AbstractSensor, **numbers: float) -> AbstractSensor:
+    """A sensor without noise and rounding."""
+    none = dict.fromkeys(("noise", "relative_noise", "resolution"), 0.0)
+    return change_sensor(sensor, **none, **numbers)
+
+
+def choose_truth(sensor: AbstractSensor, share: float = 0.6) -> list[float]:
+    """True signals, this share of the way through where they usually are."""
+    return [low + share * (high - low) for low, high in map(find_range, sensor.sees)]
+
+
+def record_readings(sensor: AbstractSensor, truth: list[float], count: int) -> np.ndarray:
+    """Readings of what stays as it is."""
+    rng = np.random.default_rng(7)
+    return simulate_readings(sensor, np.tile(truth, (count, 1)), 0.01, rng)
+
+
+def find_deviation(sensor: AbstractSensor, truth: list[float]) -> float:
+    """Standard deviation of a reading that it declares."""
+    share = getattr(sensor, "relative_noise", 0.0)
+    return math.hypot(sensor.noise, share * truth[0] / truth[1] if share else 0.0)
+
+
+def check_units(sensor: AbstractSensor) -> None:
+    """Its reading has a unit, and what it declares of a reading has the same."""
+    if sensor.unit is None:
+        return
+    for name in OWN_UNIT:
+        declared = sensor.declarations.get(name)
+        if declared is None:
+            continue
+        try:
+            same = units.find_conversion(declared.unit, sensor.unit) == (1.0, 0.0)
+        except UnitError:
+            same = False
+        require_condition(same, f"`{name}` is in `{declared.unit}`, but a reading is in `{sensor.unit}`.")
+
+
+def check_rest(sensor: AbstractSensor) -> None:
+    """Of what does not change it says the same, from the first reading on."""
+    found = record_readings(silence_sensor(sensor), choose_truth(sensor), 50)
+    near = np.allclose(found, found[0], rtol=1e-13, atol=1e-15)
+    require_condition(near, f"Its readings of the same go from {found[0]:.6g} to {found[-1]:.6g}.")
+
+
+def check_memory(sensor: AbstractSensor) -> None:
+    """What it remembers are numbers, as many at every time."""
+    state = sensor.rest(floats, choose_truth(sensor))
+    count = len(state)
+    for k in range(5):
+        held = len(state) == count and all(isinstance(x, float) for x in state)
+        require_condition(held, f"After {k} readings it remembers {list(state)}.")
+        truth = choose_truth(sensor, 0.2 * k)
+        _, state = sensor.step(floats, state, truth, 0.1 * k, 0.01 * k)
+
+
+def check_no_time(sensor: AbstractSensor) -> None:
+    """In no time nothing changes."""
+    still, truth = silence_sensor(sensor), choose_truth(sensor)
+    state = still.rest(floats, choose_truth(sensor, 0.3))
+    first, state = still.step(floats, state, truth, 0.0, 0.01)
+    again, after = still.step(floats, state, truth, 0.0, 0.0)
+    same = np.allclose([again, *after], [first, *state], rtol=1e-13, atol=1e-15)
+    require_condition(same, f"A reading of {first:.6g} is {again:.6g} at the same time.")
+
+
+def check_lag(sensor: AbstractSensor) -> None:
+    """With a lag, it follows a step by exp(-t/lag), in whatever steps time goes."""
+    if "lag" not in sensor.declarations:
+        return
+    slow = silence_sensor(sensor, lag=0.3)
+    start, end = choose_truth(sensor, 0.2), choose_truth(sensor, 0.7)
+    before, after = (float(record_readings(slow, truth, 1)[0]) for truth in (start, end))
+    if before == after:  # it measures rates
+        return
+    expected = after + (before - after) * math.exp(-0.4 / 0.3)
+    for count in (5, 50):
+        state, value = slow.rest(floats, start), 0.0
+        for _ in range(count):
+            value, state = slow.step(floats, state, end, 0.0, 0.4 / count)
+        require_condition(
+            abs(value - expected) <= 1e-11 * (abs(expected) + abs(after - before)),
+            f"With a lag of 0.3 s it says {value:.6g} 0.4 s after a step, in {count} readings; "
+            f"{expected:.6g} is expected.",
+        )
+
+
+def check_digits(sensor: AbstractSensor) -> None:
+    """Whatever the truth, a reading is a number, of whole steps, within the range."""
+    rng = np.random.default_rng(5)
+    for dt in (0.0, 1e-6, 1e-3, 1e3):
+        state = sensor.rest(floats, rng.choice(WILD, len(sensor.sees)).tolist())
+        for _ in range(20):
+            truth = rng.choice(WILD, len(sensor.sees)).tolist()
+            value, state = sensor.reading(floats, state, truth, 5.0, dt)
+            finite = all(math.isfinite(number) for number in (value, *state))
+            require_condition(finite, f"Of the truth {truth} it says {value}.")
+            _require_digits(sensor, value)
+
+
+def _require_digits(sensor: AbstractSensor, value: float) -> None:
+    """Raise unless a reading is one of those that the sensor has."""
+    low, high = sensor.limits() or (-math.inf, math.inf)
+    require_condition(low <= value <= high, f"It says {value:.6g}, beyond its range of {low:.6g} to {high:.6g}.")
+    if sensor.resolution > 0.0 and value not in (low, high):
+        steps = value / sensor.resolution
+        near = abs(steps - round(steps)) <= max(1e-9, 1e-15 * abs(steps))
+        require_condition(near, f"It says {value:.9g}, which is not a whole step.")
+
+
+def check_noise(sensor: AbstractSensor) -> None:
+    """Its readings scatter as it declares, about what it says without noise, each by itself."""
+    fine, truth = change_sensor(sensor, resolution=0.0), choose_truth(sensor)
+    declared = find_deviation(fine, truth)
+    if declared == 0.0:
+        return
+    quiet = record_readings(silence_sensor(sensor), truth, 1)[0]
+    found = record_readings(fine, truth, MANY) - quiet
+    mean, spread = abs(found.mean()) / declared, found.std() / declared
+    require_condition(mean < 4.0 / math.sqrt(MANY), f"The mean of its noise is {mean:.2g} standard deviations.")
+    require_condition(
+        abs(spread - 1.0) < 4.0 / math.sqrt(2.0 * MANY), f"Its noise is {spread:.3g} times as large as it declares."
+    )
+    together = abs(float(np.mean(found[1:] * found[:-1]))) / declared**2
+    require_condition(together < 4.0 / math.sqrt(MANY), "The noise of a reading depends on the one before.")
+
+
+def check_traced(sensor: AbstractSensor) -> None:
+    """Its readings are a straight-line kernel."""
+    count = len(sensor.sees)
+    ranges = {f"y{i}": find_range(name) for i, name in enumerate(sensor.sees)}
+    again = {f"z{i}": find_range(name) for i, name in enumerate(sensor.sees)}
+
+    def read(one: AbstractSensor, xp: Namespace, dt: Scalar, noise: Scalar, *truth: Scalar) -> tuple[object, ...]:
+        first, second = truth[:count], truth[count:]
+        value, state = one.reading(xp, one.rest(xp, first), second, noise, dt)
+        there = xp.where(one.valid(xp, first), 1.0, 0.0)
+        return value, tuple(state), there + 0.0 * noise
+
+    require_same_traced(sensor, read, {"dt": (0.0, 0.5), "noise": (-3.0, 3.0), **ranges, **again})

@@ -1,1 +1,0 @@
-"""Studies: each source paper rebuilt, one folder per paper, its numbers beside ours."""

@@ -1,9 +1,0 @@
-from martensite_testing.conformance import Conformance as Conformance
-from martensite_testing.conformance import ConformanceError as ConformanceError
-from martensite_testing.conformance import Finding as Finding
-from martensite_testing.conformance import check_conformance as check_conformance
-from martensite_testing.conformance import check_material as check_material
-from martensite_testing.conformance import check_target as check_target
-from martensite_testing.conformance import find_parts as find_parts
-from martensite_testing.examples import build_example as build_example
-from martensite_testing.examples import list_variants as list_variants
