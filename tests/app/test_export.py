@@ -18,7 +18,7 @@ from martensite.scenario.scenario import load
 from martensite.scenario.tables import read_table
 
 FLOATS = "--runtime", "floats"
-OWN = ("created", "runtime", "accuracy", "step", "ripple", "heat", "work")
+OWN = ("created", "runtime", "accuracy", "step", "ripple", "heat", "work", "martensite_result")
 """What two runtimes do not share to the last digit, or begins so."""
 
 EXAMPLE = Path(__file__).parents[2] / "examples/constant_power.toml"

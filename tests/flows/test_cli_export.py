@@ -105,7 +105,7 @@ def test_a_file_is_not_replaced_unless_wanted() -> None:
         (("finger.toml", "--out", "finger.mjcf"), "must end in .xml"),
         (("finger.toml", "--out", "none/finger.xml"), "There is no folder `none`"),
         (("finger.toml", "--timestep", "2"), "`2` has no unit"),
-        (("finger.toml", "--timestep", "0 s"), "`timestep` must be above 0 s"),
+        (("finger.toml", "--timestep", "0 s"), "`--timestep` must be above 0 s"),
         (("fingr.toml",), "Did you mean `finger.toml`"),
     ],
 )

@@ -330,7 +330,11 @@ def _name_in_full(
     document: dict[str, Any], overrides: Mapping[str, Any], path: Path | None, log: Record | None
 ) -> dict[str, Any]:
     """Overrides by their paths in the document; a number may be named by a unique ending, such as `diameter`."""
-    short = [name for name in overrides if name.partition(".")[0] not in SECTIONS]
+    short = [
+        name
+        for name, value in overrides.items()
+        if name.partition(".")[0] not in SECTIONS and not isinstance(value, dict)
+    ]
     if not short:
         return dict(overrides)
     plain = _build_scenario(document, as_toml(document), path, log)

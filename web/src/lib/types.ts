@@ -138,6 +138,8 @@ export interface RunTold {
   described: string;
   status: string;
   accuracy: number | null;
+  /** Samples of the run; its rows are more, for they hold accepted steps as well. */
+  samples: number;
   steps: number;
   step: number;
   stroke: number;

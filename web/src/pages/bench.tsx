@@ -50,7 +50,7 @@ function Title() {
       {now && hand.value && <p class="soft small">{now.described}; running by hand</p>}
       {now && !hand.value && (
         <p class="soft small">
-          {now.described}; {now.times.length} samples, {now.steps} steps in {(now.seconds * 1000).toFixed(0)} ms
+          {now.described}; {now.samples} samples, {now.steps} steps in {(now.seconds * 1000).toFixed(0)} ms
         </p>
       )}
     </div>

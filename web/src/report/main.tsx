@@ -172,7 +172,7 @@ function Report({ data }: { data: ReportData }) {
       <Sources sections={data.sections} />
       <Scenario text={of.text} title={of.title} />
       <footer class="soft small">
-        {made}; {of.times.length} samples, {of.steps} steps. This file loads nothing and tells nobody.
+        {made}; {of.samples} samples, {of.steps} steps. This file loads nothing and tells nobody.
       </footer>
     </main>
   );

@@ -34,6 +34,7 @@ export function describeRun(core: RunCore, scenario: Described, values: Values =
     described: scenario.described,
     status: core.status,
     accuracy: core.accuracy,
+    samples: core.times.length,
     steps: core.steps,
     step: core.step,
     stroke: range(ends, scenario.coordinate),

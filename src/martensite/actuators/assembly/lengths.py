@@ -7,24 +7,46 @@ from martensite.actuators.elements.base import AbstractElement
 from martensite.kernels.recordable_numbers import xp
 
 
-def measure_lengths(
-    system: AbstractSystem, columns: Mapping[str, Sequence[float]], drawn: AbstractSystem | None = None
+def measure_lengths(system: AbstractSystem, columns: Mapping[str, Sequence[float]]) -> dict[str, float]:
+    """Return the length of the element at each port at the start [m], from the first sample of the columns of a run."""
+    return {
+        port: _find_natural_length(one.element) + elongation
+        for (port, one), elongation in zip(system.actuators().items(), _list_elongations(system, columns), strict=True)
+    }
+
+
+def record_lengths(
+    system: AbstractSystem, columns: Mapping[str, Sequence[float]], drawn: AbstractSystem, strains: Mapping[str, float]
 ) -> dict[str, float]:
-    """Return the length of the element at each port at the start [m], from the first sample of the columns of a run.
+    """Return the same lengths as functions of recorded numbers.
+
+    An elongation is proportional to the natural length and to the strain. This is exact for wires; for a coil whose
+    numbers differ from those of the run it is an approximation.
 
     Args:
         system: what was run.
         columns: of the run.
-        drawn: the same system with recorded numbers: lengths follow its natural lengths, the elongations are those
-            of the run.
+        drawn: the same system with recorded numbers.
+        strains: recorded first strain by port.
     """
+    found = {}
+    for (port, one), elongation in zip(system.actuators().items(), _list_elongations(system, columns), strict=True):
+        natural, strain = (
+            _find_natural_length(drawn.actuators()[port].element),
+            columns[system.label(port, "strain")][0],
+        )
+        share = elongation / _find_natural_length(one.element)
+        found[port] = natural * (1.0 + (share / strain * strains[port] if strain else share))
+    return found
+
+
+def _list_elongations(system: AbstractSystem, columns: Mapping[str, Sequence[float]]) -> list[float]:
     forces = system.mechanism.first_forces(xp, [columns[name][0] for name in system.mechanism.signals()])
     starts = [columns[system.label(port, "drive")][0] for port in system.actuators()]
-    named = (drawn or system).actuators()
-    return {
-        port: _find_natural_length(named[port].element) + one.element.elongation(xp, one.start(xp, force, drive), force)
-        for (port, one), force, drive in zip(system.actuators().items(), forces, starts, strict=True)
-    }
+    return [
+        one.element.elongation(xp, one.start(xp, force, drive), force)
+        for one, force, drive in zip(system.actuators().values(), forces, starts, strict=True)
+    ]
 
 
 def _find_natural_length(element: AbstractElement) -> float:

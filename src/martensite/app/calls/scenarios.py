@@ -84,6 +84,7 @@ def _summarise_run(scenario: Scenario, result: Result) -> JsonTable:
         "described": scenario.system.description(),
         "status": result.status.name,
         "accuracy": result.accuracy,
+        "samples": len(result.times),
         "steps": result.steps,
         "step": result.step,
         "stroke": result.stroke,

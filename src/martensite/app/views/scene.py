@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.actuators.assembly.lengths import measure_lengths
+from martensite.actuators.assembly.lengths import record_lengths
 from martensite.actuators.elements.base import AbstractElement
 from martensite.actuators.mechanisms.drawing import NEWTON, DrawingShape, DrawingState
 from martensite.app.messages import JsonTable
@@ -30,8 +30,11 @@ def describe_shapes(whole: AbstractSystem, result: Result) -> JsonTable:
     system, columns = rebuild_recorded(whole, table), result.columns
     outputs: Any = {name: table.leaf("y", name, columns[name][0]) for name in system.mechanism.outputs()}
     ports = {port: {name: system.label(port, name) for name in SHOWN} for port in system.actuators()}
+    labels = {port: whole.label(port, "strain") for port in whole.actuators()}
+    strains: Any = {port: table.leaf("first", name, columns[name][0]) for port, name in labels.items()}
     try:
-        shapes = system.mechanism.draw_shapes(DrawingState(outputs, measure_lengths(whole, columns, system)))
+        lengths = record_lengths(whole, columns, system, strains)
+        shapes = system.mechanism.draw_shapes(DrawingState(outputs, lengths))
     except TypeError:
         sentence = NOT_RECORDED.format(system.mechanism.registered_name)
         return {"rows": [], "choices": [], "shapes": [], "ports": ports, "newton": NEWTON, "sentence": sentence}
