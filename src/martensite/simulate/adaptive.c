@@ -261,6 +261,21 @@ static double find_fall(double ahead, double first, double middle, double last) 
     return begin + 0.5 * (ahead > top ? top / ahead : top / (top - bottom));
 }
 
+/* whether a step misses much of a bend near one of its ends, which its error does not show */
+static int hides_bend(const block *b, long at, long i, double share, double allowed) {
+    const double ratio = 0.5 * b->length / b->last_half;
+    const int late = share > 0.5;
+    double most = 0.0;
+    if (!(0.0 < share && share < EDGE) && !(1.0 - EDGE < share && share < 1.0 - BESIDE)) return 0;
+    for (long k = at + 2; k < at + 4; k++) {
+        const double e = b->earlier_points[k][i], f = b->points[k][i];
+        const double g = b->points_half[k][i], h = b->points_full[k][i];
+        const double missed = late ? fabs((h - g) - (g - f)) : 2.0 * share * fabs((g - f) - ratio * (f - e));
+        most = missed > most ? missed : most;
+    }
+    return most > allowed;
+}
+
 /* share of a step at which the law at a point of a run turns or bends, if that counts; else 1 */
 static double find_kink(const march *m, const block *b, long place, long i, double changed,
                         double most) {
@@ -279,12 +294,12 @@ static double find_kink(const march *m, const block *b, long place, long i, doub
         apart = fabs(top - h) < apart ? fabs(top - h) : apart;
         if (BESIDE < share && share < 1.0 - BESIDE && changed * apart > most * moved) first = share;
     }
-    if (!(b->error[i] > 1.0)) return first;
     const double ratio = 0.5 * b->length / b->last_half;
     for (long k = 4; k < size_of_point[place]; k++) {
         const double ahead = ratio * (p[k][i] - q[k][i]);
         const double share = find_fall(ahead, q[k][i], a[k][i], z[k][i]);
-        if (BESIDE < share && share < 1.0 - BESIDE && share < first) first = share;
+        const int seen = b->error[i] > 1.0 && BESIDE < share && share < 1.0 - BESIDE;
+        if (share < first && (seen || hides_bend(b, at, i, share, HIDDEN / TURN * most))) first = share;
     }
     return first;
 }

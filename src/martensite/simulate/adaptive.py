@@ -27,7 +27,7 @@ tolerance, steps end on the edges.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -53,6 +53,10 @@ NEAR = 0.03
 """Share of a step before its start, or its end, in which a kink that is expected lies on it."""
 SHORT = 0.99
 """Part of the way to an expected kink that a step goes."""
+HIDDEN = 3.0
+"""What a step may miss of a bend near one of its ends, as a fraction of the tolerance."""
+EDGE = 0.05
+"""Fraction of a step next to its ends within which a bend hides: the halves miss about the same as the whole."""
 BESIDE = 1e-3
 """Share of a step before its end, or after its start, in which a turn lies on it."""
 PER_STRESS = 1.0 / 7e6
@@ -331,7 +335,8 @@ class AdaptiveMarch(AbstractMarch):
 
         It misses the height of a turn over the points that it sees, times how its fractions go with
         what drives them about here. A turn that may just reach a kink which no point has reached
-        counts, since no error shows it. Where a law bends counts if the error is not small.
+        counts, since no error shows it. A bend counts if the error is not small, or if it is near an
+        end of the step and a slope changes by much: the error does not show that one.
         """
         first, at = 1.0, 0
         for fraction, weight, size in self.plan.compiled.points:
@@ -348,13 +353,16 @@ class AdaptiveMarch(AbstractMarch):
             moved = _compute_variation(drives, 0)
             if BESIDE < share < 1.0 - BESIDE and changed * height > allowed * moved:
                 first = min(first, share)
-            if trial.error > 1.0:
-                ratio = 0.5 * trial.length / self.last_half
-                found = (
-                    find_fall(ratio * (rows[0][k] - rows[1][k]), *(row[k] for row in rows[1:])) for k in range(4, size)
-                )
-                first = min([first, *(share for share in found if BESIDE < share < 1.0 - BESIDE)])
+            first = min([first, *self._find_bends(trial, rows, HIDDEN / TURN * allowed)])
         return first
+
+    def _find_bends(self, trial: StepTrial, rows: Sequence[Row], allowed: float) -> Iterator[float]:
+        """Yield the fractions of a step at which a law bends, if that counts."""
+        ratio = 0.5 * trial.length / self.last_half
+        for k in range(4, len(rows[0])):
+            share = find_fall(ratio * (rows[0][k] - rows[1][k]), *(row[k] for row in rows[1:]))
+            if find_missed(rows, ratio, share) > allowed or (trial.error > 1.0 and BESIDE < share < 1.0 - BESIDE):
+                yield share
 
     def _shorten_step(self, trial: StepTrial) -> float:
         """The next length to try after one that was too long."""
@@ -548,6 +556,21 @@ def find_fall(ahead: float, first: float, middle: float, last: float) -> float:
     begin, top, bottom = (0.0, first, middle) if middle <= 0.0 else (0.5, middle, last)
     ahead = ahead if middle <= 0.0 else first - middle
     return begin + 0.5 * (top / ahead if ahead > top else top / (top - bottom))
+
+
+def find_missed(rows: Sequence[Row], ratio: float, share: float) -> float:
+    """Return the change of slope at a bend near an end of a step, times its distance from this end; 0 elsewhere.
+
+    Args:
+        rows: points half a step earlier, at the start, in the middle and at the end.
+        ratio: length of a half over the length of the half before the step.
+        share: place of the bend as a fraction of the step.
+    """
+    p, q, a, z = rows
+    if 0.0 < share < EDGE:
+        return 2.0 * share * max(abs(a[k] - q[k] - ratio * (q[k] - p[k])) for k in (2, 3))
+    late = 1.0 - EDGE < share < 1.0 - BESIDE
+    return max(abs(z[k] - a[k] - (a[k] - q[k])) for k in (2, 3)) if late else 0.0
 
 
 def find_dip(first: float, middle: float, last: float) -> float:

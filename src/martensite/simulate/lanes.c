@@ -626,8 +626,23 @@ INLINE double find_turn(const block *b, long at, long i, double changed, double 
     return counts ? share : 1.0;
 }
 
-/* share of a step that is too long at which the law at a point bends; else 1 */
-static double find_bend(const block *b, long place, long i) {
+/* whether a step misses much of a bend near one of its ends, which its error does not show */
+static int hides_bend(const block *b, long at, long i, double share, double allowed) {
+    const double ratio = 0.5 * b->length[i] / b->last_half[i];
+    const int late = share > 0.5;
+    double most = 0.0;
+    if (!(0.0 < share && share < EDGE) && !(1.0 - EDGE < share && share < 1.0 - BESIDE)) return 0;
+    for (long k = at + 2; k < at + 4; k++) {
+        const double e = b->earlier_points[k][i], f = b->points[k][i];
+        const double g = b->points_half[k][i], h = b->points_full[k][i];
+        const double missed = late ? fabs((h - g) - (g - f)) : 2.0 * share * fabs((g - f) - ratio * (f - e));
+        most = missed > most ? missed : most;
+    }
+    return most > allowed;
+}
+
+/* share of a step at which the law at a point bends, if that counts; else 1 */
+static double find_bend(const block *b, long place, long i, double most) {
     const long at = start_of[place];
     const column *p = b->earlier_points + at, *q = b->points + at;
     const column *a = b->points_half + at, *z = b->points_full + at;
@@ -636,7 +651,8 @@ static double find_bend(const block *b, long place, long i) {
     for (long k = 4; k < size_of_point[place]; k++) {
         const double ahead = ratio * (p[k][i] - q[k][i]);
         const double share = find_fall(ahead, q[k][i], a[k][i], z[k][i]);
-        if (BESIDE < share && share < 1.0 - BESIDE && share < first) first = share;
+        const int seen = b->error[i] > 1.0 && BESIDE < share && share < 1.0 - BESIDE;
+        if (share < first && (seen || hides_bend(b, at, i, share, HIDDEN / TURN * most))) first = share;
     }
     return first;
 }
@@ -673,8 +689,8 @@ static void find_kinks(const march *m, block *b) {
         EVERY(i) counts |= changed[i] > most[i];
         if (!counts) continue;
         EACH(i) b->kink[i] = smaller(find_turn(b, at, i, changed[i], most[i]), b->kink[i]);
-        EVERY(i) if (changed[i] > most[i] && b->error[i] > 1.0)
-            b->kink[i] = smaller(find_bend(b, place, i), b->kink[i]);
+        EVERY(i) if (changed[i] > most[i])
+            b->kink[i] = smaller(find_bend(b, place, i, most[i]), b->kink[i]);
     }
 }
 

@@ -268,10 +268,7 @@ def points_of(xp: Namespace, law: AbstractLaw, memories: Sequence[Any]) -> list[
     """Return points from the memories of a law; none if it has rates."""
     if law.rate_dependent:
         return []
-    met = law.kinks_of_one or len(memories) > 1
-    kinks = [tuple(law.kinks(xp, one)) if met else () for one in memories]
-    rows = zip(memories, kinks, strict=True)
-    return [MaterialPoint(m.temperature, m.stress, *law.fractions(m)[:2], kink) for m, kink in rows]
+    return [MaterialPoint(m.temperature, m.stress, *law.fractions(m)[:2], tuple(law.kinks(xp, m))) for m in memories]
 
 
 def equilibrium_force(

@@ -183,7 +183,11 @@ def relocate_memory(
 
 
 def list_kinks(xp: Namespace, rule: str, diagram: Diagram, memory: TwoFractionMemory) -> list[Scalar]:
-    """Return how far S, T and reverse are from where they start or go on [-]; 1 where nothing is left to them."""
+    """Return the distances to all kinks of the processes [-].
+
+    These are the bend of S from above and from below, then the points where S, T and reverse start or go on. A process
+    that has nothing left to transform is 1 away.
+    """
     at, oriented, twinned = memory.stress, 1.0 - memory.oriented, 1.0 - memory.martensite
     rows = (
         (diagram.loading, xp.maximum(memory.temperature, diagram.bend), memory.loading, oriented),
@@ -192,7 +196,8 @@ def list_kinks(xp: Namespace, rule: str, diagram: Diagram, memory: TwoFractionMe
     )
     reaches = (UNSET if rule == RESTART else reach for *_, reach, _ in rows)
     ahead = [strip.distance(at, kelvin) - reach for (strip, kelvin, *_), reach in zip(rows, reaches, strict=True)]
-    return [xp.where(left > 0.0, one, 1.0) for one, (*_, left) in zip(ahead, rows, strict=True)]
+    above = (memory.temperature - diagram.bend) * diagram.cooling.per_width
+    return [above, -above, *(xp.where(left > 0.0, one, 1.0) for one, (*_, left) in zip(ahead, rows, strict=True))]
 
 
 def find_kink(

@@ -226,9 +226,6 @@ class AbstractLaw(Parametrised):
         """
         return 0.0
 
-    kinks_of_one: ClassVar[bool] = True
-    """True if steps also end on the kinks of a single material point; they always end on kinks of fibres and cells."""
-
     def kinks(self, xp: Namespace, memory: Any) -> list[Scalar]:
         """Numbers that fall through 0 where a transformation starts or ends on the way on [-].
 

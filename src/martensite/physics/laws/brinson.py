@@ -41,7 +41,6 @@ class Brinson(AbstractSidedDiagram):
     orders = (*WIDTHS, ("sigma_s", "sigma_f"))
     twins = True
     one_way = False
-    kinks_of_one = False  # steps of one point see them by their error; steps that end there met them less often
 
     sigma_s: Number = param("Pa", "start stress of detwinning below M_s", above=0.0, high=1e10, typical="80 MPa")
     sigma_f: Number = param("Pa", "finish stress of detwinning below M_s", above=0.0, high=1e10, typical="150 MPa")
@@ -190,7 +189,7 @@ class Brinson(AbstractSidedDiagram):
         return super().kinetics(xp, memory, stress, temperature, dt)
 
     def kinks(self, xp: Namespace, memory: TwoFractionMemory) -> list[Scalar]:
-        """Where S, T and the reverse process start or go on."""
+        """Return the distances to the bend of S and to where S, T and the reverse process start or go on [-]."""
         return two_fractions.list_kinks(xp, self.history, self.diagram(), memory)
 
     def young(self, fractions: Fractions) -> Scalar:
