@@ -37,7 +37,8 @@ from martensite.simulate.measures.base import AbstractMeasure
 from martensite.simulate.measures.extremes import Change, Largest, Smallest, Stroke
 from martensite.simulate.measures.means import ElectricalEnergy, Integral, Mean
 from martensite.simulate.measures.run_table import RunTable, tabulate_samples, tabulate_track
-from martensite.simulate.track import Track, build_track, observe_on_floats, tabulate_tones
+from martensite.simulate.tracing import assemble_track
+from martensite.simulate.track import Track, observe_on_floats
 
 Numbers: TypeAlias = NDArray[np.float64]
 Flags: TypeAlias = NDArray[np.bool_]
@@ -178,10 +179,8 @@ class Measuring:
             ends = np.append(run[1:] != run[:-1], True)
             order = order[~((ends | np.append(ends[1:], False)) & gone[run] & (part != START))]
         record = made.record[order]
-        compiled, observe = runs.plan.compiled, observe_in_c(runs)
-        tones = tabulate_tones(runs.own or [runs.plan.waveforms])
-        swinging = np.array(compiled.swinging)[list(runs.outputs)]
-        track = build_track(record, compiled.drives, tones, swinging, observe, runs.plan.tolerance)
+        waveforms = runs.own or [runs.plan.waveforms]
+        track = assemble_track(runs.plan, record, runs.outputs, observe_in_c(runs), waveforms)
         return self.measure_track(track, runs.count)
 
 
@@ -215,9 +214,12 @@ def march_in_lanes(
         now = made.outputs[:, compared]
         apart = np.abs(rows[:, :, seen] - now[:, :, seen])
         accuracy = np.maximum(_bound_errors(compiled, apart, made), find_floor(compiled) * tolerance)
-        measured = measuring.measure_march(finer, made)
-        found.place_runs(left, _judge_runs(made, names, accuracy, measured, plan.times))
         rest = accuracy > tolerance
+        last = np.flatnonzero(~rest | (turn == MOST - 1))
+        measured = np.full((len(measuring.measures), len(left)), np.nan)
+        if len(last):
+            measured[:, last] = measuring.measure_march(finer.choose(last, known[last]), made.choose(last))
+        found.place_runs(left, _judge_runs(made, names, accuracy, measured, plan.times))
         left, rows, numbers = left[rest], now[rest], made.numbers[rest]
         if not len(left):
             break
@@ -280,11 +282,8 @@ def march_one_by_one(
         for name, column in found.columns.items():
             column[run, : len(rows)] = rows[:, plan.compiled.outputs.index(name)]
         if measuring.measures:
-            swinging = np.array(plan.compiled.swinging)[places]
             observe = observe_on_floats(functions["observe"], places)
-            record = np.asarray(one.record, float)
-            tones = tabulate_tones([waveforms])
-            track = build_track(record, plan.compiled.drives, tones, swinging, observe, tolerance)
+            track = assemble_track(replace(own, tolerance=tolerance), one.record, places, observe, [waveforms])
             found.numbers[:, run] = measuring.measure_track(track, 1)[:, 0]
         found.status[run], found.ended[run] = one.status, one.time
         if one.status is Status.OUT_OF_ENVELOPE:

@@ -181,6 +181,17 @@ class MarchRows:
     extremes: Numbers | None = None
     """Lowest and highest of what is judged, (runs, 2, judged)."""
 
+    def choose(self, places: NDArray[np.intp]) -> MarchRows:
+        """Return some of the runs, in the order of their places."""
+        if len(places) == len(self.outputs):
+            return self
+        at = np.full(len(self.outputs), -1)
+        at[places] = np.arange(len(places))
+        own = at[self.record[:, 0].astype(np.intp)]
+        record = np.concatenate([own[:, None], self.record[:, 1:]], axis=1)[own >= 0]
+        totals = self.totals[places] if len(self.totals) else self.totals
+        return MarchRows(self.outputs[places], self.numbers[places], record, totals)
+
     def take_run(self, run: int, times: Sequence[float]) -> Marched:
         """One of them."""
         numbers = self.numbers[run].tolist()

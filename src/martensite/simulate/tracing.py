@@ -21,19 +21,45 @@ import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.status import Status
+from martensite.signals.base import AbstractWaveform
 from martensite.simulate.accuracy import FINER, FLOOR, LOCAL, SURE, RunEngine, bound_error
 from martensite.simulate.envelope import cut_outside
 from martensite.simulate.marching import Marched, MarchPlan
 from martensite.simulate.measures.base import AbstractMeasure
 from martensite.simulate.measures.run_table import tabulate_track
 from martensite.simulate.restarts import Relay
-from martensite.simulate.track import Track, build_long_track, build_track, tabulate_tones, track_rows
+from martensite.simulate.track import Observe, Track, build_long_track, build_track, tabulate_tones, track_rows
 
 ROUNDING = 1e-11
 """No bound is claimed below this fraction of a measure, or of the values that it reads."""
 
 LEAST_RANGE = 0.01
 """Least range of outputs whose error is not controlled, as a fraction of their largest value."""
+
+
+def assemble_track(
+    plan: MarchPlan,
+    record: Any,
+    outputs: Sequence[int],
+    observe: Observe,
+    waveforms: Sequence[Sequence[AbstractWaveform]],
+) -> Track:
+    """Compute the track of runs that an error control laid out.
+
+    Args:
+        plan: plan of the runs, with their tolerance.
+        record: rows of all runs, those of a run together and in the order of time.
+        outputs: places of the outputs.
+        observe: function that computes these outputs.
+        waveforms: waveforms of every run, or of all runs in one row.
+
+    Returns:
+        The track, with the outputs in SI.
+    """
+    compiled, tones = plan.compiled, tabulate_tones(waveforms)
+    swinging = np.array(compiled.swinging, np.bool_)[list(outputs)]
+    shape = compiled.drives, tones, swinging, observe, plan.tolerance
+    return build_long_track(np.asarray(record, float), lambda some: build_track(some, *shape))
 
 
 class AbstractTrace(ABC):
@@ -82,11 +108,8 @@ class RunTrace(AbstractTrace):
 
     def _observe(self, found: Marched, used: str) -> Track:
         plan, outputs = self.plan, range(len(self.system.outputs()))
-        compiled = plan.compiled
-        swinging = np.array(compiled.swinging[: len(outputs)], np.bool_)
-        tones, observe = tabulate_tones([plan.waveforms]), self.engine.observe(plan, outputs, used)
-        shape = compiled.drives, tones, swinging, observe, plan.tolerance
-        track = build_long_track(np.asarray(found.record, float), lambda record: build_track(record, *shape))
+        observe = self.engine.observe(plan, outputs, used)
+        track = assemble_track(plan, found.record, outputs, observe, [plan.waveforms])
         return cut_outside(self.system, track) if found.status is Status.OUT_OF_ENVELOPE else track
 
     @cached_property
