@@ -61,7 +61,7 @@ def placed(found: dict[str, Any], picture: int) -> dict[str, list[list[float]]]:
 def test_pictures_are_the_drawings(which: str, drawn: dict[str, Drawn]) -> None:
     scenario, result, found = drawn[which]
     for picture in (0, len(found["times"]) // 2, -1):
-        row = result.times.index(found["times"][picture])
+        row = result.times.tolist().index(found["times"][picture])
         points = placed(found, picture)
         turns = iter(found["turns"][picture])
         for sent, shape in zip(found["shapes"], draw_row(scenario.system, result, row), strict=True):
@@ -113,7 +113,7 @@ def test_a_coil_is_drawn_as_one(drawn: dict[str, Drawn]) -> None:
 def test_slack_is_told(drawn: dict[str, Drawn]) -> None:
     _, result, found = drawn["slack"]
     result = add_step_rows(result)
-    rows = [result.times.index(time) for time in found["times"]]
+    rows = [result.times.tolist().index(time) for time in found["times"]]
     told = [names["slack"] for names in found["ports"].values()]
     assert {0, 1} <= {flag for flags in told for flag in flags}
     for port, flags in zip(found["ports"], told, strict=True):

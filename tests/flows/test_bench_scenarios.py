@@ -10,6 +10,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from thin_wire import THIN_WIRE
 
@@ -102,7 +103,7 @@ def test_run_of_a_scenario_is_that_of_its_bench() -> None:
     assert scenario.bench is not None
     result = scenario.run(runtime="floats")
     same = simulate_bench(scenario.bench, 0.4, seed=0, runtime="floats")
-    assert result.columns == same.columns
+    assert all(np.array_equal(column, same[name], equal_nan=True) for name, column in result.columns.items())
     assert len(result.times) == 21
     assert {"position", "measured.position", "reference", "wanted"} <= set(result.columns)
 
@@ -357,7 +358,7 @@ def test_guard_cuts_and_faults_act() -> None:
     sag = "[faults.sag]\nkind = 'supply-sag'\nshare = 0.5\nstart = '0.2 s'\n"
     weak = read_scenario(text + sag).run(runtime="floats")
     half = 10
-    assert weak.columns["temperature"][:half] == free.columns["temperature"][:half]
+    assert weak["temperature"][:half].tolist() == free["temperature"][:half].tolist()
     assert weak["temperature"][-1] < free["temperature"][-1] - 1.0
 
 

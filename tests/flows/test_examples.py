@@ -184,7 +184,9 @@ def test_hand_closes_finger_by_finger_and_opens_again(changes: dict[str, Any]) -
     assert changes or result.warnings == []
     for finger, begin in (("thumb", 1.0), ("index", 3.0), ("middle", 5.0)):
         bent = [math.degrees(a) for a in result[f"{finger}_proximal"]]
-        before, closed, cold, opened = (bent[result.times.index(t)] for t in (begin, begin + 3.0, 14.0, begin + 17.0))
+        before, closed, cold, opened = (
+            bent[result.times.tolist().index(t)] for t in (begin, begin + 3.0, 14.0, begin + 17.0)
+        )
         assert before == pytest.approx(0.0, abs=1e-6)
         assert closed == pytest.approx(80.0, abs=0.2)
         assert 75.0 < cold < 79.0
@@ -223,7 +225,7 @@ def pulled(**changes: str) -> Result:
 
 def test_tensile_test_transforms_and_comes_back_where_its_comments_say() -> None:
     result = pulled()
-    peak = result.times.index(50.0)
+    peak = result.times.tolist().index(50.0)
     fractions, stresses = result["martensite_fraction"], result["stress"]
     forward = next(s for s, x in zip(stresses, fractions, strict=True) if x > 1e-4)
     way_back = zip(stresses[peak:], fractions[peak:], strict=True)

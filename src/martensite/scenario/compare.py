@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -56,8 +57,9 @@ def compare_with_record(result: Result, record: Record) -> list[Agreement]:
                 f"Column `{name}` of record `{record.name}` is in {record.units[name]}, "
                 f"but that of the run in {result.unit(name)}."
             )
-    _refuse_outside(result.times, record)
-    places = [_locate_time(result.times, time) for time in record.times]
+    times = result.times.tolist()
+    _refuse_outside(times, record)
+    places = [_locate_time(times, time) for time in record.times]
     return [_measure_agreement(name, result, record, places) for name in names]
 
 
@@ -69,7 +71,7 @@ def list_common(result: Result, record: Record) -> list[str]:
 
 
 def _measure_agreement(name: str, result: Result, record: Record, places: list[tuple[int, float]]) -> Agreement:
-    computed, measured = result.columns[name], list(filter(math.isfinite, record[name]))
+    computed, measured = result[name].tolist(), list(filter(math.isfinite, record[name]))
     apart = {
         time: (1.0 - share) * computed[i] + share * computed[i + 1] - value
         for time, (i, share), value in zip(record.times, places, record[name], strict=True)
@@ -101,5 +103,5 @@ def _refuse_outside(times: list[float], record: Record) -> None:
         )
 
 
-def _list_names(names: dict[str, list[float]]) -> str:
+def _list_names(names: Iterable[str]) -> str:
     return ", ".join(f"`{name}`" for name in names if name != "time") or "none but `time`"

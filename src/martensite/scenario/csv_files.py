@@ -58,7 +58,7 @@ def list_columns(result: Result) -> list[tuple[str, str, Any]]:
     samples, units = len(result.times), {leaf.path: leaf.declared.unit for leaf in result.system.leaves()}
     table = {"variant": ("1", range(len(variants)))} | {p: (units[p], v.tolist()) for p, v in variants.over.items()}
     first = [(name, unit, [one for one in values for _ in range(samples)]) for name, (unit, values) in table.items()]
-    times = ("time", "s", [*result.times] * len(variants))
+    times = ("time", "s", result.times.tolist() * len(variants))
     return [*first, times, *((name, result.unit(name), result[name].ravel().tolist()) for name in result.columns)]
 
 

@@ -150,7 +150,7 @@ def _follow_rows(
     legs = [PathLeg(temperature=T, **{name: x}, duration=dt) for T, x, dt in moves]
     found = material_point(law, [*before, *legs], **how)
     columns: dict[str, Any] = {c: getattr(found, c)[found.ends[len(before)] :] for c in COLUMNS}
-    columns["time"] = (rows["time"] - rows["time"][0]).tolist()
+    columns["time"] = rows["time"] - rows["time"][0]
     found = replace(found, legs=found.legs[-1:], ends=[0, len(followed) - 1], **columns)
     if compared == "strain":
         shift = float(np.mean(rows["strain"] - found["strain"]))

@@ -8,6 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from martensite.actuators.assembly import PROFILES
 from martensite.base.errors import DataError
 from martensite.base.files import replace_file
@@ -74,7 +76,7 @@ def open_result(path: str | os.PathLike[str]) -> Result:
     try:
         own = decode(json.loads(saved.attrs[KEPT_RESULT]))
         extremes = own.pop("extremes")
-        empty = Result(**own, times=[], columns={})
+        empty = Result(**own, times=np.empty(0), columns={})
     except DataError as error:
         raise DataError(f"`{path}` cannot be opened as a result: {error}") from None
     except (ValueError, TypeError, LookupError, AttributeError, ImportError, RecursionError) as error:
@@ -89,8 +91,8 @@ def _fill(empty: Result, saved: LabelledData) -> Result:
     columns = _read_columns(empty, saved)
     return replace(
         empty,
-        times=saved[TIME].values.tolist(),
-        columns=columns if empty.variants else {name: one.tolist() for name, one in columns.items()},
+        times=saved[TIME].values,
+        columns=columns,
         profiles={name: saved[name].values.T.tolist() for name in PROFILES if name in saved.variables},
         restarts=read_restarts(saved)[0],
     )

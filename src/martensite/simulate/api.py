@@ -252,11 +252,11 @@ def _build_result(
     leaves = found.status is Status.OUT_OF_ENVELOPE
     names = list(system.outputs())
     rows = found.require().rows
-    columns = dict(zip(names, np.asarray(rows, float).T.tolist(), strict=False))
+    columns = dict(zip(names, np.array(rows, float).T.copy(), strict=False))
     result = Result(
         system,
         waveform,
-        list(plan.times[: len(rows)]),
+        np.array(plan.times[: len(rows)], float),
         columns,
         found.status,
         found.status_time,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -145,8 +145,8 @@ def _build_result(
     return Result(
         system,
         waveform,
-        list(times),
-        cast("Any", ran.columns),
+        np.array(times, float),
+        ran.columns,
         max(status),
         None,
         0,

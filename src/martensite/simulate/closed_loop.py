@@ -245,12 +245,12 @@ class _Walk:
     def loop(self, found: Marched) -> LoopResult:
         """What was found, with its alarms."""
         plan, count = self.plan, len(self.times)
-        times = [plan.start(k) for k in range(len(found.rows))]
+        times = np.array([plan.start(k) for k in range(len(found.rows))], float)
         result = Result(
             plan.system,
             plan.waveform(self.signals),
             times,
-            self._columns(found.rows),
+            {name: np.array(one) for name, one in self._columns(found.rows).items()},
             found.status,
             found.status_time,
             count,

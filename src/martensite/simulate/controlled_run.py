@@ -12,6 +12,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, ParameterError, SolveError
 from martensite.base.status import Status
@@ -181,8 +183,8 @@ class _ControlledWalk:
     def result(self, found: Marched) -> Result:
         """What was found, with its alarms."""
         plan = self.plan
-        times = [k * plan.every * plan.period for k in range(len(found.rows))]
-        columns = {name: [row[i] for row in found.rows] for i, name in enumerate(self.names)}
+        times = np.array([k * plan.every * plan.period for k in range(len(found.rows))], float)
+        columns = dict(zip(self.names, np.array(found.rows, float).T.copy(), strict=False))
         played: dict[str, AbstractWaveform] = {}
         drives = zip(plan.system.drives(), plan.drives, strict=True)
         for i, (declared, drive) in enumerate(drives):

@@ -16,17 +16,17 @@ def add_step_rows(result: Result) -> Result:
     """
     if result.track is None or result.variants is not None:
         return result
-    samples = np.asarray(result.times, float)
+    samples = result.times
     steps, own = result.list_rows()
     times = np.concatenate([steps, samples])
     order = np.argsort(times, kind="stable")
     times = times[order]
-    columns = {name: np.interp(times, samples, column).tolist() for name, column in result.columns.items()}
+    columns = {name: np.interp(times, samples, column) for name, column in result.columns.items()}
     for name in own.keys() & columns.keys():
-        columns[name] = np.concatenate([own[name], result[name]])[order].tolist()
+        columns[name] = np.concatenate([own[name], result[name]])[order]
     profiles = {
         name: [np.interp(times, samples, cell).tolist() for cell in cells] for name, cells in result.profiles.items()
     }
-    found = replace(result, times=times.tolist(), columns=columns, profiles=profiles)
+    found = replace(result, times=times, columns=columns, profiles=profiles)
     vars(found)["track"] = result.track  # computed once
     return found

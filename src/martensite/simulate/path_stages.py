@@ -9,6 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 
+import numpy as np
+from numpy.typing import NDArray
+
 from martensite.simulate.point import PointResult
 from martensite.simulate.transformation_points import PlanePoint
 
@@ -47,18 +50,14 @@ def list_stages(result: PointResult) -> list[PathStage]:
 
 def residual_strain(result: PointResult) -> float:
     """Strain that a path leaves [-]: last less first."""
-    return result.strain[-1] - result.strain[0]
+    return float(result.strain[-1] - result.strain[0])
 
 
 def _build_stage(result: PointResult, leg: int, first: int, last: int) -> PathStage:
-    changes = {n: result[n][last] - result[n][first] for n in (*STILL, "martensite", "oriented")}
+    changes = {n: float(result[n][last] - result[n][first]) for n in (*STILL, "martensite", "oriented")}
     martensite, oriented = changes["martensite"], changes["oriented"]
     name = "martensite" if abs(martensite) >= 0.5 * abs(oriented) else "oriented"
-    varies = tuple(
-        n
-        for n in ("stress", "temperature")
-        if max(result[n][first : last + 1]) - min(result[n][first : last + 1]) > STILL[n]
-    )
+    varies = tuple(n for n in ("stress", "temperature") if np.ptp(result[n][first : last + 1]) > STILL[n])
     acts = abs(changes[name]) > LEAST
     process = "orientation"
     if name == "martensite":
@@ -68,10 +67,10 @@ def _build_stage(result: PointResult, leg: int, first: int, last: int) -> PathSt
         process=process if acts else "",
         martensite=martensite,
         oriented=oriented,
-        spots=_find_spots(result, getattr(result, name), first, last) if acts else None,
+        spots=_find_spots(result, result[name].tolist(), first, last) if acts else None,
         varies=varies,
-        end=PlanePoint(result.stress[last], result.temperature[last]),
-        strain=result.strain[last],
+        end=PlanePoint(float(result.stress[last]), float(result.temperature[last])),
+        strain=float(result.strain[last]),
     )
 
 
@@ -84,7 +83,7 @@ def _describe_kind(result: PointResult, leg: int, changes: dict[str, float]) -> 
         words.append("loading" if changes["stress"] > 0.0 else "unloading")
     if control == "strain":
         before = [e for e in (x.strain for x in result.legs[:leg]) if e is not None]
-        begin = before[-1] if before else result.strain[0]
+        begin = before[-1] if before else float(result.strain[0])
         words.append("stretching" if (result.legs[leg].strain or 0.0) > begin else "releasing")
     return " and ".join(words) or "waiting"
 
@@ -102,11 +101,11 @@ def _find_spot(result: PointResult, fractions: list[float], first: int, last: in
     done = [(fractions[i] - begin) / change for i in range(first, last + 1)]
     k = next(i for i, value in enumerate(done) if value >= share)
     if k == 0:
-        return PlanePoint(result.stress[first], result.temperature[first])
+        return PlanePoint(float(result.stress[first]), float(result.temperature[first]))
     part = (share - done[k - 1]) / (done[k] - done[k - 1])
     i = first + k
 
-    def between(column: list[float]) -> float:
-        return column[i - 1] + part * (column[i] - column[i - 1])
+    def between(column: NDArray[np.float64]) -> float:
+        return float(column[i - 1] + part * (column[i] - column[i - 1]))
 
     return PlanePoint(between(result.stress), between(result.temperature))

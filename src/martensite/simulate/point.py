@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import accumulate, pairwise
+from itertools import accumulate
 from typing import TYPE_CHECKING
 
 from martensite.base.errors import InputError, ParameterError, SolveError, UnknownNameError, suggest_name
@@ -80,23 +80,23 @@ class PathLeg:
             raise ParameterError(f"Argument `temperature` of a leg must be above 0 K, but is {self.temperature} K.")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PointResult:
     """A path of a material point: equally long columns in SI units."""
 
     law: AbstractLaw
     legs: tuple[PathLeg, ...]
-    time: list[float]
+    time: NDArray[np.float64]
     """[s]"""
-    stress: list[float]
+    stress: NDArray[np.float64]
     """[Pa]"""
-    strain: list[float]
+    strain: NDArray[np.float64]
     """[-]; that of the material, which exceeds a prescribed strain where it is slack."""
-    temperature: list[float]
+    temperature: NDArray[np.float64]
     """[K]"""
-    martensite: list[float]
+    martensite: NDArray[np.float64]
     """Martensite fraction [-]."""
-    oriented: list[float]
+    oriented: NDArray[np.float64]
     """Net oriented fraction [-]."""
     ends: list[int]
     """Index of the first sample, and of the last one of each leg."""
@@ -118,15 +118,14 @@ class PointResult:
         """
         if name not in COLUMNS:
             raise UnknownNameError("column", name, COLUMNS)
-        import numpy
-
-        return numpy.array(getattr(self, name))
+        return getattr(self, name)
 
     @property
     def work(self) -> float:
         """Work done on the point along the path, ∫ σ dε [J/m³]; what a closed loop loses."""
-        points = pairwise(zip(self.strain, self.stress, strict=True))
-        return math.fsum(0.5 * (s0 + s1) * (e1 - e0) for (e0, s0), (e1, s1) in points)
+        import numpy as np
+
+        return math.fsum((0.5 * (self.stress[1:] + self.stress[:-1]) * np.diff(self.strain)).tolist())
 
 
 COLUMNS = ("time", "stress", "strain", "temperature", "martensite", "oriented")
@@ -176,7 +175,7 @@ def material_point(
             f"{_SENTENCES.get(track.status, track.status.sentence)}"
         )
     result = _build_result(law, legs, drive, track, accuracy, label)
-    path = result.stress, result.temperature, result.martensite, result.oriented
+    path = [result[name].tolist() for name in ("stress", "temperature", "martensite", "oriented")]
     result.warnings.extend([*describe_forgotten_loops(law, *path), *describe_compression(law, path[0])])
     if tolerance is not None and accuracy is not None and accuracy > tolerance:
         result.warnings.append(
@@ -266,7 +265,9 @@ def _compare_tracks(coarse: PointTrack, fine: PointTrack) -> float:
 def _build_result(
     law: AbstractLaw, legs: Sequence[PathLeg], drive: PathDriver, track: PointTrack, accuracy: float | None, label: str
 ) -> PointResult:
-    columns = {name: [row[i] for row in track.rows] for i, name in enumerate(ROW)}
+    import numpy as np
+
+    columns = dict(zip(ROW, np.array(track.rows, float).T.copy(), strict=True))
     times, temperatures = [0.0], [drive.temperature]
     for section in drive.sections:
         shares = [k / section.samples for k in range(1, section.samples + 1)]
@@ -276,8 +277,8 @@ def _build_result(
     return PointResult(
         law=law,
         legs=tuple(legs),
-        time=times,
-        temperature=temperatures,
+        time=np.array(times),
+        temperature=np.array(temperatures),
         stress=columns["stress"],
         strain=columns["strain"],
         martensite=columns["martensite"],

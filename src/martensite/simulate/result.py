@@ -64,7 +64,7 @@ class Variants:
         return ", ".join(f"{count} {name}" for name, count in names.most_common())
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Result:
     """Columns over time, and how far they can be trusted.
 
@@ -76,11 +76,10 @@ class Result:
     """What was run: a `System` of one element, or a `Machine` of several."""
     waveform: Any
     """The waveform that drove it, or waveforms by name."""
-    times: list[float]
-    """Sample times [s]."""
-    columns: dict[str, list[float]]
-    """One list per output of the system, in SI units; of a batch arrays (variants, samples), NaN
-    after the end of a run. `result["stress"]` is an array in every case."""
+    times: NDArray[np.float64]
+    """Sample times [s], (samples,)."""
+    columns: dict[str, NDArray[np.float64]]
+    """Outputs of the system by name, in SI, (samples,); of a batch (variants, samples), NaN after the end of a run."""
     status: Status
     """The worst status of all steps and variants; a failed single run has no result but raises."""
     status_time: float | None
@@ -132,16 +131,11 @@ class Result:
         Raises:
             UnknownNameError: there is no such column.
         """
-        if name not in self._arrays:
-            if name != "time" and name not in self.columns:
-                raise UnknownNameError("column", name, self.columns)
-            self._arrays[name] = np.array(self.times if name == "time" else self.columns[name])
-        return self._arrays[name]
-
-    @cached_property
-    def _arrays(self) -> dict[str, NDArray[np.float64]]:
-        """The columns that have been asked for."""
-        return {}
+        if name == "time":
+            return self.times
+        if name not in self.columns:
+            raise UnknownNameError("column", name, self.columns)
+        return self.columns[name]
 
     # ---------------------------------------------------------------- ways out
 
@@ -210,7 +204,7 @@ class Result:
         """Everything but the columns, by name in SI."""
         ends = {name: self.find_range(name) for name in self.outputs}
         return {
-            "duration": self.times[-1],
+            "duration": float(self.times[-1]),
             "start": self.start,
             "steps": self.steps,
             "step": self.step,
@@ -265,9 +259,8 @@ class Result:
     def find_range(self, name: str) -> tuple[float, float]:
         """Return the lowest and the highest value of a column in the run, over all variants."""
         if self.variants is None:
-            column = self.times if name == "time" else self.columns[name]
             low, high = self.extremes.get(name, (math.inf, -math.inf))
-            low, high = min(low, *column), max(high, *column)
+            low, high = float(np.fmin.reduce(self[name], initial=low)), float(np.fmax.reduce(self[name], initial=high))
             nothing = ROUNDING * max(abs(low), abs(high))
             return low if abs(low) > nothing else 0.0, high if abs(high) > nothing else 0.0
         ends = self.variants.extremes.get(name, (self[name], self[name]))

@@ -33,7 +33,7 @@ def describe_start(result: Result, begin: Restart) -> str:
     names = [[system.label(port, name) for port in actuators] for name in SHOWN]
     if not actuators or not all(name in result.columns for row in names for name in row):
         return ""
-    temperatures, stresses, fractions = ([result.columns[name][0] for name in row] for row in names)
+    temperatures, stresses, fractions = ([float(result[name][0]) for name in row] for row in names)
     where = f"{_write_range(temperatures, 'K')} and {_write_range(stresses, 'Pa')}"
     phases = f"martensite fraction {_write_fractions(fractions)}"
     if begin.passes:

@@ -121,7 +121,7 @@ def _is_repeated(result: Result, panel: TracePanel, port: str, name: str) -> boo
     """Whether the panel shows these numbers already, as that of the only temperature."""
     base = name.rpartition(".")[-1]
     own = panel.ports.get(port, [])
-    return base in TOGETHER and any(result.columns[name] == result.columns[other] for other in own)
+    return base in TOGETHER and any(np.array_equal(result[name], result[other]) for other in own)
 
 
 def _rank_panel(panel: TracePanel) -> tuple[bool, int]:

@@ -90,7 +90,7 @@ def compare_averaging(
     pulsed = simulate_loop(switched, drive, periods * period, period, pulses=True, shortest=shortest, step=step)
     for run in (average, pulsed.result):
         run.require()
-    differences = {name: _compare_runs(pulsed.means[name], average.columns[name][1::2]) for name in COMPARED}
+    differences = {name: _compare_runs(pulsed.means[name], average[name][1::2].tolist()) for name in COMPARED}
     capacity = system.element.heat_capacity_total()
     estimate = max(
         power * (1.0 - duty) * period / capacity
@@ -117,7 +117,7 @@ def switch_plant(system: System, waveform: AbstractWaveform) -> tuple[System, Ab
 
 def measure_ripples(pulsed: LoopResult) -> list[float]:
     """Rise of temperature in each pulse above the straight line through its period [K]."""
-    starts, ends = pulsed.result.columns["temperature"], pulsed.ends["temperature"]
+    starts, ends = pulsed.result["temperature"].tolist(), pulsed.ends["temperature"]
     shares = pulsed.means["drive"]
     return [
         end - (begin + share * (after - begin))

@@ -70,7 +70,7 @@ def simulate_pulse(system: System, current: float, time: float) -> float:
     """
     run = simulate(system, Step(high=current), time, step=time / STEPS, samples=STEPS + 1)
     left = run.status is Status.OUT_OF_ENVELOPE
-    return run.find_range("position")[1] if left else run.columns["position"][-1]
+    return run.find_range("position")[1] if left else float(run["position"][-1])
 
 
 def find_current(system: System, position: float, time: float, guess: float) -> float | None:

@@ -151,8 +151,8 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         default="work",
     )
 
-    # These laws name no kinks. In trials with 12 runs, kinks saved half of the rejected steps, but one sample next to the
-    # start of a reverse transformation was 1.2 times as far off as the run claimed.
+    # These laws name no kinks. In a trial of 12 runs, kinks saved half of the rejected steps, but the error of one
+    # sample next to the start of a reverse transformation was 1.2 times its bound.
     sided = (*AbstractSidedLaw.sided, "H_sat")
     by_ratios = False
 
