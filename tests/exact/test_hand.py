@@ -342,4 +342,4 @@ def test_twelve_alike_elements_are_one_loop() -> None:
 def test_a_warm_start_is_that_of_the_surroundings() -> None:
     """Elastic elements at rest temperature are the zero of all the statics above."""
     result = drawn({})
-    assert result.columns["thumb_distal_flexor.temperature"] == [REST] * 4
+    assert result["thumb_distal_flexor.temperature"].tolist() == [REST] * 4

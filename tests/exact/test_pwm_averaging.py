@@ -134,7 +134,7 @@ def test_the_loop_plays_what_the_carrier_waveform_says(duty, shortest):
     wave = Carrier(duty=duty, frequency=20.0, shortest=shortest)
     direct = simulate(system, wave, 4.0, step=1e-3, samples=81)
     played = simulate(system, loop.result.waveform, 4.0, step=1e-3, samples=81)
-    assert loop.result.columns["drive"][:-1] == direct.columns["drive"][:-1]
+    assert loop.result["drive"][:-1].tolist() == direct["drive"][:-1].tolist()
     for name in ("temperature", "martensite_fraction", "position"):
         assert loop.result[name] == pytest.approx(direct[name], rel=1e-9, abs=1e-12), name
         assert played[name] == pytest.approx(direct[name], rel=1e-9, abs=1e-12), name
