@@ -6,6 +6,7 @@ A_f + stress/C_A of austenite finish; the definition of an equilibrium, from whi
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -17,7 +18,10 @@ from martensite.kernels import floats
 from martensite.kernels.compiler import find_compiler
 from martensite.physics.laws.base import Fractions
 from martensite.scenario.scenario import read_scenario
+from martensite.signals.constant import Constant
 from martensite.simulate.api import longest_step
+from martensite.simulate.closed_loop import simulate_loop
+from martensite.simulate.controlled_run import simulate_controlled
 
 ZERO = 273.15
 AMBIENTS = range(60, 201, 5)
@@ -117,6 +121,20 @@ def test_a_run_reports_its_start(celsius: int, settings: dict[str, Any], sentenc
     assert result.start == f"Start: {sentence}"
     assert result.summary().data["start"] == result.start
     assert f"{result['martensite_fraction'][0]:.3f}" in sentence
+
+
+def test_loops_and_batches_report_their_start(tmp_path: Path) -> None:
+    """The same words as a run; those of a batch have the range of its variants. A saved result keeps them."""
+    sentence = "Start: in equilibrium at 22 °C and 81.49 MPa, warmed from trained martensite (martensite fraction 1.000)."
+    system: Any = read_scenario(WIRE).system
+    looped = simulate_loop(system, Constant(level=0.2), 1.0, 0.5).result
+    controlled = simulate_controlled(system, Constant(level=0.2), 1.0, 0.5)
+    assert looped.start == controlled.start == sentence
+    batch = ms.run(read_scenario(WIRE), over={"environment.temperature": ["22 degC", "95 degC"]})
+    found = "at 22 to 95 °C and 81.49 MPa (martensite fraction 0.000 to 1.000)."
+    assert batch.start == f"Start of 2 variants: in equilibrium, warmed from trained martensite, {found}"
+    batch.save(tmp_path / "batch.nc")
+    assert ms.open_result(tmp_path / "batch.nc").start == batch.start
 
 
 def test_the_start_reports_the_other_history_where_it_matters() -> None:

@@ -107,9 +107,8 @@ class RunOptions:
         refuse_idle("--seed", self.seed is not None and not _has_noise(loaded), "the scenario has no noise")
         idle = log is not None and not loaded.follows
         refuse_idle("--log", idle, "no waveform of the scenario is of kind `log`; use --compare")
-        closed, periods = loaded.bench is not None, "a bench runs in its periods"
-        refuse_idle("--tolerance", closed and self.tolerance is not None, periods)
-        refuse_idle("--budget", closed and self.budget is not None, periods)
+        closed = loaded.bench is not None and self.tolerance is not None
+        refuse_idle("--tolerance", closed, "a bench runs in its periods")
         refuse_idle("--at", self.at is not None and self.begin is None, "there is no --from")
         if self.begin is not None:
             from martensite.scenario.running import go_on_from
@@ -134,10 +133,10 @@ class RunOptions:
 
     def run(self, scenario: Scenario, *, quiet: bool) -> Result:
         """The run, which shows how far it is unless it shall be quiet."""
+        most = read_quantity("budget", self.budget, "s")
         if scenario.bench is not None:
             with show_spinner(f"simulating {scenario.title}"):
-                return scenario.run(runtime=self.runtime)
-        most = read_quantity("budget", self.budget, "s")
+                return scenario.run(runtime=self.runtime, budget=most)
         with show_run(scenario.title, quiet) as tell:
             return scenario.run(tolerance=self.tolerance, runtime=self.runtime, budget=most, tell=tell)
 

@@ -339,6 +339,7 @@ def _keep_result(result: Result) -> str | None:
     """Everything but columns, as text; None where a part is of a kind that no file holds."""
     left_out = (*IN_VARIABLES, *NOT_KEPT)
     own = {one.name: getattr(result, one.name) for one in fields(result) if one.name not in left_out}
+    own["begin"] = result.start
     own["extremes"] = {} if result.variants is not None else dict(result.extremes)
     try:
         return json.dumps(encode(own), ensure_ascii=False)

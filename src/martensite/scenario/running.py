@@ -97,7 +97,7 @@ def run(
         raise InputError("Argument `outputs` of `run` is for batches; give `over` with it.")
     if scenario.bench is None:
         return scenario.run(runtime=runtime, budget=budget, tell=tell)
-    return scenario.run(runtime=None if runtime == "auto" else runtime, tell=tell)
+    return scenario.run(runtime=None if runtime == "auto" else runtime, budget=budget, tell=tell)
 
 
 def go_on_from(scenario: Scenario, what: Result | str | Path, at: units.Numeric | None = None) -> Scenario:

@@ -209,11 +209,11 @@ class Scenario:
         Args:
             tolerance: replaces that of the scenario; without a meaning on a bench.
             runtime: auto, floats, c or jax; by default auto, or on a bench c if there is a compiler.
-            budget: CPU time [s] after which the run is given up; without a meaning on a bench.
+            budget: CPU time [s] after which the run is given up.
             tell: called now and then with what is done and which share of the run; not on a bench.
         """
         if self.bench is not None:
-            return self._run_bench(self.bench, runtime)
+            return self._run_bench(self.bench, runtime, budget)
         from martensite.simulate.api import simulate
 
         chosen, accepted = runtime or "auto", self.tolerance if tolerance is None else tolerance
@@ -281,7 +281,7 @@ class Scenario:
         """The web bench as a widget of a notebook; `InputError` if the extra `notebook` is not installed."""
         return import_extra("martensite.app.notebook", "notebook", "the bench in a notebook").BenchWidget(self)
 
-    def _run_bench(self, bench: Bench, runtime: str | None) -> Result:
+    def _run_bench(self, bench: Bench, runtime: str | None, budget: float | None) -> Result:
         from martensite.control.loop.run import simulate_bench
         from martensite.simulate.drive_waveforms import by_name
 
@@ -290,6 +290,7 @@ class Scenario:
             self.duration,
             seed=self.seed,
             runtime=runtime,
+            budget=budget,
             waveforms=by_name(self.system, self.waveform),
             start=self.start or HOME,
             restart_at=self.restart_at,

@@ -155,18 +155,29 @@ class RunEngine:
 
         def watch(share: float) -> None:
             nonlocal last
-            spent = time.process_time() - self.begin
-            if self.budget is not None and spent > self.budget:
-                raise BudgetError(
-                    f"The run was stopped, for its budget of {self.budget:.4g} s of CPU time was "
-                    f"spent at {100.0 * share:.2g} % of it. Allow more, a larger tolerance, or a "
-                    "shorter run."
-                )
+            spent = require_budget(self.budget, self.begin, share)
             if self.tell is not None and spent - last > OFTEN:
                 last = spent
                 self.tell(doing, share)
 
         return watch
+
+
+def require_budget(budget: float | None, begin: float, share: float) -> float:
+    """Return the CPU time [s] since `begin`; raise `BudgetError` if it exceeds the budget [s].
+
+    Args:
+        budget: CPU time that may be spent [s]; None for any.
+        begin: `time.process_time` at the start of the run.
+        share: fraction of the run that is done.
+    """
+    spent = time.process_time() - begin
+    if budget is not None and spent > budget:
+        raise BudgetError(
+            f"The run was stopped, for its budget of {budget:.4g} s of CPU time was spent at {100.0 * share:.2g} % of "
+            "it. Allow more, a larger tolerance, or a shorter run."
+        )
+    return spent
 
 
 def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[Marched, float]:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -12,7 +14,15 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.base.status import Status
 from martensite.kernels import floats
-from martensite.simulate.accuracy import RunEngine, Tell, bound_error, choose_samples, march_to, measure_gaps
+from martensite.simulate.accuracy import (
+    RunEngine,
+    Tell,
+    bound_error,
+    choose_samples,
+    march_to,
+    measure_gaps,
+    require_budget,
+)
 from martensite.simulate.alarms import add_warnings
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms, grid_of
@@ -27,6 +37,8 @@ from martensite.simulate.start_report import describe_start
 from martensite.simulate.stops import end_at_envelope
 from martensite.simulate.tracing import AbstractTrace, RowsTrace, RunTrace
 
+LOOKS = 50
+"""Number of times that a run in discrete time with a budget looks at the CPU time."""
 RUNTIMES = ("auto", "floats", "c", "jax")
 
 
@@ -85,7 +97,7 @@ def simulate(
         raise InputError(f"No runtime named `{runtime}`. {suggest_name(runtime, RUNTIMES)}")
     waves = arrange_waveforms(system, waveform)
     if system.sample_time():
-        return _in_discrete_time(system, waveform, duration, samples, runtime, start, restart_at)
+        return _in_discrete_time(system, waveform, duration, samples, runtime, start, restart_at, budget)
     compiled = compile_march(system)
     times = list_samples(duration, samples, start.time)
     plan = MarchPlan(
@@ -118,7 +130,7 @@ def simulate(
         found, accuracy = _on_jax(engine, plan, found, accuracy, start)
     trace = RunTrace(system, engine, plan, found, relay, marched_on)
     result = _build_result(system, waveform, plan, found, accuracy, engine.used, trace)
-    result = replace(result, restarts=kept, start=describe_start(result, start))
+    result = replace(result, restarts=kept, begin=partial(describe_start, start))
     if accuracy is not None and accuracy > tolerance and not found.status.failed:
         result.warnings.append(
             f"Warning: the tolerance of {tolerance:.1e} was not reached in {found.steps:,} steps; "
@@ -157,26 +169,34 @@ def _in_discrete_time(
     runtime: str,
     start: Restart,
     restart_at: Sequence[float],
+    budget: float | None,
 ) -> Result:
     if restart_at and runtime == "jax":
         raise InputError("A system in discrete time keeps no states on the runtime `jax`; take `c` or `floats`.")
+    if budget is not None and runtime == "jax":
+        raise InputError("A system in discrete time has no budget on the runtime `jax`; take `c` or `floats`.")
     compiled, interval = compile_march(system), system.sample_time()
     whole = grid_of(system, waveform, duration, samples, interval, every=runtime != "jax")
     grid = whole.cut(start.time, whole.times[-1])
+    begin = time.process_time()
 
     def march(plan: MarchPlan) -> Marched:
+        require_budget(budget, begin, plan.times[0] / grid.times[-1])
         leg = whole.cut(plan.times[0], plan.times[-1])
         found = _march_grid(system, compiled, leg, runtime, plan.start).require()
         found.steps, found.longest = len(leg.lengths), leg.longest
         return found
 
     plan = MarchPlan(compiled, (), grid.times, 0.0, interval, envelope_of(system))
-    relay = Relay(march, start, place_stops(restart_at, grid.times))
+    asked = place_stops(restart_at, grid.times)
+    looks = [] if budget is None else grid.times[1 : -1 : math.ceil(len(grid.times) / LOOKS)]
+    relay = Relay(march, start, sorted({*asked, *looks}))
     found = relay(plan)
     if found.status is Status.OUT_OF_ENVELOPE:
         found.rows = list(rows_inside(system, found.rows))
     used = {"c": "C", "jax": "JAX"}.get(runtime, "floats")
     kept = relay.list_restarts(grid.times[-1:]) if found.state else []
+    kept = [one for one in kept if one.time in {*asked, grid.times[-1]}]
     kept_all = whole.stored is not ...
     trace = RowsTrace(grid.times[: len(found.rows)], found.rows, len(system.outputs())) if kept_all else None
     stored = {start.time, *np.asarray(whole.times)[whole.stored].tolist()}
@@ -184,7 +204,7 @@ def _in_discrete_time(
     plan = replace(plan, times=[grid.times[k] for k in places])
     found = replace(found, rows=[found.rows[k] for k in places if k < len(found.rows)])
     result = _build_result(system, waveform, plan, found, None, used, trace)
-    result = replace(result, restarts=kept, start=describe_start(result, start))
+    result = replace(result, restarts=kept, begin=partial(describe_start, start))
     if not kept_all and len(whole.lengths) > len(whole.times):
         result.warnings.append(
             f"Caution: the run has {len(whole.lengths):,} steps; its measures and alarms come from "

@@ -26,6 +26,7 @@ from martensite.simulate.measures.extremes import Largest, Smallest
 from martensite.simulate.native_slopes import march_slopes
 from martensite.simulate.refusals import find_refused
 from martensite.simulate.result import Result, Variants
+from martensite.simulate.start_report import describe_batch_start
 from martensite.simulate.variants import NAMES, RUNTIMES, VariantSetup
 
 
@@ -154,6 +155,7 @@ def _build_result(
         warnings=warnings,
         runtime=NAMES.get(runtime, runtime),
         variants=variants,
+        begin=describe_batch_start,
     )
 
 

@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -33,7 +34,9 @@ from martensite.simulate.envelope import Envelope, describe_exit, rows_inside
 from martensite.simulate.grid import MOST_STEPS
 from martensite.simulate.march import FloatWalk
 from martensite.simulate.marching import Marched, Row
+from martensite.simulate.restarts import HOME
 from martensite.simulate.result import Result
+from martensite.simulate.start_report import describe_start
 from martensite.simulate.tracing import AbstractTrace, RowsTrace
 
 ELECTRICAL = ("drive", "resistance", "current", "voltage", "power")
@@ -256,6 +259,7 @@ class _Walk:
             count,
             self.longest,
             trace=self._trace(),
+            begin=partial(describe_start, HOME),
         )
         ends = self._columns(self.ends)
         if found.status is Status.OUT_OF_ENVELOPE:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -30,7 +31,9 @@ from martensite.simulate.envelope import describe_exit, envelope_of, rows_inside
 from martensite.simulate.grid import MOST_STEPS, just_after
 from martensite.simulate.march import Border, FloatWalk
 from martensite.simulate.marching import Marched, Row
+from martensite.simulate.restarts import HOME
 from martensite.simulate.result import Result
+from martensite.simulate.start_report import describe_start
 from martensite.simulate.tracing import AbstractTrace, RowsTrace
 
 Drives = Mapping[str, AbstractDrive]
@@ -200,6 +203,7 @@ class _ControlledWalk:
             found.steps,
             plan.period / plan.pieces,
             trace=self._trace(),
+            begin=partial(describe_start, HOME),
         )
         if found.status is Status.OUT_OF_ENVELOPE:
             result.warnings.append(describe_exit(plan.system, found.time, found.place, found.value))

@@ -7,6 +7,7 @@ state, such as a temperature, is read at the end of the step.
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -107,7 +108,11 @@ class TimeGrid:
         Raises:
             InputError: there is no sample at one of these times [s]; the sentence names the nearest.
         """
-        places = [min(range(len(self.times)), key=lambda k: abs(self.times[k] - time)) for time in (begin, end)]
+        near = [bisect_left(self.times, time) for time in (begin, end)]
+        places = [
+            min(range(max(k - 1, 0), min(k + 1, len(self.times))), key=lambda k: abs(self.times[k] - time))
+            for k, time in zip(near, (begin, end), strict=True)
+        ]
         for place, time in zip(places, (begin, end), strict=True):
             if abs(self.times[place] - time) > 1e-9 * self.times[-1]:
                 raise InputError(f"{time:.6g} s is no sample of this run; the nearest is {self.times[place]:.6g} s.")

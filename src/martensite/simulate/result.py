@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from importlib import import_module
@@ -120,10 +120,15 @@ class Result:
     """Computes `track`; None where only samples are known."""
     seed: int | None = None
     """Seed of the sensor noise; None for a run without noise."""
-    start: str = ""
-    """State and history with which a single run starts, in a sentence; empty without shape-memory elements."""
+    begin: Callable[[Result], str] | str = ""
+    """Returns `start`, or is `start` itself in a result from a file."""
     restarts: list[Restart] = field(default_factory=list["Restart"])
     """Where another run can go on: at the end, and at times that were asked for; none of a run that stopped early."""
+
+    @cached_property
+    def start(self) -> str:
+        """State and history with which the run starts, in a sentence; empty without shape-memory elements."""
+        return self.begin if isinstance(self.begin, str) else self.begin(self)
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         """A column by name, or the times, in SI units: (samples,), of a batch (variants, samples).

@@ -5,10 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.elements.base import AbstractElement
 from martensite.base.formats import typeset_unit, write_quantity
 from martensite.kernels import floats
+from martensite.kernels.arrays import ArrayNamespace
 from martensite.physics.laws.base import SHELF_TIME, Fractions
+from martensite.simulate.compiled import compile_march
+from martensite.simulate.drive_waveforms import arrange_waveforms
 from martensite.simulate.restarts import Restart
 
 if TYPE_CHECKING:
@@ -21,16 +27,14 @@ APART = 0.005
 SHOWN = ("temperature", "stress", "martensite_fraction")
 
 
-def describe_start(result: Result, begin: Restart) -> str:
+def describe_start(begin: Restart, result: Result) -> str:
     """Return the start of a single run in a sentence; empty if the system has no shape-memory element.
 
     Args:
-        result: the run.
         begin: the state from which it went on; `HOME` if the run found its start by itself.
+        result: the run.
     """
-    system = result.system
-    actuators = system.actuators()
-    names = [[system.label(port, name) for port in actuators] for name in SHOWN]
+    actuators, names = result.system.actuators(), _name_shown(result.system)
     if not actuators or not all(name in result.columns for row in names for name in row):
         return ""
     temperatures, stresses, fractions = ([float(result[name][0]) for name in row] for row in names)
@@ -46,9 +50,44 @@ def describe_start(result: Result, begin: Restart) -> str:
     cooled = list(_cool_elements(elements, stresses, temperatures)) if max(fractions) > 0.0 else []
     if cooled and max(abs(a - b) for a, b in zip(cooled, fractions, strict=True)) > APART:
         phases = f"{phases}; {_write_fractions(cooled)} if cooled from austenite"
+    return f"Start: in equilibrium at {where}, {_name_history(elements)} ({phases})."
+
+
+def describe_batch_start(result: Result) -> str:
+    """Return the starts of the variants of a batch in a sentence, as ranges; empty without shape-memory elements."""
+    system, variants = result.system, result.variants
+    actuators = system.actuators()
+    if not actuators or variants is None:
+        return ""
+    compiled = compile_march(system)
+    signals = [wave.value(0.0) + np.zeros(len(variants)) for wave in arrange_waveforms(system, result.waveform)]
+    nominal = zip(compiled.paths, compiled.values(system), strict=True)
+    table = [np.broadcast_to(variants.over.get(path, number), len(variants)) for path, number in nominal]
+    functions = compiled.program.bind_arrays(ArrayNamespace(np), table)
+    with np.errstate(all="ignore"):
+        rows = functions["observe"](*functions["init"](*signals), *signals)
+    outputs = dict(zip(system.outputs(), rows, strict=False))
+    known = [[outputs[name] for name in row if name in outputs] for row in _name_shown(system)]
+    if not all(known):
+        return ""
+    temperatures, stresses, fractions = (np.ravel(np.broadcast_arrays(*row, signals[0])[:-1]).tolist() for row in known)
+    where = f"{_write_range(temperatures, 'K')} and {_write_range(stresses, 'Pa')}"
+    elements: list[AbstractElement] = [one.element for one in actuators.values()]
+    given = any(path.endswith("initial_fraction") for path in variants.over)
+    given = given or any(share < 1.0 for one in elements for share in _list_numbers(one, "initial_fraction"))
+    how = "as given" if given else f"in equilibrium, {_name_history(elements)}"
+    return f"Start of {len(variants)} variants: {how}, at {where} (martensite fraction {_write_fractions(fractions)})."
+
+
+def _name_shown(system: AbstractSystem) -> list[list[str]]:
+    """Return the outputs that describe a start, by quantity and element."""
+    return [[system.label(port, name) for port in system.actuators()] for name in SHOWN]
+
+
+def _name_history(elements: Sequence[AbstractElement]) -> str:
+    """Return the history that a start in equilibrium assumes."""
     oriented = all(share == 1.0 for one in elements for share in _list_numbers(one, "initial_oriented"))
-    history = "warmed from trained martensite" if oriented else "warmed from martensite"
-    return f"Start: in equilibrium at {where}, {history} ({phases})."
+    return "warmed from trained martensite" if oriented else "warmed from martensite"
 
 
 def _list_numbers(element: AbstractElement, name: str) -> list[float]:

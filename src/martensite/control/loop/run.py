@@ -61,6 +61,7 @@ def simulate_bench(
     waveforms: Mapping[str, AbstractWaveform] | None = None,
     seed: int | None = 0,
     runtime: str | None = None,
+    budget: float | None = None,
     watch: Callable[[float], None] | None = None,
     start: Restart = HOME,
     restart_at: Sequence[float] = (),
@@ -75,6 +76,7 @@ def simulate_bench(
         waveforms: those of drives of the plant that nobody has; what is not named gets 0.
         seed: seed of noise and jitter; None for a run without them. The result keeps it as `seed`.
         runtime: floats, c or jax; by default c if there is a compiler.
+        budget: CPU time [s] after which the run is given up; not if something runs outside.
         watch: called after every period with the share of the run that is done, if something runs outside.
         start: where a run goes on from that a result kept.
         restart_at: samples [s] at which a state is kept; not if something runs outside.
@@ -87,6 +89,8 @@ def simulate_bench(
     played |= (noise := noise_waveforms(bench, duration, seed))
     drawn = seed if noise else None
     if outside:
+        if budget is not None:
+            raise InputError("A run whose controllers run outside has no budget.")
         if start is not HOME or restart_at:
             raise InputError("A run whose controllers run outside keeps no states: there is nothing to go on from.")
         seeing = {name: Seeing(drive=drive) for name, drive in outside.items()}
@@ -97,7 +101,14 @@ def simulate_bench(
     chosen = runtime or ("c" if find_compiler() is not None else "floats")
     samples = int(duration / bench.period + 1e-6) + 1
     found = simulate(
-        bench, played, duration, samples=max(samples, 2), runtime=chosen, start=start, restart_at=restart_at
+        bench,
+        played,
+        duration,
+        samples=max(samples, 2),
+        runtime=chosen,
+        budget=budget,
+        start=start,
+        restart_at=restart_at,
     )
     return warn_of_loops(replace(found, seed=drawn), bench, duration)
 

@@ -19,9 +19,9 @@ from martensite.control.controllers.base import AHEAD, AbstractController
 from martensite.control.controllers.mpc import Mpc
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.findings import LoopFinding, check_guard, check_signals, find_source, list_limits
+from martensite.control.loop.held_readings import iterate_signals
 from martensite.control.loop.names import list_readings
 from martensite.control.synthesis.rest_curves import RestCurve, compute_rest_curve, read_at_rest, read_curve
-from martensite.kernels import floats
 from martensite.kernels.c99_lanes import BLOCK
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.sampling.sampled import Numbers
@@ -248,8 +248,6 @@ def _list_answers(
     """Signals of the controller while it reads the same: the first one, and that after a while."""
     previews = case.controller.list_previews().items()  # of its own reference, for it leads nobody
     ahead = {f"{AHEAD}{name}.{k}": reference for name, times in previews for k in range(len(times) + 1)}
-    memory, readings, signals = case.controller.rest(floats, reference, readings), {**readings, **ahead}, list[float]()
-    for _ in range(1 if isinstance(case.controller, Mpc) else count):  # a plan is made anew in every sample
-        signal, memory = case.controller.answer(floats, memory, reference, readings, case.bench.period)
-        signals.append(float(signal))
+    samples = 1 if isinstance(case.controller, Mpc) else count  # a plan is made anew in every sample
+    signals = list(iterate_signals(case.controller, {**readings, **ahead}, reference, case.bench.period, samples))
     return signals[0], signals[-1]
