@@ -51,6 +51,7 @@ HELD = [
     ({"drive.waveform.level": "5 A"}, {"temperature", "envelope"}),
 ]
 """A drive that is held, changes of the scenario, and the limits that are exceeded then."""
+EXAMPLE_LOOP = Path(__file__).resolve().parents[2] / "examples" / "closed_loop.toml"
 RUN, CHECK, STEADY, ONE_WIRE = (Command(name) for name in ("run", "check", "steady", "wire"))
 
 
@@ -109,6 +110,45 @@ def test_check_judges_pulses_and_not_their_peak(file: Path) -> None:
     assert "The scenario is sound" in CHECK.fine(str(file), "--set", pulses)
     held = CHECK(str(file), "--set", "drive.waveform.level=1.5 A").stdout.splitlines()
     assert held[1].startswith("Warning: temperature reaches") and not any("sound" in line for line in held)
+
+
+LOOPS = [
+    ({}, set[str]()),
+    (
+        {"supervisor.kind": "none", "reference": '{kind="constant", level="10.45 mm"}', "run.duration": "120 s"},
+        {"temperature"},
+    ),
+]
+"""A loop that is sound, and one whose integral heats the wire while the reading stays below the reference."""
+
+
+@pytest.mark.parametrize(("change", "exceeded"), LOOPS, ids=("cool", "hot"))
+def test_run_and_check_agree_about_a_loop(
+    tmp_path: Path, change: dict[str, Any], exceeded: set[str], c_compiler: str
+) -> None:
+    words = [str(EXAMPLE_LOOP), *write_settings(change)]
+    checked, out = CHECK(*words, "--json"), ("--no-figure", "--out", str(tmp_path / "loop.nc"))
+    data = json.loads(checked.stdout)
+    assert data["loops"]["verdict"] == "sound"
+    made = RUN.report(*words, *out)
+    assert list_kinds(data, "check") == list_kinds(made, "run") == exceeded
+    assert checked.exit_code == int(bool(exceeded))
+    assert (made["columns"]["temperature"]["highest"] > 413.15) == bool(exceeded)
+
+
+def test_a_run_that_takes_too_long_is_reported_as_not_judged(monkeypatch: pytest.MonkeyPatch, c_compiler: str) -> None:
+    monkeypatch.setattr("martensite.cli.check.TRIED", 0.0)
+    verdict = CHECK.fine(str(EXAMPLE_LOOP)).splitlines()[1]
+    assert verdict.startswith("The loop is sound. The limits were not judged: the run takes more than 0 s")
+    assert "CPU time was spent" in RUN(str(EXAMPLE_LOOP), "--no-figure", "--budget", "1 us").output
+
+
+@pytest.mark.parametrize("runtime", ["floats", "c"])
+def test_a_budget_changes_nothing_in_a_run_in_periods(runtime: str, c_compiler: str) -> None:
+    scenario = ms.load(EXAMPLE_LOOP, {"run.duration": "2.34 s", "run.restart": ["1 s"]})
+    plain, limited = (scenario.run(runtime=runtime, budget=one) for one in (None, 1e3))
+    assert plain.columns == limited.columns and plain.restarts == limited.restarts
+    assert [one.time for one in limited.restarts] == [1.0, 2.34]
 
 
 def test_check_agrees_with_the_scenario_that_wire_saves(tmp_path: Path) -> None:

@@ -15,11 +15,14 @@ from command import Command
 
 from martensite.base.errors import InputError
 from martensite.control.loop.findings import LoopFinding, check_guard, check_signals
+from martensite.control.loop.held_readings import iterate_signals
 from martensite.control.margins.loop_check import LoopCase, LoopReport, check_loop, check_reach, check_sign
 from martensite.control.margins.loop_points import linearise_case
 from martensite.control.margins.loop_tests import check_band, check_derivative, check_offset, judge_margins
 from martensite.control.margins.observability import check_observability, find_slopes
 from martensite.control.margins.pace import check_pace, follow_fastest
+from martensite.control.synthesis.rest_curves import read_at_rest
+from martensite.kernels import floats
 from martensite.scenario.scenario import load
 from martensite.simulate.drive_waveforms import by_name
 
@@ -85,6 +88,19 @@ def test_the_sign_is_that_of_the_first_and_of_the_last_answer(gains: tuple[float
     found = find_only(check_sign(build_case(**values)))
     assert found.fault
     assert words in found.sentence
+
+
+def test_signals_under_held_readings_are_those_of_the_controller() -> None:
+    """Traced samples, against the controller itself on floats."""
+    case = build_example("closed_loop")
+    one, readings = case.controller, read_at_rest(case.bench, case.heating.point(9).outputs)
+    reference = readings[one.measured] + 1e-3
+    found = list(iterate_signals(one, readings, reference, case.bench.period, 5))
+    memory = one.rest(floats, reference, readings)
+    for signal in found:
+        own, memory = one.answer(floats, memory, reference, readings, case.bench.period)
+        assert signal == pytest.approx(own, rel=1e-12)
+    assert len(set(found)) == 5
 
 
 def test_a_controller_that_answers_the_right_way_has_no_finding() -> None:

@@ -125,7 +125,9 @@ def test_a_run_reports_its_start(celsius: int, settings: dict[str, Any], sentenc
 
 def test_loops_and_batches_report_their_start(tmp_path: Path) -> None:
     """The same words as a run; those of a batch have the range of its variants. A saved result keeps them."""
-    sentence = "Start: in equilibrium at 22 °C and 81.49 MPa, warmed from trained martensite (martensite fraction 1.000)."
+    sentence = (
+        "Start: in equilibrium at 22 °C and 81.49 MPa, warmed from trained martensite (martensite fraction 1.000)."
+    )
     system: Any = read_scenario(WIRE).system
     looped = simulate_loop(system, Constant(level=0.2), 1.0, 0.5).result
     controlled = simulate_controlled(system, Constant(level=0.2), 1.0, 0.5)

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from martensite.base.parameters import Leaf
+    from martensite.design.analysis.loop_check import LoopReport
     from martensite.scenario.scenario import Scenario
     from martensite.simulate.judgement import Judgement
     from martensite.simulate.result import Result
@@ -43,59 +44,54 @@ ROUNDING = 1e-9
 def check(source: ScenarioSource, answer: AnswerOptions) -> None:
     """Judge a scenario: its limits, its drives and its loop.
 
-    A scenario without a loop is run as it is, for at most 5 s of CPU time, and judged by the limits that `run` uses.
-    A loop is tested without a run; the figure shows Bode and Nyquist plots with margins. Exits with 1 if a limit is
+    The scenario is run as it is, for at most 5 s of CPU time, and judged by the limits that `run` uses. A loop is also
+    tested for sign, reach, pace and margins; the figure shows its Bode and Nyquist plots. Exits with 1 if a limit is
     exceeded or a loop is not sound.
     """
-    from martensite.show.summaries.loop import check_scenario_loop, describe_loops
+    from martensite.show.summaries.loop import check_scenario_loop, describe_loops, describe_verdict
     from martensite.simulate.judgement import judge_run
 
     outputs = answer.check_files()
     loaded = load_without_log(source.file, source.settings, source.modules)
     if "at" not in loaded.initial:  # to find what is to be found takes a run
         loaded.find_start(loaded.tolerance)
-    report, tried = _collect_report(loaded), _try_run(loaded)
+    report, (tried, unjudged) = _collect_report(loaded), _try_run(loaded)
     judged = None if tried is None else judge_run(tried)
-    report["limits"] = judged and judged.to_dict()
+    report |= {"limits": judged and judged.to_dict(), "not_judged": unjudged or None}
     if loaded.bench is not None:
         from martensite.scenario.guard_report import collect_guard
 
         report["guard"] = collect_guard(loaded)
     loops = None if loaded.bench is None or report["follows"] else check_scenario_loop(loaded, loaded.bench)
+    verdict = describe_verdict(loops, judged, unjudged)
     blocks = [
-        *(_describe_verdict(report, tried, judged) if loops is None else ()),
+        verdict,
+        *(() if tried is None or judged is None else _describe_run(tried, judged, loops)),
         *_describe_report(report),
-        *(() if loops is None else describe_loops(loops, _tell_steps(report))),
+        *(() if loops is None else describe_loops(loops)),
     ]
     data = report if loops is None else report | {"loops": loops.to_dict()}
     outputs.answer(Summary(loaded.title, blocks, data), answer.json, draw=_find_figure(loaded, outputs))
-    if (loops is not None and loops.verdict == "not sound") or (judged is not None and not judged.kept):
+    if verdict.tone == "bad":
         raise typer.Exit(1)
 
 
-def _try_run(scenario: Scenario) -> Result | None:
-    """The run of a scenario; None with a loop or without its log, or if the run takes too long."""
-    if scenario.bench is not None or scenario.follows:
-        return None
+def _try_run(scenario: Scenario) -> tuple[Result | None, str]:
+    """Return the run of a scenario, or None with the reason why there is none and the remedy."""
+    if scenario.follows:
+        return None, "the scenario follows a log. Use `run --log`, or `fit`"
     try:
-        return scenario.run(budget=TRIED)
+        return scenario.run(budget=TRIED), ""
     except BudgetError:
-        return None
+        return None, f"the run takes more than {TRIED:.3g} s of CPU time. Use `run`"
 
 
-def _describe_verdict(report: dict[str, Any], tried: Result | None, judged: Judgement | None) -> Iterator[Block]:
-    """The verdict on a scenario without a loop, other warnings of its run, and its extremes."""
-    if tried is None or judged is None:
-        reason = "the scenario follows a log. Use `run --log`, or `fit`"
-        if not report["follows"]:
-            reason = f"the run takes more than {TRIED:.3g} s of CPU time. Use `run`"
-        yield Sentence(f"Not judged: {reason}.", "caution")
-        return
+def _describe_run(tried: Result, judged: Judgement, loops: LoopReport | None) -> Iterator[Block]:
+    """Return the warnings of a run that neither its verdict nor the tests of its loops give, and its extremes."""
     from martensite.show.summaries.run import list_peaks
 
-    sound = "The scenario is sound: its run keeps all limits."
-    yield Sentence(sound if judged.kept else judged.verdict, "" if judged.kept else "bad")
     told = {judged.outside, *(alarm.sentence for alarm in judged.alarms)}
+    told |= set() if loops is None else {f"Warning: {one.sentence} {one.remedy}" for one in loops.findings}
     yield from (Sentence(words, "caution") for words in tried.warnings if words not in told)
     peaks = [f"{name} {value}" for name, value in list_peaks(tried)]
     if peaks:
@@ -128,8 +124,7 @@ def _describe_report(report: dict[str, Any]) -> Iterator[Block]:
         from martensite.scenario.guard_report import describe_guard
 
         yield from describe_guard(report["guard"])
-    if report["period"] is None:
-        yield Sentence(f"Run: {_tell_steps(report)}")
+    yield Sentence(f"Run: {_tell_steps(report)}")
 
 
 def _tell_steps(report: dict[str, Any]) -> str:

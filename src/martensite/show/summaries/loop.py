@@ -16,7 +16,12 @@ if TYPE_CHECKING:
     from martensite.control.margins.loop_check import LoopReport
     from martensite.scenario.places import Places
     from martensite.scenario.scenario import Scenario
+    from martensite.simulate.judgement import Judgement
 
+LOOP_VERDICTS = {
+    "sound": "The loop is sound.",
+    "not all tested": "The loop has no fault, but some tests were not possible.",
+}
 HEAD = ("branch", "reading", "signal", "gain margin", "phase margin", "delay margin", "M_s")
 
 
@@ -35,8 +40,30 @@ def _place_finding(finding: LoopFinding, places: Places) -> LoopFinding:
     return replace(finding, where=where, sentence=finding.sentence.replace(f"`{finding.where}`", f"`{where}`"))
 
 
-def describe_loops(report: LoopReport, words: str) -> Iterator[Block]:
-    """Findings, margins, what was not tested, and the verdict with the steps of a run in words."""
+def describe_verdict(loops: LoopReport | None, judged: Judgement | None, unjudged: str) -> Sentence:
+    """Return the verdict on a scenario: the faults of its loops, and the limits that its run exceeds.
+
+    Args:
+        loops: tests of the loops; None without a loop.
+        judged: judgement of the run; None if there was no run.
+        unjudged: reason why there was no run, with the remedy.
+    """
+    count = 0 if loops is None else sum(one.fault for one in loops.findings)
+    tested = f"The loop is not sound: {count} {'fault' if count == 1 else 'faults'}."
+    if not count:
+        tested = "" if loops is None else LOOP_VERDICTS[loops.verdict]
+    if judged is None:
+        limits = f"{'The limits were not' if tested else 'Not'} judged: {unjudged}."
+    elif judged.kept:
+        limits = "The run keeps all limits." if tested else "The scenario is sound: its run keeps all limits."
+    else:
+        limits = judged.verdict
+    bad = count > 0 or (judged is not None and not judged.kept)
+    return Sentence(f"{tested} {limits}".strip(), "bad" if bad else "caution" if judged is None else "")
+
+
+def describe_loops(report: LoopReport) -> Iterator[Block]:
+    """Return findings, margins, and the tests that were not made with the reasons."""
     yield from (Sentence(str(one), "bad" if one.fault else "caution") for one in report.findings)
     if report.margins:
         several = len({row["drive"] for row in report.margins}) > 1
@@ -45,13 +72,6 @@ def describe_loops(report: LoopReport, words: str) -> Iterator[Block]:
     for why in dict.fromkeys(report.untested.values()):
         names = ", ".join(name for name, reason in report.untested.items() if reason == why)
         yield Sentence(f"Not tested: {names}: {why}.")
-    count = sum(one.fault for one in report.findings)
-    verdicts = {
-        "not sound": f"The loop is not sound: {count} {'fault' if count == 1 else 'faults'}.",
-        "not all tested": f"Nothing was found that keeps the loop from working, but not all was tested: {words}",
-        "sound": f"The loop is sound: {words} Limits are judged by `run`.",
-    }
-    yield Sentence(verdicts[report.verdict], "bad" if count else "")
 
 
 def _list_cells(row: Mapping[str, Any], drive: str) -> tuple[str, ...]:
