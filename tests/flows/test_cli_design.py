@@ -55,9 +55,9 @@ def test_a_design_that_misses_a_limit_is_not_saved_unless_forced(scenario: Path)
     assert done.exit_code == 1
     first = done.stdout.splitlines()[0]
     assert first.startswith("No design that keeps all limits was found: the nearest one misses stroke >= 50 mm")
-    assert first.endswith("; not saved. --force saves it.")
+    assert first.endswith("; not saved. --save-anyway saves it.")
     assert not saved.exists()
-    assert DESIGN(*words, "--force").exit_code == 0
+    assert DESIGN(*words, "--save-anyway").exit_code == 0
     again = load(saved)
     run = again.run()
     assert np.ptp(run["position"]) < 50e-3

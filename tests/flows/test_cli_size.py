@@ -110,6 +110,20 @@ def test_limits_of_the_material_are_kept_unless_told_otherwise() -> None:
     assert any(one["feasible"] for one in warned)
 
 
+def test_a_picked_wire_that_does_not_meet_the_request_is_not_saved(folder: Path) -> None:
+    """The truth: the first reason of the candidates that the command itself lists as rejected."""
+    words = *SMALL, "--alloy", "90"
+    listed = SIZE.report(*words)["candidates"]
+    place, reasons = next((k, one["reasons"]) for k, one in enumerate(listed, 1) if not one["feasible"])
+    done = SIZE(*words, "--pick", str(place), "--out", "w.toml")
+    assert done.exit_code == 1 and not (folder / "w.toml").exists()
+    first = f"Wire {place} does not meet the request: {reasons[0]}; not saved. --save-anyway saves it."
+    assert " ".join(done.stdout.split()).startswith(" ".join(first.split()))
+    assert "has no effect, since nothing is saved" in SIZE.refused(*words, "--save-anyway")
+    fine(*words, "--pick", str(place), "--out", "w.toml", "--save-anyway")
+    assert (folder / "w.toml").exists()
+
+
 @pytest.mark.slow
 def test_another_wire_takes_the_place_of_the_first(folder: Path) -> None:
     assert "too slow" in fine(*SMALL, "--alloy", "90", "--all", "--out", "wire.toml")

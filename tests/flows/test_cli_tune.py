@@ -58,7 +58,7 @@ def tuned(*words: object) -> Any:
 def test_rules_are_saved_as_they_are_shown(scenario: Path, c_compiler: str) -> None:
     saved, figure = scenario.with_name("tuned.toml"), scenario.with_name("tuned.svg")
     how = "--method", "rules", "--rule", "cohen-coon", "--form", "pi", "--level", "4 mm"
-    found = tuned(scenario, *how, "--save", saved, "--figure", figure, "--json", "--force")
+    found = tuned(scenario, *how, "--save", saved, "--figure", figure, "--json", "--save-anyway")
     assert found.exit_code == 0, found.output
     shown = json.loads(found.stdout)
     again = load(saved).bench
@@ -87,8 +87,8 @@ def test_gradient_lowers_the_cost_on_other_plants(scenario: Path, c_compiler: st
 
 
 def test_what_people_read(scenario: Path, c_compiler: str) -> None:
-    found = tuned(scenario, "--method", "relay", "--rule", "ziegler-nichols", "--force")
-    assert found.exit_code == 0, found.output
+    found = tuned(scenario, "--method", "relay", "--rule", "ziegler-nichols")
+    assert found.exit_code == 1, found.output
     for words in ("pid by rule ziegler-nichols", "K_u", "controller.Kp [1/m]", "mm s^2", "degC"):
         assert words in found.stdout
     assert "`check` of the tuned loop: " in found.stdout
@@ -114,8 +114,8 @@ def test_a_worse_result_is_not_saved_unless_forced(scenario: Path, method: str, 
     assert not saved.exists()
     first = found.stdout.splitlines()[0]
     assert first.startswith("Worse than before: rms ")
-    assert first.endswith(" on the plant of the scenario; not saved. --force saves it.")
-    forced = tuned(scenario, *how, "--force", "--json")
+    assert first.endswith(" on the plant of the scenario; not saved. --save-anyway saves it.")
+    forced = tuned(scenario, *how, "--save-anyway", "--json")
     assert forced.exit_code == 0, forced.output
     verdict = json.loads(forced.stdout)["verdict"]
     before = run_errors(scenario, {"controller.Kp": 400, "controller.Ki": 200})
@@ -132,7 +132,7 @@ def test_what_check_finds_in_the_tuned_loop_decides_as_well(tmp_path: Path, c_co
     assert found.exit_code == 1
     assert "Worse than before: the loop is no longer sound (rms 0.43" in found.stdout.splitlines()[0]
     assert not saved.exists()
-    assert tuned(EXAMPLES / "closed_loop.toml", "--method", "relay", "--save", saved, "--force").exit_code == 0
+    assert tuned(EXAMPLES / "closed_loop.toml", "--method", "relay", "--save", saved, "--save-anyway").exit_code == 0
     checked = CliRunner().invoke(app, ["check", str(saved)])
     assert checked.exit_code == 1
     for one in ("heating: it is unstable at 3 of 3 points", "cooling: it is unstable at 3 of 3 points"):
@@ -146,10 +146,10 @@ def test_in_python_a_worse_result_says_so_and_is_not_saved(scenario: Path, tmp_p
     runs = LoopRuns(loaded.bench, loaded.duration, seed=loaded.seed)
     worse = compare_gains(runs, {"controllers.drive.Kp": 1.0})
     assert worse.worse
-    with pytest.raises(InputError, match=r"Worse than before: rms .* Pass `force=True` to save it"):
+    with pytest.raises(InputError, match=r"Worse than before: rms .* Pass `anyway=True` to save it"):
         worse.save(loaded, saved)
     assert not saved.exists()
-    worse.save(loaded, saved, force=True)
+    worse.save(loaded, saved, anyway=True)
     better = compare_gains(runs, {"controllers.drive.Kp": 200.0})
     assert not better.worse
     better.save(loaded, saved)

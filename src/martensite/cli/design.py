@@ -15,7 +15,7 @@ from martensite.base.errors import InputError, ParameterError
 from martensite.base.interrupts import rescue_answer
 from martensite.cli.app import app
 from martensite.cli.options import ScenarioSource, Text, Texts, read_quantity, refuse_idle, spread_options
-from martensite.cli.outputs import AnswerOptions, BestSoFar, Verdict, name_interrupted
+from martensite.cli.outputs import BestSoFar, JudgedOptions, Verdict, name_interrupted
 from martensite.cli.progress import show_share
 
 if TYPE_CHECKING:
@@ -131,15 +131,15 @@ class DesignOptions:
 def design(
     source: ScenarioSource,
     options: DesignOptions,
-    answer: AnswerOptions,
+    answer: JudgedOptions,
     save: Annotated[Path | None, Option(help="Scenario with the numbers found to write: .toml.")] = None,
 ) -> None:
     """Find numbers for which a goal is best and limits are kept.
 
     Goal and limits are measures of its run, such as stroke, rise-time, energy, max(stress) or
     at(position, time=2 s). The search follows derivatives through the simulation. If no design keeps
-    all limits, the command ends with 1 and saves the nearest one only by --force. Limits that the
-    elements declare are kept without being asked for.
+    all limits, the command exits with 1 and saves the nearest one only with --save-anyway. Limits that the
+    elements declare are kept without being asked for. The design is judged by the limits that `run` uses.
     """
     outputs = answer.check_files(save, ".toml")
     options.check()

@@ -41,6 +41,9 @@ Imports = Annotated[
     ),
 ]
 Force = Annotated[bool, Option("--force", help="Replace existing files.")]
+SaveAnyway = Annotated[
+    bool, Option("--save-anyway", help="Save an answer that is worse than before or exceeds a limit.")
+]
 FigureFile = Annotated[Path | None, Option(help="Figure to write: .png, .svg or .pdf.")]
 
 

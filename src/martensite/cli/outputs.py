@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from martensite.base.errors import DataError
 from martensite.base.files import replace_together, write_file
-from martensite.cli.options import FigureFile, Force, Json
+from martensite.cli.options import FigureFile, Force, Json, SaveAnyway, refuse_idle
 from martensite.show.figures.style import FORMATS
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ class Verdict(NamedTuple):
     """What the first line of an answer states."""
 
     worse: bool
-    """True for an answer that must not be saved unless it is forced."""
+    """True for an answer that is saved only with --save-anyway."""
     sentence: str
     """Without a full stop."""
 
@@ -76,17 +76,17 @@ class Outputs:
         self,
         verdict: Verdict,
         summary: Summary,
-        options: AnswerOptions,
+        options: JudgedOptions,
         text: Callable[[], str],
-        draw: Callable[[], Figure],
+        draw: Callable[[], Figure] | None = None,
     ) -> bool:
-        """Answer with a verdict as the first line, and save what is worse only by force.
+        """Answer with a verdict as the first line, and save a worse answer only with --save-anyway.
 
         Returns:
-            Whether the answer was refused, so that the command ends with 1.
+            True if the answer was not saved, so that the command exits with 1.
         """
-        refused = verdict.worse and not options.force
-        ending = "; not saved. --force saves it" if refused else "; saved by --force"
+        refused = verdict.worse and not options.save_anyway
+        ending = "; not saved. --save-anyway saves it" if refused else "; saved by --save-anyway"
         first = f"{verdict.sentence}{ending if verdict.worse and self.data is not None else ''}."
         lead = "; ".join(filter(None, (summary.title, summary.lead)))
         said = replace(summary, title=first, lead=lead)
@@ -116,6 +116,18 @@ class AnswerOptions:
     def check_files(self, data: Path | None = None, *endings: str) -> Outputs:
         """The figure and a data file, which may be written; `DataError` if one may not."""
         return Outputs(data, self.figure).check(self.force, data=endings)
+
+
+@dataclass(frozen=True)
+class JudgedOptions(AnswerOptions):
+    """Options of a command whose answer may be worse than before or exceed a limit."""
+
+    save_anyway: SaveAnyway = False
+
+    def check_files(self, data: Path | None = None, *endings: str) -> Outputs:
+        """The same; `InputError` if `--save-anyway` has no effect."""
+        refuse_idle("--save-anyway", self.save_anyway and data is None, "nothing is saved")
+        return super().check_files(data, *endings)
 
 
 def check_ending(path: Path | None, endings: tuple[str, ...]) -> None:

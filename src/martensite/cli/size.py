@@ -9,8 +9,8 @@ from typer import Exit, Option
 
 from martensite.base.errors import InputError, ParameterError, SolveError
 from martensite.cli.app import app
-from martensite.cli.options import Force, Json, Text, read_quantity
-from martensite.cli.outputs import Outputs
+from martensite.cli.options import Force, Json, SaveAnyway, Text, read_quantity
+from martensite.cli.outputs import JudgedOptions, Outputs, Verdict
 from martensite.cli.progress import show_progress
 
 if TYPE_CHECKING:
@@ -38,12 +38,14 @@ def size(
     catalogue: Annotated[bool, Option("--catalogue", help="Only compare the model with the maker's table.")] = False,
     pick: Annotated[int | None, Option(help="Number of the wire to describe and write [default: best].")] = None,
     out: Annotated[Path | None, Option(help="Scenario file to write: .toml.")] = None,
+    save_anyway: SaveAnyway = False,
     force: Force = False,
     json: Json = False,
 ) -> None:
     """Find the wire or coil and its current for a force and stroke.
 
-    Exits with 1 if no wire meets the request, or the picked wire does not.
+    Exits with 1 if no wire meets the request, or the picked wire does not. A picked wire that does not is saved only
+    with --save-anyway.
     """
     given = {
         "pull": pull,
@@ -59,11 +61,12 @@ def size(
     chosen = {"element": element, "bias": bias, "strands": strands, "limits": "ignore" if no_limits else None}
     if catalogue:
         chosen |= {"limits": None, "no_limits": no_limits or None}
-        unused = {**given, **chosen, "out": out, "pick": pick, "all": every or None}
+        unused = {**given, **chosen, "out": out, "pick": pick, "all": every or None, "save_anyway": save_anyway or None}
         _refuse_idle({n: v for n, v in unused.items() if n not in ("stress", "ambient")})
         _check_catalogue(stress, ambient, alloy, json)
         return
-    outputs = Outputs(out, None).check(force, data=(".toml",))
+    options = JudgedOptions(None, force, json, save_anyway)
+    outputs = options.check_files(out, ".toml")
     request = _read_request(given, {"alloy": alloy, **chosen})
     with show_progress("simulating wires") as progress:
         from martensite.design.sizing.candidates import size_wire
@@ -77,12 +80,15 @@ def size(
     if best is None:
         Outputs(None, None).answer(summarise_sizing(sizing, best, every=every), json)
         raise SolveError("No wire meets the request" + ("." if out is None else f", so `{out}` was not written."))
-    outputs.answer(
+    picked = sizing.candidates[best]
+    reasons = "" if picked.feasible else f" does not meet the request: {picked.reasons[0]}"
+    refused = outputs.answer_verdict(
+        Verdict(not picked.feasible, f"Wire {best + 1}{reasons or ' meets the request'}"),
         summarise_sizing(sizing, best, every=every),
-        json,
-        lambda: format_scenario(sizing.request, sizing.candidates[best], load_wires()),
+        options,
+        lambda: format_scenario(sizing.request, picked, load_wires()),
     )
-    if not sizing.candidates[best].feasible:
+    if refused:
         raise Exit(1)
 
 

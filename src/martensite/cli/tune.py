@@ -12,7 +12,7 @@ from typer import Option
 from martensite.base.errors import InputError, UnknownNameError
 from martensite.cli.app import app
 from martensite.cli.options import ScenarioSource, Text, Texts, spread_options
-from martensite.cli.outputs import AnswerOptions, name_interrupted
+from martensite.cli.outputs import JudgedOptions, name_interrupted
 
 METHODS = ("rules", "relay", "gradient", "schedule")
 
@@ -93,15 +93,15 @@ class TuneOptions:
 def tune(
     source: ScenarioSource,
     options: TuneOptions,
-    answer: AnswerOptions,
+    answer: JudgedOptions,
     save: Annotated[Path | None, Option(help="Scenario with the new numbers to write: .toml.")] = None,
 ) -> None:
     """Tune the controller of a scenario, and show its loop.
 
     The scenario needs sections [controller] and [reference]. With --spread, the gradient is that
     of the mean over many plants. The result is compared with the present loop on as many other
-    plants, or on that of the scenario, and tested like a `check`. If it is worse, the command ends
-    with 1 and saves it only by --force.
+    plants, or on that of the scenario, and tested like a `check`. If it is worse, the command exits
+    with 1 and saves it only with --save-anyway.
     """
     outputs = answer.check_files(save, ".toml")
     options.check()

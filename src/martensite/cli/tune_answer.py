@@ -14,7 +14,7 @@ from martensite.show.summaries.loop import check_scenario_loop
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from martensite.cli.outputs import AnswerOptions, Outputs
+    from martensite.cli.outputs import JudgedOptions, Outputs
     from martensite.control.loop.bench import Bench
     from martensite.scenario.scenario import Scenario
 
@@ -75,8 +75,8 @@ class TuningAnswer:
     """Makes the scenario with the new numbers."""
     draw: Callable[[], Figure]
 
-    def give(self, outputs: Outputs, options: AnswerOptions) -> bool:
-        """Print and write it, the verdict first; a worse scenario only by force. Return whether it was refused."""
+    def give(self, outputs: Outputs, options: JudgedOptions) -> bool:
+        """Print and write it, the verdict first. Return True if a worse scenario was not saved."""
         from martensite.cli.outputs import Verdict
 
         verdict = Verdict(self.verdict.worse, self.verdict.sentence)

@@ -68,18 +68,18 @@ class TunedBench:
         """True if the error on the judged plants is larger than before."""
         return self.judgement.worse
 
-    def save(self, scenario: Scenario, path: str | PathLike[str], *, force: bool = False) -> None:
+    def save(self, scenario: Scenario, path: str | PathLike[str], *, anyway: bool = False) -> None:
         """Write a scenario with the new numbers.
 
         Args:
             scenario: the scenario whose bench was tuned.
             path: file to write.
-            force: write a result that is worse than before, too.
+            anyway: also write a result that is worse than before.
 
         Raises:
             InputError: the result is worse than before.
         """
-        self.judgement.require_better(force=force)
+        self.judgement.require_better(anyway=anyway)
         write_file(Path(path), scenario.write_changed(self.after, "tuned"))
 
     def rows(self) -> list[tuple[str, float, float]]:

@@ -92,10 +92,10 @@ class TuningJudgement:
             "share_improved": float((self.after < self.before).mean()),
         }
 
-    def require_better(self, *, force: bool = False) -> None:
-        """Raise `InputError` for a worse result, unless it is forced."""
-        if self.worse and not force:
-            raise InputError(f"{self.word}: {self.describe()}; not saved. Pass `force=True` to save it.")
+    def require_better(self, *, anyway: bool = False) -> None:
+        """Raise `InputError` for a worse result, unless it is saved anyway."""
+        if self.worse and not anyway:
+            raise InputError(f"{self.word}: {self.describe()}; not saved. Pass `anyway=True` to save it.")
 
 
 def judge_loops(

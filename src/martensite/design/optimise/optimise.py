@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import ParameterError
+from martensite.base.errors import ParameterError, SolveError
 from martensite.design.optimise.evaluate import DesignEvaluator, Numbers, apply_numbers
 from martensite.design.optimise.optimised_design import (
     OptimisedDesign,
@@ -33,8 +33,10 @@ from martensite.design.optimise.question import (
 )
 from martensite.design.optimise.search import DesignSearch, Keep, round_design, search_designs, start_search
 from martensite.search.box_search import FEASIBLE_VIOLATION, BoxPoint, SearchMark, Tell
-from martensite.simulate.api import longest_step
+from martensite.search.free_numbers import BOX_TEMPERATURE
+from martensite.simulate.api import longest_step, simulate
 from martensite.simulate.drive_waveforms import Waveforms
+from martensite.simulate.judgement import Judgement, describe_excess, judge_run
 from martensite.simulate.waveform_levels import WaveformLevels
 
 ACCURACY = 1e-3
@@ -131,14 +133,42 @@ def optimise_design(
     finer, point, apart = _refine_step(designs, point, how, watch, accuracy, halvings)
     history.append(_mark_progress(finer, point))
     answer = _build_answer(steering, finer, point, apart)
+    exceeded = list_exceeded(answer, duration, samples)
+    binding = () if life is None else exceeded
     return replace(
         answer,
+        kept=answer.kept and not binding,
+        missed=(*answer.missed, *binding),
+        exceeded=exceeded,
         history=tuple(m._replace(goal=designs.restore_goal(m.goal)) for m in history),
         held=tuple(_describe_rounded(designs, *one) for one in tried.items()),
         relaxed=tuple(designs.numbers(relaxed.z).tolist()) if tried else None,
         relaxed_goal=designs.restore_goal(relaxed.goal) if tried else None,
-        life=describe_life(limits, life, answer.missed),
+        life=describe_life(limits, life, answer.missed, exceeded),
     )
+
+
+def list_exceeded(design: OptimisedDesign, duration: float, samples: int) -> tuple[str, ...]:
+    """Return the limits that a design exceeds in any case, by the judgement that `run` and `check` use.
+
+    An excess within the accuracy of the design, as a share of the limit (of 50 K for a temperature), is no excess: an
+    active limit is met to that accuracy only.
+    """
+    found: list[str] = []
+    slack = max(design.accuracy, ACCURACY)
+    for case in design.question.cases:
+        system = design.steering.system.with_values(case)
+        try:
+            judged = judge_run(simulate(system, design.steering.waveforms, duration, samples=samples))
+        except SolveError as error:
+            judged = Judgement((), str(error))
+        beyond = [
+            one
+            for one in judged.alarms
+            if one.excess > slack * (BOX_TEMPERATURE if one.unit == "K" else abs(one.limit))
+        ]
+        found += [words.rstrip(".") for words in (judged.outside, *map(describe_excess, beyond)) if words]
+    return tuple(dict.fromkeys(found))
 
 
 def _find_longest_step(steering: WaveformLevels, question: DesignQuestion) -> float:

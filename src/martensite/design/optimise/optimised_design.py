@@ -205,6 +205,8 @@ class OptimisedDesign:
     """What is claimed of its life."""
     scan: DesignScan | None = None
     """The grid that it was compared with."""
+    exceeded: tuple[str, ...] = ()
+    """Limits that its runs exceed by the judgement of `run` and `check`, each in words."""
     notes: list[str] = field(default_factory=list[str])
 
     @property
@@ -256,6 +258,7 @@ class OptimisedDesign:
             },
             "kept": self.kept,
             "missed": list(self.missed),
+            "exceeded": list(self.exceeded),
             "free": {
                 one.name: {
                     "before": one.start,

@@ -241,13 +241,25 @@ def _list_limits(one: Actuator, margin: float) -> Iterator[tuple[str, str, float
             yield form, name, limit
 
 
-def describe_life(constraints: Sequence[Constraint], margin: float | None, missed: Sequence[str] = ()) -> str:
-    """Return sentences on the life of a design; without a margin limits are ignored, `missed` ones are exceeded."""
+def describe_life(
+    constraints: Sequence[Constraint], margin: float | None, missed: Sequence[str] = (), exceeded: Sequence[str] = ()
+) -> str:
+    """Return sentences on the life of a design.
+
+    Args:
+        constraints: limits of the elements.
+        margin: share of the limits that is left; None if limits are ignored.
+        missed: constraints that the design misses.
+        exceeded: limits that its runs exceed, in words.
+    """
+    if margin is None and exceeded:
+        words = f"{len(exceeded)} {'limit' if len(exceeded) == 1 else 'limits'}: {'; '.join(exceeded)}"
+        return f"Life: the limits that the elements declare are ignored, as asked. The design exceeds {words}."
     if margin is None:
         return "Life: the limits that the elements declare are ignored, as asked, so nothing is known of it."
     if not constraints:
         return "Life: no element declares a limit, so none is kept and nothing is known of it."
-    lost = [one.words for one in constraints if one.words in missed]
+    lost = [one.words for one in constraints if one.words in missed] or exceeded
     if lost:
         return f"Life: limits that the elements declare are not kept ({', '.join(lost)}), so nothing is known of it."
     kept = ", ".join(f"{one.words}" for one in constraints)

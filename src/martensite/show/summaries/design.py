@@ -43,7 +43,10 @@ def describe_verdict(found: OptimisedDesign) -> str:
     if not found.kept:
         return f"No design that keeps all limits was found: the nearest one misses {', '.join(found.missed)}"
     sense, goal = "most" if found.question.most else "least", found.question.goal
-    return f"All limits are kept: {sense} {goal.words} {write_quantity(found.goal, goal.unit, 4)}"
+    kept = (
+        "All constraints are kept, but limits of the elements are exceeded" if found.exceeded else "All limits are kept"
+    )
+    return f"{kept}: {sense} {goal.words} {write_quantity(found.goal, goal.unit, 4)}"
 
 
 def _describe_doubts(found: OptimisedDesign) -> Iterator[Block]:
