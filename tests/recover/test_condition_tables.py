@@ -20,6 +20,9 @@ from martensite.fit.condition_runs import ConditionExperiment
 from martensite.fit.condition_tables import is_condition_table, read_condition_table
 from martensite.fit.fit import HELD_OUT, Fit, compute_rms, list_compared
 from martensite.fit.problem import Problem
+from martensite.scenario.scenario import read_scenario
+from martensite.simulate.api import simulate
+from martensite.simulate.compiled import compile_march
 
 COILS = {"A": {"element.turns": 13}, "B": {"element.turns": 16}, "C": {"element.turns": 19}}
 FREE = "A_s,A_f,h=30..120 W/m^2/K"
@@ -85,6 +88,29 @@ def test_rows_are_the_runs_of_their_conditions(table: Path):
     assert found is not None
     stroke, force, time = measure_run({**TRUTH, "element.turns": 19, "drive.waveform.high": "3.2 A"})
     assert found.fitted[2].model[2] == pytest.approx([1e-3 * stroke, force, time], rel=5e-3)
+
+
+PULSES = """
+[drive]
+kind = "current"
+waveform = { kind = "pwm", high = "8 A", frequency = "15 Hz", duty = 0.1 }"""
+
+
+@pytest.mark.parametrize("samples", [21, 1001])
+def test_measures_of_rows_come_from_all_steps(tmp_path: Path, samples: int):
+    """Against the measures of a run in the same steps; 180 edges, none of them a sample."""
+    text = COIL.replace(COIL[COIL.index("[drive]") : COIL.index("[run]")], f"{PULSES.strip()}\n")
+    scenario = read_scenario(text, None, {"run.samples": samples})
+    words = ("max(power)", "energy", "max(temperature)")
+    heading = "current [A],max(power) [W],energy [J],max(temperature) [degC]"
+    path = write_table(tmp_path, heading, "8,80,50,80", "7,60,40,70", "6,45,30,60")
+    task = build_task(scenario, str(path), "A_s").with_changes(step=0.02, hold_out="none")
+    (made,) = task.arrange().problem.experiments
+    rows = made.runner(0.02).run_one(np.array(compile_march(made.system).values(made.system)))
+    run = simulate(scenario.system, scenario.waveform, scenario.duration, step=0.02, samples=2)
+    places = [list(made.columns).index(one) for one in words]
+    (row,) = (k for k, one in enumerate(made.conditions) if 8.0 in one.inputs.values())
+    assert rows[row, places] == pytest.approx([run.measure(one) for one in words], rel=1e-6)
 
 
 def test_repeats_and_spreads_weigh(tmp_path: Path):

@@ -21,7 +21,7 @@ import numpy as np
 
 from martensite.base.errors import DataError, InputError, ParameterError
 from martensite.fit.column_matching import read_noise
-from martensite.fit.condition_runs import SAMPLES, ConditionExperiment, TableRow
+from martensite.fit.condition_runs import LEAST_STEPS, ConditionExperiment, TableRow
 from martensite.fit.condition_tables import ConditionTable, InputColumn, MeasureColumn, read_condition_table
 from martensite.fit.free_parameters import is_nuisance, read_ranges
 from martensite.fit.logs import ALL, AUTO, EACH, NONE, Log, choose_held_out, read_share
@@ -243,7 +243,7 @@ def _choose_step(scenarios: Sequence[Scenario]) -> float:
     """The shortest step that some of the rows need to be within the tolerance [s]."""
     places = sorted({round(k) for k in np.linspace(0, len(scenarios) - 1, TRIED)})
     tried = [scenarios[k] for k in places]
-    return min(find_step(one.system, one.waveform, one.duration, one.tolerance, SAMPLES).step for one in tried)
+    return min(find_step(one.system, one.waveform, one.duration, one.tolerance, LEAST_STEPS + 1).step for one in tried)
 
 
 # ---------------------------------------------------------------- noise, and what is kept back

@@ -8,7 +8,7 @@ and those of a measure follow from its derivatives by every sample.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -25,10 +25,8 @@ from martensite.simulate.grid import LaneGrid, TimeGrid, grid_at, lane_grid
 from martensite.simulate.measures.base import AbstractMeasure, list_needed, parse_measure
 from martensite.simulate.measures.run_table import tabulate_samples
 
-SAMPLES = 201
-"""Samples of a run that measures look at, besides edges of its waveform."""
-MOST_EDGES = 50
-"""Edges of a waveform up to which runs are sampled there, too."""
+LEAST_STEPS = 200
+"""Least number of steps of a run."""
 
 
 class TableRow(NamedTuple):
@@ -98,22 +96,17 @@ class ConditionExperiment(Experiment):
         return f"row {one.row}" + (f" ({join_phrases(words)})" if words else "")
 
     def grids(self, step: float | None = None) -> list[TimeGrid]:
-        """The time grid of every row."""
-        at_end = [drive.at_end for drive in self.system.drives()]
-        waves = [arrange_waveforms(self.system, one.waveform) for one in self.conditions]
-        edges = [
-            sorted({edge for wave in found for edge in wave.edges(one.duration) if 0.0 < edge < one.duration})
-            for found, one in zip(waves, self.conditions, strict=True)
-        ]
-        seen = len({len(row) for row in edges}) == 1 and len(edges[0]) <= MOST_EDGES
-        found = list[TimeGrid]()
-        for wave, one, own in zip(waves, self.conditions, edges, strict=True):
-            times = [one.duration * k / (SAMPLES - 1) for k in range(SAMPLES)]
-            if seen:  # as many samples in every row, whatever coincides
-                inner = sorted(times[1:-1], key=lambda t, own=own: min((abs(t - e) for e in own), default=0.0))
-                times = sorted([0.0, one.duration, *inner[len(own) :], *own])
-            found.append(grid_at(wave, times, min(self.step if step is None else step, one.duration), at_end))
-        return found
+        """Return the time grid of every row, with the outputs at the end of every step.
+
+        Shorter grids repeat their last row without a step, so that all have equally many rows.
+        """
+        at_end, found = [drive.at_end for drive in self.system.drives()], list[TimeGrid]()
+        for one in self.conditions:
+            waves = arrange_waveforms(self.system, one.waveform)
+            longest = min(self.step if step is None else step, one.duration / LEAST_STEPS)
+            found.append(grid_at(waves, [0.0, one.duration], longest, at_end).keep_steps(waves))
+        most = max(len(grid.times) for grid in found)
+        return [_extend_grid(grid, most) for grid in found]
 
     def grid(self, step: float | None = None) -> Any:
         """All rows side by side."""
@@ -129,6 +122,13 @@ class ConditionExperiment(Experiment):
         values = np.array(runner.compiled.values(system))
         places = np.flatnonzero(rows)
         return np.concatenate(runner.march(places, np.repeat(values[None], len(places), axis=0)))
+
+
+def _extend_grid(grid: TimeGrid, rows: int) -> TimeGrid:
+    """Return a grid with its last row repeated, without steps, up to a number of rows."""
+    more = rows - len(grid.times)
+    times, sampled = grid.times + grid.times[-1:] * more, grid.sampled + grid.sampled[-1:] * more
+    return replace(grid, times=times, sampled=sampled, counts=grid.counts + [0] * more)
 
 
 class ConditionRunner:

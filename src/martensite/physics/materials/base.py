@@ -72,6 +72,11 @@ class Material:
     fit: dict[str, Any] | None = None
     """What the fitted numbers rest on: records with their hashes, bounds, errors; None if nothing was fitted here."""
 
+    def __repr__(self) -> str:
+        """Return name, law and number of parameters."""
+        kind = "" if self.law is None else f", law {self.law.get('kind', 'none')}"
+        return f"Material({self.name!r}{kind}, {len(self.values)} parameters)"
+
     def cites(self) -> list[str]:
         """Bibliography keys of all sources that stand behind a number, in file order."""
         used = {number.source for number in self.values.values()}

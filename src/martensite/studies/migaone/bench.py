@@ -18,6 +18,8 @@ from functools import cache
 from itertools import pairwise
 from typing import cast
 
+import numpy as np
+
 from martensite.actuators.assembly import System
 from martensite.actuators.elements.wire import Wire
 from martensite.physics.electrical.sources import PowerSource, VoltageSource
@@ -149,15 +151,16 @@ class SineResponse:
 def read_response(key: str, printed: Printed) -> SineResponse:
     """Read off the second period of a variant."""
     run = sine_run(key, printed)
-    half = len(run.times) // 2
-    start, position = run.times[half], run.columns["position"]
+    times, found = run.draw_curves(["temperature", "position"])
+    start, position = 0.5 * run.times[-1], found["position"].tolist()
+    half = int(np.searchsorted(times, start))
     level = 0.5 * printed.stroke
     top = max(range(half, len(position)), key=position.__getitem__)
     falling = [-x for x in position[top:]]
     return SineResponse(
-        hottest=max(run["temperature"][half:]) - ZERO,
-        rise=passing_time(run.times[half : top + 1], position[half : top + 1], level) - start,
-        fall=passing_time(run.times[top:], falling, -level) - start,
+        hottest=float(found["temperature"][half:].max()) - ZERO,
+        rise=passing_time(times[half : top + 1], position[half : top + 1], level) - start,
+        fall=passing_time(times[top:], falling, -level) - start,
         stroke=position[top] - min(position[half:]),
     )
 
@@ -182,4 +185,4 @@ def actuation_time(
     system = system.with_values({"rho_A": rho, "rho_M": rho})
     supply = Constant(level=printed.supply)
     run = simulate(system, supply, duration, tolerance=_TOLERANCE, samples=1001)
-    return passing_time(run.times, run.columns["position"], 0.95 * max(run.columns["position"]))
+    return run.measure("reach-time(position, share=0.95)")
