@@ -9,6 +9,7 @@ import pytest
 from builders import SINE_A, problem_a
 
 from martensite.base.errors import UnknownNameError
+from martensite.physics.materials.base import load_material, material_names
 from martensite.simulate.api import simulate
 from martensite.simulate.result import LINES, Result
 
@@ -50,6 +51,14 @@ def test_a_console_has_a_few_lines_and_a_notebook_a_table(result: Result) -> Non
     assert page.count("<tr>") == len(result.outputs) + 1
     assert "wire temperature" in page
     assert "degC" in page
+
+
+def test_a_material_prints_as_one_short_line() -> None:
+    """Name, law and number of parameters of the file."""
+    for name in material_names():
+        found = load_material(name)
+        assert len(repr(found)) < 80 and f"{len(found.values)} parameters" in repr(found)
+    assert repr(load_material("nitihf-bigelow2022")) == "Material('nitihf-bigelow2022', law lagoudas, 34 parameters)"
 
 
 def test_balances_by_name(result: Result) -> None:

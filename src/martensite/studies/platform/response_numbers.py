@@ -194,7 +194,7 @@ def compute_damped(printed: Printed) -> dict[str, float]:
     """Times of set C, whose joint is damped."""
     fast, slow = response_times("C", printed, printed.angle)
     result = bench.run_heated(CASES["C"], printed, printed.high, RISE, FINE)
-    hottest = max(result["first.temperature"]) - bench.ZERO
+    hottest = result.measure("max(first.temperature)") - bench.ZERO
     return {"set_C_5V": fast, "set_C_3V": slow, "hottest": hottest, "rise": RISE}
 
 
