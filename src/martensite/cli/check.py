@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from martensite.base.parameters import Leaf
-    from martensite.design.analysis.loop_check import LoopReport
+    from martensite.control.margins.loop_check import LoopReport
     from martensite.scenario.scenario import Scenario
     from martensite.simulate.judgement import Judgement
     from martensite.simulate.result import Result
