@@ -74,7 +74,6 @@ web-packages: $(VENV)/.stamp-dev ## fetch the packages of the web page, once
 
 web: web-packages ## types and tests of the web page, and whether its bundle is the newest
 	$(BIN)/python web/write_types.py
-	$(BIN)/python web/write_vocabulary.py
 	@$(NODE); if fetched; then npm run --silent check && npm run --silent test && npm run --silent fresh; \
 	else echo "make web: skipped, for the packages of the page cannot be had here"; fi
 

@@ -26,8 +26,6 @@ const { metafile } = await build({
   format: "esm",
   legalComments: "linked",
 });
-// by itself, so that the engine stays one file
-await build({ ...how, entryPoints: { fit: "src/fit/worker.ts" }, outdir: out, format: "esm" });
 for (const name of await readdir("public")) await copyFile(`public/${name}`, `${out}/${name}`);
 
 // what the bench needs is fetched at once, not when what needs it was read; the mechanism in space comes later
@@ -43,14 +41,10 @@ const links = [...needed].map((name) => `    <link rel="modulepreload" href="${n
 const index = await readFile(`${out}/index.html`, "utf8");
 await writeFile(`${out}/index.html`, index.replace("  </head>", () => `${links}  </head>`));
 
-/** Fits are asked for by a page without a server alone. */
-const withoutFits = { name: "without fits", setup: ({ onLoad }) => onLoad({ filter: /fit\/calls\.ts$/ }, () => ({ contents: "export {};" })) };
-
 /** A page in one file, which loads nothing. */
 async function inline(folder) {
   const { outputFiles } = await build({
     ...how, entryPoints: [`src/${folder}/main.tsx`], outdir: folder, write: false, format: "iife", legalComments: "inline",
-    plugins: [withoutFits],
   });
   const [script, styles] = [".js", ".css"].map((ending) => outputFiles.find((one) => one.path.endsWith(ending)).text);
   const page = await readFile(`src/${folder}/page.html`, "utf8");

@@ -41,9 +41,3 @@ def test_the_types_of_forms_are_what_python_declares(tmp_path: Path) -> None:
     done = write_types("--check", folder=tmp_path / "web")
     assert done.returncode == 1
     assert "not the newest" in done.stderr
-
-
-def test_units_and_columns_of_the_page_are_those_of_python(tmp_path: Path) -> None:
-    found = tmp_path / "vocabulary.json"
-    subprocess.run([sys.executable, str(WEB / "write_vocabulary.py"), str(found)], check=True)
-    assert found.read_text("utf-8") == (WEB / "src" / "fit" / "vocabulary.json").read_text("utf-8")

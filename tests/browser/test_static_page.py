@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-import math
-import random
-import re
-import shlex
 import threading
 from collections.abc import Iterator
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
-from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from command import Command
 from playwright.sync_api import Page, expect
 from static_wire import ROW, TABLE, TEXT, write_wire
 
 from martensite.app.documents import build_packaged
+from martensite.studies.base import load_study
 
 
 class Quiet(SimpleHTTPRequestHandler):
@@ -143,101 +138,27 @@ def test_heat_is_held_and_the_load_dragged_and_what_came_of_it_is_kept(page: Pag
     expect(page.get_by_text("it was lost with the page")).to_be_visible()
 
 
-TRUTH = {"A_s": 337.15, "A_f": 353.15, "preload": 0.6}
-"""What a log was made with, in SI."""
-POWER = {
-    "kind": "table",
-    "times": ["0 s", "2 s", "5 s", "7 s", "10 s"],
-    "values": ["0 W", "0.5 W", "0.3 W", "0 W", "0 W"],
-}
-FIT = Command("fit")
-REACTION = """async () => {
-  const begun = performance.now();
-  [...document.querySelectorAll("button")].find((one) => one.innerText.startsWith("Stop and keep")).click();
-  while (!document.querySelector(".identify-headline") && performance.now() < begun + 5000) {
-    await new Promise((next) => setTimeout(next, 5));
-  }
-  return performance.now() - begun;
-}"""
-
-
-def write_log(path: Path, rows: int) -> Path:
-    """A run of the wire with other numbers as a device of this country writes it: semicolons, decimal commas, noise."""
-    truth = {
-        "element.law.A_s": "337.15 K",
-        "element.law.A_f": "353.15 K",
-        "mechanism.preload": "0.6 N",
-        "run.samples": rows,
-        "drive.waveform": POWER,
-    }
-    result, draw = build_packaged(TEXT, truth).run(), random.Random(5)
-    spread = {name: max(result.columns[name]) - min(result.columns[name]) for name in ("position", "resistance")}
-    lines = ["Zeit;P [W];position (mm);R [ohm]", "s;W;mm;ohm"]
-    for k, time in enumerate(result.times):
-        x, r = (result.columns[name][k] + 0.005 * spread[name] * draw.gauss(0.0, 1.0) for name in spread)
-        lines.append(f"{time:.6g};{result.columns['drive'][k]:.9g};{1e3 * x:.7g};{r:.7g}".replace(".", ","))
-    path.write_text("\n".join(lines), encoding="utf-8")
-    return path
-
-
-def choose_log(page: Page, path: Path) -> None:
+def test_fits_are_left_to_the_commands(page: Page) -> None:
     page.goto(f"{page.url.split('#')[0]}#/identify")
-    page.get_by_label("Drop a log here").set_input_files(str(path))
-
-
-def test_a_log_is_fitted_without_a_server_as_martensite_fit_does(page: Page, tmp_path: Path) -> None:
-    choose_log(page, write_log(tmp_path / "device.csv", 201))
-    expect(page.locator(".identify-said")).to_contain_text("semicolons and decimal commas: time in s, power in W")
-    page.get_by_role("button", name="Next: records").click()
-    page.get_by_role("button", name="Next: scenario").click()
-    page.get_by_role("button", name="Constant power by PWM, 0.1 mm wire, 2 numbers (simplest)").click()
-    page.get_by_role("checkbox", name="preload", exact=True).check()
-    page.get_by_role("button", name="Fit 3 parameters").click()
-    expect(page.locator(".identify-headline")).to_contain_text("Good: it predicts what it was not fitted to")
-    assert Axe().run(page).response["violations"] == []
-
-    page.get_by_text("The same on the command line").click()
-    words = shlex.split(page.locator(".identify-command").inner_text())
-    assert words[:2] == ["martensite", "fit"]
-    for name in ("Save the scenario", "Save the log as it was fitted"):
-        with page.expect_download() as saved:
-            page.get_by_role("button", name=name).click()
-        saved.value.save_as(tmp_path / "again" / saved.value.suggested_filename)
-    files = [str(tmp_path / "again" / word) if word in ("device.csv", "scenario.toml") else word for word in words[2:]]
-    again = FIT.report(*files)["parameters"]
-    table = page.get_by_role("region", name="Parameters, with intervals of 95 %").locator("tbody tr")
-    offsets = {"A_s": 273.15, "A_f": 273.15, "preload": 0.0}
-    for row in table.all():
-        name, value, interval = row.locator("th, td").all_inner_texts()[:3]
-        found = float(value.split()[0]) + offsets[name]
-        low, high = (float(end) + offsets[name] for end in interval.split(" to "))
-        assert low <= TRUTH[name] <= high, name
-        assert math.isclose(found, again[name]["value"], rel_tol=1e-3), name
-        assert math.isclose(high - low, again[name]["high"] - again[name]["low"], rel_tol=0.1), name
-
-    page.reload()  # nothing is lost
-    expect(page.locator(".identify-headline")).to_contain_text("Good")
-    page.get_by_role("button", name="Open on the bench").click()
-    expect(page.get_by_role("heading", level=1)).to_contain_text("Constant power")
-    expect(page.locator("#form-mechanism-preload")).to_have_value(re.compile(r"^0\.(59|60)"))
-
-
-def test_a_fit_that_is_stopped_ends_soon_and_keeps_its_best(page: Page, tmp_path: Path) -> None:
-    choose_log(page, write_log(tmp_path / "long.csv", 12001))
-    page.get_by_role("button", name="Fit a model to it").click()
-    expect(page.get_by_role("table", name="Best so far")).to_be_visible()
-    expect(page.get_by_text("The search has not told of a run yet")).to_have_count(0)
-    assert page.evaluate(REACTION) < 3000.0  # 0.2 s to 0.4 s where nothing else runs
-    expect(page.locator(".identify-headline")).to_contain_text(
-        "Usable with care. The search did not converge: interrupted"
+    expect(page.locator("main")).to_contain_text(
+        "This page has no server: fits need martensite app or martensite fit on your machine."
     )
-    expect(page.get_by_role("button", name="Go on with the search")).to_be_visible()
+    expect(page.locator("main input")).to_have_count(0)
 
 
-def test_a_file_that_is_no_text_is_left_to_the_server(page: Page, tmp_path: Path) -> None:
-    (tmp_path / "log.xlsx").write_bytes(b"PK\x03\x04")
-    choose_log(page, tmp_path / "log.xlsx")
-    expect(page.get_by_role("alert")).to_contain_text("This page reads tables as text")
+def test_a_study_shows_the_results_that_it_ships(page: Page) -> None:
+    """The claims are those of the library; nothing offers to compute them."""
+    study = load_study("migaone")
+    answer = study.shipped()
+    assert answer is not None
+    page.goto(f"{page.url.split('#')[0]}#/studies")
+    page.get_by_role("link", name=study.title).click()
+    computation = page.get_by_role("region", name="Computation")
+    expect(computation).to_contain_text("martensite study migaone")
+    expect(computation.get_by_role("button")).to_have_count(0)
+    for claim in answer.claims:
+        expect(page.get_by_text(claim.statement, exact=True).first).to_be_attached()
+    assert Axe().run(page).response["violations"] == []
 
 
 MOVES = """async (count) => {

@@ -25,11 +25,11 @@ function fetchJson<T>(address: string): Promise<T> {
   return known as Promise<T>;
 }
 
-export const readManifest = (): Promise<Manifest> => fetchJson(new URL(manifestAddress() ?? "", document.baseURI).href);
+const readManifest = (): Promise<Manifest> => fetchJson(new URL(manifestAddress() ?? "", document.baseURI).href);
 /** Address of a file beside the manifest. */
-export const locateFile = (file: string): string => new URL(file, new URL(manifestAddress() ?? "", document.baseURI)).href;
+const locateFile = (file: string): string => new URL(file, new URL(manifestAddress() ?? "", document.baseURI)).href;
 
-export async function readScenario(manifest: Manifest, name: string): Promise<Scenario> {
+async function readScenario(manifest: Manifest, name: string): Promise<Scenario> {
   const listed = manifest.scenarios.find((one) => one.name === name);
   if (!listed) throw new Refusal(`This page has no scenario \`${name}\`. ${SERVER}`, "server", 501);
   return fetchJson<Scenario>(locateFile(listed.file));
@@ -128,13 +128,6 @@ export async function findStepped(text: string): Promise<Stepped> {
   return { scenario, changes, address: locateFile(scenario.module) };
 }
 
-// ---------------------------------------------------------------- fits
-
-/** Calls of Identify, which are loaded when they are needed. */
-const OF_FITS = ["table", "has_sample", "sample_log", "fit_records", "log_overlay", "fit_starts", "fit_proposal", "fit_scenario", "record_files"];
-
-export const loadFits = (): Promise<typeof import("../fit/calls.ts")> => import("../fit/calls.ts");
-
 // ---------------------------------------------------------------- calls
 
 type Request = Record<string, unknown>;
@@ -152,12 +145,14 @@ const calls: Record<string, (request: Request) => Promise<unknown>> = {
     const core = await runLocally(scenario, changes, text);
     return { ...drawRun(scenario, core), cautions: core.cautions };
   },
+  studies: async () => fetchJson(locateFile("studies.json")),
+  study_page: async (request) => fetchJson(locateFile(`study-${encodeURIComponent(request["name"] as string)}.json`)),
   compare: async (request) => compareDocuments(request["texts"] as string[]),
 };
 
 /** The answer to a call, as the server would give it. */
 export async function answerLocally<T>(name: string, request: object): Promise<T> {
-  const own = OF_FITS.includes(name) ? (await loadFits()).answers[name] : calls[name];
+  const own = calls[name];
   if (!own) throw new Refusal(`This page has no server, which \`${name}\` needs. ${SERVER}`, "server", 501);
   return (await own(request as Request)) as T;
 }

@@ -206,6 +206,4 @@ export interface Scenario {
 export interface Manifest {
   version: string;
   scenarios: { name: string; title: string; text: string; file: string; module: string }[];
-  /** File of a log to begin with. */
-  sample?: string;
 }

@@ -1,9 +1,6 @@
 // The first step: a file, and what its columns mean.
 
 import { useSignal } from "@preact/signals";
-import { useEffect } from "preact/hooks";
-import { isStatic } from "../engine/local.ts";
-import { call } from "../lib/api.ts";
 import { Empty } from "../ui/empty.tsx";
 import { Message } from "../ui/message.tsx";
 import { ColumnRows } from "./columns.tsx";
@@ -13,7 +10,6 @@ import { Said } from "./said.tsx";
 import { addFiles, fitProposed, goTo, isRunning, logs, put, readTable, state, table, takeFile } from "./state.ts";
 
 const KINDS = ".csv,.txt,.tsv,.dat,.asc,.lvm,.xlsx,.mat,.nc,.parquet,.tdms,.mcap,.gz";
-const TEXTS = ".csv,.txt,.tsv,.dat,.asc";
 const LOADS = [50, 100, 172, 200];
 const SEPARATORS = ["auto", "comma", "semicolon", "tab", "whitespace"];
 
@@ -32,33 +28,15 @@ function Drop() {
     >
       <label>
         <strong>{state.value.file ? "Drop a log here to add it, or choose files" : "Drop a log here, or choose a file or several"}</strong>
-        <span class="small soft">{isStatic() ? OWN_KINDS : "A table over time, or loops without one: text of any layout, Excel, MAT, netCDF, Parquet, TDMS or MCAP, up to 64 MiB. It stays on this machine."}</span>
-        <input type="file" multiple accept={isStatic() ? TEXTS : KINDS} onChange={(event) => take(event.currentTarget.files)} />
+        <span class="small soft">A table over time, or loops without one: text of any layout, Excel, MAT, netCDF, Parquet, TDMS or MCAP, up to 64 MiB. It stays on this machine.</span>
+        <input type="file" multiple accept={KINDS} onChange={(event) => take(event.currentTarget.files)} />
       </label>
     </div>
   );
 }
 
-const OWN_KINDS =
-  "A table over time as text: commas, semicolons, tabs or blanks, decimal points or commas, headings with units. It stays in this browser. Excel, MAT, netCDF, Parquet, TDMS, MCAP and loops without times are read where martensite is installed.";
-
-/** Logs that come with the package: measured ones, or that of a page without a server. */
+/** Measured logs that come with the package. */
 function Samples() {
-  const own = useSignal(false);
-  useEffect(() => {
-    if (isStatic()) call<boolean>("has_sample").then((found) => (own.value = found), () => undefined);
-  }, []);
-  if (isStatic()) {
-    return !own.value ? null : (
-      <div class="row identify-samples">
-        <span>None at hand?</span>
-        <button type="button" onClick={() => void takeFile(0)}>
-          Take the sample log: a wire under a stepped power
-        </button>
-        <span class="soft small">Computed with other numbers than the scenario has, noise of 0.5 % added: a fit should find them again.</span>
-      </div>
-    );
-  }
   return (
     <div class="row identify-samples">
       <span>None at hand?</span>

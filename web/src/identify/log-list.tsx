@@ -1,7 +1,6 @@
 // All logs: which one is looked at, which are merged into the first, and all of them in one picture.
 
 import { useEffect } from "preact/hooks";
-import { isStatic } from "../engine/local.ts";
 import { toShown } from "../lib/numbers.ts";
 import { NumberField, printed, SECONDS } from "./number.tsx";
 import { Key, Plot } from "./plot.tsx";
@@ -25,7 +24,7 @@ export function LogList() {
               <button type="button" aria-pressed={state.value.at === k} onClick={() => void chooseLog(k)}>
                 {name}
               </button>
-              {k > 0 && !isStatic() && timed(log) && timed(logs.value[0]) && (
+              {k > 0 && timed(log) && timed(logs.value[0]) && (
                 <label>
                   <input type="checkbox" aria-label={`Merge ${name} with the first`} checked={log.merge} onChange={(event) => void changeLog(k, { merge: event.currentTarget.checked })} /> merge with {first}
                 </label>

@@ -1,6 +1,5 @@
 // What is compared, what every record has for itself, what is kept back, and how to search.
 
-import { isStatic } from "../engine/local.ts";
 import { heldNames, put, scenario, state } from "./state.ts";
 
 const without = (list: string[], name: string): string[] => list.filter((one) => one !== name);
@@ -78,13 +77,13 @@ export function Options() {
     <fieldset class="panel stack">
       <legend>How to fit</legend>
       <Compared />
-      {!isStatic() && <OfRecords />}
+      <OfRecords />
       {held.length ? (
         <p class="small">Held out, to see how well the fit predicts: {held.join(", ")}.</p>
       ) : (
         <Pick label="Hold out" value={holdOut} choices={HOLD_OUT} onPick={(value) => put({ holdOut: value })} />
       )}
-      {!isStatic() && <Searches />}
+      <Searches />
     </fieldset>
   );
 }

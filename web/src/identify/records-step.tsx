@@ -2,7 +2,6 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { isStatic } from "../engine/local.ts";
 import { digits, toShown } from "../lib/numbers.ts";
 import { NumberField, printed, SECONDS } from "./number.tsx";
 import { LogList, Overlay } from "./log-list.tsx";
@@ -142,7 +141,7 @@ export function RecordsStep() {
       <LogList />
       {logs.value.length > 1 && <h2>{state.value.file?.name}</h2>}
       {logs.value.length < 2 && <Loops />}
-      {!isStatic() && <Preparation />}
+      <Preparation />
       {cuts.map((cut, k) => (
         <CutRow key={k} cut={cut} at={k} chosen={k === chosen.value} choose={() => (chosen.value = k)} />
       ))}

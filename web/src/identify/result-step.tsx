@@ -2,12 +2,12 @@
 
 import { useSignalEffect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { save, take } from "../lib/api.ts";
+import { take } from "../lib/api.ts";
 import { difference, digits, toShown } from "../lib/numbers.ts";
 import { openInBench } from "../state/scenario.ts";
 import { Message } from "../ui/message.tsx";
 import { Table } from "../ui/table.tsx";
-import { addFiles, asked, beginFit, bestKept, fitting, goTo, outcome, refused, reporting, state } from "./state.ts";
+import { addFiles, beginFit, bestKept, goTo, outcome, refused, reporting, state } from "./state.ts";
 import { printed } from "./number.tsx";
 import { Said } from "./said.tsx";
 import { VerdictPanel } from "./verdict.tsx";
@@ -67,43 +67,6 @@ function Correlations({ found }: { found: Outcome }) {
   );
 }
 
-/** What a page without a server leaves behind: the scenario with what was found, and records as they were fitted. */
-function OwnFiles({ found }: { found: Outcome }) {
-  const saveLogs = async (): Promise<void> => {
-    const files = await asked<{ name: string; text: string }[]>("record_files", fitting.job.value?.request ?? {}, "Writing …");
-    files?.forEach((one) => save(one.name, one.text));
-  };
-  return (
-    <div class="row">
-      <button type="button" class="main" onClick={() => openInBench(found.scenario)}>
-        Open on the bench
-      </button>
-      <button type="button" onClick={() => save("scenario.toml", found.followed ?? "")}>
-        Save the scenario
-      </button>
-      <button type="button" onClick={() => void saveLogs()}>
-        Save the log as it was fitted
-      </button>
-      <Again found={found} />
-    </div>
-  );
-}
-
-function Again({ found }: { found: Outcome }) {
-  return (
-    <>
-      {found.reason === "interrupted" && (
-        <button type="button" onClick={() => void beginFit({ state: bestKept.value })}>
-          Go on with the search
-        </button>
-      )}
-      <button type="button" onClick={() => void goTo(2)}>
-        Fit something else
-      </button>
-    </>
-  );
-}
-
 function Files({ found }: { found: Outcome }) {
   const report = reporting.job.value;
   const writing = report?.state === "running" ? String(report.request["what"]) : "";
@@ -126,7 +89,14 @@ function Files({ found }: { found: Outcome }) {
       <button type="button" onClick={() => openInBench(found.scenario)}>
         Open in bench
       </button>
-      <Again found={found} />
+      {found.reason === "interrupted" && (
+        <button type="button" onClick={() => void beginFit({ state: bestKept.value })}>
+          Go on with the search
+        </button>
+      )}
+      <button type="button" onClick={() => void goTo(2)}>
+        Fit something else
+      </button>
       <button type="button" disabled={writing !== ""} onClick={() => write("terminal")}>
         {writing === "terminal" ? "Packing …" : "Save all for the command line"}
       </button>
@@ -160,7 +130,7 @@ export function ResultStep() {
         </span>
       </h2>
       <VerdictPanel found={found} />
-      {found.followed === undefined ? <Files found={found} /> : <OwnFiles found={found} />}
+      <Files found={found} />
       {found.warnings.filter((sentence) => !found.verdict.reasons.includes(sentence)).map((sentence) => (
         <Message key={sentence} kind="caution">
           ⚠ <Said>{sentence}</Said>

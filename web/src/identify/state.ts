@@ -327,8 +327,8 @@ export async function readProposal(): Promise<ProposalView | null> {
   return found;
 }
 
-/** The proposal that is said to be simplest, or has the fewest numbers: it is found soonest, and tells most surely. */
-export const simplest = (of: ProposalView): ProposedModel | undefined => of.models.find((one) => one.name === of.best) ?? [...of.models].sort((a, b) => a.free.length - b.free.length)[0];
+/** The proposal with the fewest free numbers. */
+export const simplest = (of: ProposalView): ProposedModel | undefined => [...of.models].sort((a, b) => a.free.length - b.free.length)[0];
 
 export async function takeModel(model: ProposedModel): Promise<void> {
   const free = Object.fromEntries(model.free.map(({ name, low, high, start, scale }) => [name, { start, low, high, scale }]));

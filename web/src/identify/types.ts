@@ -82,8 +82,6 @@ export interface ProposalView {
   refused: string;
   notes: string[];
   models: ProposedModel[];
-  /** The model that is taken without a word; the one with the fewest numbers where none is said. */
-  best?: string;
 }
 
 export interface Quantity extends Shown {
@@ -221,8 +219,6 @@ export interface Outcome {
   history: [number, number][];
   rows: Compared[];
   scenario: string;
-  /** The scenario as it follows its log, where the page itself has fitted it. */
-  followed?: string;
   /** Key of what files are made from. */
   fit: string;
 }

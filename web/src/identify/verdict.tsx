@@ -43,11 +43,7 @@ export function VerdictPanel({ found }: { found: Outcome }) {
       <details>
         <summary>The same on the command line</summary>
         <code class="identify-command">{found.command}</code>
-        <p class="soft small">
-          {found.followed === undefined
-            ? "“Save all for the command line” packs the records as they were fitted, the scenario, and these words."
-            : "It takes what “Save the scenario” and “Save the log as it was fitted” leave."}
-        </p>
+        <p class="soft small">“Save all for the command line” packs the records as they were fitted, the scenario, and these words.</p>
       </details>
     </section>
   );

@@ -1,6 +1,6 @@
 // The server's addresses: quick calls, jobs, files. A refusal is an error with its sentence.
 
-import { answerLocally, isStatic, loadFits } from "../engine/local.ts";
+import { answerLocally, isStatic } from "../engine/local.ts";
 import { SERVER } from "../engine/inputs.ts";
 import { completeAnswer } from "../views/answer.ts";
 import { COLUMNS_TYPE, unpackColumns } from "./columns.ts";
@@ -115,21 +115,17 @@ export interface Job<Note = Record<string, unknown>, Outcome = unknown> extends 
   outcome: Outcome | string | null;
 }
 
-/** Whether long work is done by the page itself. */
-const isOwn = (name: string): boolean => isStatic() && name === "fit";
-
-export const beginJob = async (name: string, request: object): Promise<JobSummary> =>
-  isOwn(name) ? (await loadFits()).beginFit(request) : asked("/api/jobs", { method: "POST", body: JSON.stringify({ call: name, request }) });
+export const beginJob = (name: string, request: object): Promise<JobSummary> =>
+  asked("/api/jobs", { method: "POST", body: JSON.stringify({ call: name, request }) });
 
 /** The jobs of a kind that this tab has, the newest first. */
 export async function jobs(name: string): Promise<JobSummary[]> {
-  if (isOwn(name)) return (await loadFits()).listFits();
   return (await asked<JobSummary[]>("/api/jobs")).filter((one) => one.call === name);
 }
 
 /** Cancel a job; by force if it has not ended in so many seconds, a few where none are given. */
-export const cancelJob = async (id: string, within?: number): Promise<JobSummary> =>
-  isStatic() ? (await loadFits()).cancelFit(id) : asked(`/api/jobs/${id}${within === undefined ? "" : `?within=${within}`}`, { method: "DELETE" });
+export const cancelJob = (id: string, within?: number): Promise<JobSummary> =>
+  asked(`/api/jobs/${id}${within === undefined ? "" : `?within=${within}`}`, { method: "DELETE" });
 
 /** Code with which the server closes on a job that it does not have. */
 const GONE = 4404;
@@ -140,7 +136,6 @@ export function watchJob<Note, Outcome>(
   heard: (message: { job?: Job<Note, Outcome>; note?: Note }) => void,
   lost: (reason: string, gone: boolean) => void,
 ): () => void {
-  if (isStatic()) return watchOwn(id, heard as (message: object) => void);
   const address = `${location.origin.replace("http", "ws")}/api/jobs/${id}/watch?tab=${tab}`;
   const socket = new WebSocket(address);
   let over = false;
@@ -158,11 +153,6 @@ export function watchJob<Note, Outcome>(
   };
 }
 
-function watchOwn(id: string, heard: (message: object) => void): () => void {
-  const leaving = loadFits().then(({ watchFit }) => watchFit(id, heard));
-  return () => void leaving.then((leave) => leave());
-}
-
 export interface Uploaded {
   key: string;
   name: string;
@@ -171,15 +161,14 @@ export interface Uploaded {
 
 /** Whether the server has a file: it forgets all of them when it ends. */
 export async function isThere(key: string): Promise<boolean> {
-  if (isStatic()) return (await loadFits()).isKept(key);
   return fetch(`/api/files/${key}`, { method: "HEAD", headers: { "X-Quietly": "1" } }).then(
     (found) => found.ok && !found.headers.has("X-Refused"),
     () => false,
   );
 }
 
-export const upload = async (file: File): Promise<Uploaded> =>
-  isStatic() ? (await loadFits()).keepLog(file) : asked(`/api/files?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
+export const upload = (file: File): Promise<Uploaded> =>
+  asked(`/api/files?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
 
 /** Save something under a name, as a download. */
 export function save(name: string, content: Blob | string): void {

@@ -2,6 +2,7 @@
 
 import { useSignalEffect } from "@preact/signals";
 import { useEffect } from "preact/hooks";
+import { isStatic } from "../engine/local.ts";
 import { FileStep } from "../identify/file-step.tsx";
 import { FitStep } from "../identify/fit-step.tsx";
 import { RecordsStep } from "../identify/records-step.tsx";
@@ -42,7 +43,20 @@ async function resume(): Promise<void> {
 
 let watching = "";
 
-export function Page() {
+function NoServer() {
+  return (
+    <div class="identify stack">
+      <h1>Identify</h1>
+      <p>
+        This page has no server: fits need <code>martensite app</code> or <code>martensite fit</code> on your machine.
+      </p>
+    </div>
+  );
+}
+
+export const Page = () => (isStatic() ? <NoServer /> : <Fitting />);
+
+function Fitting() {
   useEffect(() => void resume(), []);
   useSignalEffect(() => {
     const job = fitting.job.value;

@@ -1,6 +1,7 @@
 // Published results, rebuilt: the list of studies, and one of them.
 
 import { useEffect } from "preact/hooks";
+import { isStatic } from "../engine/local.ts";
 import { isOver } from "../state/jobs.ts";
 import { place } from "../state/route.ts";
 import { StudyList } from "../studies/list.tsx";
@@ -9,7 +10,7 @@ import { Study } from "../studies/study.tsx";
 
 export function Page() {
   useEffect(() => {
-    if (!isOver(work.job.value)) void work.resume();
+    if (!isStatic() && !isOver(work.job.value)) void work.resume();
     return follow();
   }, []);
   const name = place.value.page === "studies" ? place.value.rest[0] : undefined;

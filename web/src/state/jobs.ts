@@ -1,7 +1,6 @@
 // Long work of this tab: begun, watched, found again after a reload, cancelled.
 
 import { signal, type Signal } from "@preact/signals";
-import { isStatic } from "../engine/local.ts";
 import { beginJob, cancelJob, type Job, jobs, sentence, watchJob } from "../lib/api.ts";
 import { awaitServer } from "../lib/connection.ts";
 import { keepPart } from "./session.ts";
@@ -23,7 +22,6 @@ const GRACE = 0.6;
 /** The longest job that is kept with the session [characters of JSON]. */
 const MOST_KEPT = 2 ** 20;
 const ENDED = "The server was ended before this was done. Begin it again.";
-const LEFT = "The page was left before this was done, and it has no server that goes on. Begin it again.";
 
 /** Newest job of every kind, so far as it is known. */
 const known = signal<Record<string, Job>>({});
@@ -84,7 +82,7 @@ export function watched<Note, Outcome>(name: string): Watched<Note, Outcome> {
     trouble.value = "";
     const now = job.value;
     if (now?.state !== "running") return;
-    job.value = { ...now, state: "failed", outcome: isStatic() ? LEFT : ENDED };
+    job.value = { ...now, state: "failed", outcome: ENDED };
     remember(name, job.value as Job);
   }
 

@@ -1,6 +1,7 @@
 // One study: what it is about, scenarios for the bench, claims and figure.
 
 import { useEffect } from "preact/hooks";
+import { isStatic } from "../engine/local.ts";
 import { openInBench } from "../state/scenario.ts";
 import { Message } from "../ui/message.tsx";
 import { Claims, Reports } from "./claims.tsx";
@@ -71,6 +72,18 @@ function Scenarios({ study }: { study: StudyPage }) {
   );
 }
 
+/** The origin of the shown results on a page without a server. */
+function Stored({ study }: { study: StudyPage }) {
+  return (
+    <section class="panel stack" aria-label="Computation">
+      <p class="small soft">
+        These numbers came with {study.results?.made_by}. This page has no server: <code>martensite study {study.name}</code> computes them and draws
+        the figure on your machine.
+      </p>
+    </section>
+  );
+}
+
 function Compute({ study }: { study: StudyPage }) {
   const results = study.results;
   return (
@@ -121,7 +134,7 @@ export function Study({ name }: { name: string }) {
             <Guide study={study} />
             <div class="stack">
               <Scenarios study={study} />
-              <Compute study={study} />
+              {isStatic() ? <Stored study={study} /> : <Compute study={study} />}
             </div>
           </div>
           {study.results?.figure && !busy && <Figure key={study.results.figure} name={name} file={study.results.figure} about={study.figure} />}

@@ -13,14 +13,15 @@ from gzip import compress
 from importlib.metadata import version
 from pathlib import Path
 
+from martensite.app.calls.studies import describe_study_page, list_studies
 from martensite.app.documents import build_packaged, list_standalone
 from martensite.app.messages import JsonTable, write_message
 from martensite.app.site import STATIC, WIDGET
 from martensite.app.static_site.flat_inputs import list_waveforms
 from martensite.app.static_site.input_map import measure_map
 from martensite.app.static_site.run_module import RunSource, write_source
-from martensite.app.static_site.sample_log import make_sample
 from martensite.app.static_site.scenario_table import describe_static
+from martensite.app.worker import Desk
 from martensite.base.child_python import safe_children
 from martensite.base.errors import DataError
 from martensite.export.wasm.module import find_wasm_compiler
@@ -29,8 +30,6 @@ RUNS = "runs"
 """Folder of scenarios and modules in that of the page."""
 MARK = '<meta name="martensite-runs" content="runs/manifest.json">'
 """Says to the page that there is no server."""
-SAMPLE = "stepped_power.csv"
-"""The log that a reader without one begins with."""
 FIRST = "constant_power"
 """The scenario with which the bench begins."""
 
@@ -77,6 +76,7 @@ def _fill_folder(folder: Path, texts: Mapping[str, str], tell: Tell) -> JsonTabl
             listed.append(entry)
             tell(f"{name}: {sum(map(len, files.values())) / 1e3:.0f} kB")
     copy_page(folder)
+    write_studies(folder)
     return write_manifest(folder, listed)
 
 
@@ -144,13 +144,21 @@ def _describe_failure(folder: Path, error: OSError) -> DataError:
 
 
 def write_manifest(folder: Path, scenarios: Sequence[JsonTable]) -> JsonTable:
-    """Write which scenarios the page has, and a log to begin with where one of them explains it."""
+    """Write which scenarios the page has."""
     manifest: JsonTable = {"version": version("martensite"), "scenarios": list(scenarios)}
-    if any(one["name"] == FIRST for one in scenarios):
-        manifest["sample"] = SAMPLE
-        (folder / RUNS / SAMPLE).write_text(make_sample(), encoding="utf-8")
     (folder / RUNS / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
     return manifest
+
+
+def write_studies(folder: Path) -> None:
+    """Write the installed studies with the results that come with them, without data sets missing on this machine."""
+    desk = Desk(folder)
+    listed = list_studies({}, desk)["studies"]
+    pages = {f"study-{one['name']}": describe_study_page({"name": one["name"]}, desk) for one in listed}
+    content = {"studies": {"studies": [one | {"missing": []} for one in listed]}}
+    content |= {name: one | {"missing": []} for name, one in pages.items()}
+    for name, table in content.items():
+        (folder / RUNS / f"{name}.json").write_bytes(write_message(table))
 
 
 def copy_page(folder: Path) -> None:

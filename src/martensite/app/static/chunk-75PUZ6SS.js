@@ -1,1 +1,0 @@
-import{a as r}from"./chunk-VD5SCWUT.js";import{d as t}from"./chunk-JRBHR5S4.js";function i({picture:n,children:p}){let o=r[n];return t("div",{class:"empty",children:[o&&t(o,{}),t("p",{class:"soft",children:p})]})}export{i as a};
