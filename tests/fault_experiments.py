@@ -475,7 +475,7 @@ def end_command(process: subprocess.Popen[str], patience: float = 4 * PATIENCE) 
 
 KILLED: dict[str, tuple[str, str]] = {
     "run": ("run wire.toml --out out.nc --figure out.png --force", "out.nc"),
-    "identify": ("identify log.csv --search {poly2,pwl6}|oe({1..2},2,1) --starts 20 --save out.json", "out.json"),
+    "identify": ("identify log.csv --stage pwl6|oe(2,2,1) --starts 60 --save out.json", "out.json"),
     "export": ("export fmu wire.toml --out out.fmu --force", "out.fmu"),
 }
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)

@@ -22,7 +22,7 @@ from martensite.identify.blocks.saturation import DeadZone, Saturation
 from martensite.identify.blocks.side_by_side import SideBySide
 from martensite.identify.blocks.spline import Spline
 from martensite.identify.blocks.transfer_function import TransferFunction
-from martensite.identify.chains.chain_text import expand_pattern, parse_block, parse_chain
+from martensite.identify.chains.chain_text import parse_block, parse_chain
 from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.estimate import Options, estimate_chain
 from martensite.kernels import floats
@@ -304,11 +304,9 @@ class TestJoined:
 
 
 class TestTexts:
-    def test_joined_blocks_are_read_written_and_chosen_between(self):
+    def test_joined_blocks_are_read_and_written(self):
         text = "[[gain | oe(2,2,1)] < [poly(3) + boucwen]] | [poly(1) & [pwl(5,fixed) & gain]]"
         assert " | ".join(block.text() for block in parse_chain(text)) == text
-        chosen = expand_pattern("{[oe(2,2,1) < boucwen],[poly2 + pi(4)],gpi(6,8)} | poly{1..2}")
-        assert [len(parse_chain(one)) for one in chosen] == [2] * 6
 
     def test_of_summed_offsets_one_is_left(self):
         (block,) = parsed("[poly2 + gain + oe]")

@@ -129,17 +129,6 @@ def test_stages_in_series_are_saved_and_drawn(folder: Path) -> None:
     assert "is there already" in IDENTIFY.refused("pulses.csv", *TWO, *wanted)
 
 
-def test_a_search_and_what_it_uses_up() -> None:
-    given = (*SIGNALS, "--output", "temperature", "--search", "poly{1,2} | oe(1,1,1)")
-    text = IDENTIFY.fine("pulses.csv", *given, "--validate", "ramps.csv")
-    assert "> poly2 | oe(1,1,1)" in text
-    assert "no final figure" in text
-    found = IDENTIFY.report("pulses.csv", *given, "--validate", "ramps.csv", "--other", "pulses.csv")
-    assert found["stages"][0]["search"]["chosen"] == "poly2 | oe(1,1,1)"
-    assert [c["numbers"] for c in found["stages"][0]["search"]["candidates"]] == [4, 3]
-    assert not any("final figure" in sentence for sentence in found["warnings"])
-
-
 def test_few_searches_that_agree_are_warned_of() -> None:
     one = log("pulses", pulses(1))
     few = identify_stages(one, [STRUCTURE, LINE], one, options=Options(starts=2, refined=2))
@@ -172,7 +161,7 @@ def test_an_interrupted_search_exits_with_1(monkeypatch: pytest.MonkeyPatch) -> 
         (("pulses.csv", "--input", "dutty", "--output", "temperature", "--stage", "poly1"), "Did you mean `duty`"),
         (("pulses.csv", "--output", "temperature", "--stage", "poly1"), "needs --input"),
         (("pulses.csv", "--input", "duty", "--stage", "poly1"), "needs --output"),
-        (("pulses.csv", *ONE, "--search", "poly{1,2}"), "give one of the two"),
+        (("pulses.csv", *SIGNALS, "--output", "temperature", "--stage", "poly{1,2}"), "poly{1,2}"),
         (("pulses.csv", *SIGNALS, "--output", "temperature", "--stage", "polly1"), "There is no block `polly`"),
         (("pulses.csv", *SIGNALS, "--output", "position", "--stage", STRUCTURE), "The last stage gives `temperature`"),
         (("pulses.csv", *SIGNALS, "--output", "position", "--stage", "poly1", "--stage", "poly1"), "names no output"),

@@ -50,19 +50,12 @@ class IdentifyOptions:
         Texts,
         Option(
             metavar="BLOCKS[->COLUMN]",
-            help='Blocks in series, e.g. --stage "poly2 | oe(3,3,1) | pwl10"; braces, as in '
-            "--search, make a choice of it. Repeated, each stage goes on from the measured column "
-            "that the one before names.",
-        ),
-    ] = None
-    search: Annotated[
-        Text,
-        Option(
-            metavar="PATTERN", help='Structures to choose from, e.g. --search "poly{1..3} | oe({2,3},3,1) | pwl10".'
+            help='Blocks in series, e.g. --stage "poly2 | oe(3,3,1) | pwl10". Repeated, each stage goes on from the '
+            "measured column that the one before names.",
         ),
     ] = None
     validate: Annotated[
-        Texts, Option(metavar="LOG", help="Log of another cadence that a search chooses by; repeatable.")
+        Texts, Option(metavar="LOG", help="Log of another cadence, to choose a structure by or to score; repeatable.")
     ] = None
     other: Annotated[Texts, Option(metavar="LOG", help="Log that is only scored; repeatable.")] = None
     interval: Annotated[Text, Option(help='Sample time to fit at, e.g. "20 ms" [default: that of the log].')] = None
@@ -107,12 +100,7 @@ class IdentifyOptions:
         """
         from martensite.identify.chains.stages import ModelStage
 
-        if self.stage and self.search is not None:
-            raise InputError(
-                "Identification takes --stage, blocks such as `poly2 | oe(3,3,1) | pwl10`, or --search, a pattern of "
-                "them, or neither; give one of the two."
-            )
-        texts = [self.search] if self.search is not None else list(self.stage or ())
+        texts = list(self.stage or ())
         output = self.output or ""
         read = [ModelStage.read(text, output if k == len(texts) else None) for k, text in enumerate(texts, start=1)]
         if read[-1].outputs != ModelStage("", output).outputs:
@@ -122,7 +110,7 @@ class IdentifyOptions:
     @property
     def climbs(self) -> bool:
         """Whether no structure is given, so that one is found."""
-        return not self.stage and self.search is None
+        return not self.stage
 
     def complete_columns(self, log: str) -> IdentifyOptions:
         """With the columns that the first log leaves no choice of.
@@ -217,9 +205,8 @@ def identify(
     it was not fitted to better than the one before by more than chance; the last fifth of the log judges the
     result. --validate gives logs to choose by, --other logs to judge on instead. Logs of another regime than the
     first are set apart.
-    With --stage or --search a structure is given, or a pattern; --input and --output may then be left out where the
-    log leaves no choice. Blocks: see `martensite list block`. All scores are of free runs: no measured output is
-    fed back.
+    With --stage the structure is given; --input and --output may then be left out where the log leaves no choice.
+    Blocks: see `martensite list block`. All scores are of free runs: no measured output is fed back.
     Exit code 1: nothing was found that predicts, or the log cannot tell. Ctrl-C keeps the best so far; the exit
     code is 130 then.
     """
@@ -258,7 +245,7 @@ def identify(
     if report is not None:
         written += _write_stages_report(found, records, report)
     print_summary(summarise_identified(found, records), answer.json, written)
-    if ended or not all(one is None or one.complete for one in found.searches):
+    if ended:
         typer.echo("interrupted: this is the best so far", err=True)
         raise typer.Exit(InterruptError.exit_code)
 

@@ -16,7 +16,6 @@ from martensite.identify.chains.linearise import linearise_chain as linearise_ch
 from martensite.identify.chains.linearise import static_curve as static_curve
 from martensite.identify.chains.plant import build_plant as build_plant
 from martensite.identify.chains.scores import compute_rms as compute_rms
-from martensite.identify.chains.search import search_structures as search_structures
 from martensite.identify.chains.stages import ModelStage as ModelStage
 from martensite.identify.chains.stages import identify_stages as identify_stages
 from martensite.identify.chains.uncertainty import estimate_chain_uncertainty as _model_uncertainty

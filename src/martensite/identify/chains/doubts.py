@@ -7,7 +7,6 @@ that were exchanged, a log in which nothing happens while it is judged.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
 
 import numpy as np
 
@@ -28,8 +27,6 @@ BETTER = 20.0
 """Points of fit by which the exchanged columns must do better."""
 MOVING = 0.8
 """Squared error of a linear model from the best state, over that from rest, below which a record is in motion."""
-STILL = 2
-"""Blocks of a cross-validation, of three, in which nothing is put in, from which on it tells nothing."""
 
 
 def describe_copies(records: Sequence[Sampled]) -> Iterator[str]:
@@ -98,17 +95,3 @@ def _fit_linear(record: Sampled) -> float:
     except MartensiteError:
         return -np.inf
     return float(fit_percent(record.outputs, model.simulate(record.inputs))[0])
-
-
-def describe_stillness(records: Sequence[Sampled], folds: int) -> Iterator[str]:
-    """Records whose cross-validation tells nothing, because the input stays in most of their blocks."""
-    for record in records:
-        ends = np.linspace(0, len(record), folds + 1).astype(int)
-        blocks = [record.inputs[a:b] for a, b in pairwise(ends)]
-        still = sum(len(block) == 0 or not np.any(np.ptp(block, axis=0)) for block in blocks)
-        if still >= STILL:
-            yield (
-                f"{record.name}: its input does not move in {still} of the {folds} blocks that cross-validation leaves "
-                "out in turn, so that it does not tell which structure is better; choose by --validate, a log in "
-                "which the input moves throughout."
-            )

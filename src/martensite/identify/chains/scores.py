@@ -100,9 +100,3 @@ def score_chain(
             for k, name in enumerate(record.output_names)
         ]
     return found
-
-
-def mean_fit(scores: Iterable[OutputScore]) -> float:
-    """Mean fit [%]; NaN of none."""
-    fits = [score.fit for score in scores]
-    return float(np.mean(fits)) if fits else float("nan")

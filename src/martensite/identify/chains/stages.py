@@ -18,7 +18,6 @@ from martensite.identify.chains.chain import Chain, RecordStart
 from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.estimate import ChainEstimate, Options, estimate_chain
 from martensite.identify.chains.scores import ROLES, OutputScore, score_chain
-from martensite.identify.chains.search import Searched, search_structures
 from martensite.signals.sampling.resampling import collect_experiments, select_signals
 from martensite.signals.sampling.sampled import Sampled
 
@@ -30,7 +29,7 @@ class ModelStage:
     """One stage: its structure, and the signal that it gives."""
 
     structure: str
-    """Such as `poly2 | oe(3,3,1) | pwl10`; with braces it is searched for."""
+    """Such as `poly2 | oe(3,3,1) | pwl10`."""
     output: str
     """Its name; several, separated by commas, where the last block gives as many."""
 
@@ -62,8 +61,6 @@ class Identified:
     model: Chain
     """The series of all stages; of one stage, that stage."""
     scores: tuple[OutputScore, ...]
-    searches: tuple[Searched | None, ...]
-    """What was searched for the structure of every stage; None where it was given."""
     options: Options
 
     def fit(self, role: str = "validation", model: str | None = None) -> list[float]:
@@ -85,8 +82,8 @@ def identify_stages(
     Args:
         records: what is fitted; their outputs hold all that is measured between and at the end.
         stages: structures, such as `poly2 | oe(3,3,1) | pwl10 -> temperature`; the last one gives
-            the last output of the records if it names none. Braces make a search of it.
-        validation: records to validate with, and to choose structures by; of another cadence.
+            the last output of the records if it names none.
+        validation: records to validate with, of another cadence.
         other: records that are scored only.
         options: how each stage is estimated.
         watch: called with a sentence and the share that is done.
@@ -100,24 +97,23 @@ def identify_stages(
     collect_experiments(*groups[0], *groups[1], *groups[2])
     planned = _plan_stages(stages, groups[0][0])
     inputs: tuple[str, ...] = groups[0][0].input_names
-    found: list[tuple[ChainEstimate, Searched | None]] = []
+    found: list[ChainEstimate] = []
     scores: list[OutputScore] = []
     for k, stage in enumerate(planned):
         parts = [[select_signals(r, inputs, stage.outputs) for r in group] for group in groups]
         tell = _share_progress(watch, k, len(planned))
-        found.append(_identify_stage(stage, parts[0], parts[1], options, tell))
+        found.append(estimate_chain(stage.structure, parts[0], options, tell))
         name = f"stage {k + 1}" if len(planned) > 1 else "model"
-        scores += _score_stage(found[-1][0].chain, parts, options, name)
+        scores += _score_stage(found[-1].chain, parts, options, name)
         inputs = stage.outputs
-        if not found[-1][0].complete or not (found[-1][1] is None or found[-1][1].complete):
+        if not found[-1].complete:
             planned = planned[: k + 1]  # interrupted: what is there is the model
             break
     ends = [[select_signals(r, r.input_names, planned[-1].outputs) for r in group] for group in groups]
-    model = _join_series([e for e, _ in found], ends[0])
+    model = _join_series(found, ends[0])
     if len(planned) > 1:
         scores += _score_stage(model, ends, options, SERIES)
-    estimates, searches = zip(*found, strict=True)
-    return Identified(tuple(planned), estimates, model, tuple(scores), searches, options)
+    return Identified(tuple(planned), tuple(found), model, tuple(scores), options)
 
 
 def _group_records(records: Sampled | Sequence[Sampled]) -> list[Sampled]:
@@ -135,22 +131,8 @@ def _plan_stages(stages: str | Sequence[str | ModelStage], record: Sampled) -> l
         for k, s in enumerate(given)
     ]
     for stage in planned:
-        if "{" not in stage.structure:
-            parse_chain(stage.structure)
+        parse_chain(stage.structure)
     return planned
-
-
-def _identify_stage(
-    stage: ModelStage,
-    records: Sequence[Sampled],
-    validation: Sequence[Sampled],
-    options: Options,
-    watch: Callable[[str, float], None] | None,
-) -> tuple[ChainEstimate, Searched | None]:
-    if "{" not in stage.structure:
-        return estimate_chain(stage.structure, records, options, watch), None
-    made = search_structures(stage.structure, records, validation, options, watch)
-    return made.found, made
 
 
 def _share_progress(

@@ -121,7 +121,7 @@ def _advise(found: Ladder) -> Iterator[str]:
     if any(not one.explained for one in found.checks):
         yield (
             "Residuals still follow the input: more levels and reversals of the input, or a structure of your own "
-            "(--search)."
+            "(--stage)."
         )
     if len(found.blocked) == 1:
         yield (

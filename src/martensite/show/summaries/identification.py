@@ -17,20 +17,14 @@ from martensite.show.figures.model_blocks import plot_linear_blocks, plot_static
 
 if TYPE_CHECKING:
     from martensite.identify.chains.chain import Chain
-    from martensite.identify.chains.search import Searched
     from martensite.identify.chains.stages import Identified
     from martensite.signals.sampling.sampled import Sampled
 
 ENOUGH = 3
 """Searches that should end alike."""
-MOST_ROWS = 15
-"""Candidates of a search that are shown."""
 MOST_NUMBERS = 12
 """Numbers of a chain that are shown."""
 SCORES = ("model", "used for", "record", "output", "fit [%]", "RMS error", "largest error")
-STRUCTURES = ("structure", "numbers", "estimation [%]", "chosen by [%]", "agreeing", "s", "fault")
-CANDIDATE = ("structure", "numbers", "estimation", "validation", "agreeing", "searches", "seconds", "fault")
-"""What programs are told of a candidate."""
 RECORD_SCORES = ("record", "output", "part", "fit [%]", "rms error", "largest error", "bias")
 
 
@@ -42,7 +36,7 @@ def summarise_identified(found: Identified, records: Sequence[Sampled]) -> Summa
 
 
 def _describe_stage(found: Identified, k: int) -> Iterator[Block]:
-    stage, one, searched = found.stages[k], found.estimates[k], found.searches[k]
+    stage, one = found.stages[k], found.estimates[k]
     chain = one.chain
     head = f"Stage {k + 1}" if len(found.stages) > 1 else "Model"
     names = ", ".join(f"`{name}`" for name in chain.input_names)
@@ -52,8 +46,6 @@ def _describe_stage(found: Identified, k: int) -> Iterator[Block]:
         f"{one.options.starts} starts; {one.agreeing} of {len(one.fits)} refined searches "
         "agree within 0.1 point"
     )
-    if searched is not None:
-        yield from _describe_search(searched)
     yield from _describe_dynamics(chain)
 
 
@@ -100,31 +92,6 @@ def _choose_difference_unit(unit: str) -> str:
     return {"degC": "K", "1": ""}.get(unit, unit)
 
 
-def _describe_search(searched: Searched) -> Iterator[Block]:
-    yield Sentence(f"Structures, by {searched.by}; within 0.5 points the smallest is chosen")
-    shown = searched.candidates[:MOST_ROWS]
-    count = len(STRUCTURES) if any(c.fault for c in shown) else len(STRUCTURES) - 1
-    rows = [
-        (
-            ("> " if c is searched.chosen else "  ") + c.structure,
-            str(c.numbers),
-            _write_score(c.estimation),
-            _write_score(c.validation),
-            f"{c.agreeing} of {c.searches}",
-            f"{c.seconds:.1f}",
-            c.fault,
-        )[:count]
-        for c in shown
-    ]
-    yield DataTable(STRUCTURES[:count], rows, right=(1, 2, 3, 5))
-    if len(searched.candidates) > len(shown):
-        yield Sentence(f"and {len(searched.candidates) - len(shown)} more, all worse")
-
-
-def _write_score(value: float) -> str:
-    return f"{value:.2f}" if value == value else "none"
-
-
 def collect_warnings(found: Identified, records: Sequence[Sampled]) -> list[str]:
     """Sentences on what is to be known before the model is believed."""
     said = [f"{r.name}: {remark}" for r in records for remark in r.remarks]
@@ -136,7 +103,6 @@ def collect_warnings(found: Identified, records: Sequence[Sampled]) -> list[str]
                 f"`{one.chain.text()}`: only {few} ended within 0.1 point of the best, so that "
                 "it may be a poor optimum; give more --starts."
             )
-    said += [remark for searched in found.searches if searched is not None for remark in searched.remarks]
     roles = {score.role for score in found.scores}
     if "validation" not in roles and "other" not in roles:
         said.append(
@@ -144,16 +110,11 @@ def collect_warnings(found: Identified, records: Sequence[Sampled]) -> list[str]
             "block can stand for hysteresis. Give --validate a log of another cadence, such as "
             "slow ramps with minor loops."
         )
-    if any(s is not None for s in found.searches) and "validation" in roles and "other" not in roles:
-        said.append(
-            "The validation logs chose the structure, so that their fit is no final figure; give "
-            "--other a log that nothing has seen."
-        )
     return said
 
 
 def _collect_numbers(found: Identified, records: Sequence[Sampled]) -> dict[str, Any]:
-    stages = zip(found.stages, found.estimates, found.searches, strict=True)
+    stages = zip(found.stages, found.estimates, strict=True)
     return {
         "model": found.model.text(),
         "interval": found.model.interval,
@@ -167,21 +128,11 @@ def _collect_numbers(found: Identified, records: Sequence[Sampled]) -> dict[str,
                 "numbers": dict(zip(one.chain.names(), map(float, one.chain.theta), strict=True)),
                 "refined_fits": [float(fit) for fit in one.fits],
                 "agreeing": int(one.agreeing),
-                "search": None if searched is None else _collect_search(searched),
             }
-            for stage, one, searched in stages
+            for stage, one in stages
         ],
         "scores": [asdict(score) for score in found.scores],
         "warnings": collect_warnings(found, records),
-    }
-
-
-def _collect_search(searched: Searched) -> dict[str, Any]:
-    return {
-        "by": searched.by,
-        "chosen": searched.chosen.structure,
-        "complete": searched.complete,
-        "candidates": [{name: getattr(one, name) for name in CANDIDATE} for one in searched.candidates],
     }
 
 
