@@ -18,7 +18,7 @@ const how = {
 const { metafile } = await build({
   ...how,
   metafile: true,
-  entryPoints: { bench: "src/main.tsx", engine: "src/engine/worker.ts", gif: "src/scene/gif.worker.ts" },
+  entryPoints: { bench: "src/main.tsx", notebook: "src/notebook/main.tsx", engine: "src/engine/worker.ts", gif: "src/scene/gif.worker.ts" },
   outdir: out,
   entryNames: "[name]",
   chunkNames: "[name]-[hash]",
@@ -30,30 +30,34 @@ for (const name of await readdir("public")) await copyFile(`public/${name}`, `${
 
 // what the bench needs is fetched at once, not when what needs it was read; the mechanism in space comes later
 const files = Object.entries(metafile.outputs).map(([path, made]) => ({ name: path.split("/").at(-1), ...made }));
-const bench = files.find((one) => one.entryPoint === "src/pages/bench.tsx");
-const needed = new Set([bench.name]);
-for (const name of needed) {
-  for (const { path, kind } of files.find((one) => one.name === name).imports) {
-    if (kind === "import-statement") needed.add(path.split("/").at(-1));
+/** Names of the modules that an entry point imports, itself first; those imported later only for `kinds` that say so. */
+function listImported(entryPoint, ...kinds) {
+  const found = new Set([files.find((one) => one.entryPoint === entryPoint).name]);
+  for (const name of found) {
+    for (const { path, kind } of files.find((one) => one.name === name).imports) {
+      if (kinds.includes(kind)) found.add(path.split("/").at(-1));
+    }
   }
+  return [...found];
 }
-const links = [...needed].map((name) => `    <link rel="modulepreload" href="${name}">\n`).join("");
+const links = listImported("src/pages/bench.tsx", "import-statement").map((name) => `    <link rel="modulepreload" href="${name}">\n`).join("");
 const index = await readFile(`${out}/index.html`, "utf8");
 await writeFile(`${out}/index.html`, index.replace("  </head>", () => `${links}  </head>`));
 
-/** A page in one file, which loads nothing. */
-async function inline(folder) {
+/** A page in one file, which loads nothing by itself. */
+async function inline(folder, script, define = {}) {
   const { outputFiles } = await build({
-    ...how, entryPoints: [`src/${folder}/main.tsx`], outdir: folder, write: false, format: "iife", legalComments: "inline",
+    ...how, define, entryPoints: [`src/${folder}/${script}`], outdir: folder, write: false, format: "iife", legalComments: "inline",
   });
-  const [script, styles] = [".js", ".css"].map((ending) => outputFiles.find((one) => one.path.endsWith(ending)).text);
+  const [code, styles] = [".js", ".css"].map((ending) => outputFiles.find((one) => one.path.endsWith(ending)).text);
   const page = await readFile(`src/${folder}/page.html`, "utf8");
-  return page.replace("STYLES", () => styles).replace("SCRIPT", () => script.replaceAll("</script", "<\\/script"));
+  return page.replace("STYLES", () => styles).replace("SCRIPT", () => code.replaceAll("</script", "<\\/script"));
 }
 
-// the page of a report, into which data are put; the widget of a notebook, with the bench in it
-await writeFile(`${out}/report.html`, await inline("report"));
+// the page of a report, into which data are put; the widget of a notebook, which loads the modules of the page
+await writeFile(`${out}/report.html`, await inline("report", "main.tsx"));
+const FILES = JSON.stringify(["bench.css", ...listImported("src/notebook/main.tsx", "import-statement", "dynamic-import")]);
 await build({
-  ...how, entryPoints: { notebook: "src/notebook/widget.ts" }, outdir: out, format: "esm",
-  define: { PAGE: JSON.stringify(await inline("notebook")) },
+  ...how, entryPoints: { widget: "src/notebook/widget.ts" }, outdir: out, format: "esm",
+  define: { PAGE: JSON.stringify(await inline("notebook", "loader.ts", { FILES })) },
 });

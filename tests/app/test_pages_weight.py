@@ -7,19 +7,19 @@ from pathlib import Path
 
 import pytest
 
-from martensite.app.site import STATIC, WIDGET
+from martensite.app.site import NOTEBOOK, STATIC, WIDGET
 
 MOST = 500_000
 """Bytes of the page with all that it may load, as they go over the wire, compressed."""
 REPORT, MOST_OF_REPORT = "report.html", 150_000
 """The page of a report, which is loaded only to make one."""
-MOST_OF_WIDGET = 300_000
-"""Bytes of the bench in a notebook, compressed: the bench once more, for a notebook loads nothing else."""
+MOST_OF_WIDGET = 10_000
+"""Bytes of the widget of a notebook: a loader, without any module of the page."""
 
 
 def loaded(folder: Path) -> dict[str, int]:
     """Files of the page, and their bytes as they go over the wire."""
-    files = [path for path in folder.iterdir() if path.is_file() and path.name not in (REPORT, WIDGET)]
+    files = [path for path in folder.iterdir() if path.is_file() and path.name not in (REPORT, WIDGET, NOTEBOOK)]
     return {path.name: len(gzip.compress(path.read_bytes(), 9)) for path in files}
 
 
@@ -38,8 +38,18 @@ def test_the_page_of_a_report_is_light_and_loads_nothing() -> None:
 
 def test_the_widget_of_a_notebook_loads_nothing() -> None:
     text = (STATIC / WIDGET).read_text("utf-8")
-    assert len(gzip.compress(text.encode())) < MOST_OF_WIDGET
+    assert len(text.encode()) < MOST_OF_WIDGET
     assert not re.search(r"""<(?:link|script|img)\b[^>]*\b(?:src|href)=\\?["']http|@import""", text)
+
+
+def test_the_widget_loads_modules_that_are_there() -> None:
+    """Every module that a listed one imports is listed too: an import map resolves no other."""
+    (listed,) = re.findall(r'\[(\\?"bench\.css[^]]*)\]', (STATIC / WIDGET).read_text("utf-8"))
+    names = set(re.findall(r"[\w-]+\.(?:js|css)", listed))
+    assert NOTEBOOK in names
+    for name in names:
+        text = (STATIC / name).read_text("utf-8")
+        assert set(re.findall(r"""\b(?:from|import|import\()"\./([^"]+)\"""", text)) <= names, name
 
 
 def test_the_weight_of_a_heavy_page_is_noticed(tmp_path: Path) -> None:

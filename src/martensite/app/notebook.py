@@ -26,8 +26,8 @@ from martensite.scenario.scenario import Scenario, read_scenario
 
 CALLS = ("run", "form", "scenarios", "differences", "export")
 """What the page asks for on the bench; other pages are not in it."""
-ASSETS = ("gif.js", "report.html")
-"""Files of the page that are read when they are wanted."""
+ASSETS = tuple(sorted(path.name for path in STATIC.iterdir()))
+"""Files of the page: its modules, and what is read when it is wanted."""
 
 
 class BenchWidget(anywidget.AnyWidget):

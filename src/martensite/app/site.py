@@ -49,8 +49,8 @@ from martensite.base.errors import InputError
 
 STATIC = Path(os.environ.get("MARTENSITE_STATIC", Path(__file__).parent / "static"))
 """The bundled page; who works on the page may name another build of it."""
-WIDGET = "notebook.js"
-"""Its file for notebooks, which is no part of the page."""
+WIDGET, NOTEBOOK = "widget.js", "notebook.js"
+"""Widget of a notebook, and the module that the widget begins with; the page loads neither."""
 QUIETLY = "x-quietly"
 PAGE_FIRST = 0.5
 """Seconds for which a new server leaves the processor to the page."""

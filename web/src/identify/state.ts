@@ -4,7 +4,7 @@ import { computed, signal } from "@preact/signals";
 import { call, isThere, sentence, superseded, type Uploaded, upload } from "../lib/api.ts";
 import { connection } from "../lib/connection.ts";
 import { keepFile, readFile } from "../lib/store.ts";
-import { makeId } from "../lib/tab.ts";
+import { makeId } from "../lib/identity.ts";
 import { watched } from "../state/jobs.ts";
 import { keepSignals } from "../state/session.ts";
 import type { Note, Outcome, OverlayView, ProposalView, ProposedModel, RecordsView, ScenarioView, TableView } from "./types.ts";

@@ -7,7 +7,8 @@ import { COLUMNS_TYPE, unpackColumns } from "./columns.ts";
 import { awaitServer } from "./connection.ts";
 import { host } from "./host.ts";
 import { Refusal } from "./refusal.ts";
-import { makeId, tab } from "./tab.ts";
+import { makeId } from "./identity.ts";
+import { tab } from "./tab.ts";
 
 export { Refusal };
 

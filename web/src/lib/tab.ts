@@ -1,6 +1,8 @@
 // Identity of this tab. It outlives a reload, so that its jobs and its session are found again; a tab
 // that the browser has copied from another gets one of its own.
 
+import { makeId } from "./identity.ts";
+
 const PLACE = "martensite-tab";
 /** A page that is being reloaded holds its lock for a moment [ms]. */
 const PATIENCE = 1000;
@@ -13,9 +15,6 @@ function read(): string {
     return "";
   }
 }
-
-/** An identity that nobody else has. */
-export const makeId = (): string => Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
 
 function rename(): string {
   tab = makeId();

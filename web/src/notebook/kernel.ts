@@ -2,7 +2,7 @@
 
 import type { Host } from "../lib/host.ts";
 import { Refusal } from "../lib/refusal.ts";
-import { makeId } from "../lib/tab.ts";
+import { makeId } from "../lib/identity.ts";
 
 /** What goes to the kernel, and what comes back. */
 export type Question = { id: string } & ({ call: string; request: object } | { file: string } | { asset: string });

@@ -1,8 +1,6 @@
 // The bench in a frame of a notebook. The frame keeps its styles and addresses apart from those of the notebook;
-// a port leads to the widget around it.
+// a port leads to the widget around it. `loader.ts` loads this module from the kernel.
 
-import "../style/all.css";
-import "../style/notebook.css";
 import { effect } from "@preact/signals";
 import { render } from "preact";
 import { setHost } from "../lib/host.ts";
@@ -31,11 +29,12 @@ function begin(say: (said: Said) => void): void {
   render(<main id="main"><Page /></main>, root);
 }
 
-function follow(port: MessagePort): void {
+/** Show what the widget sends through a port; `before` has been sent already. */
+export function follow(port: MessagePort, before: Told[]): void {
   const say = (said: Said): void => port.postMessage(said);
   const kernel = new Kernel((ask) => say({ ask }));
   setHost(kernel);
-  port.onmessage = ({ data }: MessageEvent<Told>) => {
+  const hear = (data: Told): void => {
     if ("reply" in data) return kernel.hear(data.reply);
     if (data.dark !== undefined) {
       document.documentElement.dataset["theme"] = data.dark ? "dark" : "light";
@@ -44,8 +43,6 @@ function follow(port: MessagePort): void {
     if (data.text) change((known = data.text));
     if (!begun) begin(say);
   };
+  before.forEach(hear);
+  port.onmessage = ({ data }: MessageEvent<Told>) => hear(data);
 }
-
-addEventListener("message", ({ data, ports }) => {
-  if (data === "martensite" && ports[0]) follow(ports[0]);
-});

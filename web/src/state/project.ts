@@ -3,7 +3,8 @@
 import { signal } from "@preact/signals";
 import { save } from "../lib/api.ts";
 import { forgetSessions, keepFile, listSessions, readFile } from "../lib/store.ts";
-import { makeId, tab } from "../lib/tab.ts";
+import { makeId } from "../lib/identity.ts";
+import { tab } from "../lib/tab.ts";
 import { keepSignals, readDocument, replaceDocument, type SessionDocument } from "./session.ts";
 
 export const ENDING = ".martensite";

@@ -5,7 +5,8 @@
 
 import { effect, type Signal } from "@preact/signals";
 import { forgetSessions, keepSession, listSessions, readSession, type Stored } from "../lib/store.ts";
-import { claimTab, isNew, makeId, tab } from "../lib/tab.ts";
+import { makeId } from "../lib/identity.ts";
+import { claimTab, isNew, tab } from "../lib/tab.ts";
 
 export interface SessionDocument {
   version: 1;

@@ -16,7 +16,7 @@ from pathlib import Path
 from martensite.app.calls.studies import describe_study_page, list_studies
 from martensite.app.documents import build_packaged, list_standalone
 from martensite.app.messages import JsonTable, write_message
-from martensite.app.site import STATIC, WIDGET
+from martensite.app.site import NOTEBOOK, STATIC, WIDGET
 from martensite.app.static_site.flat_inputs import list_waveforms
 from martensite.app.static_site.input_map import measure_map
 from martensite.app.static_site.run_module import RunSource, write_source
@@ -164,7 +164,7 @@ def write_studies(folder: Path) -> None:
 def copy_page(folder: Path) -> None:
     """Put the page there, which learns from it that there is no server."""
     for path in STATIC.iterdir():
-        if path.name != WIDGET:
+        if path.name not in (WIDGET, NOTEBOOK):
             shutil.copyfile(path, folder / path.name)
     index = (folder / "index.html").read_text("utf-8")
     (folder / "index.html").write_text(index.replace("<title>", f"{MARK}\n    <title>", 1), encoding="utf-8")

@@ -1,1 +1,0 @@
-import{a as r}from"./chunk-WA67CJHJ.js";import{j as t}from"./chunk-WXML6YI3.js";function i({picture:n,children:p}){let o=r[n];return t("div",{class:"empty",children:[o&&t(o,{}),t("p",{class:"soft",children:p})]})}export{i as a};
