@@ -90,7 +90,7 @@ def test_what_needs_the_server_is_grey_and_says_so(page: Page) -> None:
     expect(page.locator("fieldset.fixed", has=length)).to_have_attribute(
         "title",
         "This control needs the server. "
-        "Install martensite on this machine to change it: pip install 'martensite[app]', then martensite app.",
+        "Install martensite on this machine to change it: pip install martensite, then martensite app.",
     )
     page.goto(f"{page.url.split('#')[0]}#/sweep")
     expect(page.get_by_text("This page has no server").first).to_be_visible()

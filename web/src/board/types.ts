@@ -1,8 +1,6 @@
 // What the server tells of boards; see martensite.app.calls.boards.
 
 export interface Boards {
-  /** The command that brings boards; empty if they are there. */
-  install: string;
   boards?: { name: string; title: string; emulated: boolean }[];
   ports?: { name: string; about: string }[];
   /** The name of an emulator in the place of a port. */

@@ -9,14 +9,6 @@ import { columns, known, readBoards, refused, work } from "../board/state.ts";
 import { Empty } from "../ui/empty.tsx";
 import { Message } from "../ui/message.tsx";
 
-function Absent({ command }: { command: string }) {
-  return (
-    <Message kind="note">
-      Boards are a package of their own. <code>{command}</code> brings it; then start the bench anew.
-    </Message>
-  );
-}
-
 export function Page() {
   useEffect(() => {
     void readBoards();
@@ -27,8 +19,7 @@ export function Page() {
     <div class="board stack">
       <h1>Board</h1>
       {refused.value && <Message kind="error">{refused.value}</Message>}
-      {there?.install && <Absent command={there.install} />}
-      {there && !there.install && (
+      {there && (
         <div class="board-page">
           <Form />
           <div class="stack board-results">

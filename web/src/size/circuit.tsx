@@ -66,8 +66,7 @@ export function Circuit({ found }: { found: Candidate }) {
         ))}
         {found.loop && (
           <li>
-            On a board: open it in a loop, tune it, save it, then <code>martensite export firmware {name} --board uno</code> (with{" "}
-            <code>martensite[hardware]</code>).
+            On a board: open it in a loop, tune it, save it, then <code>martensite export firmware {name} --board uno</code>.
           </li>
         )}
       </ul>
