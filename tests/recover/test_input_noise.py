@@ -50,6 +50,14 @@ def test_noise_is_said_and_a_clean_column_has_none() -> None:
     assert clean.values == fit_loops(0, 0.0, inputs=False).values
 
 
+def test_costs_of_many_points_count_the_noise_as_one_evaluation_does() -> None:
+    fit = fit_loops(0, 0.3)
+    points = np.array(fit.values) + np.array([[0.0], [0.01]])
+    alone = [fit.problem.evaluate(u) for u in points]
+    assert fit.problem.corrections
+    assert fit.problem.costs(points) == pytest.approx([one.cost for one in alone if one is not None], rel=1e-9)
+
+
 def test_declared_noise_is_taken_as_it_is() -> None:
     problem = replace(draw_problem(0, 0.3), input_noise={"temperature": 0.6})
     twice, once = solve_problem(problem), fit_loops(0, 0.3)

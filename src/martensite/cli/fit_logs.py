@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
@@ -150,7 +149,9 @@ class FitExtras:
     """What is asked for beside the fit itself, and the files."""
 
     profile: Annotated[Texts, Option(metavar="NAME", help="Profile likelihood of a parameter; repeatable.")] = None
-    posterior: Annotated[int | None, Option(metavar="DRAWS", help="Posterior samples to draw; needs NumPyro.")] = None
+    posterior: Annotated[
+        int | None, Option(metavar="STEPS", help="Posterior samples: steps of each walker, e.g. 500; needs emcee.")
+    ] = None
     resume: Annotated[
         Path | None, Option(metavar="STATE", help="File that keeps the search, and takes it up again.")
     ] = None
@@ -171,8 +172,8 @@ class FitExtras:
             raise UnknownNameError("free parameter", unknown, names)
         if self.posterior is not None and self.posterior < 1:
             raise InputError(f"Option `--posterior` must be at least 1, but is {self.posterior}.")
-        if self.posterior is not None and find_spec("numpyro") is None:
-            raise InputError("Option `--posterior` needs NumPyro: `pip install 'martensite[posterior]'`.")
+        if self.posterior is not None and find_spec("emcee") is None:
+            raise InputError("Option `--posterior` needs emcee: `pip install 'martensite[posterior]'`.")
 
     def check_files(self, force: bool) -> None:
         """Raise `DataError` if a file has a wrong ending, no folder, or is there already."""
@@ -318,7 +319,8 @@ def _draw_posterior(fit: Fit, draws: int) -> Posterior | None:
     from martensite.fit.posterior import sample_posterior
 
     try:
-        return sample_posterior(fit, draws=draws, progress=sys.stderr.isatty())
+        with show_spinner("drawing posterior samples"):
+            return sample_posterior(fit, draws=draws)
     except KeyboardInterrupt:
         accept_interrupt()
         return None

@@ -5,29 +5,36 @@ that are independent,
 
     -log p(u | data) = ½ (n_eff/n) Σ r²/s² + constant,        0 < u < 1,
 
-sampled by the No-U-Turn sampler (Hoffman and Gelman (2014), JMLR 15) of NumPyro, with the exact
-Jacobian of the residuals. Numbers u are sampled as logits, so that no step leaves the bounds.
+sampled by an ensemble of walkers (emcee: Foreman-Mackey et al. (2013), PASP 125), which needs no
+derivatives and is affine-invariant. Steps are differences of other walkers (ter Braak and Vrugt
+(2008), Stat. Comput. 18). One half of the ensemble moves at a time, in lanes of C.
+
+Draws of a walker are correlated over the autocorrelation time τ [steps]. Estimates of τ are
+reliable from 50 τ on (Sokal (1997), Functional Integration); a shorter chain has not converged.
 """
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Callable
+from contextlib import redirect_stdout
 from dataclasses import dataclass
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 
 from martensite.base.confidence import LEVEL, Interval
-from martensite.base.errors import MartensiteError, ParameterError
+from martensite.base.errors import ParameterError
+from martensite.base.lazy import import_extra
 from martensite.fit.fit import Fit
-from martensite.kernels.jax_setup import jax_namespace
+from martensite.search.batch_runner import LANES
 
-FORBIDDEN = 1e10
-"""Potential where a run fails."""
-SPLIT = 1.05
-"""Split R̂ above which chains have not met."""
+LONG_ENOUGH = 50.0
+"""Autocorrelation times from which on a chain has converged."""
+WALKERS_PER_PARAMETER = 4
+WIDEST_START = 0.3
+"""Largest standard deviation of the starts, as a share of the range that is searched."""
 
 
 @dataclass(frozen=True)
@@ -35,144 +42,113 @@ class Posterior:
     """Samples of the free parameters."""
 
     samples: dict[str, Any]
-    """Name -> (draws,) in SI, all chains one after the other."""
-    chains: int
-    r_hat: dict[str, float]
-    """Split R̂: 1 where chains agree."""
-    effective: dict[str, float]
-    """Independent draws that say as much."""
-    divergences: int
-    """Draws at which the sampler lost its way; none if all is well."""
+    """Name -> (draws x walkers,) in SI, the walkers of a step one after the other."""
+    walkers: int
+    draws: int
+    """Steps of every walker."""
+    times: dict[str, float]
+    """Name -> autocorrelation time [steps]; NaN if the draws do not differ."""
 
     def interval(self, name: str, level: float = LEVEL) -> Interval:
-        """Central interval of a parameter in SI that holds a share `level` of the draws."""
+        """Return the central interval of a parameter in SI that holds a fraction `level` of the draws."""
         ends = (0.5 - 0.5 * level, 0.5 + 0.5 * level)
         low, high = np.quantile(self.samples[name], ends)
         return float(low), float(high)
 
     @property
-    def settled(self) -> bool:
-        """Whether chains agree and none diverged."""
-        return self.divergences == 0 and all(r <= SPLIT for r in self.r_hat.values())
+    def effective(self) -> dict[str, float]:
+        """Number of independent draws with the same information, by name."""
+        return {name: self.walkers * self.draws / time for name, time in self.times.items()}
+
+    @property
+    def converged(self) -> bool:
+        """True if the chain is long enough for every parameter."""
+        return all(self.draws >= LONG_ENOUGH * time for time in self.times.values())
 
     @property
     def sentence(self) -> str:
-        """How far the samples can be trusted."""
-        worst = max(self.r_hat, key=lambda name: self.r_hat[name])
-        least = min(self.effective.values())
-        draws = len(next(iter(self.samples.values())))
+        """State how far the samples can be trusted, and what to do if the chain has not converged."""
+        slowest = max(self.times, key=lambda name: (not math.isfinite(self.times[name]), self.times[name]))
+        time = self.times[slowest]
+        size = f"{self.walkers} walkers made {self.draws} steps each"
+        if not math.isfinite(time):
+            return f"Not converged: {size}, and `{slowest}` did not move; take more steps."
         found = (
-            f"{draws} draws of {self.chains} chains, at least {least:.0f} independent; "
-            f"split R-hat at most {self.r_hat[worst]:.3f} (`{worst}`), "
-            f"{self.divergences} divergences."
+            f"{size}: at least {self.effective[slowest]:.0f} independent draws; longest autocorrelation time "
+            f"{time:.1f} steps (`{slowest}`)."
         )
-        return found if self.settled else f"{found} Not settled: draw more, or free less."
+        if self.converged:
+            return found
+        return f"Not converged: {found} Take at least {math.ceil(LONG_ENOUGH * time)} steps, or free fewer parameters."
 
 
-def sample_posterior(
-    fit: Fit, *, draws: int = 500, warmup: int = 300, chains: int = 2, seed: int = 0, progress: bool = False
-) -> Posterior:
+def sample_posterior(fit: Fit, *, draws: int = 500, warmup: int = 200, seed: int = 0) -> Posterior:
     """Sample the parameters around a fit.
 
     Args:
-        fit: found by least squares; its noise and its effective number of samples are used.
-        draws: per chain, after the warm-up.
-        warmup: draws of each chain in which step and scales are found.
-        chains: independent ones, the first from the optimum, the others from near it.
-        seed: of all chance.
-        progress: show a bar.
+        fit: a fit by least squares; its noise and its effective number of samples are used.
+        draws: steps of every walker after the warm-up, which are kept.
+        warmup: first steps of every walker, which are left out.
+        seed: seed of all random numbers.
+
+    Returns:
+        The samples, with their autocorrelation times.
 
     Raises:
-        MartensiteError: NumPyro is not installed.
-        ParameterError: no draws or chains are asked for, or the fit has no sample to spare.
+        InputError: emcee is not installed.
+        ParameterError: `draws` or `warmup` is below 1, or the fit has no sample to spare.
     """
-    if min(draws, warmup, chains) < 1:
-        raise ParameterError("Arguments `draws`, `warmup` and `chains` must be at least 1.")
+    if min(draws, warmup) < 1:
+        raise ParameterError("Arguments `draws` and `warmup` must be at least 1.")
     noise = fit.uncertainty.noise
     if not 0.0 < noise < math.inf:
         raise ParameterError("The fit has no noise to sample with; it leaves no sample to spare.")
-    xp = jax_namespace()
-    try:
-        infer: Any = import_module("numpyro.infer")
-    except ImportError:
-        raise MartensiteError(
-            "Posterior samples need NumPyro; install it with `pip install 'martensite[posterior]'`."
-        ) from None
-    potential = _build_potential(xp.jax, fit, 1.0 / (noise * fit.uncertainty.widening) ** 2)
-    kernel = infer.NUTS(potential_fn=potential, dense_mass=True)
-    sampler = infer.MCMC(
-        kernel,
-        num_warmup=warmup,
-        num_samples=draws,
-        num_chains=chains,
-        chain_method="sequential",
-        progress_bar=progress,
-    )
-    sampler.run(xp.jax.random.PRNGKey(seed), init_params=_draw_starts(fit, chains, seed), extra_fields=("diverging",))
-    return _collect_samples(fit, sampler, chains)
+    emcee = import_extra("emcee", "posterior")
+    free = len(fit.values)
+    walkers = 2 * LANES * math.ceil(WALKERS_PER_PARAMETER * free / (2 * LANES))
+    moves = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DESnookerMove(), 0.2)]
+    density = _build_density(fit, 1.0 / (noise * fit.uncertainty.widening) ** 2)
+    sampler = emcee.EnsembleSampler(walkers, free, density, moves=moves, vectorize=True)
+    chance = np.random.RandomState(seed).get_state()
+    state = emcee.State(_draw_starts(fit, walkers, seed), random_state=chance)
+    with redirect_stdout(io.StringIO()):  # emcee prints the traceback of an interruption
+        state = sampler.run_mcmc(state, warmup, skip_initial_state_check=True)
+        sampler.reset()
+        sampler.run_mcmc(state, draws, skip_initial_state_check=True)
+    return _collect_samples(fit, sampler.get_chain(), emcee.autocorr)
 
 
-def _build_potential(jax: Any, fit: Fit, weight: float) -> Callable[[Any], Any]:
-    """The negative log density over logits z, with its exact gradient."""
-    problem, count = fit.problem, len(fit.values)
+def _build_density(fit: Fit, weight: float) -> Callable[[Any], Any]:
+    """Return the function from points (m, free) to log densities (m,); -inf beyond a bound and where a run fails."""
+    factor = -0.5 * weight * len(fit.evaluation.residuals)
 
-    def value_and_slope(z: Any) -> tuple[Any, Any]:
-        logits = np.asarray(z)
-        u = _compute_shares(logits)
-        found = problem.evaluate(u.tolist(), slopes=True)
-        if found is None:
-            return np.float64(FORBIDDEN), np.zeros(count)
-        stretch = np.logaddexp(0.0, logits) + np.logaddexp(0.0, -logits)  # -log du/dz
-        value = 0.5 * weight * found.residuals @ found.residuals + stretch.sum()
-        slope = weight * (found.jacobian.T @ found.residuals) * u * (1.0 - u) - (1.0 - 2.0 * u)
-        return np.float64(value), slope
+    def compute_density(points: Any) -> Any:
+        density = np.full(len(points), -np.inf)
+        inside = ((points > 0.0) & (points < 1.0)).all(axis=1)
+        if inside.any():
+            density[inside] = factor * fit.problem.costs(points[inside])
+        return density
 
-    double = jax.numpy.float64
-    shapes = jax.ShapeDtypeStruct((), double), jax.ShapeDtypeStruct((count,), double)
-
-    def both(z: Any) -> Any:
-        return jax.pure_callback(value_and_slope, shapes, z, vmap_method="sequential")
-
-    def value(z: Any) -> Any:
-        return both(z)[0]
-
-    def forward(z: Any) -> Any:
-        return both(z)
-
-    def backward(slope: Any, cotangent: Any) -> Any:
-        return (cotangent * slope,)
-
-    potential: Any = jax.custom_vjp(value)
-    potential.defvjp(forward, backward)
-    return potential
+    return compute_density
 
 
-def _compute_shares(logits: Any) -> Any:
-    return np.exp(-np.logaddexp(0.0, -logits))
+def _draw_starts(fit: Fit, count: int, seed: int) -> Any:
+    """Draw starts (count, free) from the linearised posterior, mirrored at the bounds."""
+    uncertainty, u = fit.uncertainty, np.array(fit.values)
+    per_share = np.array([abs(free.slope(x)) for free, x in zip(fit.problem.free, u, strict=True)])
+    errors = np.array(uncertainty.errors) * uncertainty.widening / per_share
+    errors = np.where(errors < WIDEST_START, errors, WIDEST_START)
+    correlation = np.array(uncertainty.correlation)
+    correlation[~np.isfinite(correlation)] = 0.0
+    np.fill_diagonal(correlation, 1.0)
+    drawn = np.random.default_rng(seed).multivariate_normal(np.zeros_like(u), correlation, count, method="eigh")
+    return 1.0 - np.abs(1.0 - np.abs(u + errors * drawn))
 
 
-def _draw_starts(fit: Fit, chains: int, seed: int) -> Any:
-    u = np.clip(np.array(fit.values), 0.01, 0.99)
-    z = np.log(u / (1.0 - u))
-    if chains == 1:
-        return z
-    jitter = 0.02 * np.random.default_rng(seed).standard_normal((chains, z.size))
-    jitter[0] = 0.0
-    return z + jitter
-
-
-def _collect_samples(fit: Fit, sampler: Any, chains: int) -> Posterior:
-    diagnostics: Any = import_module("numpyro.diagnostics")
-    z = np.asarray(sampler.get_samples(group_by_chain=True)).reshape(chains, -1, len(fit.values))
-    u = _compute_shares(z)
-    samples: dict[str, Any] = {}
-    r_hat: dict[str, float] = {}
-    effective: dict[str, float] = {}
-    for k, free in enumerate(fit.problem.free):
-        numbers = np.vectorize(free.value)(u[:, :, k])
-        samples[free.name] = numbers.ravel()
-        with np.errstate(invalid="ignore", divide="ignore"):  # NaN of draws that are all equal
-            r_hat[free.name] = float(diagnostics.split_gelman_rubin(numbers))
-            effective[free.name] = float(diagnostics.effective_sample_size(numbers))
-    diverging = np.asarray(sampler.get_extra_fields()["diverging"])
-    return Posterior(samples, chains, r_hat, effective, int(diverging.sum()))
+def _collect_samples(fit: Fit, chain: Any, autocorr: Any) -> Posterior:
+    """Return the posterior of a chain (draws, walkers, free)."""
+    draws, walkers, _ = chain.shape
+    with np.errstate(invalid="ignore", divide="ignore"):  # NaN of draws that are all equal
+        times = autocorr.integrated_time(chain, tol=0)
+    samples = {free.name: np.vectorize(free.value)(chain[..., k]).ravel() for k, free in enumerate(fit.problem.free)}
+    return Posterior(samples, walkers, draws, dict(zip(samples, map(float, times), strict=True)))

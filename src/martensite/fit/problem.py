@@ -33,6 +33,7 @@ from martensite.fit.free_parameters import (
 from martensite.fit.ordered_numbers import OrderedNumbers, list_orders
 from martensite.search.batch_runner import BatchRunner
 from martensite.search.free_numbers import FreeNumber, SearchRange
+from martensite.simulate.refusals import find_refused
 
 FEW_STEPS = 10_000
 """Steps of all runs below which threads would cost more than they gain."""
@@ -223,14 +224,12 @@ class Problem:
         if any(one is None for one in found):
             return None
         fitted = tuple(one for one in found if one is not None)
-        residuals = [f.residuals.T[used.T] for f, used in zip(fitted, self.used, strict=True)]
+        residuals = [self._list_residuals(k, one) for k, one in enumerate(fitted)]
         jacobian = None
         if slopes:
             jacobian = [f.jacobian.transpose(1, 0, 2)[used.T] for f, used in zip(fitted, self.used, strict=True)]
-        for k, fix in enumerate(self.corrections):
-            residuals[k] = fix.whiten(residuals[k] + fix.shift)
-            if jacobian is not None:
-                jacobian[k] = fix.whiten(jacobian[k])
+            if self.corrections:
+                jacobian = [fix.whiten(rows) for fix, rows in zip(self.corrections, jacobian, strict=True)]
         if self.spreads:
             apart, by_numbers = self._weigh_spreads(u)
             residuals.append(apart)
@@ -279,10 +278,9 @@ class Problem:
         """Costs (m,) of many points (m, free), in batches; inf where a run fails."""
         totals, counts = np.zeros(len(points)), 0
         for k, runner in enumerate(self.runners):
-            variants = [self.change_values(k, u) for u in points]
-            models = runner.run_many(np.array([runner.base if v is None else v for v in variants], float))
-            for i, (u, values) in enumerate(zip(points, variants, strict=True)):
-                fitted = self._compare_model(k, None if values is None else models[i], u, None)
+            table, refused = self._tabulate_values(k, points)
+            for i, (u, model) in enumerate(zip(points, runner.run_many(table), strict=True)):
+                fitted = self._compare_model(k, None if refused[i] else model, u, None)
                 totals[i] += math.inf if fitted is None else self._sum_squares(k, fitted)
             counts += int(self.used[k].sum())
         if self.spreads:
@@ -290,8 +288,16 @@ class Problem:
         return totals / (counts + len(self.spreads))
 
     def _sum_squares(self, k: int, fitted: FittedRecord) -> float:
-        total = float(np.sum(fitted.residuals[self.used[k]] ** 2))
+        total = float(np.sum(self._list_residuals(k, fitted) ** 2))
         return total if math.isfinite(total) else math.inf
+
+    def _list_residuals(self, k: int, fitted: FittedRecord) -> Any:
+        """Return the residuals of an experiment that count, (n,), corrected for noise in what drives it."""
+        found = fitted.residuals.T[self.used[k].T]
+        if not self.corrections:
+            return found
+        fix = self.corrections[k]
+        return fix.whiten(found + fix.shift)
 
     def _find_moved_rows(self, k: int) -> list[tuple[int, list[tuple[int, int | None]]]]:
         """Free parameter -> rows of values that it moves, each with the row it is counted from, if there is one."""
@@ -351,6 +357,19 @@ class Problem:
             except InputError:
                 return None
         return self._values[k][1]
+
+    def _tabulate_values(self, k: int, points: Any) -> tuple[Any, Any]:
+        """Return `change_values` of many points, (m, parameters), and where they contradict each other, (m,)."""
+        runner = self.runners[k]
+        table = np.repeat(np.asarray(runner.base)[None], len(points), axis=0)
+        for i, places in self._moving[k]:
+            moved = np.array([self.free[i].value(float(u[i])) for u in points])
+            for j, base in places:
+                table[:, j] = moved if base is None else table[:, base] + moved
+        paths = {runner.paths[j]: table[:, j] for _, places in self._moving[k] for j, _ in places}
+        refused = find_refused(self.experiments[k].system, paths, len(points))
+        table[refused] = runner.base
+        return table, refused
 
     def _evaluate_one(self, k: int, values: Any, u: Sequence[float], slopes: bool) -> FittedRecord | None:
         if not slopes:

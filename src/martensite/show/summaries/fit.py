@@ -194,7 +194,7 @@ def _describe_knowledge(fit: Fit, profiles: Sequence[Profile], posterior: Poster
     if posterior is not None:
         rows = [(free.name, _write_draws(free, posterior)) for free in fit.problem.free]
         yield DataTable(("parameter", "95 % of the draws"), rows, right=(1,))
-        yield Sentence(posterior.sentence, "" if posterior.settled else "caution")
+        yield Sentence(posterior.sentence, "" if posterior.converged else "caution")
 
 
 def _write_draws(free: FreeNumber, posterior: Posterior) -> str:
@@ -282,8 +282,8 @@ def _collect_parameter(fit: Fit, free: FreeNumber) -> dict[str, Any]:
 def _collect_posterior(found: Posterior) -> dict[str, Any]:
     return {
         "intervals": {name: list(found.interval(name)) for name in found.samples},
-        "r_hat": found.r_hat,
+        "autocorrelation_times": found.times,
         "effective": found.effective,
-        "divergences": found.divergences,
+        "converged": found.converged,
         "sentence": found.sentence,
     }
