@@ -27,11 +27,9 @@ from martensite.export.c_kernels import precision_of
 from martensite.export.fmu import to_fmu
 from martensite.export.fmu.binaries import find_target
 from martensite.export.wasm import build_wasm
-from martensite.kernels.arrays import ArrayNamespace
 from martensite.kernels.c99 import c_source
 from martensite.kernels.c99_lanes import BLOCK, lanes_source
 from martensite.kernels.compiler import load_library
-from martensite.kernels.jax_setup import has_jax, jax_namespace
 from martensite.simulate.compiled import Compiled, bind_system, compile_system
 from martensite.simulate.lanes import Lanes
 
@@ -97,21 +95,16 @@ def time_steps(run: Callable[[], Any], steps: int) -> float:
 # ---------------------------------------------------------------- Python
 
 
-def play_functions(program: Program, functions: Any, wrap: Callable[[float], Any] = float) -> Any:
-    """Init, step and observe of a traced system, one after the other."""
-    rows, size = [], program.compiled.size
-    (first, *rest), dt = [[wrap(one) for one in row] for row in program.signals.tolist()], wrap(program.dt)
+def play_floats(program: Program) -> Any:
+    """Init, step and observe on floats, one after the other: the reference."""
+    functions, size = bind_system(program.system)
+    (first, *rest), rows = program.signals.tolist(), []
     state = functions["init"](*first)
     rows.append(functions["observe"](*state, *first))
     for signals in rest:
-        state = functions["step"](*state, *signals, dt)[:size]
+        state = functions["step"](*state, *signals, program.dt)[:size]
         rows.append(functions["observe"](*state, *signals))
-    return np.array([[float(np.ravel(one)[0]) for one in row] for row in rows])
-
-
-def play_floats(program: Program) -> Any:
-    """The reference."""
-    return play_functions(program, bind_system(program.system)[0])
+    return np.array(rows)
 
 
 def step_floats(program: Program) -> float:
@@ -125,33 +118,6 @@ def step_floats(program: Program) -> float:
             state = step(*state, *signals, program.dt)[:size]
 
     return time_steps(run, len(rest))
-
-
-def bind_numpy(program: Program, lanes: int = 1) -> Any:
-    """On arrays of some lanes."""
-    values = [np.full(lanes, value) for value in program.values]
-    return program.compiled.program.bind_arrays(ArrayNamespace(np), values)
-
-
-def bind_jax(program: Program) -> Any:
-    """Compiled by XLA."""
-    xp = jax_namespace()
-    found = program.compiled.program.bind_arrays(xp, [np.asarray(value) for value in program.values])
-    return {name: xp.jax.jit(found[name]) for name in ("init", "step", "observe")}
-
-
-def step_arrays(program: Program, functions: Any, lanes: int) -> float:
-    """A step of one lane of many."""
-    given = [[np.full(lanes, one) for one in row] for row in program.signals[:201].tolist()]
-    size = program.compiled.size
-
-    def run() -> None:
-        state = functions["init"](*given[0])
-        for signals in given[1:]:
-            state = functions["step"](*state, *signals, program.dt)[:size]
-        np.asarray(state[0])
-
-    return time_steps(run, lanes * (len(given) - 1))
 
 
 # ---------------------------------------------------------------- C
@@ -327,33 +293,14 @@ def print_c(program: Program, write: Callable[..., str]) -> str:
     return write(traced, [traced.functions[name] for name in ("init", "step", "observe")])
 
 
-def print_arrays(program: Program) -> str:
-    """What NumPy and JAX execute."""
-    return program.compiled.program._array_source
-
-
 WIDE = 256
 QUICK = ("wire of README.md", "pwm_bias_spring", "finger", "migaone")
 """What compiles in seconds everywhere."""
 SINGLE = (*QUICK, "finger, mas", "platform_spring", "torsion_wire", "r_phase", "antagonistic_wires")
 """All but the long ones."""
 MACHINES = [
-    Machine("Python floats", "Python", play_floats, lambda one: pack_text(print_arrays(one)), step_floats),
     Machine(
-        "NumPy",
-        "Python",
-        lambda one: play_functions(one, bind_numpy(one), lambda x: np.full(1, x)),
-        lambda one: pack_text(print_arrays(one)),
-        lambda one: step_arrays(one, bind_numpy(one, WIDE), WIDE),
-    ),
-    Machine(
-        "JAX",
-        "Python",
-        lambda one: play_functions(one, bind_jax(one)),
-        lambda one: pack_text(print_arrays(one)),
-        lambda one: step_arrays(one, bind_jax(one), WIDE),
-        lambda: "" if has_jax() else "JAX",
-        only=QUICK,
+        "Python floats", "Python", play_floats, lambda one: pack_text(one.compiled.program.float_source), step_floats
     ),
     Machine(
         "C",

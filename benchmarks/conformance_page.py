@@ -29,9 +29,9 @@ FOOT = """
   under random signals; 0 is equal to the last bit. There are {count}:
   {names}. What compiles for minutes is left to fewer machines.
 - **size**: of what the machine is handed for the wire of README.md, compressed: {handed}.
-- **step**: CPU time of a step of that wire, best of rounds, and its ratio to C. NumPy, JAX and C lanes take 256 lanes
-  at once and are told per lane; a single step of NumPy or JAX costs some 256 times as much. The FMU is called from
-  Python, with inputs set and outputs read in every step; WebAssembly runs in Node.js, by the clock.
+- **step**: CPU time of a step of that wire, best of rounds, and its ratio to C. C lanes take 256 lanes at once; the
+  time is per lane. The FMU is called from Python, with inputs set and outputs read in every step; WebAssembly runs in
+  Node.js, by the clock.
 - **float32** holds for laws, and for wires on a load line. Where a step balances more (joints, fibres, several
   elements) it may not: the exported core refuses such steps and says so; a march of CUDA goes on as well as floats
   allow, and the two wires of `antagonistic_wires` go another way by more than the range. Take doubles for those.

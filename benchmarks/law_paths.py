@@ -4,8 +4,7 @@ What: every registered law with the numbers of the first shipped material that h
 driven through a superelastic loop (stress up and down) or a thermal loop (cooling and heating at
 200 MPa) in equal steps. A single run is `material_point` with its result. In a batch every
 parameter of the law differs from lane to lane, so that nothing is constant to a compiler, and the
-strain after every step is kept: by JAX as one scan over the steps of the traced law, or by C
-printed from the same trace, `LANES` lanes at a time.
+strain after every step is kept, by C printed from the trace, `LANES` lanes at a time.
 """
 
 from __future__ import annotations
@@ -22,7 +21,6 @@ from martensite.base.parameters import REQUIRED
 from martensite.kernels.c99 import c_source
 from martensite.kernels.c99_lanes import BLOCK, lanes_source
 from martensite.kernels.compiler import load_library
-from martensite.kernels.jax_setup import WIDE_VECTORS, jax_namespace, make_storing_namespace
 from martensite.physics.laws.base import LAWS, AbstractLaw
 from martensite.physics.materials.base import load_material
 from martensite.simulate.compiled_law import ROW, CompiledLaw, compile_law
@@ -128,35 +126,6 @@ def judged(given: Case, compiled: CompiledLaw, lane: Any) -> list[float]:
         *state, _, _, strain, _, _ = functions["stress_step"](*state, stress, temperature, given.dt)
         found.append(strain)
     return found
-
-
-@cache
-def jax_march(compiled: CompiledLaw) -> Any:
-    """Jitted (parameters, path, start, dt, the number 1) -> strain (steps, lanes)."""
-    xp = jax_namespace()
-
-    def run(values: Any, points: Any, start: Any, dt: Any, one: Any) -> Any:
-        functions = compiled.program.bind_arrays(make_storing_namespace(xp, one), list(values))
-        lanes = xp.np.zeros(values.shape[1:])
-
-        def step(state: Any, point: Any) -> tuple[Any, Any]:
-            row = functions["stress_step"](*state, *point, dt)
-            after = tuple(lanes + number for number in row[: compiled.size])
-            return after, lanes + row[compiled.size + ROW.index("strain")]
-
-        first = functions["init"](0.0, 0.0, *start)[: compiled.size]
-        state = tuple(lanes + number for number in first)
-        return xp.jax.lax.scan(step, state, points)[1]
-
-    return xp.jax.jit(run, compiler_options=WIDE_VECTORS)
-
-
-def by_jax(given: Case, compiled: CompiledLaw, values: Any) -> Callable[[], list[Any]]:
-    """All lanes on JAX, `LANES` at a time; one array (steps, lanes) per chunk."""
-    run, points = jax_march(compiled), given.points
-    rest = np.array(given.start), given.dt, np.ones(())
-    chunks = chunks_of(values)
-    return lambda: [np.asarray(run(chunk, points, *rest)) for chunk in chunks]
 
 
 def chunks_of(values: Any) -> list[Any]:

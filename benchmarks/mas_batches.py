@@ -1,7 +1,7 @@
 """Batches of problem B for the section `mas`: ours, LSODA one by one, Kvaerno5 by vmap.
 
-What: wires around a given one, on JAX through `simulate_batch` and on SIMD lanes of C, each at
-several steps, and in lanes of C with an error control. A big batch is cut to what takes about a
+What: wires around a given one, on SIMD lanes of C at several steps, and in lanes of C with an
+error control. A big batch is cut to what takes about a
 second. The first sets are judged, each against its own reference; an engine of which any set
 fails has failed.
 """

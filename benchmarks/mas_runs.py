@@ -2,8 +2,7 @@
 
 What: the wire of `problem_b` with the rate law `mas`, or with its rate-independent limit
 `mas-hybrid`, over 201 samples and steps of at most the given length, or those of an error control.
-Single runs and the C lanes are timed without the preparation of the grid; the JAX batch is
-`simulate_batch` as a user calls it.
+Single runs and the C lanes are timed without the preparation of the grid.
 """
 
 from __future__ import annotations
@@ -16,8 +15,6 @@ import numpy as np
 from benchmarks.problem_b import DURATION, OUTPUT_INTERVAL, Wire, system, waveform
 from martensite.base.status import Status
 from martensite.kernels.c99_lanes import BLOCK
-from martensite.simulate.arrays import build_schedule, jitted_march
-from martensite.simulate.batch import simulate_batch
 from martensite.simulate.compiled import compile_march
 from martensite.simulate.envelope import envelope_of
 from martensite.simulate.grid import TimeGrid, build_grid
@@ -121,19 +118,6 @@ def native(problem: Problem, step: float) -> Callable[[], Any]:
     return judged(march)
 
 
-def jax_single(problem: Problem, step: float) -> Callable[[], Any]:
-    """One run on JAX."""
-    whole, steps, places = prepared(problem, step)
-    plan, padded = build_schedule(steps)
-
-    def march() -> tuple[Any, Status]:
-        compiled = compile_march(whole)
-        rows = jitted_march(compiled, tuple(places), padded)(compiled.values(whole), plan)
-        return rows.outputs, classify_step(float(rows.residual), float(rows.crossing))
-
-    return judged(march)
-
-
 def plan_of(whole: Any, tolerance: float) -> MarchPlan:
     """A march with error control."""
     times = [OUTPUT_INTERVAL * k for k in range(SAMPLES)]
@@ -154,24 +138,10 @@ def adaptive(problem: Problem, tolerance: float) -> Callable[[], Any]:
     return judged(march)
 
 
-SINGLE = {"ours, floats": floats, "ours, JAX": jax_single, "ours, C": native, "ours, march": adaptive}
+SINGLE = {"ours, floats": floats, "ours, C": native, "ours, march": adaptive}
 
 
 # ---------------------------------------------------------------- batches
-
-
-def jax_batch(problem: Problem, sets: list[Wire], step: float) -> Callable[[], Any]:
-    """x [mm] of all sets by `simulate_batch`, one row each; not numbers where it failed."""
-    whole = problem.system()
-    over = {NAMES.get(name, name): [getattr(p, name) for p in sets] for name in SHARES}
-    chunk = min(LANES, len(sets))
-
-    def run() -> Any:
-        found = simulate_batch(whole, waveform(), DURATION, over, step=step, samples=SAMPLES, chunk=chunk)
-        failed = np.array([status.failed for status in found.variants.status])
-        return np.where(failed[:, None], np.nan, 1e3 * found["position"])
-
-    return run
 
 
 def simd_batch(problem: Problem, sets: list[Wire], step: float) -> Callable[[], Any]:
@@ -218,7 +188,7 @@ def adaptive_batch(problem: Problem, sets: list[Wire], tolerance: float) -> Call
     return run
 
 
-BATCH = {"ours, JAX": jax_batch, "ours, SIMD C": simd_batch, "ours, march": adaptive_batch}
+BATCH = {"ours, SIMD C": simd_batch, "ours, march": adaptive_batch}
 
 
 class Setting(NamedTuple):

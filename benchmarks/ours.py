@@ -1,8 +1,8 @@
 """martensite on problem A: the same system, on every runtime.
 
 What: the wire, drive and spring of `problem_a` as a `System`, marched over exactly the steps of
-`inputs.aligned`. `c` and `simd` are the limit the JAX engine is compared with: C99 printed from
-the same traced kernels, compiled with all optimisation, for one run or 256 lanes at a time.
+`inputs.aligned`. `c` and `simd` are C99 printed from the same traced kernels, compiled with all
+optimisation, for one run or 256 lanes at a time.
 """
 
 from __future__ import annotations
@@ -145,63 +145,6 @@ def chunked(values: list[Any], lanes: int) -> list[list[Any]]:
     return [[cut(v, first) for v in values] for first in range(0, size, lanes)]
 
 
-def jax_batch(precision: str) -> Callable[..., Callable[[], Any]]:
-    """All sets on JAX, 256 at a time."""
-
-    def batch(sets: Wire, drive: Drive, dt: float) -> Callable[[], Any]:
-        import numpy as np
-
-        from martensite.simulate.arrays import build_schedule, jitted_march
-
-        compiled, values = varied(sets)
-        plan, padded = build_schedule(grid(drive, dt), precision)
-        run = jitted_march(compiled, (position(compiled),), padded)
-        pieces = [[np.asarray(v, precision) for v in piece] for piece in chunked(values, LANES)]
-        size = np.size(sets.h0)
-
-        def go() -> Any:
-            return 1e3 * np.concatenate([run(v, plan).outputs[0].T for v in pieces])[:size]
-
-        return go
-
-    return batch
-
-
-def jax_single(p: Wire, drive: Drive, dt: float) -> Callable[[], Any]:
-    """One run on JAX."""
-    import numpy as np
-
-    from martensite.simulate.arrays import build_schedule, jitted_march
-
-    compiled, values = traced(p)
-    plan, padded = build_schedule(grid(drive, dt))
-    run = jitted_march(compiled, (position(compiled),), padded)
-    return lambda: 1e3 * np.asarray(run(values, plan).outputs[0])
-
-
-def jax_gradient(p: Wire, drive: Drive, dt: float) -> Callable[[], Any]:
-    """dJ/dq by forward mode through the march."""
-    import numpy as np
-
-    from benchmarks.problem_a import scaled, target_factors
-    from martensite.simulate.arrays import build_schedule, jitted_jacobian
-
-    compiled, values = traced(p)
-    wrt = tuple(compiled.paths.index(PATHS[name]) for name in THETA)
-    plan, padded = build_schedule(grid(drive, dt))
-    run = jitted_jacobian(compiled, (position(compiled),), wrt, padded)
-    wanted = np.asarray(jax_single(scaled(p, target_factors()), drive, dt)())
-    theta = np.array([getattr(p, name) for name in THETA])
-    point = np.asarray(values)
-
-    def go() -> Any:
-        x, slopes, _ = (np.asarray(a) for a in run(point, plan))
-        gap = 1e3 * x - wanted
-        return 2e3 * np.mean(gap[:, None] * slopes * theta, axis=0) / np.ptp(wanted) ** 2
-
-    return go
-
-
 def native(lanes: int) -> Callable[..., Callable[[], Any]]:
     """The traced C: one run, or all sets `lanes` at a time."""
 
@@ -222,6 +165,27 @@ def native(lanes: int) -> Callable[..., Callable[[], Any]]:
         return go
 
     return prepare
+
+
+def gradient(p: Wire, drive: Drive, dt: float) -> Callable[[], Any]:
+    """dJ/dq by forward derivatives beside the run, in C."""
+    import numpy as np
+
+    from benchmarks.problem_a import scaled, target_factors
+    from martensite.simulate.native_slopes import march_slopes
+
+    (compiled, values), steps = traced(p), grid(drive, dt)
+    wanted = native(1)(scaled(p, target_factors()), drive, dt)()
+    seeds = np.zeros((len(values), len(THETA)))
+    for k, name in enumerate(THETA):
+        seeds[compiled.paths.index(PATHS[name]), k] = getattr(p, name)
+
+    def go() -> Any:
+        found = march_slopes(compiled, values, seeds, steps, [position(compiled)])
+        gap = 1e3 * found.rows[:, 0] - wanted
+        return 2e3 * np.mean(gap[:, None] * found.slopes[:, 0], axis=0) / np.ptp(wanted) ** 2
+
+    return go
 
 
 class Volts(AbstractWaveform):
@@ -275,18 +239,7 @@ USUAL = "dt 20 ms"
 
 ENGINES = (
     Engine("ours", "P", STEPS, USUAL, single=floats, step=latency),
-    Engine(
-        "ours-jax",
-        "P",
-        STEPS,
-        USUAL,
-        single=jax_single,
-        batch=jax_batch("float64"),
-        gradient=jax_gradient,
-        environments={"cache": {"MARTENSITE_JAX_CACHE": "CACHE"}, "no cache": {"MARTENSITE_JAX_CACHE": ""}},
-    ),
-    Engine("ours-jax32", "P", STEPS, USUAL, batch=jax_batch("float32")),
-    Engine("ours-c", "P", STEPS, USUAL, single=native(1)),
+    Engine("ours-c", "P", STEPS, USUAL, single=native(1), gradient=gradient),
     Engine("ours-march", "P", TOLERANCES, "tol 0.0001", single=march(1), batch=march(BLOCK)),
     Engine("ours-simd", "P", STEPS, USUAL, batch=native(LANES)),
 )

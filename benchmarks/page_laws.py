@@ -47,19 +47,16 @@ def law_of(alloy: Alloy) -> Lagoudas:
     )
 
 
-def law_batches(given: Case, quick: bool) -> list[Candidate]:
-    """A chunk of lanes in C and on JAX, where compiling the law takes a while."""
+def law_batches(given: Case) -> list[Candidate]:
+    """A chunk of lanes in C."""
     compiled, values = law_paths.lanes_of(given, LANES)
     exact = law_paths.judged(given, compiled, values[:, 0])
 
     def error(chunks: Any) -> float:
         return apart(chunks[0][:, 0], exact)
 
-    makers = {"martensite, C lanes": law_paths.by_simd}
-    if not quick:
-        makers["martensite, JAX, batch"] = law_paths.by_jax
-    setting = f"batch of {LANES}"
-    return [Candidate(name, make(given, compiled, values), error, LANES, setting) for name, make in makers.items()]
+    run = law_paths.by_simd(given, compiled, values)
+    return [Candidate("martensite, C lanes", run, error, LANES, f"batch of {LANES}")]
 
 
 def peers(exact: dict[str, Any]) -> list[Candidate]:
@@ -93,7 +90,7 @@ def laws(choice: Choice) -> list[Table]:
         Candidate(name, law_paths.single(cooled, kind), lambda found: apart(found, exact["cooled"]))
         for name, kind in {BASE: "c", "martensite, floats": "floats"}.items()
     ]
-    runs += [*law_batches(cooled, choice.quick), *peers(exact)]
+    runs += [*law_batches(cooled), *peers(exact)]
     rows = [
         {"engine": t.name, "setting": t.setting, "err": t.err, "spread": t.spread, "ratio": t.ratio}
         for t in measure(runs, choice.repeats, BASE)

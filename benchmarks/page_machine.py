@@ -14,9 +14,8 @@ from typing import Any
 from benchmarks.engines import available
 from benchmarks.peers import simcoon_path, sma_react_path
 from martensite.kernels.compiler import FLAGS, WIDE, find_compiler
-from martensite.simulate.arrays import devices_of
 
-PACKAGES = ("martensite", "numpy", "scipy", "jax", "diffrax", "scikit-sundae", "zarr")
+PACKAGES = ("martensite", "numpy", "scipy", "diffrax", "scikit-sundae", "zarr")
 VERSION = "from importlib.metadata import version; print(version('simcoon'))"
 
 
@@ -72,8 +71,6 @@ def machine() -> dict[str, Any]:
 def missing() -> list[str]:
     """Sentences on what could not take part."""
     found: list[str] = []
-    if devices_of(1)[0].platform == "cpu":
-        found.append("A GPU: there was none, so that JAX ran on the processor.")
     if not available(["cvode"]):
         found.append("SUNDIALS: scikit-sundae was not installed.")
     if not available(["diffrax"]):

@@ -29,7 +29,6 @@ NAMES = {
     "ours": "martensite, floats",
     "ours-march": BASE,
     "ours-c": "martensite, C, equal steps",
-    "ours-jax": "martensite, JAX",
     "odeint": "SciPy odeint (LSODA)",
     "lsoda": "SciPy solve_ivp (LSODA)",
     "rk45": "SciPy solve_ivp (RK45)",
@@ -42,7 +41,6 @@ NAMES = {
 RATE_NAMES = {
     "ours, march": BASE,
     "ours, C": "martensite, C, equal steps",
-    "ours, JAX": "martensite, JAX",
     "ours, floats": "martensite, floats",
     "LSODA": "SciPy odeint (LSODA)",
     "Radau": "SciPy solve_ivp (Radau)",
@@ -101,7 +99,7 @@ def wire_contender(engine: Engine, p: Wire, drive: Drive) -> Contender:
 @part
 def wire(choice: Choice) -> list[Table]:
     """Single runs of problem A."""
-    names = ["ours-march", "ours-c", "ours-jax", "ours", "odeint", "lsoda", "rk45", "dop853"]
+    names = ["ours-march", "ours-c", "ours", "odeint", "lsoda", "rk45", "dop853"]
     names += ["cvode", "diffrax"]
     engines = available(names if choice.quick else [*names, "radau"])
     contenders = [wire_contender(e, Wire(), sine()) for e in engines]
@@ -111,7 +109,7 @@ def wire(choice: Choice) -> list[Table]:
 @part
 def rates(choice: Choice) -> list[Table]:
     """Single runs of problem B."""
-    effort = Effort(kvaerno=() if choice.quick else (4, 5, 6), jax=(50, 20))
+    effort = Effort(kvaerno=() if choice.quick else (4, 5, 6))
     runs = library(mas_runs.Problem(RateWire()), effort) | peers(RateWire(), "edge", effort)
     exact = mas_batches.reference(RateWire(), "edge")[0]
 
@@ -134,7 +132,7 @@ def batches(choice: Choice) -> list[Table]:
     """Many runs at once: throughput, scaling, and the limits of the processor."""
     effort = sections_throughput.USUAL._replace(scaling=(1_000, 10_000, 100_000, 1_000_000))
     if choice.quick:
-        effort = effort._replace(laws=effort.laws[:1], jax_laws=(), scaling=(1_000, 10_000))
+        effort = effort._replace(laws=effort.laws[:1], scaling=(1_000, 10_000))
     options = Options([], repeats=min(choice.repeats, 3), sizes=tuple(choice.sizes))
     return rated(sections_throughput.throughput(options, effort))
 
@@ -175,9 +173,9 @@ def sweep(choice: Choice) -> list[Table]:
 @part
 def slopes(choice: Choice) -> list[Table]:
     """The gradient of ten parameters."""
-    names = ["ours-jax", "odeint", "cvode"] if choice.quick else list(NAMES)
+    names = ["ours-c", "odeint", "cvode"] if choice.quick else list(NAMES)
     engines = [e for e in available(names) if e.gradient and e.name != "diffrax"]
-    (table,) = gradient(Options(engines, repeats=min(choice.repeats, 3), base="ours-jax"))
+    (table,) = gradient(Options(engines, repeats=min(choice.repeats, 3), base="ours-c"))
     rows = [without_units({**row, "engine": NAMES[row["engine"]]}) for row in table.rows]
     return [Table(table.title, rows)]
 

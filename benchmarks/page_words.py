@@ -75,8 +75,8 @@ before the sweep.
     "slopes": Words(
         "A gradient of ten parameters",
         """
-Problem A, the squared distance to another run by ten parameters. martensite and diffrax: forward
-mode on JAX; the others: differences of runs. Base: martensite. Errors are those of the gradient,
+Problem A, the squared distance to another run by ten parameters. martensite: forward derivatives in
+C; diffrax: forward mode; the others: differences of runs. Base: martensite. Errors are those of the gradient,
 relative, at the usual setting of each engine.
 """,
     ),

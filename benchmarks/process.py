@@ -2,7 +2,7 @@
 
 What: the command is started by a bare interpreter that waits for it with `os.wait4`. The detour
 keeps the peak memory honest: a child starts with the high-water mark of the process that forked
-it, and the benchmark process itself holds JAX. Interpreter and imports of the command count, the
+it, and the benchmark process itself holds other libraries. Interpreter and imports of the command count, the
 launcher does not. POSIX only.
 """
 

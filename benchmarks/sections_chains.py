@@ -1,8 +1,8 @@
 """Sections of the benchmark on chains of blocks: simulation, derivatives, searches, memory.
 
 What: `poly2 | oe(3,3,1) | pwl10` with moving knots, 25 free numbers, 40 000 samples: outputs with
-all derivatives, in one compiled pass; as differences of our own compiled simulation; as
-differences of the same chain written with NumPy and SciPy; and as `jacfwd` of a JAX scan. Then a
+all derivatives, in one compiled pass; as differences of our own compiled simulation; and as
+differences of the same chain written with NumPy and SciPy. Then a
 search from 24 starts, and 500 000 samples with about 300 numbers, judged by their memory.
 Derivatives are judged by central differences of the compiled simulation.
 """
@@ -104,38 +104,6 @@ def differences(run: Function, theta: np.ndarray, central: bool) -> np.ndarray:
     return made
 
 
-def in_jax(chain: Chain, u: np.ndarray) -> Callable[[], np.ndarray]:
-    """Forward derivatives of a compiled scan over the same kernels."""
-    from martensite.kernels.jax_setup import jax_namespace
-
-    xp: Any = jax_namespace()
-    import jax
-    import jax.numpy as jnp
-
-    counts = np.cumsum([len(block.numbers()) for block in chain.blocks])[:-1]
-
-    def simulate(theta: Any, inputs: Any) -> Any:
-        parts = jnp.split(theta, counts)
-        x: Any = [inputs[0]]
-        states: list[Any] = []
-        for block, own in zip(chain.blocks, parts, strict=True):
-            states.append([jnp.asarray(s) for s in block.rest(xp, list(own), x, INTERVAL)])
-            x, _ = block.step(xp, list(own), states[-1], x, INTERVAL)
-
-        def turn(held: Any, value: Any) -> tuple[Any, Any]:
-            x, after = [value], []
-            for block, own, state in zip(chain.blocks, parts, held, strict=True):
-                x, new = block.step(xp, list(own), state, x, INTERVAL)
-                after.append(list(new))
-            return after, x[0]
-
-        return jax.lax.scan(turn, states, inputs)[1]
-
-    made = jax.jit(jax.jacfwd(simulate))
-    theta, inputs = jnp.asarray(chain.theta), jnp.asarray(u)
-    return lambda: np.asarray(made(theta, inputs).block_until_ready())
-
-
 def candidates(chain: Chain, record: Sampled) -> list[Candidate]:
     """All ways to outputs and derivatives."""
     u, engine = record.inputs, chain.engine
@@ -168,7 +136,7 @@ def candidates(chain: Chain, record: Sampled) -> list[Candidate]:
                     error,
                 )
             )
-    return [*found, Candidate("jacfwd of a JAX scan", in_jax(chain, u[:, 0]), error)]
+    return found
 
 
 @section

@@ -1,4 +1,4 @@
-"""The section `cuda`: batches on a GPU beside two cores in C and beside JAX on the same device.
+"""The section `cuda`: batches on a GPU beside two cores in C.
 
 What: the wire of README.md (30 s in 6000 steps) and the finger with a law without rates and with
 one, around their nominal parameters, in both precisions. All in one process, in interleaved rounds
@@ -26,9 +26,7 @@ from benchmarks.roofline import work
 from benchmarks.sections import Options, section
 from benchmarks.throughput_runs import Case
 from martensite.base.errors import MartensiteError
-from martensite.kernels.jax_setup import has_jax
 from martensite.scenario.scenario import load
-from martensite.simulate.arrays import devices_of
 from martensite.simulate.batch import simulate_batch
 from martensite.simulate.cuda.device import Resources, compile_source, open_device, take_answer
 from martensite.simulate.cuda.march import GivenStepsMarch, load_march, march_batch
@@ -50,12 +48,10 @@ class Effort(NamedTuple):
 
     batch: int = 1 << 18
     law_batch: int = 1 << 16
-    jax_batch: int = 1 << 15
     c_batch: int = 2048
     """Runs from which the speed of C is judged; an eighth of them with a dearer law."""
     ladder: Sequence[int] = (16, 64, 256, 1024, 4096, 16384, 65536, 262144, 1048576)
     laws: Sequence[str] = ("mas-hybrid", "mas")
-    jax_laws: Sequence[str] = ()  # those take minutes to compile
 
 
 USUAL = Effort()
@@ -122,7 +118,7 @@ class Way(NamedTuple):
     err: float = 0.0
 
 
-def list_ways(case: Case, batch: int, effort: Effort, jax: bool) -> dict[str, Way]:
+def list_ways(case: Case, batch: int, effort: Effort) -> dict[str, Way]:
     """All that are compared, each made once; C is the first."""
     exact, in_c = rows_in_c(case, JUDGED), effort.c_batch if case.steps > 5000 else effort.c_batch // 8
     ways = {C_NAME: Way(in_c, on_cores(case, in_c))}
@@ -131,10 +127,6 @@ def list_ways(case: Case, batch: int, effort: Effort, jax: bool) -> dict[str, Wa
         march, run = on_cuda(case, batch, precision)
         error = float(np.abs(run()[:, :JUDGED] - exact).max() / np.ptp(exact))
         ways[f"CUDA {precision}"] = Way(batch, run, march, error)
-    for precision in PRECISIONS if jax else ():
-        run = runs.on_jax(case, effort.jax_batch, precision)
-        error = float(np.abs(run().first.T - exact[:, : runs.KEPT]).max() / np.ptp(exact))
-        ways[f"JAX {precision}, {devices_of(1)[0].platform}"] = Way(effort.jax_batch, run, None, error)
     return ways
 
 
@@ -286,13 +278,11 @@ def cuda(options: Options, effort: Effort = USUAL) -> Iterator[Table]:
     except MartensiteError as error:
         yield Table("Batches on a GPU", [], f"Left out: {error}")
         return
-    jax = has_jax() and devices_of(1)[0].platform != "cpu"
     wire = runs.readme_wire(max(*effort.ladder, effort.batch))
     cases = [(wire, effort.batch), *((runs.finger(law, effort.law_batch), effort.law_batch) for law in effort.laws)]
     shares: list[dict[str, Any]] = []
     for case, batch in cases:
-        wanted = jax and (case is wire or case.name.split()[-1] in effort.jax_laws)
-        rows = compare(case, list_ways(case, batch, effort, wanted), options.repeats)
+        rows = compare(case, list_ways(case, batch, effort), options.repeats)
         note = "Ratio: runs a second over those of C. err: to C in doubles, as a share of the range."
         yield Table(f"{device.name}: {case.name}, {case.steps} steps", rows, note)
         shares += share(case, rows)

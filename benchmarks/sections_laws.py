@@ -2,7 +2,7 @@
 
 And the section `history`: what the memory of a law costs.
 
-What: single runs as a user makes them, and batches on JAX and on SIMD lanes of C, each against the
+What: single runs as a user makes them, and batches on SIMD lanes of C, each against the
 CPU time of simcoon's path of as many steps, measured in the same rounds. simcoon runs its own
 alloy and model: paths are compared, not results. A big batch is cut to what takes about a second.
 """
@@ -19,7 +19,7 @@ import numpy as np
 from benchmarks.engines import OURS
 from benchmarks.harness import Candidate, Timing, measure
 from benchmarks.inputs import sine
-from benchmarks.law_paths import LANES, Case, by_jax, by_simd, case, judged, lanes_of, single
+from benchmarks.law_paths import LANES, Case, by_simd, case, judged, lanes_of, single
 from benchmarks.ours import Volts, system
 from benchmarks.peers import simcoon_path
 from benchmarks.problem_a import Wire
@@ -29,7 +29,7 @@ from martensite.scenario.running import run
 
 LOOPS = ("superelastic", "thermal")
 SINGLE = {"floats": "floats", "C": "c"}
-BATCH = {"JAX batch": by_jax, "SIMD batch": by_simd}
+BATCH = {"SIMD batch": by_simd}
 MOST = 0.6  # [s] of one call of a batch, as far as one chunk allows
 BAR = 100.0
 PEER = "simcoon"

@@ -34,28 +34,22 @@ class Effort(NamedTuple):
     """Accuracy settings that are tried, steps in [ms]; the tests try fewer."""
 
     floats: Sequence[float] = (100, 50, 20, 10)
-    jax: Sequence[float] = (100, 20, 10)  # every step length compiles again
     c: Sequence[float] = (100, 50, 20, 10, 5, 2)
     rtols: Sequence[int] = (3, 4, 5, 6, 7)  # 10^-n, of LSODA and Radau
     kvaerno: Sequence[int] = (3, 4, 5, 6)
-    jax_batch: Sequence[float] = (50, 20, 10)
     simd_batch: Sequence[float] = (50, 20, 10)
     kvaerno_batch: Sequence[int] = (4,)
     hybrid: Sequence[float] = (100, 50, 20)
-    hybrid_jax: Sequence[float] = (100,)
     march: Sequence[float] = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6)
     march_batch: Sequence[float] = (3e-3, 1e-3, 3e-4, 1e-4)
 
     def steps(self, law: str) -> dict[str, Sequence[float]]:
         """Of single runs, by engine; tolerances of the march."""
-        if law == "mas-hybrid":
-            own = {FLOATS: self.hybrid, JAX: self.hybrid_jax, C: self.hybrid}
-        else:
-            own = {FLOATS: self.floats, JAX: self.jax, C: self.c}
-        return own | {MARCH: self.march}
+        floats, c = (self.hybrid, self.hybrid) if law == "mas-hybrid" else (self.floats, self.c)
+        return {FLOATS: floats, C: c, MARCH: self.march}
 
 
-FLOATS, JAX, C, MARCH = mas_runs.SINGLE
+FLOATS, C, MARCH = mas_runs.SINGLE
 USUAL = Effort()
 
 
@@ -157,8 +151,8 @@ def single_tables(options: Options, label: str, effort: Effort) -> list[Table]:
 def batch_tables(options: Options, label: str, size: int, effort: Effort) -> list[Table]:
     """A batch around one wire: every setting, and cost at equal error."""
     sets = parameter_sets(WIRES[label], size)
-    judge, (jax, simd, march) = mas_batches.Judge(sets), mas_runs.BATCH
-    settings = {jax: effort.jax_batch, simd: effort.simd_batch, march: effort.march_batch}
+    judge, (simd, march) = mas_batches.Judge(sets), mas_runs.BATCH
+    settings = {simd: effort.simd_batch, march: effort.march_batch}
     runs = mas_batches.library(judge, sets, settings) if ours(options) else []
     runs += mas_batches.lsoda(judge, sets, effort.rtols)
     runs += mas_batches.kvaerno(judge, sets, effort.kvaerno_batch)

@@ -1,10 +1,9 @@
 """The section `throughput`: how many runs a second, and what keeps it from being more.
 
 What: batches of the coupled wire (3000 steps) and of the finger with each law, in C by blocks of
-lanes in one thread and in two, one by one, on JAX in both precisions, and the wire by LSODA at
-equal error. The printed C in lanes is the limit that the rest is compared with. Then what a run
-costs, and how much memory a process takes, against the number of runs; and the share of what the
-processor could do at most. On a GPU the rows of JAX are the GPU's.
+lanes in one thread and in two, one by one, and the wire by LSODA at equal error. The printed C in
+lanes is the limit that the rest is compared with. Then what a run costs, and how much memory a
+process takes, against the number of runs; and the share of what the processor could do at most.
 """
 
 from __future__ import annotations
@@ -26,7 +25,6 @@ from benchmarks.roofline import peaks, work
 from benchmarks.sections import Options, section
 from benchmarks.throughput_once import PIECE
 from benchmarks.throughput_runs import Case, Kept
-from martensite.simulate.arrays import devices_of
 
 SIMD = "C lanes"
 RTOLS = ("rtol 1e-5", "rtol 1e-6")
@@ -39,8 +37,6 @@ class Effort(NamedTuple):
     """What is run; the tests run less."""
 
     laws: Sequence[str] = runs.LAWS
-    jax_laws: Sequence[str] = ("mas-hybrid",)  # the others take minutes to compile
-    precisions: Sequence[str] = ("float64", "float32")
     most: int = 64  # runs of a batch one by one
     scaling: Sequence[int] = (1_000, 10_000)
     peer: int = 4
@@ -71,18 +67,14 @@ def against(sets: Wire, count: int) -> Any:
     return error
 
 
-def engines(case: Case, count: int, error: Any, effort: Effort, jax: bool) -> list[Candidate]:
+def engines(case: Case, count: int, error: Any, effort: Effort) -> list[Candidate]:
     """All ways to make `count` runs."""
     few = min(count, effort.most)
-    found = [
+    return [
         Candidate(SIMD, runs.in_lanes(case, count), error, count),
         Candidate("C lanes, two threads", runs.in_lanes(case, count, threads=2), error, count),
         Candidate("C one by one", runs.one_by_one(case, few), error, few),
     ]
-    for precision in effort.precisions if jax else ():
-        name = f"JAX {precision}, {devices_of(1)[0].platform}"
-        found.append(Candidate(name, runs.on_jax(case, count, precision), error, count))
-    return found
 
 
 def peers(sets: Wire, count: int, effort: Effort) -> list[Candidate]:
@@ -123,28 +115,19 @@ def rows_of(timings: Sequence[Timing], candidates: Sequence[Candidate]) -> list[
 def wire_table(options: Options, count: int, effort: Effort) -> Table:
     """The coupled wire."""
     case, sets = runs.wire(max(options.sizes))
-    candidates = engines(case, count, against(sets, count), effort, jax=True)
+    candidates = engines(case, count, against(sets, count), effort)
     candidates += peers(sets, count, effort)
     timings = measure(candidates, options.repeats, SIMD)
     rows = rows_of(timings, candidates)
-    note = f"Ratio: CPU time over that of `{SIMD}`. {crossover(rows)}"
+    note = f"Ratio: CPU time over that of `{SIMD}`."
     return Table(f"Throughput, {case.name}, {case.steps} steps, batch of {count}", rows, note)
-
-
-def crossover(rows: Sequence[dict[str, Any]]) -> str:
-    """What a GPU says to the processor in this batch."""
-    if devices_of(1)[0].platform == "cpu":
-        return "JAX has no GPU here, so there is no crossover."
-    rate = {row["engine"]: row["runs/s (wall)"] for row in rows}
-    gpu = max(value for name, value in rate.items() if name.startswith("JAX"))
-    return f"GPU over two threads of C: {gpu / rate['C lanes, two threads']:.2g}."
 
 
 def finger_table(options: Options, law: str, count: int, effort: Effort) -> Table:
     """The finger with a law."""
     case = runs.finger(law, max(options.sizes))
     error = apart(case, min(count, runs.KEPT))
-    candidates = engines(case, count, error, effort, jax=law in effort.jax_laws)
+    candidates = engines(case, count, error, effort)
     rows = rows_of(measure(candidates, options.repeats, SIMD), candidates)
     note = f"Ratio: CPU time over that of `{SIMD}`. err: to the same runs one by one."
     return Table(f"Throughput, {case.name}, {case.steps} steps, batch of {count}", rows, note)

@@ -1,4 +1,4 @@
-"""Many runs of one system for the section `throughput`: lanes of C, JAX, or one by one.
+"""Many runs of one system for the section `throughput`: lanes of C, or one by one.
 
 What: the coupled wire of problem A (60 s in steps of 20 ms) and the finger of
 `examples/finger.toml` with each of its laws (25 s in steps of 20 ms), around their nominal
@@ -20,7 +20,6 @@ from benchmarks.problem_a import Wire, parameter_sets
 from benchmarks.process import ROOT
 from martensite.kernels.c99_lanes import BLOCK
 from martensite.scenario.scenario import Scenario, load, read_scenario
-from martensite.simulate.arrays import build_schedule, chunk_for, devices_of, jitted_march, march_chunks
 from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.drive_waveforms import grid_of
 from martensite.simulate.grid import TimeGrid
@@ -52,11 +51,11 @@ class Case(NamedTuple):
         """Of a run."""
         return len(self.grid.lengths)
 
-    def chunks(self, count: int, size: int, precision: str = "float64") -> Iterator[list[Any]]:
+    def chunks(self, count: int, size: int) -> Iterator[list[Any]]:
         """Values of `size` runs at a time; the last chunk ends with its last run, repeated."""
         for first in range(0, count, size):
             places = np.minimum(np.arange(first, first + size), count - 1)
-            yield [np.asarray(v[places] if np.ndim(v) else v, precision) for v in self.values]
+            yield [np.asarray(v[places] if np.ndim(v) else v, float) for v in self.values]
 
 
 def wire(count: int, drive: Drive | None = None) -> tuple[Case, Wire]:
@@ -141,18 +140,3 @@ def in_lanes(case: Case, count: int, threads: int = 1, lanes: int = LANES) -> Ca
 def one_by_one(case: Case, count: int) -> Callable[[], Kept]:
     """In C, without lanes."""
     return in_lanes(case, count, lanes=1)
-
-
-def on_jax(case: Case, count: int, precision: str = "float64", devices: int = 1) -> Callable[[], Kept]:
-    """On JAX, by chunks as large as suit the device, or as there are runs."""
-    plan, padded = build_schedule(case.grid, precision)
-    march = jitted_march(case.compiled, (case.place,), padded)
-    taken = devices_of(devices)
-    size = min(chunk_for(taken), count)
-
-    def run() -> Kept:
-        chunks = case.chunks(count, size, precision)
-        found = march_chunks(march, chunks, plan, taken)
-        return kept((rows.outputs[0] for rows in found), count)
-
-    return run

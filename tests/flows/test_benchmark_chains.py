@@ -25,7 +25,6 @@ def test_ways_to_derivatives(c_compiler, monkeypatch):
     found = {c.name: c for c in sections_chains.candidates(chain, record)}
     errors = {name: c.error(c.run()) for name, c in found.items() if c.error}
     assert errors["one pass"] < 1e-4  # of differences over a short record
-    assert errors["jacfwd of a JAX scan"] == pytest.approx(errors["one pass"], rel=1e-3)
     plain = found["simulation alone, NumPy, SciPy"].run()
     assert plain == pytest.approx(chain.simulate(record)[:, 0], abs=1e-3)
     assert np.ptp(plain) > 1.0
