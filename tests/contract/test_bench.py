@@ -269,7 +269,7 @@ def test_an_estimate_comes_from_one_observer() -> None:
         )
 
 
-@pytest.mark.parametrize("runtime", ["floats", "c", "jax"])
+@pytest.mark.parametrize("runtime", ["floats", "c"])
 def test_a_bench_stops_at_the_envelope(runtime: str, c_compiler: str) -> None:
     """A controller that asks for more than there is, on a supply that melts the wire."""
     far = Constant(level=0.1)

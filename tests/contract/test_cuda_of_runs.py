@@ -260,7 +260,7 @@ def test_without_a_device(tmp_path: Path) -> None:
     assert not out.exists()
     with pytest.raises(InputError, match=r"CUDA device|cuda-bindings"):
         differentiate("weight", "cuda")
-    with pytest.raises(InputError, match="computed by `c`, `jax` or `cuda`, not by `floats`"):
+    with pytest.raises(InputError, match="computed by `c` or `cuda`, not by `floats`"):
         differentiate("weight", "floats")
     (table,) = sections_cuda.cuda(Options([]))
     assert not table.rows and "Left out" in table.note

@@ -1,10 +1,10 @@
-"""Every kernel of every registered class means the same on floats, arrays, JAX and in C."""
+"""Every kernel of every registered class means the same on floats, arrays and in C."""
 
 import builders
 import kernels
 import numpy as np
 import pytest
-from builders import REGISTRIES, label
+from builders import label
 from kernels import (
     KERNELS,
     RUNTIMES,
@@ -12,7 +12,6 @@ from kernels import (
     disagreement,
     on_c,
     on_floats,
-    on_jax,
     on_kernel_itself,
     on_lanes,
     on_numpy,
@@ -41,10 +40,6 @@ VARIED = [row for row in EVERY if any(one.kind == "option" for one in row[1].dec
 """Classes of several forms."""
 LONG = {"axial-wire", "ribbon", "hand"}
 """Of many elements: what only traces in long, and what C says of it, is enough."""
-PLAIN = {kind: registry.typical or registry.names()[0] for kind, registry in REGISTRIES.items()}
-"""JAX compiles the kernels of one class of every kind; all the rest is slow there."""
-UNCOMPILED = {"observer", "element"}
-"""Kinds over which the compiler of JAX takes long; whole runs have an element."""
 FEW = 64
 """Lanes on which kernels are tried untraced, one by one."""
 
@@ -85,18 +80,6 @@ def test_kernels_of_other_forms_are_the_same_traced(kind, cls):
     for thing in builders.variants(cls)[1:] if cls.registered_name not in LONG else []:
         for name in KERNELS[kind]:
             require_agreement(thing, kind, name, on_floats, on_numpy, lanes=FEW)
-
-
-def mark_slow(kind, cls):
-    """Whether JAX takes long over a class, or another of its kind is enough."""
-    plain = cls.registered_name == PLAIN[kind] and kind not in UNCOMPILED
-    return () if plain else pytest.mark.slow
-
-
-@pytest.mark.parametrize(("kind", "cls"), [pytest.param(k, c, marks=mark_slow(k, c), id=i) for k, c, i in EVERY])
-def test_kernels_are_the_same_in_jax(kind, cls):
-    for name in KERNELS[kind]:
-        require_agreement(builders.variants(cls)[0], kind, name, on_jax, lanes=FEW)
 
 
 def operations(_, xp, a, b, share):

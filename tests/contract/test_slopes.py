@@ -1,6 +1,6 @@
 """Exact derivatives of whole runs in C, for every registered law, element, mechanism and drive.
 
-Sources of truth: central differences of the same run in C without derivatives, and JAX. All
+Sources of truth: central differences of the same run in C without derivatives. All
 parameters of a case take part. Kernels are compiled without optimisation, which takes a tenth of
 the time; two cases are compiled as for a user.
 """
@@ -9,15 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from builders import example, law_a
-from slope_cases import Case, cases, in_machine, under_weight
+from builders import law_a
+from slope_cases import Case, cases, under_weight
 
 from martensite.kernels import compiler
-from martensite.physics.laws.brinson import Brinson
-from martensite.simulate.batch import compute_sensitivity
-from martensite.simulate.compiled import compile_march
-from martensite.simulate.native import march_lanes
-from martensite.simulate.native_slopes import march_slopes
 
 TOLERANCE = 1e-5
 GOOD = 0.99
@@ -44,26 +39,6 @@ def test_slopes_are_those_of_differences(case: Case, unoptimised):
     found = case.slopes(case.directions)
     assert (found.rows == case.run(case.values)).all()
     assert np.ptp(found.rows, axis=0).max() > 0.0
-
-
-@pytest.mark.parametrize("case", [listed(under_weight(law_a()), False), listed(in_machine(example(Brinson)), True)])
-def test_slopes_are_those_of_jax(case: Case, c_compiler):
-    """Both as for a user: optimised."""
-    compiled = compile_march(case.system)
-    place = compiled.outputs.index("position")
-    paths = [case.system.resolve(name) for name in EXACT]
-    seeds = np.zeros((len(compiled.paths), len(paths)))
-    seeds[[compiled.paths.index(path) for path in paths], range(len(paths))] = 1.0
-    values = compiled.values(case.system)
-    found = march_slopes(compiled, values, seeds, case.grid, [place])
-    meant = compute_sensitivity(case.system, case.waves, case.duration, paths, step=case.step, samples=case.samples)
-    rows, _ = march_lanes(compiled, values, case.grid, 1, [place])
-    assert np.abs(found.rows - rows[:, :, 0]).max() <= 1e-14 * np.abs(rows).max()
-    for k, path in enumerate(paths):
-        exact = meant.slopes[path]
-        assert np.abs(exact).max() > 0.0
-        apart = np.abs(found.slopes[:, 0, k] - exact).max()
-        assert apart <= 1e-9 * np.abs(exact).max(), path
 
 
 def test_many_directions_are_those_one_by_one(unoptimised):

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from builders import plain_system, problem_a
+from builders import problem_a
 
 from martensite.base.errors import InputError
 from martensite.base.status import Status
@@ -61,14 +61,6 @@ def test_variants_are_single_runs(runtime: str, off: float, signals: Any, c_comp
         for name, column in zip(course.outputs, alone, strict=True):
             assert found.columns[name][run] == pytest.approx(column, rel=off, abs=off)
     assert np.ptp(found.columns["temperature"][:, -1]) > 1.0
-
-
-def test_variants_on_jax_are_single_runs() -> None:
-    course = replace(COURSE, system=plain_system(), runtime="jax", lanes=4)
-    found = course.run(VALUES)
-    for run in range(RUNS):
-        for name, column in zip(course.outputs, single(course, run, VALUES, {}, ""), strict=True):
-            assert found.columns[name][run] == pytest.approx(column, rel=1e-9, abs=1e-12)
 
 
 def test_another_run_is_noticed() -> None:
@@ -155,7 +147,7 @@ def test_a_block_of_refused_runs_is_not_marched() -> None:
 
 @pytest.mark.parametrize(
     ("runtime", "precision", "sentence"),
-    [("jx", "float64", "Did you mean `jax`"), ("c", "float32", "float32 on JAX"), ("floats", "float16", "float16")],
+    [("cud", "float64", "Did you mean `cuda`"), ("c", "float32", "float32 on CUDA"), ("floats", "float16", "float16")],
 )
 def test_wrong_runtimes_are_refused(runtime: str, precision: str, sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):

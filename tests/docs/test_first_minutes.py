@@ -24,7 +24,7 @@ from fences import README, ROOT, fences
 from packaging.requirements import Requirement
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
-ABSENT = ("pytest", "hatchling", "mujoco", "gymnasium", "openpyxl", "pyarrow")
+ABSENT = ("pytest", "hatchling", "mujoco", "gymnasium", "openpyxl", "pyarrow", "emcee")
 TAB = """
 import rlcompleter, martensite as ms
 complete = rlcompleter.Completer({"ms": ms}).complete

@@ -29,7 +29,7 @@ def differenced(system, path, share):
 
 @cache
 def sensitive(rule="resume"):
-    """Slopes of a run by the parameters of both tests below; JAX compiles them once."""
+    """Slopes of a run by the parameters of both tests below, computed once."""
     return compute_sensitivity(problem_a(rule), SINE_A, 60.0, [*PARAMETERS, "C_M"], **RUN)
 
 

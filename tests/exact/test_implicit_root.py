@@ -22,7 +22,6 @@ from martensite.kernels.bracketed_newton import solve_bracketed
 from martensite.kernels.c99 import slopes_source
 from martensite.kernels.compiler import call_compiled, load_library
 from martensite.kernels.dual import DualNamespace, value_and_slope, values_and_slopes
-from martensite.kernels.jax_setup import jax_namespace, make_storing_namespace
 from martensite.kernels.program import Program
 from martensite.kernels.slopes import differentiate_program
 
@@ -108,17 +107,6 @@ def on_dual_arrays(kernel: Kernel, a: float, b: float) -> tuple[np.ndarray, np.n
     return np.array(first[0]), np.array(first[1:]).T
 
 
-def on_jax(kernel: Kernel, a: float, b: float) -> tuple[np.ndarray, np.ndarray]:
-    xp = jax_namespace()
-
-    def run(both: Any, one: Any) -> Any:
-        return xp.np.stack(kernel(make_storing_namespace(xp, one), *both))
-
-    at, one = xp.np.array([a, b]), xp.np.ones(())
-    slopes = xp.jax.jit(xp.jax.jacfwd(run))(at, one)
-    return np.asarray(xp.jax.jit(run)(at, one)), np.asarray(slopes)
-
-
 _ENTRY = """
 void run(const double *p, const slopes *dp, const double *x, const slopes *dx,
          double *y, slopes *dy) {{
@@ -148,7 +136,7 @@ def on_c(kernel: Kernel, a: float, b: float) -> tuple[np.ndarray, np.ndarray]:
     return y, dy[:, :2]
 
 
-RUNTIMES = {"duals": on_duals, "arrays": on_dual_arrays, "jax": on_jax, "c": on_c}
+RUNTIMES = {"duals": on_duals, "arrays": on_dual_arrays, "c": on_c}
 PLACES = [(1.0, 2.0), (0.3, 0.1), (2.0, 5.0)]
 
 
@@ -168,7 +156,7 @@ def exact(a: float, b: float) -> tuple[float, list[float]]:
 
 @pytest.mark.parametrize("name", ROOTS)
 def test_a_root_has_the_derivatives_of_an_implicit_function(name: str, runtime: Any) -> None:
-    for a, b in PLACES if runtime is not on_jax else PLACES[:1]:
+    for a, b in PLACES:
         root, slopes = exact(a, b)
         values, found = runtime(ROOTS[name], a, b)
         assert values == pytest.approx([root], rel=1e-12)
@@ -237,15 +225,6 @@ def test_derivatives_nest(runtime: Any) -> None:
     assert values == pytest.approx([a + b, b * c], rel=1e-14)
     assert found[0] == pytest.approx([b * c, a * c], rel=1e-14)
     assert found[1] == pytest.approx([-b * b * s, c - a * b * s], rel=1e-14)
-
-
-def test_derivatives_nest_in_jax() -> None:
-    xp = jax_namespace()
-    a, b = 0.7, 1.3
-    twice = xp.jax.jacfwd(xp.jax.jacfwd(lambda v: marked(xp, *v)))(xp.np.array([a, b]))
-    s, c = np.sin(a * b), np.cos(a * b)
-    mixed = c - a * b * s
-    assert np.asarray(twice) == pytest.approx(np.array([[-b * b * s, mixed], [mixed, -a * a * s]]))
 
 
 def test_each_level_of_duals_has_its_own_slope() -> None:

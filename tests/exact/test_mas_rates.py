@@ -8,7 +8,7 @@ from decimal import Decimal, getcontext
 
 import numpy as np
 import pytest
-from kernels import Kernel, on_c, on_jax
+from kernels import Kernel, on_c
 from mas_paths import TABLE_1, table_1
 from scipy import special
 from scipy.linalg import expm
@@ -139,11 +139,10 @@ def of_runtime(runtime):
     if runtime == "numpy":
         return ARRAYS.erfcx(POINTS)
     kernel = Kernel({"x": (0.0, 1.0)}, lambda _, xp, x: xp.erfcx(x))
-    run = on_c if runtime == "c" else on_jax
-    return run(ConstantCooling(h=1.0), kernel, POINTS[None])[0]
+    return on_c(ConstantCooling(h=1.0), kernel, POINTS[None])[0]
 
 
-@pytest.mark.parametrize("runtime", ["floats", "numpy", "jax", "c"])
+@pytest.mark.parametrize("runtime", ["floats", "numpy", "c"])
 def test_scaled_error_function(runtime, request):
     if runtime == "c":
         request.getfixturevalue("c_compiler")

@@ -284,7 +284,7 @@ def test_legs_that_make_no_sense(leg: dict[str, Any], sentence: str) -> None:
         ({"fractions": Fractions(0.2, 0.5)}, "of at most that size"),
         ({"steps": 0}, "`steps` must be at least 1"),
         ({"tolerance": 0.0}, "`tolerance` must be above 0"),
-        ({"runtime": "jaxx"}, "No runtime named `jaxx`"),
+        ({"runtime": "flots"}, "No runtime named `flots`"),
     ],
 )
 def test_arguments_that_make_no_sense(arguments: dict[str, Any], sentence: str) -> None:

@@ -14,7 +14,6 @@ from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian, value_and_slope
 from martensite.kernels.floats import expand_power, find_whole_exponent
 from martensite.kernels.graph import VARYING
-from martensite.kernels.jax_setup import jax_namespace
 from martensite.kernels.printer import Printer
 from martensite.kernels.program import Program
 from martensite.kernels.slopes import compute_gradient, compute_partials, differentiate_program
@@ -147,15 +146,6 @@ def test_slopes_ahead_of_a_traced_function() -> None:
     for point, (by_base, by_exponent) in zip(POINTS.tolist(), MEANT, strict=True):
         assert step(*point, 1.0, 0.0)[1] == pytest.approx(by_base, rel=1e-13)
         assert step(*point, 0.0, 1.0)[1] == pytest.approx(by_exponent, rel=1e-13)
-
-
-def test_jax_differentiates_it() -> None:
-    xp = jax_namespace()
-    slope = xp.jax.grad(xp.power, argnums=(0, 1))
-    for point, meant in zip(POINTS[:10].tolist(), MEANT, strict=False):
-        assert slope(*point) == pytest.approx(tuple(meant), rel=1e-12)
-    for base in (0.0, -1.0):
-        assert slope(base, 0.5) == (0.0, 0.0)
 
 
 def test_slopes_are_none_where_the_base_is_not_positive() -> None:

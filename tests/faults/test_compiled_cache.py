@@ -18,7 +18,7 @@ from builders import hanging_wire
 from martensite.base import files
 from martensite.base.caches import make_cache
 from martensite.base.errors import CompileError
-from martensite.kernels import compiler, jax_setup
+from martensite.kernels import compiler
 from martensite.kernels.compiler import find_compiler, is_compiled, load_library
 from martensite.signals.constant import Constant
 from martensite.simulate import provenance
@@ -180,14 +180,6 @@ def test_without_any_folder_a_batch_runs_on_floats(
     assert found.runtime == meant.runtime == "floats"
     assert (found["strain"] == meant["strain"]).all()
     assert "goes on on floats" in capsys.readouterr().err
-
-
-def test_jax_keeps_nothing_where_it_cannot(cache: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert jax_setup._find_cache() == str(cache / "martensite" / "jax")
-    cache.rename(cache.with_name("gone"))
-    cache.write_text("a file where the folder should be")
-    assert jax_setup._find_cache() == ""
-    assert capsys.readouterr().err.count("\n") == 1
 
 
 class Foreign(Constant):

@@ -26,13 +26,7 @@ def _short(monkeypatch):
 def test_all_tables():
     batch, scaling, share = sections_throughput.throughput(OPTIONS, SMALL)
     names = [row["engine"] for row in batch.rows]
-    assert names == [
-        "C lanes",
-        "C lanes, two threads",
-        "C one by one",
-        "LSODA, odeint",
-        "LSODA, solve_ivp",
-    ]
+    assert names == ["C lanes", "C lanes, two threads", "C one by one", "LSODA, odeint", "LSODA, solve_ivp"]
     assert all(0.0 <= row["err"] < 1e-3 for row in batch.rows)
     assert batch.rows[0]["ratio"] == 1.0
     assert [row["runs"] for row in scaling.rows] == [20]

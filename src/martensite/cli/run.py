@@ -60,9 +60,7 @@ class RunOptions:
     ] = None
     runtime: Annotated[
         Text,
-        Option(
-            help="auto, floats, c or jax [default: auto, what is done first; on a bench c, if there is a compiler]."
-        ),
+        Option(help="auto, floats or c [default: auto, what is done first; on a bench c, if there is a compiler]."),
     ] = None
     begin: Annotated[
         Text,

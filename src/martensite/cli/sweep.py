@@ -52,13 +52,13 @@ def sweep(
     out: Annotated[Path | None, Option(help="Zarr store to write, or to go on with [./SCENARIO.zarr].")] = None,
     seed: Annotated[int, Option(help="Of the sample.")] = 0,
     step: Annotated[Text, Option(help="Longest of equal steps [default: an error control].")] = None,
-    runtime: Annotated[Text, Option(help="c, jax, cuda or floats [default: c, if there is a compiler].")] = None,
-    precision: Annotated[str, Option(help="float64, or float32 on JAX or CUDA.")] = "float64",
+    runtime: Annotated[Text, Option(help="c, cuda or floats [default: c, if there is a compiler].")] = None,
+    precision: Annotated[str, Option(help="float64, or float32 on CUDA.")] = "float64",
     backend: Annotated[
         Text,
         Option(
             help="Who runs the chunks: processes, serial, dask [default: processes; serial for a "
-            "few chunks, or on JAX or CUDA]."
+            "few chunks, or on CUDA]."
         ),
     ] = None,
     workers: Annotated[int, Option(min=0, help="How many processes; 0 for one per core.")] = 0,

@@ -1,4 +1,4 @@
-"""Arrays: the kernel operations over numpy or JAX, one array element per variant.
+"""Arrays: the kernel operations over NumPy, one array element per variant.
 
 The trigonometry needed by cosine kinetics is a polynomial on the clipped interval: it
 vectorises, and a batch runs about twice as fast as with the library's general sine.
@@ -14,40 +14,23 @@ from martensite.kernels.floats import expand_power
 from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE
 
 
-def _return_same(x: Any) -> Any:
-    return x
-
-
 class ArrayNamespace:
-    """The operations over an array module `np` (numpy or jax.numpy)."""
+    """The operations over the module `np`, which is NumPy."""
 
-    def __init__(
-        self,
-        np: Any,
-        detach: Any = _return_same,
-        store: Any = _return_same,
-        precision: str = "float64",
-        repeat: Any = floats.repeat,
-        implicit_root: Any = floats.implicit_root,
-        iterate: Any = None,
-    ) -> None:
+    def __init__(self, np: Any) -> None:
         self.level = 0
         self.np = np
-        self.precision = precision
+        self.where = np.where
         self.both = np.logical_and
         self.either = np.logical_or
         self.negate = np.logical_not
         self.abs = np.abs
         self.sin, self.cos, self.tanh = np.sin, np.cos, np.tanh
-        self.detach = detach
-        self.store = store
-        self.each = floats.each
-        self.repeat = repeat
-        self.iterate = iterate or self._iterate
-        self.implicit_root = implicit_root
+        self.detach, self.store, self.eps = floats.detach, floats.store, floats.eps
+        self.each, self.repeat, self.implicit_root = floats.each, floats.repeat, floats.implicit_root
 
-    def _iterate(self, most: int, body: Any, *state: Any) -> Sequence[Any]:
-        """Turns of a body; elements whose first number is not above 0 keep their state."""
+    def iterate(self, most: int, body: Any, *state: Any) -> Sequence[Any]:
+        """Return the state after turns of a body; elements whose first number is not above 0 keep theirs."""
         now: Sequence[Any] = state
         for _ in range(most):
             going = now[0] > 0.0
@@ -55,16 +38,6 @@ class ArrayNamespace:
                 break
             now = [self.np.where(going, a, b) for a, b in zip(body(*now), now, strict=True)]
         return now
-
-    def eps(self) -> float:
-        """Distance from 1 to the next number of the working precision."""
-        return float(self.np.finfo(self.precision).eps)
-
-    def where(self, flag: Any, yes: Any, no: Any) -> Any:
-        """`yes` where the flag holds, else `no`, in the working precision."""
-        if isinstance(yes, float) and isinstance(no, float):
-            yes = self.np.asarray(yes, self.precision)
-        return self.np.where(flag, yes, no)
 
     def minimum(self, a: Any, b: Any) -> Any:
         """The smaller of two; as on floats, `b` if they cannot be compared."""
@@ -113,16 +86,6 @@ class ArrayNamespace:
         """exp(x²) erfc(x) for x ≥ 0 by Horner's rule."""
         t = (x - ERFCX_CENTRE) / (x + ERFCX_CENTRE)
         return evaluate_horner(ERFCX, t) / (1.0 + 2.0 * x)
-
-    def stack(self, around: Sequence[Any], *columns: Sequence[Any]) -> list[Any]:
-        """Every column as one array, its rows along a first axis before those of `around`."""
-        everything = (*around, *(item for column in columns for item in column))
-        rank = max(self.np.ndim(item) for item in everything)
-        return [self._rows(column, rank) for column in columns]
-
-    def _rows(self, column: Sequence[Any], rank: int) -> Any:
-        rows = self.np.stack(self.np.broadcast_arrays(*column))
-        return rows.reshape(rows.shape[:1] + (1,) * (rank + 1 - rows.ndim) + rows.shape[1:])
 
 
 def evaluate_horner(coefficients: Sequence[float], x: Any) -> Any:

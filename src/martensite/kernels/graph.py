@@ -59,8 +59,6 @@ class GraphLoop(NamedTuple):
     row: tuple[int, ...]
     """The inputs of the body, one per column."""
     outputs: tuple[int, ...]
-    around: tuple[int, ...]
-    """What the body takes from around it."""
     bit: int
     """What the nodes of the body depend on."""
 
@@ -129,11 +127,10 @@ class Graph:
         inside = [r for r in results if self.depends[r.index] & bit]
         table = tuple(tuple(self._expr(item).index for item in column) for column in columns)
         outputs = tuple(r.index for r in inside)
-        around = tuple(self._outside(outputs, bit))
-        needed = (*dict.fromkeys(i for column in table for i in column), *around)
+        needed = (*dict.fromkeys(i for column in table for i in column), *self._outside(outputs, bit))
         depends = self._loop_depends(needed)
         node = self._node("each", needed, depends, (table, outputs)).index
-        self.loops[node] = GraphLoop(table, row, outputs, around, bit)
+        self.loops[node] = GraphLoop(table, row, outputs, bit)
         rows, places = range(len(table[0])), iter(range(len(outputs)))
         found: list[list[Expr]] = []
         for result in results:

@@ -27,8 +27,6 @@ class Dialect:
     constant: Callable[[float | bool], str]
     loop: Callable[[LoopText], list[str]]
     repeat: Callable[[RepeatText], list[str]]
-    differentiable: bool = False
-    """Whether derivatives may be taken of what is written."""
     shares_inverses: bool = False
     """Whether divisions by the same number are products with its inverse, made once."""
 
@@ -43,7 +41,6 @@ class LoopText:
     columns: Sequence[Sequence[str]]
     body: Sequence[str]
     outputs: Sequence[str]
-    around: Sequence[str]
     row_kinds: Sequence[str]
     output_kinds: Sequence[str]
 
@@ -143,7 +140,6 @@ class Printer:
             columns=[[text[i] for i in column] for column in loop.columns],
             body=body,
             outputs=[inner[i] for i in loop.outputs],
-            around=[text[i] for i in loop.around if not self.is_flag(i)],
             row_kinds=[self.kind(i) for i in loop.row],
             output_kinds=[self.kind(i) for i in loop.outputs],
         )
@@ -185,8 +181,7 @@ class Printer:
     def _children(self, index: int) -> tuple[int, ...]:
         if index in self.shared or self.graph.operations[index] in ("input", "constant"):
             return ()
-        every = self.dialect.differentiable
-        return self.graph.arguments[index] if every else self.graph.children(index)
+        return self.graph.children(index)
 
     def _uses(self, wanted: Sequence[int], inside: int = 0) -> dict[int, int]:
         """How often each needed node is used; names wanted by an operation count double.
@@ -274,17 +269,6 @@ def _float_loop(loop: LoopText) -> list[str]:
     ]
 
 
-def _array_loop(loop: LoopText) -> list[str]:
-    """All rows at once, along a new first axis."""
-    columns = ", ".join(f"({', '.join(column)},)" for column in loop.columns)
-    results = zip(loop.results(), loop.outputs, strict=True)
-    return [
-        f"{', '.join(loop.row)}, = xp.stack(({''.join(f'{a}, ' for a in loop.around)}), {columns})",
-        *loop.body,
-        *(f"{name} = {value}" for name, value in results),
-    ]
-
-
 def _float_repeat(loop: RepeatText) -> list[str]:
     """A Python loop that replaces numbers."""
     state = ", ".join(loop.state)
@@ -295,17 +279,6 @@ def _float_repeat(loop: RepeatText) -> list[str]:
         *(f"    {line}" for line in loop.body),
         f"    {state}, = {', '.join(loop.outputs)},",
         f"{', '.join(loop.results())}, = {state},",
-    ]
-
-
-def _array_repeat(loop: RepeatText) -> list[str]:
-    """A loop of the array module."""
-    return [
-        f"def {loop.name}({', '.join(loop.state)}):",
-        *(f"    {line}" for line in loop.body),
-        f"    return {', '.join(loop.outputs)},",
-        f"{', '.join(loop.results())}, = xp.{'iterate' if loop.stops else 'repeat'}("
-        f"{loop.count}, {loop.name}, {', '.join(loop.begin)})",
     ]
 
 
@@ -335,26 +308,4 @@ FLOAT_DIALECT = Dialect(
     constant=python_constant,
     loop=_float_loop,
     repeat=_float_repeat,
-)
-
-ARRAY_DIALECT = Dialect(
-    templates={
-        **PYTHON_OPERATORS,
-        **{
-            name: f"xp.{name}({', '.join(['{}'] * arity)})"
-            for arity, names in (
-                (0, "eps"),
-                (1, "negate abs sqrt exp log sin cos tanh nearest quarter_sine erfcx detach store"),
-                (2, "both either minimum maximum power implicit_root"),
-                (3, "where"),
-            )
-            for name in names.split()
-        },
-    },
-    wants_names=frozenset(),
-    assign=lambda name, expression, kind: f"{name} = {expression}",
-    constant=python_constant,
-    loop=_array_loop,
-    repeat=_array_repeat,
-    differentiable=True,
 )

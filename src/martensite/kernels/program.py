@@ -13,9 +13,8 @@ from functools import cached_property
 from typing import Any
 
 from martensite.kernels import floats
-from martensite.kernels.arrays import ArrayNamespace
 from martensite.kernels.graph import PARAMETER, SLOPE, VARYING, Expr, Graph, GraphNamespace
-from martensite.kernels.printer import ARRAY_DIALECT, FLOAT_DIALECT, Dialect, Printer, parameter_nodes
+from martensite.kernels.printer import FLOAT_DIALECT, Printer, parameter_nodes
 
 FLOAT_GLOBALS = {
     "_sqrt": math.sqrt,
@@ -98,19 +97,14 @@ class Program:
     @cached_property
     def bind_floats(self) -> Callable[..., Mapping[str, Callable[..., tuple[float, ...]]]]:
         """`bind_floats(*parameters)` returns the functions as plain Python over floats."""
-        return _compile_source(self._source(FLOAT_DIALECT), dict(FLOAT_GLOBALS))
+        names: dict[str, Any] = dict(FLOAT_GLOBALS)
+        exec(compile(self.float_source, "<traced kernel>", "exec"), names)
+        return names["bind"]
 
-    def bind_arrays(self, xp: ArrayNamespace, values: Sequence[Any]) -> Mapping[str, Any]:
-        """The functions over arrays of the given module, with the parameters bound."""
-        return _compile_source(self._array_source, {"xp": xp})(*values)
-
-    @cached_property
-    def _array_source(self) -> str:
-        return self._source(ARRAY_DIALECT)
-
-    def _source(self, dialect: Dialect) -> str:
+    @property
+    def float_source(self) -> str:
         """Python source of `bind`, a function that returns the functions."""
-        printer = Printer(self.graph, dialect)
+        printer = Printer(self.graph, FLOAT_DIALECT)
         lines, values = printer.block(self.hoisted_nodes, "h")
         names = [f"c{i}" for i in range(len(values))]
         lines += [f"{name} = {value}" for name, value in zip(names, values, strict=True)]
@@ -131,8 +125,3 @@ def _function_source(printer: Printer, function: Function) -> list[str]:
         *(f"    {line}" for line in body),
         f"    return ({result})",
     ]
-
-
-def _compile_source(source: str, names: dict[str, Any]) -> Any:
-    exec(compile(source, "<traced kernel>", "exec"), names)
-    return names["bind"]

@@ -58,7 +58,7 @@ def run(
         step: longest step [s]; if given, steps are equal and nothing is estimated.
         samples: number of equidistant samples, both ends included; 1001, or as the scenario says.
         outputs: of a batch, the columns to return; by default those whose accuracy is judged.
-        runtime: `floats`, `c`, `jax`, or `auto`, which is the fastest there is; of a batch also `cuda`.
+        runtime: `floats`, `c`, or `auto`, which is the fastest there is; of a batch also `cuda`.
         budget: CPU time [s] after which a single run is given up.
         tell: called now and then with what is being done and which share of it.
         initial: where the run starts, as a table [initial] says it; else in equilibrium, or as the scenario says.

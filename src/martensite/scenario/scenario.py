@@ -208,7 +208,7 @@ class Scenario:
 
         Args:
             tolerance: replaces that of the scenario; without a meaning on a bench.
-            runtime: auto, floats, c or jax; by default auto, or on a bench c if there is a compiler.
+            runtime: auto, floats or c; by default auto, or on a bench c if there is a compiler.
             budget: CPU time [s] after which the run is given up.
             tell: called now and then with what is done and which share of the run; not on a bench.
         """

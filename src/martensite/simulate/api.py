@@ -14,20 +14,12 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.base.status import Status
 from martensite.kernels import floats
-from martensite.simulate.accuracy import (
-    RunEngine,
-    Tell,
-    bound_error,
-    choose_samples,
-    march_to,
-    measure_gaps,
-    require_budget,
-)
+from martensite.simulate.accuracy import RunEngine, Tell, choose_samples, march_to, require_budget
 from martensite.simulate.alarms import add_warnings
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms, grid_of
 from martensite.simulate.envelope import describe_exit, envelope_of, rows_inside
-from martensite.simulate.grid import TimeGrid, cut_steps
+from martensite.simulate.grid import TimeGrid
 from martensite.simulate.ledger import balance_heat, balance_work
 from martensite.simulate.march import Border, march_floats
 from martensite.simulate.marching import Marched, MarchPlan, Row
@@ -39,7 +31,7 @@ from martensite.simulate.tracing import AbstractTrace, RowsTrace, RunTrace
 
 LOOKS = 50
 """Number of times that a run in discrete time with a budget looks at the CPU time."""
-RUNTIMES = ("auto", "floats", "c", "jax")
+RUNTIMES = ("auto", "floats", "c")
 
 
 def simulate(
@@ -78,7 +70,7 @@ def simulate(
             edges, and nothing is estimated.
         samples: number of equidistant samples returned, both ends included; of a run that starts later
             those of the whole that are left.
-        runtime: `floats`, `c` (compiled on the spot), `jax`, or `auto`: floats for what is over
+        runtime: `floats`, `c` (compiled on the spot), or `auto`: floats for what is over
             before a compiler would have started, else C, if there is a compiler.
         budget: CPU time [s] after which the run is given up; none by default.
         tell: called now and then with what is being done and which share of it.
@@ -108,12 +100,10 @@ def simulate(
         first_step(system, duration, samples),
         envelope_of(system),
         step=step,
-        halves=runtime == "jax",
         inertial=inertial_step(system),
         skipped=samples - len(times),
     )
-    chosen = "auto" if runtime == "jax" else runtime
-    engine = RunEngine(compiled, compiled.values(system), chosen, tell, budget)
+    engine = RunEngine(compiled, compiled.values(system), runtime, tell, budget)
     relay = Relay(engine, start, place_stops(restart_at, times))
 
     def march(relay: Relay, plan: MarchPlan) -> tuple[Marched, float | None]:
@@ -126,8 +116,6 @@ def simulate(
     marched_on = engine.used
     compared = choose_samples(len(times), plan.skipped) if step is None else [-1]
     kept = relay.list_restarts([times[k] for k in compared])
-    if runtime == "jax" and not found.status.failed:
-        found, accuracy = _on_jax(engine, plan, found, accuracy, start)
     trace = RunTrace(system, engine, plan, found, relay, marched_on)
     result = _build_result(system, waveform, plan, found, accuracy, engine.used, trace)
     result = replace(result, restarts=kept, begin=partial(describe_start, start))
@@ -137,28 +125,6 @@ def simulate(
             f"what is judged may be off by {accuracy:.1e} of its range."
         )
     return result
-
-
-def _on_jax(
-    engine: RunEngine, plan: MarchPlan, found: Marched, accuracy: float | None, start: Restart
-) -> tuple[Marched, float | None]:
-    """The same run on JAX: on steps that an error control found elsewhere, or the given ones."""
-    from martensite.simulate.arrays import march_jax
-
-    at_end = [width == 1 for width in plan.compiled.widths]
-    edges = (e for w in plan.waveforms for e in w.edges(plan.times[-1]))
-    ends = found.ends if plan.step is None else ()
-    steps = cut_steps({*ends, *edges}, plan.times, plan.step or math.inf)
-    grid = steps.grid(plan.waveforms, at_end)
-    track = march_jax(plan.compiled, engine.values, grid, start=start.state).require()
-    engine.used = "JAX"
-    if accuracy is not None:
-        found.gap, found.gaps = (), measure_gaps(plan.compiled, found.rows, track.rows)
-        own = bound_error(plan.compiled, found)
-        accuracy = accuracy + own
-    found.rows = [tuple(row) for row in track.rows]
-    found.steps, found.longest = len(steps.lengths), max(steps.lengths)
-    return found, accuracy
 
 
 def _in_discrete_time(
@@ -171,12 +137,8 @@ def _in_discrete_time(
     restart_at: Sequence[float],
     budget: float | None,
 ) -> Result:
-    if restart_at and runtime == "jax":
-        raise InputError("A system in discrete time keeps no states on the runtime `jax`; take `c` or `floats`.")
-    if budget is not None and runtime == "jax":
-        raise InputError("A system in discrete time has no budget on the runtime `jax`; take `c` or `floats`.")
     compiled, interval = compile_march(system), system.sample_time()
-    whole = grid_of(system, waveform, duration, samples, interval, every=runtime != "jax")
+    whole = grid_of(system, waveform, duration, samples, interval, every=True)
     grid = whole.cut(start.time, whole.times[-1])
     begin = time.process_time()
 
@@ -194,7 +156,7 @@ def _in_discrete_time(
     found = relay(plan)
     if found.status is Status.OUT_OF_ENVELOPE:
         found.rows = list(rows_inside(system, found.rows))
-    used = {"c": "C", "jax": "JAX"}.get(runtime, "floats")
+    used = "C" if runtime == "c" else "floats"
     kept = relay.list_restarts(grid.times[-1:]) if found.state else []
     kept = [one for one in kept if one.time in {*asked, grid.times[-1]}]
     kept_all = whole.stored is not ...
@@ -223,10 +185,6 @@ def _march_grid(
         from martensite.simulate.native import march_c
 
         found = march_c(compiled, compiled.values(system), grid, limits, start)
-    if runtime == "jax":
-        from martensite.simulate.arrays import march_jax
-
-        found = march_jax(compiled, compiled.values(system), grid, limits, start)
     if found is None or found.status.failed:
         functions, size = bind_march(system)
         found = march_floats(functions, size, grid, Border(compiled, functions, limits), start)

@@ -14,9 +14,7 @@ from martensite.base.errors import CompileError, InputError, ParameterError, Sol
 from martensite.base.files import tell_once
 from martensite.base.status import Status
 from martensite.kernels.compiler import find_compiler
-from martensite.kernels.jax_setup import has_jax
 from martensite.simulate.api import check_run
-from martensite.simulate.arrays import build_schedule, chunk_for, devices_of, jitted_jacobian
 from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.drive_waveforms import Waveforms, by_name, grid_of
 from martensite.simulate.ensembles import Ensemble
@@ -67,8 +65,8 @@ def simulate_batch(
 
     Every run has an error control of its own, and a bound on the error that is left, as in
     `simulate`; what one run does changes nothing in the others. A run that leaves the envelope, or
-    fails, keeps what was computed before. With `step` given, or on JAX, runs are made on equal
-    steps, and nothing is estimated.
+    fails, keeps what was computed before. With `step` given, runs are made on equal steps, and
+    nothing is estimated.
 
     Args:
         system: the system at its nominal parameters.
@@ -80,12 +78,11 @@ def simulate_batch(
         step: longest of equal steps [s]; if given, nothing is estimated.
         samples: number of equidistant samples returned, both ends included.
         outputs: names of the columns to return.
-        runtime: `c`, `floats`, `jax`, `cuda` (a GPU of NVIDIA; the extra `cuda`), or `auto`: C if
-            there is a compiler, else floats, or JAX for runs on given steps if it is installed.
-        chunk: variants marched together on JAX; by default 256 on a processor, which keeps the
-            state in its cache, and many more on a GPU; on CUDA by default what its memory holds.
-        precision: float64, or float32 for sweeps on JAX or CUDA (never for finite differences).
-        devices: how many devices of JAX, or threads of C, share the runs; all of them if None.
+        runtime: `c`, `floats`, `cuda` (a GPU of NVIDIA; the extra `cuda`), or `auto`: C if
+            there is a compiler, else floats.
+        chunk: variants marched together on CUDA; by default as many as its memory holds.
+        precision: float64, or float32 for sweeps on CUDA (never for finite differences).
+        devices: how many threads of C share the runs; all cores if None.
 
     Raises:
         InputError: unknown parameter or output, value out of range, unequal lengths, or an argument
@@ -95,7 +92,7 @@ def simulate_batch(
     if devices is not None and devices < 1:
         raise ParameterError(f"Argument `devices` must be at least 1, but is {devices}.")
     varied = _convert_varied(system, over)
-    chosen = _choose_runtime(runtime, step)
+    chosen = _choose_runtime(runtime)
     _find_indices(compile_march(system), outputs)
     known = [name for name in outputs if name in system.outputs()]
     course = VariantSetup(
@@ -109,13 +106,9 @@ def simulate_batch(
         precision,
         tolerance=tolerance,
         devices=devices,
+        chunk=chunk,
         measures=tuple(one(of=name) for name in known for one in (Smallest, Largest)),
     )
-    if chosen == "jax":
-        count = len(next(iter(varied.values())))
-        course = replace(course, lanes=count, chunk=chunk or chunk_for(devices_of(devices)))
-    elif chosen == "cuda":
-        course = replace(course, chunk=chunk)
     try:
         ran = course.run(varied)
     except CompileError as error:
@@ -159,14 +152,12 @@ def _build_result(
     )
 
 
-def _choose_runtime(asked: str, step: float | None) -> str:
-    """What is meant by `auto`."""
+def _choose_runtime(asked: str) -> str:
+    """Return the runtime of a batch: `auto` is C if there is a compiler, else floats."""
     require_known("runtime", asked, ("auto", *RUNTIMES))
     if asked != "auto":
         return asked
-    if find_compiler() is not None:
-        return "c"
-    return "jax" if step is not None and has_jax() else "floats"
+    return "floats" if find_compiler() is None else "c"
 
 
 def compute_sensitivity(
@@ -193,16 +184,20 @@ def compute_sensitivity(
         step: longest of equal steps [s].
         output: name of the column whose derivatives are wanted.
         samples: number of equidistant samples, both ends included.
-        runtime: `c`, `jax`, `cuda` (a GPU of NVIDIA, one run a thread), or `auto`: C if there is a compiler, else JAX.
+        runtime: `c`, `cuda` (a GPU of NVIDIA, one run a thread), or `auto`, which is C.
         over: parameter path (or unique ending) -> one value per run of a batch, in SI.
 
     Raises:
         InputError: unknown parameter, output or runtime, or there is no GPU for `cuda`.
-        MartensiteError: there is neither a compiler nor JAX.
+        CompileError: there is no C compiler.
         SolveError: the run failed; those of a batch have a status instead.
     """
-    if runtime not in ("auto", "c", "jax", "cuda"):
-        raise InputError(f"Derivatives are computed by `c`, `jax` or `cuda`, not by `{runtime}`.")
+    if runtime not in ("auto", "c", "cuda"):
+        raise InputError(f"Derivatives are computed by `c` or `cuda`, not by `{runtime}`.")
+    if runtime != "cuda" and find_compiler() is None:
+        raise CompileError(
+            "Derivatives need a C compiler and none was found; install gcc or clang, or `pip install 'martensite[cc]'`."
+        )
     if not step > 0.0:
         raise ParameterError(f"Argument `step` must be above 0 s, but is {step}.")
     compiled = compile_march(system)
@@ -218,9 +213,7 @@ def compute_sensitivity(
 
         column, slopes, residual = march_slopes(compiled, table, rows, grid, place)
     else:
-        in_c = runtime == "c" or (runtime == "auto" and find_compiler() is not None)
-        differentiate = _differentiate_in_c if in_c else _differentiate_on_jax
-        found = (differentiate(compiled, values, rows, grid, place) for values in table.T.tolist())
+        found = (_differentiate_in_c(compiled, values, rows, grid, place) for values in table.T.tolist())
         column, slopes, residual = map(np.array, zip(*found, strict=True))
     residual = np.where(np.isfinite(slopes).all((1, 2)), residual, np.nan)
     refused = find_refused(system, varied, runs)
@@ -241,15 +234,6 @@ def _differentiate_in_c(
     seeds[rows, range(len(rows))] = 1.0
     found = march_slopes(compiled, values, seeds, grid, [place])
     return found.rows[:, 0], found.slopes[:, 0, :], found.residual
-
-
-def _differentiate_on_jax(
-    compiled: CompiledMarch, values: Sequence[float], rows: Sequence[int], grid: TimeGrid, place: int
-) -> tuple[Any, Any, float]:
-    plan, padded = build_schedule(grid, "float64")
-    run = jitted_jacobian(compiled, (place,), tuple(rows), padded)
-    column, slopes, residual = (np.asarray(a) for a in run(np.asarray(values), plan))
-    return column, slopes, float(residual)
 
 
 def _find_indices(compiled: CompiledMarch, outputs: Sequence[str]) -> tuple[int, ...]:

@@ -74,8 +74,6 @@ class MarchPlan:
     parted: bool = False
     """Whether the last step before every edge of a drive is split: two runs whose steps are cut at
     the same places would have their errors in common."""
-    halves: bool = False
-    """Whether all steps are made in halves, for a runtime that knows no others."""
     inertial: float = 0.0
     """First step [s] of what moves with inertia; 0 if nothing does."""
     skipped: int = 0
@@ -96,7 +94,7 @@ class MarchPlan:
     @property
     def order(self) -> int:
         """Of one step with error control."""
-        return 2 if self.halves else self.compiled.order
+        return self.compiled.order
 
 
 @dataclass

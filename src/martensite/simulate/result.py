@@ -102,7 +102,7 @@ class Result:
     beside: dict[str, Output] = field(default_factory=dict[str, Output])
     """Columns that are no outputs of the system, such as what a controller outside of it wanted."""
     runtime: str = ""
-    """What it was computed on: floats, C or JAX; empty if that is not said."""
+    """What it was computed on: floats, C or CUDA; empty if that is not said."""
     rejected: int = 0
     """Steps that were made again, shorter."""
     heat: HeatBalance | None = None

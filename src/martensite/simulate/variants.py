@@ -2,9 +2,9 @@
 
 Runs are made to a tolerance, with an error control in every step and a bound on what is left of
 the error of each (`martensite.simulate.ensembles`), in lanes of C, on a GPU or, without a compiler, one
-after another on floats. On given steps, in discrete time and on JAX they march on steps that are laid out
-before: in blocks of lanes in C (`martensite.simulate.native`), on a GPU, in a batch on whatever device JAX
-has, or one after another on floats. A run does not depend on which others march beside it.
+after another on floats. On given steps and in discrete time they march on steps that are laid out
+before: in blocks of lanes in C (`martensite.simulate.native`), on a GPU, or one after another on floats.
+A run does not depend on which others march beside it.
 
 Failures are data: every run has a status, and those that a check of the system refuses are not
 marched.
@@ -28,7 +28,6 @@ from martensite.base.status import Status
 from martensite.kernels.c99_lanes import BLOCK
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.api import first_step, inertial_step
-from martensite.simulate.arrays import count_block, march_on_jax
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.drive_waveforms import arrange_waveforms, grid_of
 from martensite.simulate.ensembles import Ensemble, Flags, Measuring, Numbers, march_in_lanes, march_one_by_one
@@ -46,15 +45,13 @@ Values: TypeAlias = Mapping[str, Numbers]
 """Path of a parameter -> one number per run."""
 OnSteps: TypeAlias = tuple[list[Numbers], Numbers, Numbers]
 """Columns (runs, samples), reports (3, runs), and when runs left the envelope [s], (runs,)."""
-RUNTIMES = ("c", "jax", "cuda", "floats")
+RUNTIMES = ("c", "cuda", "floats")
 SOLVED_TO = {"float64": SOLVED, "float32": 2e-3}
 """Residual of a step that is none, by precision."""
-ACCELERATED = ("jax", "cuda")
-"""Runtimes that share runs out themselves, and know both precisions on given steps."""
-NAMES = {"jax": "JAX", "cuda": "CUDA", "c": "C"}
+NAMES = {"cuda": "CUDA", "c": "C"}
 """As a reader knows them."""
 LANES = {"c": 64, "floats": 16}
-"""Runs that march together on given steps, at most; on JAX as many as suit its devices."""
+"""Runs that march together on given steps, at most."""
 HELD = 1024
 """Numbers of the state of all lanes, which the fastest cache holds beside what a step makes of them."""
 TOGETHER = 256
@@ -92,9 +89,9 @@ class VariantSetup:
     tolerance: float = 1e-4
     """Accepted error of what is judged, as a share of its range, if no step is given."""
     chunk: int | None = None
-    """Runs of those that a device of JAX marches at a time; by default an even share of them."""
+    """Runs that a GPU marches at a time; by default as many as its memory holds."""
     devices: int | None = 1
-    """Devices of JAX, or threads of C, that share the runs; all if None."""
+    """Threads of C that share the runs; all if None."""
     measures: tuple[AbstractMeasure, ...] = ()
     """Measures of every run; their columns are among the outputs."""
 
@@ -103,15 +100,13 @@ class VariantSetup:
         require_known("runtime", self.runtime, RUNTIMES)
         if self.precision not in SOLVED_TO:
             raise ParameterError(f"Argument `precision` must be float64 or float32, but is `{self.precision}`.")
-        if self.precision != "float64" and self.runtime not in ACCELERATED:
+        if self.precision != "float64" and self.runtime != "cuda":
             raise ParameterError(
-                f"Argument `precision` may be float32 on JAX and CUDA only, but the runtime is `{self.runtime}`; "
-                'give a `step` and `runtime="cuda"` or `runtime="jax"`.'
+                f"Argument `precision` may be float32 on CUDA only, but the runtime is `{self.runtime}`; "
+                'give a `step` and `runtime="cuda"`.'
             )
-        if self.controlled and (self.runtime == "jax" or self.precision != "float64"):
-            raise ParameterError(
-                "A batch on JAX or in float32 runs on equal steps; give the longest one as `step`, or take `auto`."
-            )
+        if self.controlled and self.precision != "float64":
+            raise ParameterError("A batch in float32 runs on equal steps; give the longest one as `step`.")
 
     def run(self, values: Values, signals: Mapping[str, Values] | None = None) -> Ensemble:
         """Run variants.
@@ -123,8 +118,6 @@ class VariantSetup:
         Returns:
             The outputs of every run, in order.
         """
-        if self.runtime == "jax" and varied_stops(values):
-            raise ParameterError(f"`{varied_stops(values)[0]}` cannot be varied on JAX.")
         own = {name: dict(table) for name, table in (signals or {}).items() if table}
         count = len(next(iter((*values.values(), *(v for t in own.values() for v in t.values())))))
         refusal = find_refused(self.system, values, count) | self._list_refused(own, count)
@@ -136,7 +129,7 @@ class VariantSetup:
 
         firsts = range(0, count, size)
         threads = (os.cpu_count() or 1) if self.devices is None else self.devices
-        if threads == 1 or self.runtime in ACCELERATED:
+        if threads == 1 or self.runtime == "cuda":
             return Ensemble.concatenate([made(first) for first in firsts])
         with ThreadPoolExecutor(threads) as pool:
             return Ensemble.concatenate(list(pool.map(made, firsts)))
@@ -223,8 +216,6 @@ class VariantSetup:
             return int(_load_cuda().count_together(self, own, count))
         if self.controlled:
             return TOGETHER
-        if self.lanes is None and self.runtime == "jax":
-            return count_block(self.devices)
         if self.lanes or self.runtime != "c":
             return self.lanes or LANES[self.runtime]
         return min(LANES["c"], max(1, HELD // self.compiled.size // BLOCK) * BLOCK)
@@ -283,8 +274,6 @@ class VariantSetup:
     @cached_property
     def engine(self) -> Callable[[Values, TimeGrid | LaneGrid, int], OnSteps]:
         """What marches on given steps, from (values, grid, runs)."""
-        if self.runtime == "jax":
-            return partial(march_on_jax, self)
         if self.runtime == "cuda":
             return partial(_load_cuda().march_on_cuda, self)
         return self._march_c if self.runtime == "c" else self._march_floats
@@ -336,7 +325,7 @@ class VariantSetup:
     @property
     def keeps_steps(self) -> bool:
         """Whether measures of runs on given steps are taken at the ends of all steps, not at samples."""
-        return bool(self.measures) and self.runtime not in ACCELERATED
+        return bool(self.measures) and self.runtime != "cuda"
 
     def _make_grid(self, waveforms: Mapping[str, AbstractWaveform]) -> TimeGrid:
         """The grid of some waveforms; waveforms with the same edges share its steps."""

@@ -75,7 +75,7 @@ def simulate_bench(
         outside: drives by name of what they drive that run outside of the kernel, called once per period.
         waveforms: those of drives of the plant that nobody has; what is not named gets 0.
         seed: seed of noise and jitter; None for a run without them. The result keeps it as `seed`.
-        runtime: floats, c or jax; by default c if there is a compiler.
+        runtime: floats or c; by default c if there is a compiler.
         budget: CPU time [s] after which the run is given up; not if something runs outside.
         watch: called after every period with the share of the run that is done, if something runs outside.
         start: where a run goes on from that a result kept.

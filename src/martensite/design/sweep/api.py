@@ -21,7 +21,6 @@ from martensite.design.sweep.job import MEASURES, SweepJob, SweepRequest, build_
 from martensite.design.sweep.plan import CHUNK, SweepPlan
 from martensite.design.sweep.store import Store, create_store
 from martensite.scenario.scenario import Scenario, load
-from martensite.simulate.variants import ACCELERATED
 
 if TYPE_CHECKING:
     import xarray
@@ -155,7 +154,7 @@ class SweepExecution:
         if self.scheduler:
             return "dask"
         few = chunks <= FEW and not self.workers
-        return "serial" if few or runtime in ACCELERATED else "processes"
+        return "serial" if few or runtime == "cuda" else "processes"
 
 
 @dataclass(frozen=True)
@@ -260,11 +259,11 @@ def run_sweep(
         seed: of the sample.
         step: longest of equal steps [s]; by default runs are made to the tolerance of the scenario,
             each with an error control of its own, and the store says what accuracy each has.
-        runtime: c, jax, cuda or floats; by default c, if there is a compiler.
-        precision: float64, or float32 on JAX or CUDA.
+        runtime: c, cuda or floats; by default c, if there is a compiler.
+        precision: float64, or float32 on CUDA.
         chunk: runs that are made and written together; a GPU is only busy with many thousands.
         backend: who runs the chunks: processes, serial or dask; by default this process alone
-            for a few chunks, on JAX or CUDA, else several. A script that takes another than serial must
+            for a few chunks, or on CUDA, else several. A script that takes another than serial must
             do so under `if __name__ == "__main__":`.
         workers: how many processes; 0 for one per core.
         scheduler: address of a Dask scheduler.

@@ -21,7 +21,7 @@ from martensite.design.sweep.sampling.samples import AbstractDesign
 from martensite.simulate.accuracy import FEW
 from martensite.simulate.ensembles import Ensemble, Numbers
 from martensite.simulate.measures.base import AbstractMeasure, list_needed
-from martensite.simulate.variants import ACCELERATED, NAMES, VariantSetup
+from martensite.simulate.variants import NAMES, VariantSetup
 
 Kind = TypeVar("Kind")
 ENDED, ACCURACY = "ended", "accuracy"
@@ -125,7 +125,7 @@ class SweepPlan:
     def cautions(self) -> list[str]:
         """Return sentences about what is allowed but probably not meant."""
         kept = self.course.runtime == "cuda" and self.course.controlled and self._ready.measuring.totalled
-        if self.measures and self.course.runtime in ACCELERATED and not kept:
+        if self.measures and self.course.runtime == "cuda" and not kept:
             name = NAMES[self.course.runtime]
             return [
                 f"On {name}, measures are computed from {self.course.samples:,} stored samples: a pulse between two of "
@@ -182,7 +182,7 @@ class SweepPlan:
     def _ready(self) -> VariantSetup:
         """The course with its outputs and measures; without traces it keeps as many samples as runs are compared at."""
         samples = self.course.samples
-        if self.course.controlled and self.course.runtime not in ACCELERATED and not self.traces:
+        if self.course.controlled and self.course.runtime != "cuda" and not self.traces:
             samples = min(samples, FEW)
         measures = tuple(self.measures.values())
         return replace(self.course, outputs=self.outputs, measures=measures, samples=samples)

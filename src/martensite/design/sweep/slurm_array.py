@@ -39,7 +39,6 @@ from martensite.design.sweep.backends.processes import Processes, Serial
 from martensite.design.sweep.job import SweepJob
 from martensite.design.sweep.slurm_options import SlurmOptions
 from martensite.design.sweep.store import Store, list_differences
-from martensite.simulate.variants import ACCELERATED
 
 PYTHON = shlex.join(python_command())
 """How a task starts Python, in words of a shell."""
@@ -191,7 +190,7 @@ class SlurmArray:
         Raises:
             InputError: submitit or SLURM is not installed, or SLURM refuses.
         """
-        workers = 0 if json.loads(job.spec)["runtime"] in ACCELERATED else self.options.cpus
+        workers = 0 if json.loads(job.spec)["runtime"] == "cuda" else self.options.cpus
         count = self.options.count_tasks(len(missing))
         tasks = [SlurmTask(job, tuple(missing[k::count]), workers) for k in range(count)]
         core = import_extra("submitit", "slurm").core.utils

@@ -9,7 +9,7 @@ from martensite.kernels.compiler import find_compiler
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.cuda.device import open_device
 from martensite.simulate.drive_waveforms import by_name
-from martensite.simulate.variants import ACCELERATED, VariantSetup
+from martensite.simulate.variants import VariantSetup
 
 if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
@@ -24,11 +24,11 @@ def build_course(
         scenario: the nominal one.
         step: longest of equal steps [s]; by default that of the scenario, or None for runs to its
             tolerance.
-        runtime: c, jax, cuda or floats; by default c if there is a compiler.
-        precision: float64, or float32 on JAX or CUDA.
+        runtime: c, cuda or floats; by default c if there is a compiler.
+        precision: float64, or float32 on CUDA.
 
     Raises:
-        InputError: runs on JAX or in float32 have no step, or there is no CUDA device.
+        InputError: runs in float32 have no step, or there is no CUDA device.
     """
     system, samples = scenario.require_home("Every run of a sweep").whole, scenario.samples
     interval = system.sample_time()
@@ -36,10 +36,9 @@ def build_course(
         samples = min(samples, max(int(scenario.duration / interval + 1e-6) + 1, 2))
     chosen = runtime or ("c" if find_compiler() is not None else "floats")
     found = interval or (scenario.step if step is None else step)
-    if found is None and (chosen == "jax" or (chosen == "cuda" and precision != "float64")):
+    if found is None and chosen == "cuda" and precision != "float64":
         raise InputError(
-            "A sweep on JAX or in float32 runs on equal steps; say how long they are at most by `--step`, or take the "
-            "runtime `c`."
+            "A sweep in float32 runs on equal steps; give the longest one by `--step`, or leave out `--precision`."
         )
     if chosen == "cuda":
         open_device()  # missed before anything is written
@@ -53,7 +52,7 @@ def build_course(
         chosen,
         precision,
         tolerance=scenario.tolerance,
-        devices=None if chosen in ACCELERATED else 1,
+        devices=None if chosen == "cuda" else 1,
     )
 
 

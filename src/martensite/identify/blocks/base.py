@@ -4,7 +4,7 @@ A block has a structure (orders, numbers of units), fixed numbers (the range of 
 from a record before any fit) and free numbers θ, which a fit moves without bounds: a time
 constant is held as its logarithm, weights that must be positive as a softmax, so that whatever
 a fit proposes is a model that can be simulated. `step` is a straight-line kernel: it runs on
-plain floats, traced in C with all its partial derivatives, and in JAX.
+plain floats, and traced in C with all its partial derivatives.
 
 A block is one file: what it computes, its free numbers, and values to start from.
 """

@@ -19,7 +19,7 @@ from martensite.base.errors import CompileError, InputError, MartensiteError
 from martensite.base.lazy import import_extra, write_install_line
 from martensite.simulate.cuda.source import THREADS
 
-ELSE = "use the runtime `c` (or `jax`, `floats`)"
+ELSE = "use the runtime `c` (or `floats`)"
 FLAGS = ("--std=c++17", "--fmad=true", "-diag-suppress=550")
 """Products and sums are fused; all else is to the last bit what IEEE 754 asks for."""
 SHARE = 0.8

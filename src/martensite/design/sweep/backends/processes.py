@@ -41,7 +41,7 @@ class Serial(AbstractBackend):
 
 
 START = "spawn"
-"""A forked process would inherit the threads of JAX, half of them."""
+"""A forked process would inherit locks of threads that it does not have."""
 
 
 @BACKENDS.register("processes")
