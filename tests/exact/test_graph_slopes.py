@@ -23,7 +23,7 @@ def everything(xp, v):
     inside = xp.clip(0.5 + 0.2 * a, 0.0, 1.0)
     special = xp.quarter_sine(inside) + xp.erfcx(xp.abs(b))
     special = special + xp.power(inside, b) + xp.power(c, 1.5) + a**3 * b**-2
-    held = xp.detach(a) * b + xp.store(c) * a
+    held = xp.detach(a) * b + c * a
     return [choice + smooth - kinked + special + held + xp.implicit_root(a, a - (a * a - b) / 2.0)]
 
 

@@ -96,14 +96,14 @@ def test_a_bound_at_the_optimum_leaves_half_a_normal_distribution(c_compiler: st
 
 @pytest.mark.slow
 def test_intervals_hold_the_truth_as_often_as_they_state(c_compiler: str) -> None:
-    law = read_scenario(SCENARIO).system.element.law
+    system = read_scenario(SCENARIO).system
     count, found = 30, {0.5: 0, 0.95: 0}
     for seed in range(count):
         drawn = sample_posterior(fit_pull(STRAIN, FINISH, seed=seed), draws=150, warmup=100, seed=seed)
         for level in found:
-            for name, truth in (("eps_L", law.eps_L), ("A_f", law.A_f)):
+            for name in ("eps_L", "A_f"):
                 low, high = drawn.interval(name, level)
-                found[level] += low <= truth <= high
+                found[level] += low <= system.value_of(system.resolve(name)) <= high
     for level, held in found.items():
         least, most = stats.binom.ppf([0.001, 0.999], 2 * count, level)
         assert least <= held <= most, level

@@ -26,7 +26,7 @@ class ArrayNamespace:
         self.negate = np.logical_not
         self.abs = np.abs
         self.sin, self.cos, self.tanh = np.sin, np.cos, np.tanh
-        self.detach, self.store, self.eps = floats.detach, floats.store, floats.eps
+        self.detach, self.eps = floats.detach, floats.eps
         self.each, self.repeat, self.implicit_root = floats.each, floats.repeat, floats.implicit_root
 
     def iterate(self, most: int, body: Any, *state: Any) -> Sequence[Any]:

@@ -53,7 +53,7 @@ def solve_bracketed(
     last_step = xp.maximum(enough, rounding)
 
     def turn(_: Scalar, x: Scalar, low: Scalar, high: Scalar, last: Scalar) -> tuple[Scalar, ...]:
-        value, slope = (xp.store(v) for v in value_and_slope(xp, function, x))
+        value, slope = value_and_slope(xp, function, x)
         above, width = value > 0.0, high - low
         high, low = xp.where(above, x, high), xp.where(above, low, x)
         newton = x - value / slope

@@ -257,11 +257,6 @@ class DualNamespace:
             return values
         return [self.pair(v, t) for v, t in zip(values, tangents, strict=True)]
 
-    def store(self, x: Any) -> Any:
-        """`x` itself."""
-        v, t = self.parts(x)
-        return self.pair(self.base.store(v), None if t is None else self.base.store(t))
-
     def implicit_root(self, root: Any, newton: Any) -> Any:
         """The value of a root with the tangent of a Newton step from it."""
         (v, _), (w, t) = self.parts(root), self.parts(newton)

@@ -167,11 +167,6 @@ def implicit_root(root: float, newton: float) -> float:
     return root
 
 
-def store(x: float) -> float:
-    """`x` itself."""
-    return x
-
-
 def eps() -> float:
     """Distance from 1 to the next number."""
     return 2.220446049250313e-16

@@ -108,9 +108,6 @@ class Namespace(Protocol):
         further ones are those of the step.
         """
 
-    def store(self, x: Scalar, /) -> Scalar:
-        """`x` itself; a hint that it is used often and worth computing once."""
-
     def eps(self) -> Scalar:
         """Distance from 1 to the next number of the working precision."""
 

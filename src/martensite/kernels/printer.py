@@ -251,7 +251,6 @@ PYTHON_OPERATORS = {
     "ge": "({} >= {})",
     "detach": "{}",
     "implicit_root": "{}",
-    "store": "{}",
     "eps": "2.220446049250313e-16",
 }
 """Operations that look alike in Python and in C."""

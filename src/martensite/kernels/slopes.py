@@ -327,9 +327,6 @@ class _Choosing(GraphNamespace):
         keys = [*a, *(i for i in b if i not in a)]
         return _Row({i: self.graph.apply("where", flag, a.get(i, 0.0), b.get(i, 0.0)) for i in keys})
 
-    def store(self, x: Any) -> Any:
-        return x if isinstance(x, _Row) else self.graph.apply("store", x)
-
 
 class _PartialsWalk(TangentWalk):
     """The same with tangents that are rows; loops over what has one are written out."""

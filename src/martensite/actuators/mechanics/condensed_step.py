@@ -187,9 +187,9 @@ class CondensedStep:
         tangents, pushed, now = before.tangents, before.reactions, scheme(before.offsets).motion()
         position = now.position
         paths, lever = compute_jacobian(xp, mechanism.contraction, position)
-        elongations = [xp.store(start - path) for start, path in zip(home, paths, strict=True)]
+        elongations = [start - path for start, path in zip(home, paths, strict=True)]
         forces = [
-            xp.store(xp.maximum(t.force + t.stiffness * (e - t.elongation), 0.0))
+            xp.maximum(t.force + t.stiffness * (e - t.elongation), 0.0)
             for t, e in zip(tangents, elongations, strict=True)
         ]
 

@@ -156,7 +156,7 @@ class Feedforward(AbstractController):
             after = self._after(xp, state, signal, self.lookahead, self.ahead)
             return self.model.observe(xp, after, signal)[place]
 
-        least, most = xp.store(output(xp, 0.0)), xp.store(output(xp, 1.0))
+        least, most = output(xp, 0.0), output(xp, 1.0)
         way = 1.0 if self.sense == "rising" else -1.0
         reach, gap = way * (most - least), way * (target - least)
         some = reach > self.slack

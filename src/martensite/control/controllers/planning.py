@@ -160,7 +160,7 @@ class Planner(NamedTuple):
         for drive in range(self.drives):
             for first, last in self._list_windows():
                 for more in MORE if self.drives == 1 else MUCH_MORE:
-                    changed = [xp.store(xp.clip(u + more * self._range, *self.limits)) for u in plan]
+                    changed = [xp.clip(u + more * self._range, *self.limits) for u in plan]
                     there = [first <= j // self.drives < last and j % self.drives == drive for j in range(len(plan))]
                     found.append([v if x else u for x, u, v in zip(there, plan, changed, strict=True)])
         return found
@@ -174,7 +174,7 @@ class Planner(NamedTuple):
     def _follow_line(self, xp: Namespace, known: Planned) -> list[Numbers]:
         """Plans along the direction."""
         rows = list(zip(known.origin, known.direction, strict=True))
-        return [[xp.store(xp.clip(u + share * d, *self.limits)) for u, d in rows] for share in ALONG]
+        return [[xp.clip(u + share * d, *self.limits) for u, d in rows] for share in ALONG]
 
     def _find_direction(
         self, xp: Namespace, plan: Sequence[Scalar], slopes: Sequence[Numbers], residuals: Numbers
@@ -196,7 +196,7 @@ class Planner(NamedTuple):
         ]
         rows = [
             [
-                xp.store(xp.where(xp.both(free[i], free[j]), matrix[i][j], 0.0)) + (self._damp(mean) if i == j else 0.0)
+                xp.where(xp.both(free[i], free[j]), matrix[i][j], 0.0) + (self._damp(mean) if i == j else 0.0)
                 for j in range(count)
             ]
             for i in range(count)

@@ -85,15 +85,12 @@ def condition_on_readings(
     for i, value, variance, used in readings:
         total = matrix[i][i] + variance
         some = total > LEAST
-        inverse = xp.store(xp.where(some, used / xp.where(some, total, 1.0), 0.0))
+        inverse = xp.where(some, used / xp.where(some, total, 1.0), 0.0)
         short = value - found[i]
-        gain = [xp.store(row[i] * inverse) for row in matrix]
+        gain = [row[i] * inverse for row in matrix]
         nis = nis + short * short * inverse
         found = [x + g * short for x, g in zip(found, gain, strict=True)]
-        matrix = [
-            [xp.store(c - g * b) for c, b in zip(row, matrix[i], strict=True)]
-            for row, g in zip(matrix, gain, strict=True)
-        ]
+        matrix = [[c - g * b for c, b in zip(row, matrix[i], strict=True)] for row, g in zip(matrix, gain, strict=True)]
     return found, unpack_matrix(pack_matrix(matrix)), nis
 
 

@@ -91,7 +91,7 @@ class InverseModel(AbstractObserver):
         first, last = ohms(xp, 0.0), ohms(xp, 1.0)
         span = last - first
         flat = xp.abs(span) <= FLAT * xp.abs(first)
-        per = xp.store(xp.where(flat, 0.0, 1.0 / xp.where(flat, 1.0, span)))
+        per = xp.where(flat, 0.0, 1.0 / xp.where(flat, 1.0, span))
         wanted = xp.clip((readings[self.measured] - first) * per, 0.0, 1.0)
 
         def beyond(xp: Namespace, fraction: Scalar) -> Scalar:

@@ -216,7 +216,7 @@ class ModelBank(ExtendedKalman):
         best = find_largest(xp, [one.likelihood for one in rows])
         after = [c * xp.exp(one.likelihood - best) for c, one in zip(ahead, rows, strict=True)]
         whole = sum_column(after)
-        weights = tuple(xp.store(x / whole) for x in after)
+        weights = tuple(x / whole for x in after)
         share = 1.0 - xp.exp(-dt / self.window)
         first = rows[0].expected
         news = [
@@ -246,7 +246,7 @@ class ModelBank(ExtendedKalman):
             row: list[Scalar] = [0.0] * (others + 1)
             row[0], row[k] = leave / others * weights[0], (1.0 - back) * weights[k]
             into.append(row)
-        sums = [xp.store(sum_column(row)) for row in into]
+        sums = [sum_column(row) for row in into]
         return sums, [[x / total for x in row] for row, total in zip(into, sums, strict=True)]
 
     def _interact(
@@ -295,7 +295,7 @@ class ModelBank(ExtendedKalman):
         moved = 0.5 * sum_column([xp.abs(x - m) for x, m in zip(now.weights, now.usual_weights, strict=True)])
         doubt = find_largest(xp, [misfit, wide, moved / self.change])
         allowed = xp.clip(2.0 - doubt, 0.0, 1.0)
-        confidence = xp.store(xp.minimum(allowed, now.confidence))
+        confidence = xp.minimum(allowed, now.confidence)
         best, largest = 0.0, now.weights[0]
         for j, weight in enumerate(now.weights[1:], start=1):
             best, largest = xp.where(weight > largest, float(j), best), xp.maximum(weight, largest)

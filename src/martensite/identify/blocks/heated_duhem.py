@@ -243,13 +243,13 @@ def _heat_step(xp: Namespace, heat: _Heat, rise: Scalar, z: Scalar, u: Scalar, d
     part = dt / heat.tau
     net = part * (heat.power(xp, u, z) - heat.loss(xp, rise))
     leg = branches.follow_leg(xp, heat.rising, heat.falling, net > 0.0, rise, z)
-    own = xp.store(1.0 + part * heat.loss_slope(xp, rise))
-    change = xp.store(net / (own + heat.latent * leg.slope(xp, rise)))
+    own = 1.0 + part * heat.loss_slope(xp, rise)
+    change = net / (own + heat.latent * leg.slope(xp, rise))
     missing = own * change + heat.latent * (leg.fraction(xp, rise + change) - z) - net
     better = change - missing / (own + heat.latent * leg.slope(xp, rise + change))
     most = net / own
     change = xp.clip(better, xp.minimum(most, 0.0), xp.maximum(most, 0.0))
-    after = xp.store(rise + change)
+    after = rise + change
     return after, leg.fraction(xp, after)
 
 

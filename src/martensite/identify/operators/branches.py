@@ -96,13 +96,13 @@ def follow_leg(
     """The way on from x and z, upward or not."""
 
     def chosen(a: Sequence[Scalar], b: Sequence[Scalar]) -> list[Scalar]:
-        return [xp.store(xp.where(upward, p, q)) for p, q in zip(a, b, strict=True)]
+        return [xp.where(upward, p, q) for p, q in zip(a, b, strict=True)]
 
     branch = LogisticBranch(*(chosen(a, b) for a, b in zip(rising, falling, strict=True)))
-    start = xp.store(compute_share(xp, branch, x))
+    start = compute_share(xp, branch, x)
     left = xp.where(upward, 1.0 - start, start)
     going = xp.where(upward, 1.0 - z, z)
-    return BranchLeg(branch, xp.store(going / (left + GUARD)), start, z)
+    return BranchLeg(branch, going / (left + GUARD), start, z)
 
 
 def from_below(xp: Namespace, rising: LogisticBranch, x: Scalar) -> Scalar:

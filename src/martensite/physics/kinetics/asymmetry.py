@@ -105,7 +105,7 @@ def _forget_history(xp: Namespace, plain: Any, forget: Flag, kept: Any, present:
 def _turn_side(law: Any, xp: Namespace, memory: SidedMemory, stress: Scalar) -> SidedMemory:
     """The memory as it is seen from the side on which most of a leg to a stress lies."""
     middle = memory.stress + stress
-    side = xp.store(xp.where(middle > 0.0, 1.0, xp.where(middle < 0.0, -1.0, memory.side)))
+    side = xp.where(middle > 0.0, 1.0, xp.where(middle < 0.0, -1.0, memory.side))
     turns, present = side * memory.side < 0.0, _see_fractions(memory.present, side * memory.side)
     kept = memory.inner._replace(stress=side * memory.stress)
     forget = xp.both(turns, xp.negate(kept.branch > 0.0)) if law.keeps_forward else turns
@@ -125,7 +125,7 @@ def _select(law: Any, xp: Namespace, memory: SidedMemory, stress: Scalar, kelvin
     leg = follow_strip(xp, strip, start, -side * stress, kelvin, memory.against)
     begin = leg.begin if strip.endless else xp.where(leg.ahead, leg.begin, 0.0)
     reach = begin if law.history == RESTART else xp.minimum(memory.reach, begin)
-    return SidedProcess(memory, inner, xp.store(xp.where(leg.acts, 1.0, 0.0)), xp.store(reach))
+    return SidedProcess(memory, inner, xp.where(leg.acts, 1.0, 0.0), reach)
 
 
 def _find_reach(law: Any, xp: Namespace, move: SidedProcess, stress: Scalar, kelvin: Scalar) -> Scalar:

@@ -66,9 +66,9 @@ def invert_hardening(xp: Namespace, share: Scalar, start: Scalar, end: Scalar) -
     share = xp.clip(share, 0.0, 1.0)
     middle = compute_hardening(xp, 0.5, start, end)
     below = share < middle
-    near = xp.store(xp.where(below, start, end))
-    far = xp.store(xp.where(below, end, start))
-    twice = xp.store(2.0 * xp.where(below, share, 1.0 - share))
+    near = xp.where(below, start, end)
+    far = xp.where(below, end, start)
+    twice = 2.0 * xp.where(below, share, 1.0 - share)
     fixed = xp.detach(twice), xp.detach(near), xp.detach(far)
     p = xp.minimum(fixed[0], raise_positive(xp, 0.5, fixed[1]))
     for _ in range(ITERATIONS - 1):
@@ -79,10 +79,10 @@ def invert_hardening(xp: Namespace, share: Scalar, start: Scalar, end: Scalar) -
 
 def _improve_root(xp: Namespace, p: Scalar, twice: Scalar, near: Scalar, far: Scalar) -> Scalar:
     """One step towards φ(p) = twice; of a root, it has the slopes of the root."""
-    part = xp.store(raise_positive(xp, p, 1.0 / near))
-    rest = xp.store(raise_positive(xp, 1.0 - part, far))
+    part = raise_positive(xp, p, 1.0 / near)
+    rest = raise_positive(xp, 1.0 - part, far)
     slope = 1.0 + rest * part * far / ((1.0 - part) * near * xp.maximum(p, NOTHING))
-    return xp.store(xp.maximum(p - (p + 1.0 - rest - twice) / slope, 0.0))
+    return xp.maximum(p - (p + 1.0 - rest - twice) / slope, 0.0)
 
 
 MOST = 0.98
@@ -101,8 +101,8 @@ def apply_waist(share: Scalar, waist: Scalar) -> Scalar:
 def remove_waist(xp: Namespace, share: Scalar, waist: Scalar) -> Scalar:
     """The h [-] with h_w = share, limited to [0, 1]; exactly 0 and 1 at and beyond them."""
     share = xp.clip(share, 0.0, 1.0)
-    wanted = xp.store(2.0 * share - 1.0)
-    root = xp.store(_find_waist_root(xp, xp.detach(wanted), xp.detach(waist)))
+    wanted = 2.0 * share - 1.0
+    root = _find_waist_root(xp, xp.detach(wanted), xp.detach(waist))
     rest = root * (1.0 - waist + waist * root * root) - wanted
     slope = xp.detach(1.0 - waist + 3.0 * waist * root * root)
     y = xp.clip(xp.implicit_root(root, root - rest / slope), -1.0, 1.0)

@@ -283,10 +283,10 @@ def select_process(
 ) -> OneFractionProcess:
     """The process that a straight leg to (stress, temperature) sets off first."""
     f, r, back = follow_both_strips(xp, forward, reverse, memory, stress, temperature)
-    direction = xp.store(xp.where(back, -1.0, xp.where(f.acts, 1.0, 0.0)))
+    direction = xp.where(back, -1.0, xp.where(f.acts, 1.0, 0.0))
     ahead = direction > 0.0
     begin = xp.where(ahead, f.begin, r.begin)
-    remaining = xp.store(xp.where(ahead, 1.0 - memory.fraction, memory.fraction))
+    remaining = xp.where(ahead, 1.0 - memory.fraction, memory.fraction)
     scale, course = begin, ()
     if memory.points:
         turns = xp.both(xp.abs(direction) > 0.0, memory.branch * direction <= 0.0)
@@ -300,11 +300,11 @@ def select_process(
         scale = xp.where(memory.branch * direction > 0.0, memory.scale, scale)
     return OneFractionProcess(
         direction=direction,
-        scale=xp.store(scale),
+        scale=scale,
         remaining=remaining,
-        finish=xp.store(xp.where(ahead, forward.finish, reverse.finish)),
-        per_width=xp.store(xp.where(ahead, forward.per_width, reverse.per_width)),
-        per_slope=xp.store(xp.where(ahead, forward.per_slope, reverse.per_slope)),
+        finish=xp.where(ahead, forward.finish, reverse.finish),
+        per_width=xp.where(ahead, forward.per_width, reverse.per_width),
+        per_slope=xp.where(ahead, forward.per_slope, reverse.per_slope),
         course=course,
         curve=choose_curve(xp, ahead, forward, reverse),
     )
@@ -313,7 +313,7 @@ def select_process(
 def choose_curve(xp: Namespace, ahead: Flag, forward: Strip, reverse: Strip) -> StripCurve | tuple[()]:
     """The curve of one of two strips; none if they are straight."""
     pairs = zip(forward.curve, reverse.curve, strict=True)
-    return StripCurve(*(xp.store(xp.where(ahead, *pair)) for pair in pairs)) if forward.curve else ()
+    return StripCurve(*(xp.where(ahead, *pair) for pair in pairs)) if forward.curve else ()
 
 
 def limit_distance(xp: Namespace, distance: Scalar, endless: bool) -> Scalar:

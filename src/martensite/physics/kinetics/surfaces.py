@@ -275,9 +275,9 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         constants = self.constants(xp)
         per_entropy = -1.0 / constants.rho_Delta_s0
         return WorkScale(
-            forward=xp.store((1.0 - constants.D) * per_entropy),
-            reverse=xp.store((1.0 + constants.D) * per_entropy),
-            elastic=xp.store(self.softening() * per_entropy),
+            forward=(1.0 - constants.D) * per_entropy,
+            reverse=(1.0 + constants.D) * per_entropy,
+            elastic=self.softening() * per_entropy,
         )
 
     def current(self, xp: Namespace, stress: Scalar) -> Scalar:
@@ -375,14 +375,14 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         bend, slope = scale.elastic / rate, scale.forward * self.H_sat
         if self.surfaces == "curved":
             bend, slope = bend + 2.0 * self.curvature_f / rate, slope - 2.0 * self.curvature_f * self.sigma_cal
-        rest = xp.store(slope - way.warmer / size)
+        rest = slope - way.warmer / size
         t = xp.maximum(first, 3.0)
         for _ in range(PEAK):
-            decay = xp.store(spread * xp.exp(first - t))
+            decay = spread * xp.exp(first - t)
             falls = decay * (t - 2.0) - bend
             usable = falls > 0.0
             step = (rest + decay * (t - 1.0) + bend * t) / xp.where(usable, falls, 1.0)
-            t = xp.store(xp.clip(t + xp.where(usable, step, 0.0), first, first + 100.0))
+            t = xp.clip(t + xp.where(usable, step, 0.0), first, first + 100.0)
         return xp.where(moves, xp.clip((t / rate - way.stress) / size, 0.0, 1.0), 0.0)
 
     def reverse_peak(self, xp: Namespace, scale: WorkScale, way: StraightPath, strain: Scalar) -> Scalar:

@@ -282,17 +282,17 @@ def select_direction(
     ahead = found.ahead
     main, back = diagram.loading, diagram.reverse
     return TwoFractionDirection(
-        xp.store(xp.where(found.back, -1.0, xp.where(ahead, 1.0, 0.0))),
+        xp.where(found.back, -1.0, xp.where(ahead, 1.0, 0.0)),
         memory.martensite,
         memory.oriented,
         memory.stress,
         memory.temperature,
-        finish=xp.store(xp.where(ahead, main.finish, back.finish)),
-        per_width=xp.store(xp.where(ahead, main.per_width, back.per_width)),
-        per_slope=xp.store(xp.where(ahead, main.per_slope, back.per_slope)),
-        bend=xp.store(xp.where(ahead, diagram.bend, 0.0)),
-        reach=xp.store(xp.where(ahead, s, r)),
-        cooling=xp.store(t),
+        finish=xp.where(ahead, main.finish, back.finish),
+        per_width=xp.where(ahead, main.per_width, back.per_width),
+        per_slope=xp.where(ahead, main.per_slope, back.per_slope),
+        bend=xp.where(ahead, diagram.bend, 0.0),
+        reach=xp.where(ahead, s, r),
+        cooling=t,
         course=course,
         twinned=twinned,
     )
@@ -324,7 +324,7 @@ def select_points(xp: Namespace, memory: TwoFractionMemory, found: Courses) -> t
     turns = xp.both(acts, memory.branch * xp.where(ahead, 1.0, -1.0) <= 0.0)
     free = xp.both(xp.both(ahead, turns), points.forwards < 0.5)
     alone = xp.where(xp.both(t.acts, xp.negate(s.acts)), 1.0, 0.0)
-    twinned = xp.store(xp.where(free, alone, before))
+    twinned = xp.where(free, alone, before)
     begin = xp.where(ahead, xp.where(twinned > 0.5, t.begin, s.begin), r.begin)
 
     def admits_falls(falls: Sequence[Scalar]) -> Flag:

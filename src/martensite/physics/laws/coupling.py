@@ -67,7 +67,7 @@ def advance_memory(
     def drive(xp: Namespace, q: Scalar) -> Scalar:
         return law.drive(xp, move, *settle(xp, _blend_fractions(start, aim, q)), dt)
 
-    aim = type(start)(*(xp.store(x) for x in answer(xp, start)))
+    aim = type(start)(*answer(xp, start))
     guess = _guess_place(xp, drive) if law.steep else _expect_place(xp, start, aim, change)
     enough = SMALL if law.one_way or law.steep else NEAR
     end = _seek_on_chord(xp, answer, start, aim, guess, enough, not law.steep)
@@ -117,11 +117,11 @@ def _seek_on_chord(
     ways = [b - a for a, b in zip(start, aim, strict=True)]
     size = sum_column([xp.abs(way) for way in ways])
     moves = size > LEAST
-    share = xp.store(xp.where(moves, 1.0 / xp.where(moves, size, 1.0), 0.0))
-    shares = [xp.store(xp.where(way < 0.0, -share, share)) for way in ways]
+    share = xp.where(moves, 1.0 / xp.where(moves, size, 1.0), 0.0)
+    shares = [xp.where(way < 0.0, -share, share) for way in ways]
 
     def mismatch(xp: Namespace, q: Scalar) -> Scalar:
-        found = answer(xp, type(start)(*(xp.store(x) for x in _blend_fractions(start, aim, q))))
+        found = answer(xp, type(start)(*_blend_fractions(start, aim, q)))
         for share, a, b in zip(shares, start, found, strict=True):
             q = q - share * (b - a)
         return q

@@ -114,7 +114,7 @@ class Lagoudas(AbstractSurfaceLaw):
         way = move.way(stress, temperature)
         here = self.forward_hardening(xp, memory.fraction)
         start, end = (self.forward_meeting(xp, scale, way, share) for share in (here, 1.0))
-        return move._replace(grows_from=xp.store(start), grows_to=xp.store(end))
+        return move._replace(grows_from=start, grows_to=end)
 
     def follow(
         self, xp: Namespace, move: LagoudasProcess, stress: Scalar, temperature: Scalar, dt: Scalar
@@ -126,7 +126,7 @@ class Lagoudas(AbstractSurfaceLaw):
         share = self.smooth(xp, share, self.waist_r)
         left = xp.minimum(invert_hardening(xp, share, self.n_3, self.n_4), move.fraction)
         share = self.smooth(xp, self.forward_share(xp, scale, stress, temperature), self.waist_f)
-        fraction = xp.store(xp.maximum(invert_hardening(xp, share, self.n_1, self.n_2), left))
+        fraction = xp.maximum(invert_hardening(xp, share, self.n_1, self.n_2), left)
         if self.reorients:  # what goes back from the other orientation and forms again is new
             move = move._replace(fraction=xp.where(move.ratio < 0.0, left, move.fraction))
         gained = self._integrate_strain(xp, scale, move, way, xp.maximum(fraction, move.fraction))
@@ -144,7 +144,7 @@ class Lagoudas(AbstractSurfaceLaw):
         first, last = (compute_hardening(xp, x, *exponents) for x in (move.fraction, fraction))
         grown, climb = fraction - move.fraction, last - first
         climbs = climb > 0.0
-        safe = xp.store(xp.where(climbs, climb, 1.0))
+        safe = xp.where(climbs, climb, 1.0)
 
         def reached(part: Scalar) -> tuple[Scalar, Scalar]:
             """Stress at a part of the growth, and the share h_f reached there."""
@@ -154,7 +154,7 @@ class Lagoudas(AbstractSurfaceLaw):
         part = self._halfway(xp, reached(0.5)[1], first, safe)
         middle, at = reached(part)
         at = (self.smooth(xp, at, self.waist_f) - first) / safe
-        at = xp.store(xp.clip(at, 1.0 / 3.0, 2.0 / 3.0))
+        at = xp.clip(at, 1.0 / 3.0, 2.0 / 3.0)
         slow = self.current(xp, way.at(move.grows_from)[0])
         more = self.current(xp, way.at(move.grows_to)[0]) - slow
         areas = [hardening_integral(xp, x, *exponents) for x in (move.fraction, fraction)]
@@ -172,7 +172,7 @@ class Lagoudas(AbstractSurfaceLaw):
             ends = (apply_waist(first + part * climb, self.waist_f) for part in (0.0, 0.5, 1.0))
             first, half, last = ends
             climbs = last > first
-            climb = xp.store(xp.where(climbs, last - first, 1.0))
+            climb = xp.where(climbs, last - first, 1.0)
             goal = xp.where(climbs, xp.clip((half - first) / climb, 0.125, 0.875), 0.5)
         bend = 4.0 * xp.clip((middle - first) / climb, 0.0, 1.0) - 1.0
         return 2.0 * goal / (bend + xp.sqrt(bend * bend + 4.0 * goal - 4.0 * goal * bend))

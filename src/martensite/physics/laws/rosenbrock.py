@@ -138,7 +138,7 @@ def find_rates(xp: Namespace, law: AbstractExchange, memory: Any, T: Scalar, cou
     """Memory with the stress that follows at a temperature [K], and the rates: of x₊ and x₋ of all groups, of T."""
     here = _Columns(*law.populations(memory))
     at = [*here.mean(), T]
-    stress = xp.store(coupling.stress(xp, at))
+    stress = coupling.stress(xp, at)
     jumps = law.jumps(xp, stress, T)
 
     def group(quantile: Scalar, plus: Scalar, minus: Scalar) -> _Group:
@@ -163,8 +163,8 @@ class _Stages:
     ) -> None:
         self.xp, self.law, self.coupling, self.dt = xp, law, coupling, dt
         self.begin = _Stage(start, *at)
-        self.per_step = xp.store(1.0 / dt)
-        self.diagonal = xp.store(self.per_step * (1.0 / GAMMA))
+        self.per_step = 1.0 / dt
+        self.diagonal = self.per_step * (1.0 / GAMMA)
         stress, self.by_state = self._stress(at)
         self.linear = self._linearise(stress)
         self.relocate = self.linear.rates.mean()[0]
@@ -184,7 +184,7 @@ class _Stages:
             return [self.coupling.stress(xp, at)]
 
         (value,), (slopes,) = compute_jacobian(self.xp, stress, at)
-        return self.xp.store(value), [self.xp.store(slope) for slope in slopes]
+        return value, slopes
 
     def _linearise(self, stress: Scalar) -> _Linear:
         xp, law, diagonal = self.xp, self.law, self.diagonal
@@ -195,12 +195,12 @@ class _Stages:
                 return law.jumps(xp, at[0], at[1])(quantile)
 
             flows, slopes = compute_jacobian(xp, jumps, [stress, temperature])
-            here, rates = _Group(plus, minus), Flows(*(xp.store(x) for x in flows))
+            here, rates = _Group(plus, minus), Flows(*flows)
             by_stress, by_temperature = (Flows(*column) for column in zip(*slopes, strict=True))
             up, over = rates.to_plus, rates.to_minus
             a, d = diagonal + up + rates.from_plus, diagonal + over + rates.from_minus
             share = 1.0 / (a * d - up * over)
-            inverse = [xp.store(share * x) for x in (d, -up, -over, a)]
+            inverse = [share * x for x in (d, -up, -over, a)]
             changes = (_sum_flows(rates, here), _sum_flows(by_stress, here), _sum_flows(by_temperature, here))
             one, two, three = changes
             return [*one, *inverse, *_multiply_matrix(inverse, two), *_multiply_matrix(inverse, three)]
@@ -221,23 +221,23 @@ class _Stages:
             return [net - 0.5 * self.dt * slope + latent * moved, slope, latent]
 
         (_, slope, latent), (by_state, *_) = compute_jacobian(xp, balance, at)
-        self.slope, self.latent = xp.store(slope), xp.store(latent)
-        self.by_heat = [xp.store(x) for x in by_state]
+        self.slope, self.latent = slope, latent
+        self.by_heat = by_state
         by_m, by_o, by_T = self.by_state
         (ms, os), (mT, oT) = self.linear.by_stress.mean(), self.linear.by_temperature.mean()
-        self.yields = xp.store(1.0 / (1.0 - by_m * ms - by_o * os))
-        self.stress_by_T = xp.store(self.yields * (by_m * mT + by_o * oT + by_T))
-        self.both = (xp.store(mT + ms * self.stress_by_T), xp.store(oT + os * self.stress_by_T))
+        self.yields = 1.0 / (1.0 - by_m * ms - by_o * os)
+        self.stress_by_T = self.yields * (by_m * mT + by_o * oT + by_T)
+        self.both = (mT + ms * self.stress_by_T, oT + os * self.stress_by_T)
         self.of_stress = (ms, os)
         m, o = self.both
         rest = self.diagonal * (coupling.capacity - self.latent * m)
         rest = rest - self.by_heat[0] * m - self.by_heat[1] * o - self.by_heat[2]
-        self.share = xp.store(1.0 / rest)
+        self.share = 1.0 / rest
 
     def _solve_stage(self, k: int, before: Sequence[_Stage]) -> _Stage:
         xp, coupling = self.xp, self.coupling
         at = self._state(POINTS[k], before)
-        stress = xp.store(coupling.stress(xp, at))
+        stress = coupling.stress(xp, at)
         asked, gained, moved = self._ask_groups(k, stress, at[2], before)
         power, slope = coupling.power(xp, at)
         heat = power + (TIMES[k] - 0.5) * self.dt * slope
@@ -250,21 +250,21 @@ class _Stages:
         m, o = m + self.of_stress[0] * stress, o + self.of_stress[1] * stress
         heat = heat + self.by_heat[0] * m + self.by_heat[1] * o
         heat = heat + self.latent * (self.diagonal * m - gained)
-        change = xp.store(self.share * heat)
-        stress = xp.store(stress + self.stress_by_T * change)
+        change = self.share * heat
+        stress = stress + self.stress_by_T * change
 
         def group(*row: Scalar) -> list[Scalar]:
             return [a + b * stress + c * change for a, b, c in zip(row[:2], row[2:4], row[4:], strict=True)]
 
         linear = self.linear
         groups = _map_rows(xp, group, *asked, *linear.by_stress, *linear.by_temperature)
-        m, o = xp.store(m + self.both[0] * change), xp.store(o + self.both[1] * change)
+        m, o = m + self.both[0] * change, o + self.both[1] * change
         return _Stage(_Columns(*groups), m, o, change)
 
     def _state(self, weights: Sequence[float], before: Sequence[_Stage]) -> list[Scalar]:
         """Fractions and temperature where a stage asks for rates."""
         changes = zip(*(one.scalars() for one in (self.begin, *before)), strict=True)
-        return [self.xp.store(x + _weigh_numbers(weights, rest)) for x, *rest in changes]
+        return [x + _weigh_numbers(weights, rest) for x, *rest in changes]
 
     def _ask_groups(
         self, k: int, stress: Scalar, temperature: Scalar, before: Sequence[_Stage]
@@ -323,7 +323,7 @@ def _map_rows(xp: Namespace, body: Callable[..., Sequence[Scalar]], *columns: Co
     """Columns of results; a single row is no loop."""
     if len(columns[0]) > 1:
         return tuple(xp.each(body, *columns))
-    return tuple((xp.store(x),) for x in body(*(column[0] for column in columns)))
+    return tuple((x,) for x in body(*(column[0] for column in columns)))
 
 
 def _sum_stages(xp: Namespace, begin: _Stage, stages: Sequence[_Stage], weights: Sequence[float]) -> _Stage:
@@ -336,7 +336,7 @@ def _sum_stages(xp: Namespace, begin: _Stage, stages: Sequence[_Stage], weights:
     )
     scalars = [one.scalars() for one in stages]
     rest = (add(x, *column)[0] for x, *column in zip(begin.scalars(), *scalars, strict=True))
-    return _Stage(_Columns(*groups), *(xp.store(x) for x in rest))
+    return _Stage(_Columns(*groups), *rest)
 
 
 def _make_settle(xp: Namespace, law: AbstractExchange, coupling: Coupling) -> Callable[[_Stage, bool], Any]:

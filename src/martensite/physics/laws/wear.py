@@ -83,7 +83,7 @@ class Wear(Parametrised):
     def apply(self, xp: Namespace, law: AbstractLaw, worn: Worn) -> AbstractLaw:
         """The law as it is worn."""
         done = self._settle(xp, worn.cycles)
-        shift, left = xp.store(done * self.temperature_shift), xp.store(1.0 - done * self.stroke_loss)
+        shift, left = done * self.temperature_shift, 1.0 - done * self.stroke_loss
         numbers = {leaf.path: leaf.value for leaf in law.leaves()}
         changed = {name: numbers[name] + shift for name in TEMPERATURES if name in numbers}
         changed |= {name: numbers[name] * left for name in STRAINS if name in numbers}
