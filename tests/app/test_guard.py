@@ -3,8 +3,6 @@
 import os
 import re
 import socket
-import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -201,21 +199,6 @@ def test_every_answer_keeps_the_page_to_this_server(bench: Bench) -> None:
         assert f"connect-src 'self' ws://127.0.0.1:{bench.port};" in policy
         assert answer.headers["x-content-type-options"] == "nosniff"
         assert "server" not in answer.headers
-
-
-def test_without_its_packages_the_bench_says_what_to_install() -> None:
-    blocked = "import sys; sys.modules['uvicorn'] = None; from martensite.cli import main; main()"
-    done = subprocess.run(
-        [sys.executable, "-c", blocked, "app", "--no-browser"],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=60,
-        stdin=subprocess.DEVNULL,
-    )
-    assert done.returncode == 2, done.stderr
-    assert "martensite[app]" in done.stderr
-    assert "Traceback" not in done.stderr
 
 
 @pytest.mark.parametrize("port", [-1, 65536])

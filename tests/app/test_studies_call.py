@@ -10,8 +10,7 @@ from typescript import check_answer
 
 from martensite.app.calls import studies
 from martensite.app.worker import Desk
-from martensite.base.errors import InputError, UnknownNameError
-from martensite.base.registry import Registry
+from martensite.base.errors import UnknownNameError
 from martensite.scenario.scenario import read_scenario
 from martensite.studies.base import AbstractStudy, Answer, Claim, load_study, study_names
 
@@ -56,7 +55,7 @@ def test_the_claims_are_those_of_the_study(computed: dict[str, Any]) -> None:
 def test_what_came_with_a_study_is_shown_without_a_figure(tmp_path: Path) -> None:
     found = studies.describe_study_page({"name": QUICK}, Desk(tmp_path))["results"]
     check_answer(found, "studies", "Results")
-    assert found["figure"] == "" and found["made_by"].startswith("martensite-studies")
+    assert found["figure"] == "" and found["made_by"].startswith("martensite ")
 
 
 def test_notes_tell_the_part_and_bring_its_claims(computed: dict[str, Any], notes: list[dict[str, Any]]) -> None:
@@ -118,13 +117,6 @@ def test_what_is_no_study_is_refused(bench: Bench) -> None:
         assert "error" in bench.call(name, {"name": "../../etc/passwd"})
     with pytest.raises(UnknownNameError):
         studies.load_named_study({"name": "/tmp"})
-
-
-def test_without_studies_the_page_says_what_brings_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("martensite.base.registry.entry_points", lambda **_: ())
-    monkeypatch.setattr("martensite.studies.base.STUDIES", Registry("study", "martensite.studies"))
-    with pytest.raises(InputError, match=r"No study is installed; `pip install 'martensite\["):
-        studies.list_studies({}, Desk(tmp_path))
 
 
 def test_a_study_without_parts_is_one_part() -> None:

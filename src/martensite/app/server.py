@@ -92,17 +92,13 @@ def serve_bench(port: int = 0, folder: Path | None = None, ready: Callable[[Serv
         ready: called with the address before the first request.
 
     Raises:
-        InputError: port or folder cannot be used, or the extra `app` is not installed.
+        InputError: port or folder cannot be used.
     """
-    try:
-        import uvicorn
+    import uvicorn
 
-        from martensite.app.request_guard import TimedProtocol
-        from martensite.app.site import STATIC, build_site
-    except ModuleNotFoundError as error:
-        raise InputError(
-            f"The bench needs `{error.name}`, which is not installed; install the extra `martensite[app]`."
-        ) from None
+    from martensite.app.request_guard import TimedProtocol
+    from martensite.app.site import STATIC, build_site
+
     if not (STATIC / "index.html").is_file():
         raise InputError(f"The page of the bench is not in `{STATIC}`; build it: `npm run build` in `web`.")
     with ExitStack() as stack:

@@ -25,7 +25,6 @@ import numpy as np
 from martensite.actuators.assembly import OUTPUTS, PROFILES
 from martensite.base.errors import DataError, UnknownNameError
 from martensite.base.files import write_file
-from martensite.base.lazy import import_extra
 from martensite.base.object_text import encode
 from martensite.physics.materials.base import Material
 from martensite.scenario.binary_files import read_apart
@@ -88,7 +87,9 @@ class LabelledData:
         """
         found = {name: (v.dims, v.values, v.attrs) for name, v in self.variables.items()}
         axes = {name: found.pop(name) for name in (TIME, CELL, ACTUATOR) if name in found}
-        return import_extra("xarray", "xarray").Dataset(found, coords=axes, attrs=self.attrs)
+        import xarray
+
+        return xarray.Dataset(found, coords=axes, attrs=self.attrs)
 
 
 def describe_result(

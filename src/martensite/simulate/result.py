@@ -18,7 +18,6 @@ from martensite.actuators.assembly import PROFILES
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import SolveError, UnknownNameError
 from martensite.base.formats import write_quantity
-from martensite.base.lazy import import_extra
 from martensite.base.status import Status
 from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.simulate.alarms import Alarm
@@ -185,9 +184,10 @@ class Result:
     def to_pandas(self) -> pandas.DataFrame:
         """A table with a row per sample, by time [s], of a batch by variant and time.
 
-        Columns are in SI units (`attrs["units"]`). Needs the extra `xarray`, which brings pandas.
+        Columns are in SI units (`attrs["units"]`).
         """
-        pandas = import_extra("pandas", "xarray")
+        import pandas
+
         index = pandas.Index(self.times, name="time")
         if self.variants is not None:
             runs = range(len(self.variants))

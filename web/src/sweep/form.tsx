@@ -84,7 +84,6 @@ export function Form() {
   return (
     <form class="panel stack sweep-form" onSubmit={(event) => event.preventDefault()}>
       <h2>New sweep</h2>
-      {form.value?.missing && <Message kind="error">{form.value.missing}</Message>}
       {trouble.value && <Message kind="error">{trouble.value}</Message>}
       <section aria-label="Scenario">
         <Source />

@@ -1,7 +1,7 @@
 // How many runs it has, about how long it takes, and the button that starts it.
 
 import { go } from "../state/route.ts";
-import { choices, estimate, estimating, form, measureTime, plan, request } from "./asking.ts";
+import { choices, estimate, estimating, measureTime, plan, request } from "./asking.ts";
 import { running } from "./following.ts";
 import { work } from "./shown.ts";
 import { about, grouped } from "./time.ts";
@@ -22,7 +22,7 @@ function Estimated() {
 
 export function Start() {
   const now = plan.value;
-  const ready = now?.runs !== null && now?.runs !== undefined && !form.value?.missing;
+  const ready = now?.runs !== null && now?.runs !== undefined;
   const waits = running.value;
   const start = (): void => {
     go("sweep"); // what is shown makes room for the new one

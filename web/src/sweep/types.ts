@@ -27,7 +27,6 @@ export interface Measure extends Named {
 export interface Form {
   title: string;
   text: string;
-  missing: string;
   targets: Target[];
   designs: Named[];
   measures: Measure[];

@@ -6,7 +6,6 @@ import csv
 import math
 import zipfile
 from collections.abc import Iterator
-from importlib.util import find_spec
 from pathlib import Path
 
 from martensite.app.documents import read_request_scenario
@@ -23,7 +22,6 @@ from martensite.design.sweep.backends.processes import count_cores
 from martensite.design.sweep.job import MEASURES as USUAL
 from martensite.design.sweep.reading import read_sweep
 from martensite.design.sweep.sampling.samples import DESIGNS
-from martensite.design.sweep.store import import_zarr
 from martensite.design.sweep.subject import list_waveforms
 from martensite.design.sweep.table import NOT_MADE
 from martensite.scenario.catalogue import summarise_class
@@ -47,7 +45,6 @@ def describe_sweep_form(request: Request, desk: Desk) -> JsonTable:
     return {
         "title": scenario.title,
         "text": scenario.text,
-        "missing": _find_missing_extra(),
         "targets": list(_list_targets(scenario)),
         "designs": [{"name": n, "about": summarise_class(DESIGNS[n])} for n in _sort_grid_first(DESIGNS.names())],
         "measures": [_describe_measure(name, scenario) for name in MEASURES.names()],
@@ -59,17 +56,6 @@ def describe_sweep_form(request: Request, desk: Desk) -> JsonTable:
         "runtimes": list(RUNTIMES),
         "cores": count_cores(),
     }
-
-
-def _find_missing_extra() -> str:
-    """The sentence on what must be installed first; empty if nothing."""
-    if find_spec("zarr") is not None:
-        return ""
-    try:
-        import_zarr()
-    except MartensiteError as error:
-        return str(error)
-    return ""
 
 
 def _sort_grid_first(names: list[str]) -> list[str]:

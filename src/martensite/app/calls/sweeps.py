@@ -30,7 +30,7 @@ from martensite.design.sweep.indices import compute_sensitivity
 from martensite.design.sweep.job import SweepRequest, build_plan, prepare_plan
 from martensite.design.sweep.pareto import find_pareto_front
 from martensite.design.sweep.reading import count_statuses, read_sweep
-from martensite.design.sweep.store import Store, import_zarr
+from martensite.design.sweep.store import Store
 from martensite.scenario.exact_text import exact_text
 from martensite.scenario.scenario import Scenario
 
@@ -93,7 +93,6 @@ def run_sweep(request: Request, desk: Desk) -> JsonTable:
     Notes have a number, the state, and the runs made since the last one
     (`sweeping.sweep_progress`). Cancelled, it keeps what was made.
     """
-    import_zarr()
     desk.tell({"phase": "preparing", "number": 0})
     key, path, scenario, asked = _find_store(request, desk)
     if desk.stop.is_set():

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 from martensite.base import units
 from martensite.base.errors import DataError, InputError, ParameterError
 from martensite.base.interrupts import rescue_answer
-from martensite.base.lazy import import_extra
 from martensite.base.registry import import_modules
 from martensite.design.sweep.backends.base import BACKENDS, AbstractBackend, Report
 from martensite.design.sweep.job import MEASURES, SweepJob, SweepRequest, build_spec, prepare_plan
@@ -281,7 +280,6 @@ def run_sweep(
     """
     from martensite.design.sweep.reading import open_sweep
 
-    import_extra("xarray", "sweep")  # missed before anything is run, not after
     import_modules(modules)
     found = scenario if isinstance(scenario, Scenario) else load(scenario)
     length = units.parse_quantity(step, "s") if isinstance(step, str) else step

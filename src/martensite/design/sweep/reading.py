@@ -26,7 +26,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.base.lazy import import_extra
 from martensite.base.status import Status
 from martensite.design.sweep.axes import SweepAxis, parse_axis
 from martensite.design.sweep.plan import DETAILS
@@ -157,7 +156,9 @@ def open_sweep(path: Path | str, grid: bool = True) -> xarray.Dataset:
         DataError: there is no sweep, or it is damaged.
         InputError: Zarr or xarray is not installed.
     """
-    xarray, store = import_extra("xarray", "sweep"), Store(Path(path))
+    import xarray
+
+    store = Store(Path(path))
     store.require_sound()
     axes, status = read_axes(store), read_status(store)
     opened = xarray.open_zarr(str(path), consolidated=False, decode_times=False, decode_timedelta=False)

@@ -25,14 +25,13 @@ import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from importlib import import_module
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from martensite.base.errors import DataError, InputError, StoppedError
+from martensite.base.errors import DataError, StoppedError
 from martensite.base.interrupts import hold_interrupts
 from martensite.base.status import Status
 from martensite.design.sweep.plan import DETAILS, SweepPiece, SweepPlan
@@ -61,18 +60,6 @@ WORDS = {
 }
 STRETCH = 1 << 20
 """Runs that are read at a time where all are looked at."""
-
-
-def import_zarr() -> Any:
-    """The package that stores are written by.
-
-    Raises:
-        InputError: it is not installed.
-    """
-    try:
-        return import_module("zarr")
-    except ImportError:
-        raise InputError("This needs Zarr, which is not installed; run `pip install 'martensite[sweep]'`.") from None
 
 
 def create_store(path: Path, plan: SweepPlan, spec: Mapping[str, Any]) -> Store:
@@ -121,7 +108,7 @@ def _describe_reason(error: OSError) -> str:
 
 def _create_group(path: Path, plan: SweepPlan, spec: Mapping[str, Any]) -> None:
     """An empty group for a plan."""
-    group = import_zarr().create_group(str(path), attributes={SPEC: json.dumps(dict(spec))})
+    group = _load_zarr().create_group(str(path), attributes={SPEC: json.dumps(dict(spec))})
     for name, (kind, dims, sizes, attributes) in _lay_out_arrays(plan).items():
         shape, chunks = zip(*sizes, strict=True)
         group.create_array(
@@ -186,7 +173,7 @@ class Store:
         if self.path.is_file():
             raise DataError(f"`{self.path}` is a file, and a sweep is a folder (`martensite sweep` writes one).")
         try:
-            found = import_zarr().open_group(str(self.path), mode="r+")
+            found = _load_zarr().open_group(str(self.path), mode="r+")
             json.loads(found.attrs[SPEC])
         except (OSError, KeyError, ValueError) as error:
             raise DataError(f"`{self.path}` holds no sweep ({error}).") from None
@@ -376,3 +363,10 @@ def _find_changed_lines(there: str, here: str) -> tuple[str, str]:
     """The first lines of two texts that are not the same."""
     pairs = zip_longest(there.splitlines(), here.splitlines(), fillvalue="")
     return next(((a.strip(), b.strip()) for a, b in pairs if a.strip() != b.strip()), ("", ""))
+
+
+def _load_zarr() -> Any:
+    """Import Zarr when a store is opened: it takes a second."""
+    import zarr
+
+    return zarr
