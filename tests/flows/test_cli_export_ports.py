@@ -5,21 +5,16 @@ Source of truth: the options as documented, and a C compiler that lets no warnin
 
 from __future__ import annotations
 
-import ctypes
 import subprocess
 from pathlib import Path
 
-import numpy as np
 import pytest
 from c_cores import STRICT
 from command import Command
 from fences import ROOT
 from port_hosts import FLAGS
 
-from martensite.export.ports.element import build_element_port
-from martensite.export.ports.kernel import compile_port
 from martensite.kernels.compiler import find_compiler
-from martensite.scenario.scenario import load
 
 EXAMPLES = ROOT / "examples"
 PULL = str(EXAMPLES / "tensile-test.toml")
@@ -59,39 +54,6 @@ def test_cores_of_a_part() -> None:
         compile_strictly(tuple(STRICT), f"{part}.c")
     assert not list(Path().glob("*_example.c"))
     assert "int element_try(" in Path("element.h").read_text()
-
-
-def test_functions_of_a_modelica_package() -> None:
-    """The C of the package, called as a tool would; the package itself has been run by none."""
-    scenario = EXAMPLES / "constant_power.toml"
-    assert "not run in a Modelica tool" in Command("export", "modelica").fine(str(scenario), "--name", "wire")
-    package = Path("wire/package.mo").read_text()
-    assert "constant Integer states = 8" in package and "parameter Modelica.Units.SI.Time period = 0.01 " in package
-    twice = '#include "wire.c"\n#include "wire.c"\nvoid ModelicaFormatError(const char *text, ...) { (void)text; }\n'
-    command = [str(find_compiler()), *FLAGS, "-Iwire/Resources/Include", "-xc", "-", "-o", "./libwire.so", "-lm"]
-    subprocess.run(command, input=twice, text=True, check=True)
-    library = ctypes.CDLL("./libwire.so")
-    kernel = compile_port(build_element_port(load(scenario).system))
-    now, x, after, y = kernel.functions["init"](0.0, 0.0, 290.0), np.zeros(8), np.zeros(8), np.zeros(6)
-    at = [ctypes.c_void_p(one.ctypes.data) for one in (x, after, y)]
-    u = np.array([0.0, 0.0, 290.0])
-    library.wire_core_modelica_start(ctypes.c_void_p(u.ctypes.data), at[0], at[2])
-    np.testing.assert_array_equal(x, now)
-    for k in range(30):
-        u[:] = 1.0, -1e-4 * k, 295.0
-        library.wire_core_modelica_advance(at[0], ctypes.c_void_p(u.ctypes.data), ctypes.c_double(0.05), at[1], at[2])
-        found, _ = kernel.try_step(now, u.tolist(), 0.05)
-        now, x[:] = found[:8], after
-        np.testing.assert_array_equal(after, now)
-        np.testing.assert_array_equal(y[:4], found[10:14])
-        assert y[5] == found[15]
-    assert y[3] < 0.5 and y[1] > 330.0
-    assert "is there already" in Command("export", "modelica").refused(str(scenario), "--name", "wire")
-    modelica = Command("export", "modelica")
-    for period in ("0 s", "1e-12 s", "2 h"):
-        assert "between 1 us and 1 h" in modelica.refused(str(scenario), "--period", period)
-    assert "try `m_model`" in modelica.refused(str(scenario), "--name", "model")  # a keyword of Modelica alone
-    assert "must be an identifier" in modelica.refused(str(scenario), "--name", "")
 
 
 def test_what_is_refused() -> None:

@@ -5,14 +5,10 @@ Source of truth: the run of the same scenario here, the emulator's own clock, an
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
 import random
 import shutil
 import subprocess
-import time
-import tty
 from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
@@ -191,62 +187,6 @@ def test_a_firmware_says_its_parts_its_limits_and_whether_it_fits(tmp_path: Path
     overflow = "firmware.elf section `.text' will not fit in region `text'; region `text' overflowed by 40892 bytes"
     with pytest.raises(ms.InputError, match="does not fit into the flash of Arduino Uno"):
         explain_overflow(overflow, "uno")
-
-
-HOST = """
-#include <cstdio>
-#include <unistd.h>
-#include "firmware.hpp"
-#include "sma_board.hpp"
-int main(int, char **words) {
-    using namespace firmware;
-    sma::Board board(digest, std::size(states), {std::begin(places), std::end(places)});
-    if (!board.open(words[1], firmware::baud) || !board.arm()) return std::printf("%s\\n", board.fault().c_str()), 1;
-    bool fine = true;
-    for (int k = 0; k < 60 && fine; ++k) {
-        fine = board.read() && board.write({0.003});
-        usleep(5000);
-    }
-    std::printf("%d %u %u %d\\n", fine, board.samples(), board.counts().lost, board.flags());
-    board.disarm();
-}
-"""
-
-
-@needs_avr
-def test_the_core_of_the_ros_interface_runs_a_board(uno: Path, board: SimavrBoard, tmp_path: Path) -> None:
-    call = CliRunner().invoke(app, ["export", "ros2", str(uno), "--name", "arm_wire", "--out", str(tmp_path / "ros")])
-    assert call.exit_code == 0
-    folder = tmp_path / "ros" / "src"
-    (folder / "host.cpp").write_text(HOST, "utf-8")
-    strict = ["-Wall", "-Wextra", "-Wconversion", "-Werror"]
-    subprocess.run(["cc", "-std=c99", "-c", *strict, "link.c"], cwd=folder, check=True)
-    subprocess.run(
-        ["c++", "-std=c++17", *strict, "host.cpp", "sma_board.cpp", "link.o", "-o", "host"], cwd=folder, check=True
-    )
-    link = BoardLink(board, now=board.now)
-    link.greet()
-    calibrated = [row["name"] for row in read_description(uno)["settings"]].index("calibrated")
-    link.command("set", place=calibrated, value=1.0)
-    board.volts[1] = 5.0  # the supply
-    board.run(0.05)
-    master, slave = os.openpty()
-    tty.setraw(slave)
-    os.set_blocking(master, False)
-    with subprocess.Popen([folder / "host", os.ttyname(slave)], stdout=subprocess.PIPE, text=True) as host:
-        while host.poll() is None:  # the board's time goes on when the host has spoken, not while it is kept waiting
-            data = b""
-            with contextlib.suppress(BlockingIOError):
-                data = os.read(master, 4096)
-            board.write(data)
-            os.write(master, board.run(5e-3 if data else 1e-4))
-            time.sleep(0.0 if data else 2e-3)
-        fine, samples, lost, flags = map(int, host.communicate()[0].split())
-    assert (fine, lost) == (1, 0) and samples > 5 and BoardFlags.ARMED in BoardFlags(flags)
-    board.run(0.1)
-    assert board.duties == (0.0, 0.0)
-    os.close(master)
-    os.close(slave)
 
 
 @needs_arm

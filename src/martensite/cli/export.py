@@ -15,7 +15,7 @@ from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.base.formats import write_quantity
 from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.cli.app import app
-from martensite.cli.export_ports import Port, modelica, opensees, umat, write_core_alone
+from martensite.cli.export_ports import Port, opensees, umat, write_core_alone
 from martensite.cli.options import (
     Force,
     Json,
@@ -427,4 +427,3 @@ def _summarise_model(loaded: Scenario) -> Summary:
 
 export.command("umat")(umat)
 export.command("opensees")(opensees)
-export.command("modelica")(modelica)

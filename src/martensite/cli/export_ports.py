@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from martensite.export.c_core import CCore
     from martensite.export.ports.kernel import PortKernel
 
-SHORTEST_PERIOD, LONGEST_PERIOD = 1e-6, 3600.0
-"""Of the samples of a Modelica model [s]."""
 Port = Annotated[Text, Option("--port", help="Where the element stands, if the scenario has several.")]
 
 
@@ -88,42 +86,6 @@ def opensees(source: ScenarioSource, options: MaterialOptions) -> None:
     kernel, called = options.compile(source)
     lines = [f"uniaxialMaterial {called} tag 1 0.0 TEMPERATURE"]
     options.write(kernel, called, write_opensees(kernel, called), lines)
-
-
-@spread_options
-def modelica(
-    source: ScenarioSource,
-    out: Annotated[Path | None, Option(metavar="FOLDER", help="Package to write [default: ./NAME].")] = None,
-    name: Annotated[Text, Option(help="Name of the package [default: SCENARIO].")] = None,
-    port: Port = None,
-    period: Annotated[str, Option(help="From sample to sample of the element.")] = "10 ms",
-    force: Force = False,
-    json: Json = False,
-) -> None:
-    """Write an element of a scenario as a Modelica package: a model between two flanges, on functions in C.
-
-    Written by the specification of the language; it has not been run in a Modelica tool.
-    """
-    from martensite.base.files import make_folder
-    from martensite.export.c_names import MODELICA, choose_identifier
-    from martensite.export.ports.element import build_element_port
-    from martensite.export.ports.kernel import compile_port
-    from martensite.export.ports.modelica import write_modelica
-
-    called = choose_identifier(name, source.file.stem, MODELICA)
-    length = read_quantity("period", period, "s")
-    if not SHORTEST_PERIOD <= length <= LONGEST_PERIOD:
-        raise InputError(f"Option `--period` must be between 1 us and 1 h, but is {period}.")
-    kernel = compile_port(build_element_port(source.load().system, port=port))
-    folder = out or Path(called)
-    texts = write_modelica(kernel, called, length)
-    for path in texts:
-        if (folder / path).parent.exists():
-            Outputs(folder / path, None).check(force, data=(Path(path).suffix,))
-    for below in (folder, folder / "Resources", folder / "Resources" / "Include"):
-        make_folder(below)
-    files = _write_texts(folder, "", texts, True)
-    _say_written(kernel, called, ["not run in a Modelica tool: none was at hand"], files, json)
 
 
 def write_core_alone(system: AbstractSystem, part: str, port: str | None, name: str, precision: str) -> CCore:

@@ -10,7 +10,7 @@ from typer import Option
 from martensite.base.errors import InputError
 from martensite.base.summary import Block, DataTable, Sentence, Summary
 from martensite.cli.app import app
-from martensite.cli.board_options import ProjectFolder, hardware, require_empty
+from martensite.cli.board_options import hardware, require_empty
 from martensite.cli.export import export
 from martensite.cli.options import Force, Json, ScenarioSource, Text, read_positive, spread_options
 
@@ -57,30 +57,6 @@ def firmware(
     found = build_firmware(source.load(), board, name=folder.resolve().name, limits=limits)
     files = found.write(folder)
     print_summary(_summarise_firmware(found), json, files)
-
-
-@export.command("ros2")
-def ros2(
-    project: ProjectFolder,
-    name: Annotated[str, Option(help="Name of the package.")] = "sma_board",
-    out: Annotated[Path | None, Option(metavar="FOLDER", help="Where to write [default: ./NAME].")] = None,
-    force: Force = False,
-    json: Json = False,
-) -> None:
-    """Write a package for ROS 2 around a firmware: a ros2_control hardware interface, messages, a description."""
-    from martensite.base.files import replace_together, write_file
-    from martensite.boards.ros2.package import build_ros2_package
-    from martensite.show.terminal import print_summary
-
-    folder = require_empty(out or Path(name), force)
-    texts = build_ros2_package(project, name)
-    for path in texts:
-        (folder / path).parent.mkdir(parents=True, exist_ok=True)
-    with replace_together():
-        for path, text in texts.items():
-            write_file(folder / path, text)
-    words = "It was not built with ROS 2 here; what it stands on was compiled and run against an emulated board."
-    print_summary(Summary("", [Sentence(words, "caution")], {"package": name}), json, [folder / path for path in texts])
 
 
 def _summarise_firmware(found: Firmware) -> Summary:

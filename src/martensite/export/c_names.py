@@ -17,16 +17,8 @@ explicit export extern false float for friend goto if inline int long mutable na
 protected public register restrict return short signed sizeof static struct switch template this throw true
 try typedef typename union unsigned using virtual void volatile while
 """
-_MODELICA_WORDS = """
-algorithm and annotation assert block connect connector constant constrainedby der discrete each elseif elsewhen
-encapsulated end enumeration equation expandable extends external final flow function impure in initial inner input
-loop model not or outer output package parameter partial pure record redeclare replaceable stream then time type when
-within Boolean Integer Real String
-"""
 KEYWORDS = frozenset(_WORDS.split())
 """Of C and C++."""
-MODELICA = KEYWORDS | frozenset(_MODELICA_WORDS.split())
-"""Keywords of Modelica; its package has functions in C, too."""
 
 
 @dataclass(frozen=True)
@@ -53,30 +45,29 @@ class CoreVariable:
     """Whether anything follows from it: numbers that only decide the size of a program do not."""
 
 
-def choose_identifier(name: str | None, text: str, reserved: frozenset[str] = KEYWORDS) -> str:
+def choose_identifier(name: str | None, text: str) -> str:
     """Return a name that a user gave, or for None an identifier made of a text.
 
     Args:
         name: the name that was given, which must be an identifier.
         text: what an identifier is made of: letters, digits and single underscores.
-        reserved: keywords, which are no identifiers.
 
     Raises:
         ParameterError: the name is no identifier, or a keyword.
     """
     if name is None:
-        return _make_identifier(text, reserved)
-    if not re.fullmatch(r"[A-Za-z][0-9A-Za-z_]*", name) or name in reserved:
+        return _make_identifier(text)
+    if not re.fullmatch(r"[A-Za-z][0-9A-Za-z_]*", name) or name in KEYWORDS:
         raise ParameterError(
             "The name of an exported model must be an identifier (a letter, then letters, digits and underscores), "
-            f"not a keyword, but is `{name}`; try `{_make_identifier(name, reserved)}`."
+            f"not a keyword, but is `{name}`; try `{_make_identifier(name)}`."
         )
     return name
 
 
-def _make_identifier(text: str, reserved: frozenset[str]) -> str:
+def _make_identifier(text: str) -> str:
     plain = re.sub(r"[^0-9A-Za-z]+", "_", text).strip("_")
-    if not plain or plain[0].isdigit() or plain in reserved:
+    if not plain or plain[0].isdigit() or plain in KEYWORDS:
         plain = f"m_{plain}".rstrip("_")
     return plain
 
