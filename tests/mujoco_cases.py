@@ -1,23 +1,17 @@
-"""MuJoCo models and actuators that the tests of the bridge share."""
+"""MuJoCo models and elements along their tendons."""
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
-import numpy as np
 from builders import hanging_wire
 
 from martensite.actuators.elements.wire import Wire
-from martensite.export.mujoco_bridge import MujocoBridge, TendonActuator
-from martensite.export.strand import ForceWeights
+from martensite.export.mujoco_actuators import COUPLINGS, MujocoActuators, TendonActuator
 from martensite.physics.thermal.base import Environment
 from martensite.physics.thermal.films import ConstantCooling
-from martensite.signals.base import AbstractWaveform
 
 GRAVITY = 9.81
-LAGGED = ForceWeights(0.0, 1.0, 0.0)
-"""The force at the start of a step acts during it: what the bridge does not do."""
 
 HANGING = """<mujoco>
 <option timestep="{dt}" gravity="0 0 -9.81"/>
@@ -25,7 +19,6 @@ HANGING = """<mujoco>
   <body pos="0 0 0.7"><joint name="x" type="slide" axis="0 0 1"/>
     <geom type="sphere" size="0.01" mass="{mass}"/><site name="bottom"/></body></worldbody>
 <tendon><spatial name="wire"><site site="top"/><site site="bottom"/></spatial></tendon>
-<actuator><general tendon="wire" gainprm="1" biastype="none"/></actuator>
 </mujoco>"""
 
 LEVER = """<mujoco>
@@ -37,8 +30,6 @@ LEVER = """<mujoco>
 </body></worldbody>
 <tendon><fixed name="wire"><joint joint="hinge" coef="{radius}"/></fixed>
         <fixed name="other"><joint joint="hinge" coef="-{radius}"/></fixed></tendon>
-<actuator><general tendon="wire" gainprm="1" biastype="none"/>
-          <motor tendon="other" gear="-2"/></actuator>
 </mujoco>"""
 
 
@@ -79,44 +70,21 @@ def stiffness(one: TendonActuator) -> float:
     return 75e9 * wire.section() / wire.length
 
 
-def weighed(mass: float, dt: float, coupling: str = "end", **changes: Any) -> MujocoBridge:
+def weighed(mass: float, dt: float, coupling: str = "end", **changes: Any) -> MujocoActuators:
     """A mass at rest on an elastic wire."""
     one = actuator(elastic=True, start_force=mass * GRAVITY, **changes)
-    return MujocoBridge(hanging(dt, mass), [one], coupling=coupling)
+    return MujocoActuators(hanging(dt, mass), [one], coupling=coupling)
 
 
-def recurrence(frequency: float, dt: float, weights: ForceWeights, speed: float, steps: int) -> list[float]:
+def recurrence(frequency: float, dt: float, speed: float, steps: int, coupling: str = "end") -> list[float]:
     """Displacements of an oscillator of angular `frequency` [1/s] after a push, step by step.
 
     MuJoCo's step, v₁ = v₀ + dt a and x₁ = x₀ + dt v₁, under a = -ω²(w₁ x₁ + w₀ x₀ + w₋₁ x₋₁).
     """
-    pull, (end, start, before) = (frequency * dt) ** 2, weights
-    last, now, found = 0.0, 0.0, [0.0]
+    pull, (end, start, before) = (frequency * dt) ** 2, COUPLINGS[coupling]
+    last, now, positions = 0.0, 0.0, [0.0]
     for _ in range(steps):
-        after = now + dt * speed - pull * (start * now + before * last)
-        last, now = now, after / (1.0 + pull * end)
-        speed = (now - last) / dt
-        found.append(now)
-    return found
-
-
-def with_lagged_stress(bridge: MujocoBridge, wave: AbstractWaveform, joint: str, steps: int) -> np.ndarray:
-    """Positions of a joint if the stress of the step before drives the law in every step.
-
-    The force of the new phase state and the length as it is then acts on the model.
-    """
-    (strand,), plant, much = bridge.strands, bridge.plant, 1e9
-    force, length, found = strand.force, plant.lengths()[0], [bridge.data.joint(joint).qpos[0]]
-    for k in range(steps):
-        trial = strand.trial(wave.value((k + 0.5) * plant.dt), plant.dt)
-        strand.state = trial(force * much, much).state  # whatever the length, this force
-        strand.line = length - strand.reference, 0.0
-        force = strand.observe(0.0)["force"]
-        length = plant.advance([force])[0]
-        found.append(bridge.data.joint(joint).qpos[0])
-    return np.array(found)
-
-
-def root_mean_square(values: Any) -> float:
-    """Of a sequence."""
-    return math.sqrt(float(np.mean(np.square(values))))
+        after = (now + dt * speed - pull * (start * now + before * last)) / (1.0 + pull * end)
+        speed, last, now = (after - now) / dt, now, after
+        positions.append(now)
+    return positions

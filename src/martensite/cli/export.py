@@ -1,4 +1,4 @@
-"""`export`: a scenario in the form of another program: C99, an FMU, WebAssembly, or MJCF with a driver."""
+"""`export`: a scenario in the form of another program: C99, an FMU, WebAssembly, or MJCF."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer import Option
-from typer.core import TyperCommand
 
 from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.base.formats import write_quantity
@@ -40,8 +39,6 @@ PARTS = ("whole", "plant", "loop")
 ALONE = ("element", "material")
 STEPS = 400
 """That the example plays at least."""
-HERE = Path("SCENARIO_driver.py")
-"""Stands for the file that is written where `--driver` names none."""
 
 
 @export.command("c")
@@ -337,48 +334,24 @@ def _summarise_module(made: WasmModule) -> Summary:
     return Summary("", [Sentence(line) for line in lines], data)
 
 
-class Driving(TyperCommand):
-    """The command, whose option `--driver` may stand without a file."""
-
-    def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:
-        """Name the file that was left out."""
-        found: list[str] = []
-        for given, after in zip(args, [*args[1:], "-"], strict=True):
-            found.append(given)
-            if given == "--driver" and (after.startswith("-") or after.endswith(".toml")):
-                found.append(str(HERE))
-        return super().parse_args(ctx, found)
-
-
-@export.command("mujoco", cls=Driving)
+@export.command("mujoco")
 @spread_options
 def mujoco(
     source: ScenarioSource,
     out: Annotated[
         Path | None, Option(help="MJCF file to write [default: ./SCENARIO.xml, or ./SCENARIO_snippet.xml].")
     ] = None,
-    snippet: Annotated[
-        bool, Option("--snippet", help="Write sites, tendons and motors alone, for a model of your own.")
-    ] = False,
-    driver: Annotated[
-        Path | None,
-        Option(
-            metavar="[FILE.py]",
-            help="Write a Python program too, which plays the drive of the scenario on the model "
-            "[default: SCENARIO_driver.py beside it].",
-        ),
-    ] = None,
+    snippet: Annotated[bool, Option("--snippet", help="Sites and tendons alone, for a model of your own.")] = False,
     timestep: Annotated[str, Option(help="Time step of the model.")] = "2 ms",
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Write the mechanism of a scenario as an MJCF model, or what another model needs.
+    """Write the mechanism of a scenario as an MJCF model, or the lines that another model needs.
 
-    It has a tendon with an actuator at the place of every element. The elements themselves are
-    put there by the driver, by `martensite.export.bridge_of`, or by a `MujocoBridge`
-    with the forces printed.
+    The model has a tendon at the place of every element. In Python, `ms.export.to_mujoco` adds the elements
+    themselves, and `ms.export.MujocoActuators` adds them to any model.
     """
-    from martensite.base.files import replace_together, write_file
+    from martensite.base.files import write_file
     from martensite.export.mjcf import to_mjcf
     from martensite.export.mjcf_snippet import to_mjcf_snippet
     from martensite.show.terminal import print_summary
@@ -387,29 +360,8 @@ def mujoco(
     out = out or Path(f"{source.file.stem}{'_snippet' if snippet else ''}.xml")
     Outputs(out, None).check(force, data=(".xml",))
     dt = read_positive("timestep", timestep, "s")
-    texts = {out: to_mjcf_snippet(loaded.system) if snippet else to_mjcf(loaded.system, timestep=dt)}
-    if driver:
-        driver = out.with_name(f"{source.file.stem}_driver.py") if driver == HERE else driver
-        Outputs(driver, None).check(force, data=(".py",))
-        texts[driver] = _write_driver(loaded, driver, None if snippet else out, source.modules or [])
-    with replace_together():
-        for path, text in texts.items():
-            write_file(path, text)
-    print_summary(_summarise_model(loaded), json, texts)
-
-
-def _write_driver(loaded: Scenario, driver: Path, model: Path | None, modules: list[str]) -> str:
-    """The text of the driver; `InputError` if the scenario has nothing to play."""
-    from martensite.export.mujoco_driver import driver_text
-
-    if loaded.bench and loaded.bench.controllers.members():
-        raise InputError(
-            "A driver plays waveforms, but this scenario has a controller; leave out `--driver`, "
-            "and call your controller before every `step` of a `MujocoBridge`."
-        )
-    return driver_text(
-        loaded.system, loaded.text, driver, source=loaded.path or Path(), model=model, modules=tuple(modules)
-    )
+    write_file(out, to_mjcf_snippet(loaded.system) if snippet else to_mjcf(loaded.system, timestep=dt))
+    print_summary(_summarise_model(loaded), json, [out])
 
 
 def _summarise_model(loaded: Scenario) -> Summary:

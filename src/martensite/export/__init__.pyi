@@ -13,14 +13,13 @@ from martensite.export.fmu.archive import to_fmu as to_fmu
 from martensite.export.gymnasium import SmaEnv as SmaEnv
 from martensite.export.gymnasium_vector import SmaVectorEnv as SmaVectorEnv
 from martensite.export.learning_task import LearningTask as LearningTask
-from martensite.export.mjcf import bridge_of as bridge_of
 from martensite.export.mjcf import tendon_signals as tendon_signals
 from martensite.export.mjcf import to_mjcf as to_mjcf
+from martensite.export.mjcf import to_mujoco as to_mujoco
 from martensite.export.mjcf_snippet import to_mjcf_snippet as to_mjcf_snippet
 from martensite.export.mujoco_actuators import MujocoActuators as MujocoActuators
-from martensite.export.mujoco_bridge import MujocoBridge as MujocoBridge
-from martensite.export.mujoco_bridge import TendonActuator as TendonActuator
-from martensite.export.mujoco_bridge import holding_tensions as holding_tensions
+from martensite.export.mujoco_actuators import TendonActuator as TendonActuator
+from martensite.export.mujoco_models import holding_tensions as holding_tensions
 from martensite.export.mujoco_render import render_mujoco as render_mujoco
 from martensite.export.mujoco_result import MujocoResult as MujocoResult
 from martensite.export.ports.batch import PortBatch as PortBatch

@@ -1,9 +1,9 @@
-"""Systems as MJCF, the model format of MuJoCo, and as bridges that move them.
+"""Systems as MJCF, the model format of MuJoCo, and as MuJoCo models that their elements move.
 
 For every mechanism that has a writer in `WRITERS` the model holds the same geometry, inertia,
 springs and damping as the equations of the mechanism, and a tendon for every port, called
 after it; joints are called after the coordinates. The elements are not in the model, for MuJoCo
-has none: `bridge_of` puts those of the system along the tendons, in the same state.
+has none: `to_mujoco` puts the elements of the system along the tendons, in the same state.
 
 A mechanism without inertia (`motion = "quasi-static"`) gets that of its parameters.
 """
@@ -21,7 +21,7 @@ from martensite.base.errors import InputError, ParameterError
 from martensite.export.mjcf_finger import write_finger
 from martensite.export.mjcf_model import Model, new_model
 from martensite.export.mjcf_platform import write_platform
-from martensite.export.mujoco_bridge import MujocoBridge, TendonActuator
+from martensite.export.mujoco_actuators import MujocoActuators, TendonActuator
 from martensite.kernels import floats
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms
@@ -37,7 +37,7 @@ WRITERS: dict[type[AbstractMechanism], Writer] = {Finger: write_finger, Parallel
 
 
 def to_mjcf(system: AbstractSystem, *, timestep: float = TIMESTEP) -> str:
-    """The mechanism of a system as MJCF text, with a tendon and an actuator for every element.
+    """Write the mechanism of a system as MJCF text, with a tendon for every element.
 
     Args:
         system: a `System` or a `Machine`.
@@ -63,29 +63,30 @@ def model_of(system: AbstractSystem, *, timestep: float = TIMESTEP) -> Model:
         known = ", ".join(f"`{cls.registered_name}`" for cls in WRITERS)
         raise InputError(
             f"Mechanism `{mechanism.registered_name}` cannot be written as MJCF; those that can: {known}. Any model "
-            "of your own can be driven by `MujocoBridge`; `martensite export mujoco --snippet` writes what it needs."
+            "of your own can be driven by `MujocoActuators`; `martensite export mujoco --snippet` writes what it needs."
         )
     model = new_model(str(mechanism.registered_name), timestep)
     write(model, mechanism, timestep)
     return model
 
 
-def bridge_of(
-    system: AbstractSystem, *, timestep: float = TIMESTEP, coupling: str = "centred"
-) -> tuple[str, MujocoBridge]:
-    """A system as MJCF text, and as a bridge in which its elements move that model.
+def to_mujoco(system: AbstractSystem, *, timestep: float = TIMESTEP, coupling: str = "centred") -> MujocoActuators:
+    """Build a MuJoCo model of a system, with its elements as actuators.
 
-    The elements are at the start as they are in a run of the system. Run it under `tendon_signals(system, waveform)`.
+    The elements start as in a run of the system. Run it under `tendon_signals(system, waveform)`.
 
     Args:
         system: a `System` or a `Machine`.
-        timestep: of the model [s].
+        timestep: time step of the model [s].
         coupling: `centred` is of second order, as runs of a system are; `end` is stable at any step.
 
+    Returns:
+        The model of `to_mjcf` with an actuator at every tendon.
+
     Raises:
-        InputError: it cannot be written, or MuJoCo is missing.
+        InputError: the system cannot be written as MJCF, or MuJoCo is missing.
+        CompileError: there is no C compiler.
     """
-    text = to_mjcf(system, timestep=timestep)
     forces = start_forces(system)
     actuators = [
         TendonActuator(
@@ -93,7 +94,7 @@ def bridge_of(
         )
         for port, one in system.actuators().items()
     ]
-    return text, MujocoBridge(text, actuators, coupling=coupling)
+    return MujocoActuators(to_mjcf(system, timestep=timestep), actuators, coupling=coupling)
 
 
 def start_forces(system: AbstractSystem) -> dict[str, float]:
@@ -115,7 +116,7 @@ def tendon_signals(system: AbstractSystem, waveform: Waveforms) -> dict[str, Abs
     """The waveforms of a run by the names of tendons; what is not named gets 0.
 
     Args:
-        system: that of `bridge_of`.
+        system: the argument of `to_mujoco`.
         waveform: as for `simulate`, such as the `waveform` of a scenario.
 
     Raises:

@@ -15,8 +15,8 @@ from martensite.kernels.namespace import Scalar
 Value = str | Scalar | Sequence[Scalar]
 GREY, BLUE, DARK, ORANGE = "0.6 0.64 0.67 1", "0.12 0.37 0.55 1", "0.3 0.35 0.4 1", "0.84 0.37 0 1"
 HEADER = (
-    " Written by martensite. SI units, angles in rad. The actuators turn control into force, for "
-    "martensite.export.MujocoBridge; custom/numeric holds the force of each element at assembly [N]. "
+    " Written by martensite. SI units, angles in rad. martensite.export.MujocoActuators puts the "
+    "elements along the tendons; custom/numeric holds the force of each element at assembly [N]. "
 )
 
 
@@ -28,7 +28,6 @@ class Model(NamedTuple):
     asset: Element
     world: Element
     tendons: Element
-    actuators: Element
     starts: Element
 
     def text(self) -> str:
@@ -48,7 +47,7 @@ def new_model(name: str, timestep: float) -> Model:
     asset = append_element(root, "asset")
     append_element(asset, "texture", type="skybox", builtin="flat", rgb1="1 1 1", rgb2="1 1 1", width="8", height="8")
     append_element(append_element(root, "default"), "geom", contype="0", conaffinity="0", mass="0")
-    sections = ("worldbody", "tendon", "actuator", "custom")
+    sections = ("worldbody", "tendon", "custom")
     return Model(root, option, asset, *(append_element(root, name) for name in sections))
 
 
@@ -58,7 +57,7 @@ def append_element(parent: Element, tag: str, **attributes: Value) -> Element:
 
 
 def add_element(model: Model, port: str, sites: Sequence[str], start_force: Scalar, passes: Scalar = 1.0) -> None:
-    """A tendon through sites for the shape-memory element at a port, and its actuator.
+    """Add a tendon through sites for the shape-memory element at a port.
 
     With `passes` n a pulley in front of the sites makes every length, and so every moment arm,
     n times as large: an element that goes there and back has n of them in a row.
@@ -68,7 +67,6 @@ def add_element(model: Model, port: str, sites: Sequence[str], start_force: Scal
         append_element(tendon, "pulley", divisor=1.0 / passes)
     for site in sites:
         append_element(tendon, "site", site=site)
-    append_element(model.actuators, "general", name=port, tendon=port, gainprm="1", biastype="none")
     append_element(model.starts, "numeric", name=f"start_force_{port}", data=start_force)
 
 

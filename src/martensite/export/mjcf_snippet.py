@@ -1,12 +1,9 @@
-"""What a MuJoCo model of one's own needs for the elements of a system: lines to paste.
+"""Lines to paste into a MuJoCo model of your own for the elements of a system.
 
-Per element that is a tendon through sites and a motor that turns control into force. The document can also be
+Each element needs a tendon through sites; `MujocoActuators` adds the actuator. The document can also be
 included, by MuJoCo's `<include file="..."/>`; sites are in its comment, for they belong into the bodies of the model.
 For a mechanism that has a writer in `martensite.export.mjcf` sites and paths are those of its model; any other gets
 two sites per element, at places that are left to the reader.
-
-MuJoCo counts the force of a tendon as positive where it lengthens it, so with `gear="-1"` the
-control is the tension [N].
 """
 
 from __future__ import annotations
@@ -46,7 +43,7 @@ class Parts(NamedTuple):
 
 
 def to_mjcf_snippet(system: AbstractSystem) -> str:
-    """Tendons and motors of the elements of a system, with sites and advice in a comment.
+    """Write the tendons of the elements of a system, with sites and advice in a comment.
 
     Args:
         system: a `System` or a `Machine`.
@@ -59,9 +56,6 @@ def to_mjcf_snippet(system: AbstractSystem) -> str:
     parts = _list_sites_and_paths(system) if type(system.mechanism) in WRITERS else _left_open(system)
     root = Element("mujocoinclude")
     append_element(root, "tendon").extend(parts.tendons)
-    motors = append_element(root, "actuator")
-    for tendon in parts.tendons:
-        append_element(motors, "motor", name=tendon.get("name", ""), tendon=tendon.get("name", ""), gear="-1")
     indent(root)
     comment = COMMENT.format(
         where=parts.where,
@@ -108,11 +102,10 @@ Shape-memory elements for a MuJoCo model of your own. Written by martensite; SI 
    {where}
 {sites}
 
-2. Tendons and motors. Paste the sections below, or write <include file="..."/> with the name of
+2. Tendons. Paste the section below, or write <include file="..."/> with the name of
    this file. A path may have more sites, or bend over a cylinder: <geom geom="drum"/>. An element
    that goes to and fro n times needs <pulley divisor="1/n"/> (as a number) before its sites.
-   gear="-1" makes the control the tension [N]. Limit neither control nor force, and give the
-   tendon no stiffness: that is what the element does.
+   Give the tendon no actuator and no stiffness: martensite.export.MujocoActuators adds the element.
 
 3. Flags. Geoms that overlap at a joint collide if one of them belongs to the world; where nothing
    is to touch: <option><flag contact="disable"/></option>
@@ -120,6 +113,6 @@ Shape-memory elements for a MuJoCo model of your own. Written by martensite; SI 
 4. Start. The element has to be told how hard it is pulled where the model starts. On the
    mechanism of the scenario:
 {forces}
-   martensite.holding_tensions asks your model for what holds it still. Weights, springs and stops
+   martensite.export.holding_tensions finds the tensions that hold your model still. Weights, springs and stops
    of that mechanism are not here: your model takes its place.
 """

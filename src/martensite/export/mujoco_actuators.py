@@ -1,41 +1,59 @@
-r"""Elements as actuators of somebody's own MuJoCo model, as cheap as any other: C that MuJoCo calls by itself.
+r"""Shape-memory elements as actuators of a MuJoCo model, in C that `mj_step` calls.
 
-`mj_step` asks for the bias of an actuator of type `user` by a callback (`mjcb_act_bias`), here C made of the kernel of
-the element. The force is found on a load line, together with law and heat, as in `martensite.export.mujoco_bridge`:
+`mj_step` asks for the bias of an actuator of type `user` by a callback (`mjcb_act_bias`). Here the callback is C
+generated from the kernel of the element. The force is found on a load line, together with law and heat:
 
     l(F) = l + dt J (v + dt (M + dt D)⁻¹ (f - Jᵀ F))
 
-but the line is laid by the mass matrix that MuJoCo has at hand, with contacts and limits of one step ago, in place of
-trial steps. So a step of the model is made once, and may be made by anybody: `mj_step`, a viewer, another program's
-loop. What an element remembers stands in `userdata` of the data, and goes with its copies and saved states.
+with the length l of the tendon, its Jacobian J, the mass matrix M, the joint damping D and the smooth forces f. Contact
+and limit forces are those of the step before. The force that acts in a step is a choice:
 
-Sign convention: tension and shortening positive; a tension is a negative `actuator_force`. SI throughout.
+    end       F = f₁                        stable at any step, first order; damps an oscillation of angular frequency
+                                            ω by the fraction ω dt/2 of critical damping (implicit Euler)
+    centred   F = (f₁ + 2 f₀ + f₋₁)/4       second order, no damping (trapezoidal rule); rings if ω dt > 1
+
+with f₀, f₁ the force of the element at the start and at the end, f₋₁ one step before the start. MuJoCo's velocities
+belong to half steps, so f₁ alone is of first order.
+
+`mj_step`, a viewer or another program can make the steps. The memory of an element is in `userdata` of the data, so
+copies and saved states contain it.
+
+Sign convention: tension and shortening are positive; a tension is a negative `actuator_force`. SI units.
 """
 
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
-from functools import cache
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from martensite.base.errors import InputError, SolveError, UnknownNameError
-from martensite.export.c_kernels import CKernel, kernels_text, precision_of
-from martensite.export.mujoco_bridge import TendonActuator, begin_data, read_mjcf
-from martensite.export.mujoco_plant import load_mujoco
+from martensite.actuators.assembly import Actuator
+from martensite.base.errors import InputError, ParameterError, SolveError, suggest_name
+from martensite.base.parameters import Number, param, part
+from martensite.export.mujoco_models import (
+    add_tendon_actuator,
+    begin_data,
+    compile_spec,
+    find_tendons,
+    load_mujoco,
+    measure_tendons,
+    read_spec,
+)
+from martensite.export.mujoco_result import MujocoResult
+from martensite.export.mujoco_run import run_actuators
+from martensite.export.mujoco_source import list_flags, load_dispatcher, write_source
 from martensite.export.strand import TracedStrand
 from martensite.kernels.compiled_program import get_address
 from martensite.kernels.compiler import load_library
+from martensite.signals.base import AbstractWaveform
 from martensite.simulate.compiled import Compiled, compile_system
 
-HEAD, OWN = 2, 4
+HEAD, OWN = 2, 7
 """Numbers in `userdata` for a group, and for each of its elements besides its states."""
-NUMBERS = {"SOLVED": 1e-8, "AGREED": 1e-10, "LEAST": 1e-3, "TURNS": 50, "SWEEPS": 200, "MOST": 4096}
-"""Residual of a solved element; change of a force at which elements are balanced, as a share and of what force [N] at
-least; turns and sweeps until then; groups of elements in one process."""
+COUPLINGS = {"end": (1.0, 0.0, 0.0), "centred": (0.25, 0.5, 0.25)}
+"""Weights of the forces that act in a step: at its end, at its start, one step earlier."""
 FAILURES = {
     1: "the element at tendon `{}` was not solved; try a smaller `timestep`, and look at its drive",
     2: "the forces of elements that share joints were not balanced; try a smaller `timestep`",
@@ -43,150 +61,185 @@ FAILURES = {
     4: "the integrator asks for forces within a step; use Euler, implicit or implicitfast",
     5: "there was no memory left",
 }
-OLDEST = 4
-"""Version of MuJoCo whose structures the C is written for."""
+
+
+class TendonActuator(Actuator):
+    """An element along a tendon of a MuJoCo model, with its environment and its source.
+
+    In the pose in which the model starts it is under `start_force`, or loose by `slack`.
+    """
+
+    tendon: str = part("name of the tendon")
+    start_force: Number = param("N", "force at the start", low=0.0, high=1e6, default=0.0)
+    slack: Number = param("m", "how much the tendon is shorter than the element at the start", low=0.0, default=0.0)
+
+    def check(self) -> None:
+        """Raise `ParameterError` for an element that is loose and under force."""
+        if self.slack > 0.0 and self.start_force > 0.0:
+            raise ParameterError(
+                f"The element at tendon `{self.tendon}` cannot have both `start_force` and "
+                "`slack`; leave one of them out."
+            )
 
 
 class StrandStep(NamedTuple):
-    """What an element did in the step whose time is the newest."""
+    """An element in the newest step."""
 
     drive: float
     reach: float
-    """Where the path would have ended without force, above the length without elongation [m]."""
+    """Elongation [m] at which the path would end without force."""
     give: float
-    """How much it yields [m/N]."""
+    """Compliance of the path over the step [m/N]."""
     force: float
-    """[N]"""
+    """At the end of the step [N]."""
+    crossing: float
+    """Fraction of a transformation strip that the elastic trial crossed."""
     start: tuple[float, ...]
     """State before the step."""
     end: tuple[float, ...]
-    """State after it."""
+    """State after the step."""
 
 
 class MujocoActuators:
-    """A model of MuJoCo with elements along its tendons, as actuators that any program steps.
+    """A MuJoCo model with elements along its tendons, as actuators that any program can step.
 
-    `model` has an actuator for each, named as its tendon, behind those that it had; its control is the drive signal, in
-    the unit of its source. MuJoCo's `mjcb_act_bias` is taken for the whole process.
+    `model` has an actuator for each element, named after its tendon, behind the actuators that it had. Its control is
+    the drive signal, in the unit of the source. MuJoCo's `mjcb_act_bias` is set for the whole process.
 
     Args:
-        model: path of an MJCF file, MJCF text, or an `MjSpec`, to which the actuators are added.
-        actuators: one per tendon.
+        model: the path of an MJCF file, MJCF text, or an `MjSpec`, which stays as it is.
+        actuators: one per tendon; other tendons of the model stay as they are.
         keyframe: name of the keyframe in whose pose each element is under its `start_force`; by default the pose of
             the model.
+        coupling: `end` or `centred`, the force of an element that acts in a step.
 
     Raises:
-        InputError: MuJoCo is missing or too old, or the model cannot be driven so; the sentence says why.
+        InputError: MuJoCo is missing or too old, or cannot drive this model; the sentence says why.
         CompileError: there is no C compiler.
     """
 
-    def __init__(self, model: Any, actuators: Sequence[TendonActuator], *, keyframe: str | None = None) -> None:
-        require_mujoco()
+    def __init__(
+        self, model: Any, actuators: Sequence[TendonActuator], *, keyframe: str | None = None, coupling: str = "end"
+    ) -> None:
+        if coupling not in COUPLINGS:
+            raise InputError(f"No coupling `{coupling}`. {suggest_name(coupling, COUPLINGS)}")
         self.tendons = [one.tendon for one in actuators]
         if not actuators or len(set(self.tendons)) < len(actuators):
             raise InputError("There must be actuators, each at a tendon of its own.")
         spec = read_spec(model)
-        bare = spec.compile()
+        bare = compile_spec(spec)
         self.strands = trace_strands(bare, begin_data(bare, keyframe), actuators)
         compiled = [compile_system(one.system) for one in self.strands]
         self._library = load_library(write_source(compiled), list_flags())
-        self._first = spec.nuserdata
+        self._first, self._keyframe = spec.nuserdata, keyframe
         *self._places, end = place_strands(compiled, self._first + HEAD)
-        self._group = self._make_group(compiled)
+        self._group = self._make_group(compiled, COUPLINGS[coupling])
         number = load_dispatcher().add_group(self._library.find_force, self._group)
         self.model = add_actuators(spec, self.tendons, (number, self._first), end)
+        self._numbers = find_tendons(self.model, self.tendons)
 
-    def _make_group(self, compiled: Sequence[Compiled]) -> Any:
+    def _make_group(self, compiled: Sequence[Compiled], weights: Sequence[float]) -> Any:
         self._library.make_group.restype = ctypes.c_void_p
-        group = ctypes.c_void_p(self._library.make_group())
+        group = ctypes.c_void_p(self._library.make_group(get_address(np.array(weights))))
         for k, (one, strand) in enumerate(zip(compiled, self.strands, strict=True)):
-            told = [np.array(row, float) for row in ((strand.reference, strand.force), strand.state)]
-            told.append(np.array(one.values(strand.system), float))
-            self._library.set_strand(group, k, self._places[k] - self._first, *map(get_address, told))
+            rows = [np.array(row, float) for row in ((strand.reference, strand.force), strand.state)]
+            rows.append(np.array(one.values(strand.system), float))
+            self._library.set_strand(group, k, self._places[k] - self._first, *map(get_address, rows))
         return group
 
+    def begin(self) -> Any:
+        """Make new data (`MjData`) in the pose in which the elements start."""
+        return begin_data(self.model, self._keyframe)
+
     def observe(self, data: Any) -> dict[str, dict[str, float]]:
-        """What can be measured now, in SI, by tendon and output, under the present controls.
+        """Measure all elements at the present time and coordinates, under the present controls.
+
+        Args:
+            data: `MjData` of the model. Its tendon lengths are updated.
+
+        Returns:
+            Outputs in SI by tendon and name, among them the `length` of the tendon [m].
 
         Raises:
             SolveError: a step failed since the last call; the sentence says when and why.
         """
         self.require_solved()
-        found: dict[str, dict[str, float]] = {}
-        for strand, step in zip(self.strands, self.list_steps(data), strict=True):
-            length = float(data.actuator(strand.name).length[0])
-            strand.state = step.end if self._has_moved(data) else step.start
-            strand.line = length - strand.reference, 0.0
-            found[strand.name] = strand.observe(float(data.actuator(strand.name).ctrl[0])) | {"length": length}
-        return found
+        lengths = measure_tendons(self.model, data)[self._numbers].tolist()
+        rows: dict[str, dict[str, float]] = {}
+        for strand, step, length in zip(self.strands, self.list_steps(data), lengths, strict=True):
+            state, drive = step.end if self._has_moved(data) else step.start, data.actuator(strand.name).ctrl[0]
+            rows[strand.name] = strand.observe(state, float(drive), length) | {"length": length}
+        return rows
+
+    def run(
+        self,
+        duration: float,
+        signals: Mapping[str, AbstractWaveform | float],
+        *,
+        data: Any = None,
+        samples: int = 1001,
+        joints: Sequence[str] | None = None,
+    ) -> MujocoResult:
+        """Make steps for `duration` [s] and record them.
+
+        A step takes the signal at its middle (at its end if that is a temperature), at the time of the data. Steps do
+        not end at the edges of a waveform: choose the time step accordingly.
+
+        Args:
+            duration: length of the run [s]; rounded up to whole steps.
+            signals: a waveform or a constant per tendon, in the unit of its source.
+            data: `MjData` to continue from; by default new data as from `begin`.
+            samples: largest number of samples; they are a whole number of steps apart.
+            joints: hinges and slides whose positions are returned; by default all.
+
+        Returns:
+            Columns over time in SI, with alarms.
+
+        Raises:
+            InputError: an argument is out of range.
+            SolveError: the run failed; the sentence says when, where and what to try.
+        """
+        return run_actuators(self, duration, signals, self.begin() if data is None else data, samples, joints)
 
     def list_steps(self, data: Any) -> list[StrandStep]:
-        """What each element did in the newest step of the data, in the order of `tendons`."""
+        """Return the newest step of each element, in the order of `tendons`."""
         return [self._read_step(data.userdata, *one) for one in zip(self.strands, self._places, strict=True)]
 
     def _read_step(self, kept: Any, strand: TracedStrand, place: int) -> StrandStep:
-        if kept[self._first] == 0.0:  # not begun
-            return StrandStep(strand.drive, *strand.line, strand.force, strand.state, strand.state)
-        force, drive, reach, give = kept[place : place + OWN].tolist()
+        if kept[self._first] == 0.0:  # no step yet
+            return StrandStep(strand.drive, strand.reach, 0.0, strand.force, 0.0, strand.state, strand.state)
+        force, drive, reach, give, crossing, *_ = kept[place : place + OWN].tolist()
         size = len(strand.state)
         states = kept[place + OWN : place + OWN + 2 * size].tolist()
-        return StrandStep(drive, reach, give, force, tuple(states[:size]), tuple(states[size:]))
+        return StrandStep(drive, reach, give, force, crossing, tuple(states[:size]), tuple(states[size:]))
 
     def _has_moved(self, data: Any) -> bool:
-        """Whether time is beyond the start of the newest step."""
+        """Return True if time is beyond the start of the newest step."""
         return bool(data.time > data.userdata[self._first + 1])
 
     def require_solved(self) -> None:
-        """Raise `SolveError` if a step failed since the last call; its forces were no numbers."""
+        """Raise `SolveError` if a step failed since the last call; its forces are NaN."""
         time, strand = ctypes.c_double(), ctypes.c_int()
         failed = self._library.read_failure(self._group, ctypes.byref(time), ctypes.byref(strand))
         if failed:
-            said = FAILURES[failed].format(self.tendons[strand.value])
-            raise SolveError(f"A step of the model failed at t = {time.value:.6g} s: {said}.")
-
-
-def require_mujoco() -> None:
-    """Raise `InputError` unless MuJoCo is there, and not too old."""
-    version = load_mujoco().__version__
-    if int(version.split(".")[0]) < OLDEST:
-        raise InputError(
-            f"Actuators in C need MuJoCo {OLDEST} or newer, but {version} is installed; use `MujocoBridge`."
-        )
-
-
-def read_spec(model: Any) -> Any:
-    """An `MjSpec` from one, from the path of an MJCF file, or from MJCF text.
-
-    Raises:
-        InputError: MuJoCo cannot read it.
-    """
-    kind = load_mujoco().MjSpec
-    return read_mjcf(model, kind, kind.from_string, kind.from_file)
+            reason = FAILURES[failed].format(self.tendons[strand.value])
+            raise SolveError(f"A step of the model failed at t = {time.value:.6g} s: {reason}.")
 
 
 def trace_strands(model: Any, data: Any, actuators: Sequence[TendonActuator]) -> list[TracedStrand]:
-    """Elements along the tendons of a model, in the pose of its data.
+    """Trace elements along the tendons of a model, in the pose of its data.
 
     Raises:
-        InputError: there is no such tendon, nothing is actuated, or the integrator asks for forces within a step.
+        InputError: there is no such tendon, or the integrator asks for forces within a step.
     """
-    mujoco = load_mujoco()
+    integrators = load_mujoco().mjtIntegrator
     if model.opt.integrator not in (
-        mujoco.mjtIntegrator.mjINT_EULER,
-        mujoco.mjtIntegrator.mjINT_IMPLICIT,
-        mujoco.mjtIntegrator.mjINT_IMPLICITFAST,
+        integrators.mjINT_EULER,
+        integrators.mjINT_IMPLICIT,
+        integrators.mjINT_IMPLICITFAST,
     ):
         raise InputError("Elements are solved once in a step: set `integrator` to Euler, implicit or implicitfast.")
-    if model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_ACTUATION):
-        raise InputError("The model disables actuation: its tendons cannot be driven.")
-    mujoco.mj_kinematics(model, data)
-    mujoco.mj_comPos(model, data)
-    mujoco.mj_tendon(model, data)
-    known = [model.tendon(k).name for k in range(model.ntendon)]
-    for one in actuators:
-        if one.tendon not in known:
-            raise UnknownNameError("tendon of the model is", one.tendon, known)
-    lengths = [float(data.ten_length[known.index(one.tendon)]) for one in actuators]
+    lengths = measure_tendons(model, data)[find_tendons(model, [one.tendon for one in actuators])].tolist()
     return [
         TracedStrand(one.tendon, one, one.start_force, one.slack, length)
         for one, length in zip(actuators, lengths, strict=True)
@@ -194,95 +247,28 @@ def trace_strands(model: Any, data: Any, actuators: Sequence[TendonActuator]) ->
 
 
 def place_strands(compiled: Sequence[Compiled], first: int) -> list[int]:
-    """Where in `userdata` each element keeps what it remembers, and where the last one ends."""
-    found = [first]
+    """Return where in `userdata` the memory of each element begins, and where the last one ends."""
+    places = [first]
     for one in compiled:
-        found.append(found[-1] + OWN + 2 * one.size)
-    return found
+        places.append(places[-1] + OWN + 2 * one.size)
+    return places
 
 
 def add_actuators(spec: Any, tendons: Sequence[str], group: tuple[int, int], end: int) -> Any:
-    """The compiled model of a specification, with an actuator for each tendon.
+    """Compile a specification with an actuator for each tendon.
 
     Args:
-        spec: to which they are added.
+        spec: the specification; the actuators are added to it.
         tendons: their names.
-        group: number and first place in `userdata`.
+        group: number of the group, and its first place in `userdata`.
         end: first place in `userdata` that is free.
 
     Raises:
-        InputError: MuJoCo cannot make it.
+        InputError: MuJoCo cannot compile it.
     """
-    mujoco = load_mujoco()
     for k, tendon in enumerate(tendons):
-        one = spec.add_actuator(name=tendon, trntype=mujoco.mjtTrn.mjTRN_TENDON, target=tendon)
-        one.gaintype, one.biastype = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_USER
-        one.dyntype, one.gainprm[0], one.gear[:] = mujoco.mjtDyn.mjDYN_NONE, 0.0, (1.0, *[0.0] * 5)
-        one.ctrllimited = one.forcelimited = one.actlimited = 0  # whatever the defaults of the model are
-        one.biasprm[:3] = group[0], k, group[1]
+        actuator = add_tendon_actuator(spec, tendon, name=tendon)
+        actuator.biastype, actuator.gainprm[0] = load_mujoco().mjtBias.mjBIAS_USER, 0.0
+        actuator.biasprm[:3] = group[0], k, group[1]
     spec.nuserdata = end
-    try:
-        return spec.compile()
-    except ValueError as error:
-        raise InputError(f"MuJoCo cannot make the model: {error}") from error
-
-
-# ---------------------------------------------------------------- C
-
-
-def list_flags() -> tuple[str, ...]:
-    """Where the headers of MuJoCo are."""
-    return (f"-I{Path(load_mujoco().__file__).parent / 'include'}",)
-
-
-def write_source(compiled: Sequence[Compiled]) -> str:
-    """C of all elements: each kernel once, tables of what is whose, and the step."""
-    texts, kinds = list[str](), dict[int, int]()
-    for one in compiled:
-        if id(one.program) not in kinds:
-            kinds[id(one.program)] = len(kinds)
-            kernel = CKernel.of(one.program.functions["step"], one.size, 3)
-            kept = list(range(len(one.program.parameters)))
-            texts.append(
-                kernels_text(one.program, kept, [kernel], f"k{kinds[id(one.program)]}_", precision_of("float64"))
-            )
-    numbers = NUMBERS | {
-        "STRANDS": len(compiled),
-        "KEPT": max(one.size for one in compiled),
-        "CONSTANTS": max(1, *(one.program.constants for one in compiled)),
-    }
-    mine = [kinds[id(one.program)] for one in compiled]
-    tables = [
-        f"#define STEPS ((const Kernel[]){{{', '.join(f'k{k}_kernel_step' for k in mine)}}})",
-        f"#define PREPARES ((const Prepare[]){{{', '.join(f'k{k}_kernel_prepare' for k in mine)}}})",
-        f"#define STATES ((const int[]){{{', '.join(str(one.size) for one in compiled)}}})",
-    ]
-    return "\n".join([*define_numbers(numbers), *texts, *tables, read_text("mujoco_callback.c")])
-
-
-def define_numbers(numbers: dict[str, Any]) -> list[str]:
-    """Headers, and constants by name."""
-    heads = ["float.h", "math.h", "stdlib.h", "string.h", "mujoco/mujoco.h"]
-    return [*(f"#include <{name}>" for name in heads), *(f"#define {key} {value}" for key, value in numbers.items())]
-
-
-def read_text(name: str) -> str:
-    """C of a file of this package."""
-    return (Path(__file__).parent / name).read_text(encoding="utf-8")
-
-
-@cache
-def load_dispatcher() -> Any:
-    """The library whose callback MuJoCo has from now on, once in a process.
-
-    Raises:
-        InputError: another program has that callback.
-    """
-    mujoco = load_mujoco()
-    if mujoco.get_mjcb_act_bias() is not None:
-        raise InputError("MuJoCo's callback `mjcb_act_bias` is taken; set it to None first.")
-    library = load_library(
-        "\n".join([*define_numbers({"MOST": NUMBERS["MOST"]}), read_text("mujoco_dispatch.c")]), list_flags()
-    )
-    mujoco.set_mjcb_act_bias(library.find_bias)
-    return library
+    return compile_spec(spec)

@@ -6,14 +6,16 @@
 
    with all that MuJoCo knows when it asks for the force: f are its smooth forces, the forces of other actuators, and
    those of contacts and limits one step ago; D is the joint damping that its integrator takes at the end of the step.
-   That is a load line for every element, and the kernel of the element solves law, heat and force on it at once.
+   The force on the model during a step is a weighted mean of the forces at its end, at its start, and one step
+   earlier. That is a load line for every element, and the kernel of the element solves law, heat and force on it at once.
 
    Everything that changes stands in `userdata` of mjData, so that copies, resets and saved states hold it:
-   [0] begun, [1] time of the step; then for every element its force, drive, reach and give of the step, its state at
-   the start, and its state at the end. A step counts when time has gone on; asked again at the same time, it is made
+   [0] begun, [1] time of the step; then for every element its force at the end, drive, reach and give of
+   the step, the fraction of a strip that it crossed, its force at the start of the step and of the step before, its
+   state at the start, and its state at the end. A step counts when time has gone on; asked again at the same time, it is made
    anew. Below this stand the kernels, and above it STRANDS, KEPT (the largest state) and kernel types. */
 
-enum { HEAD = 2, OWN = 4 };
+enum { HEAD = 2, OWN = 7 };
 enum { FINE = 0, UNSOLVED = 1, UNBALANCED = 2, TURNED_BACK = 3, WRONG_INTEGRATOR = 4, NO_ROOM = 5 };
 
 typedef void (*Kernel)(const double *, const double *, const double *, double, double *);
@@ -28,6 +30,7 @@ typedef struct {
 
 typedef struct {
     Strand strands[STRANDS];
+    double weight_end, weight_start, weight_before; /* of the forces that act in a step; their sum is 1 */
     int failure, fallen; /* the first failure, and its element */
     double failed_at;
 } Group;
@@ -146,7 +149,7 @@ static int step_strand(const Strand *one, double *own, double reach, double give
     for (k = 0; k < one->states + 2; k++)
         if (!(fabs(y[k]) <= DBL_MAX)) return 0;
     memcpy(own + OWN + one->states, y, sizeof(double) * (size_t)one->states);
-    own[0] = y[one->states - 3];
+    own[0] = y[one->states - 3], own[4] = y[one->states + 1];
     return y[one->states] <= SOLVED;
 }
 
@@ -190,17 +193,22 @@ static void begin_strands(const Group *group, double *kept) {
     int i;
     for (i = 0; i < STRANDS; i++) {
         double *own = kept + strands[i].place;
-        own[0] = strands[i].force;
+        own[0] = own[5] = own[6] = strands[i].force;
         memcpy(own + OWN, strands[i].start, sizeof(double) * (size_t)strands[i].states);
         memcpy(own + OWN + strands[i].states, strands[i].start, sizeof(double) * (size_t)strands[i].states);
     }
     kept[0] = 1.0;
 }
 
+/* The part of the force in a step that is known before it is solved. */
+static double find_known(const Group *group, const double *own) {
+    return group->weight_start * own[5] + group->weight_before * own[6];
+}
+
 static int solve_strands(Group *group, const mjModel *m, const mjData *d, int first, double *kept) {
     const Strand *strands = group->strands;
     double reach[STRANDS], S[STRANDS][STRANDS];
-    int i, rows[STRANDS];
+    int i, j, rows[STRANDS];
     if (m->opt.integrator == mjINT_RK4 || m->opt.integrator > mjINT_IMPLICITFAST) return WRONG_INTEGRATOR;
     if (kept[0] == 0.0)
         begin_strands(group, kept);
@@ -208,8 +216,9 @@ static int solve_strands(Group *group, const mjModel *m, const mjData *d, int fi
         return TURNED_BACK;
     else if (d->time > kept[1])
         for (i = 0; i < STRANDS; i++) {
-            double *own = kept + strands[i].place + OWN;
-            memcpy(own, own + strands[i].states, sizeof(double) * (size_t)strands[i].states);
+            double *own = kept + strands[i].place;
+            own[6] = own[5], own[5] = own[0];
+            memcpy(own + OWN, own + OWN + strands[i].states, sizeof(double) * (size_t)strands[i].states);
         }
     kept[1] = d->time;
     for (i = 0; i < STRANDS; i++) {
@@ -217,6 +226,11 @@ static int solve_strands(Group *group, const mjModel *m, const mjData *d, int fi
         kept[strands[i].place + 1] = d->ctrl[m->actuator_ctrladr[first + i]];
     }
     if (!lay_lines(group, m, d, first, rows, reach, S)) return NO_ROOM;
+    for (i = 0; i < STRANDS; i++)
+        for (j = 0; j < STRANDS; j++) {
+            reach[i] -= S[i][j] * find_known(group, kept + strands[j].place);
+            S[i][j] *= group->weight_end;
+        }
     return balance_strands(group, kept, reach, S, m->opt.timestep);
 }
 
@@ -231,7 +245,8 @@ double find_force(Group *group, const mjModel *m, const mjData *d, int id) {
         if (found != FINE)
             for (i = 0; i < STRANDS; i++) kept[group->strands[i].place] = NAN;
     }
-    return -kept[group->strands[mine].place];
+    kept += group->strands[mine].place;
+    return -(group->weight_end * kept[0] + find_known(group, kept));
 }
 
 /* The first failure since the last call, when it was, and of which strand. */
@@ -242,7 +257,11 @@ int read_failure(Group *group, double *time, int *strand) {
     return found;
 }
 
-Group *make_group(void) { return calloc(1, sizeof(Group)); }
+Group *make_group(const double *weights) {
+    Group *group = calloc(1, sizeof(Group));
+    if (group) group->weight_end = weights[0], group->weight_start = weights[1], group->weight_before = weights[2];
+    return group;
+}
 
 /* numbers: length without elongation [m], and force at the start [N]. */
 void set_strand(Group *group, int i, int place, const double *numbers, const double *start, const double *parameters) {

@@ -24,7 +24,7 @@ import numpy as np
 from martensite.base.child_python import python_command, python_environment
 from martensite.base.errors import DataError, MartensiteError, ParameterError, UnknownNameError
 from martensite.base.files import replace_file
-from martensite.export.mujoco_plant import load_mujoco
+from martensite.export.mujoco_models import load_mujoco
 from martensite.export.mujoco_result import MujocoResult
 
 FILMS = (".mp4", ".gif")
@@ -52,7 +52,7 @@ def render_mujoco(
 
     Args:
         model: the `mjModel` of the run.
-        result: what `MujocoBridge.run` returned; its samples are the poses that there are.
+        result: the result of `MujocoActuators.run`; its samples are the available poses.
         path: file to write; the suffix is the format.
         time: of the pose [s], for a picture; by default the last one.
         fps: frames per second of a film.

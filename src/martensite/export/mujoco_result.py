@@ -1,4 +1,4 @@
-"""What a run of a MuJoCo model with shape-memory elements returns: columns over time, in SI."""
+"""Result of a run of a MuJoCo model with shape-memory elements: columns over time, in SI."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from martensite.base.errors import UnknownNameError
 from martensite.base.status import Status
 from martensite.export.strand import TracedStrand
 from martensite.simulate.alarms import JUDGED, Alarm, alarms_of
+from martensite.simulate.march import classify_step
 
 
 @dataclass
 class MujocoResult:
-    """Columns over time, and how well the steps were solved."""
+    """Columns over time."""
 
     step: float
     """[s]"""
@@ -27,17 +28,8 @@ class MujocoResult:
     """Position of every joint that was asked for [rad or m]."""
     poses: list[list[float]] = field(default_factory=list[list[float]])
     """All coordinates of the model, for pictures."""
-    steps: int = 0
-    status: Status = Status.OK
-    """The worst status of all steps; a failed run has no result but raises."""
-    status_time: float | None = None
-    """Start of the first step with it [s]."""
-    error: float = 0.0
-    """Largest error of a force that was left, as a share of it."""
-    turns: int = 0
-    """Most lines that were laid in a step; 1 where nothing but free motion happened."""
-    asked: int = 0
-    """Most often that all elements were asked in a step."""
+    coarse_time: float | None = None
+    """Start of the first step that is too long for a law [s]."""
     followed: dict[str, dict[str, list[float]]] = field(default_factory=dict[str, dict[str, list[float]]])
     """By tendon the `time` and the outputs that alarms are about, at every step; filled by `follow`."""
     alarms: list[Alarm] = field(default_factory=list[Alarm])
@@ -56,17 +48,14 @@ class MujocoResult:
     def warnings(self) -> list[str]:
         """The alarms in words, and coarse steps."""
         found = [alarm.sentence for alarm in self.alarms]
-        if self.status is Status.LONG_STEP:
-            found.append(f"Warning: first at t = {self.status_time:.6g} s. {self.status.sentence}")
+        if self.coarse_time is not None:
+            found.append(f"Warning: first at t = {self.coarse_time:.6g} s. {Status.LONG_STEP.sentence}")
         return found
 
-    def note(self, status: Status, time: float, error: float, turns: int, asked: int) -> None:
-        """Keep the worst of a step that began at `time` [s]."""
-        self.steps += 1
-        if status > self.status:
-            self.status, self.status_time = status, time
-        self.error = max(self.error, error)
-        self.turns, self.asked = max(self.turns, turns), max(self.asked, asked)
+    def note_crossing(self, time: float, crossing: float) -> None:
+        """Keep the start [s] of the first step in which an element crossed too much of a transformation strip."""
+        if self.coarse_time is None and classify_step(0.0, crossing) is Status.LONG_STEP:
+            self.coarse_time = time
 
     def sample(self, data: Any, rows: Mapping[str, Mapping[str, float]], joints: Mapping[str, int]) -> None:
         """Append the present: rows of outputs by tendon, coordinates by their numbers."""

@@ -1,4 +1,4 @@
-"""An element between two points of a machine: its state, its last forces, its step on a line.
+"""An element between two points of a machine: its state, and its step on a load line.
 
 Whatever an element pulls on, over one short step its path ends at
 
@@ -11,41 +11,19 @@ the element solves its step on that line, implicit in its own force. It cannot p
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from martensite.actuators.assembly import Actuator, System
 from martensite.actuators.elements.base import AbstractElement, Pull, Spring
 from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Load, Output
-from martensite.base.errors import ParameterError, SolveError
+from martensite.base.errors import ParameterError
 from martensite.base.parameters import Number, param
-from martensite.base.status import Status
-from martensite.export.balance import LineStepEnd
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import flatten_numbers
 from martensite.physics.laws.coupling import StepReport
 from martensite.simulate.compiled import compile_system
-from martensite.simulate.march import classify_step
-
-NOTICED = 1e5
-"""Stress [Pa] that counts as one."""
-
-
-class ForceWeights(NamedTuple):
-    """Which forces of an element act on the machine during a step, as shares that sum to 1."""
-
-    end: float
-    """Of the force at the end of the step."""
-    start: float
-    """Of the force at its start."""
-    before: float
-    """Of the force at the start of the step before."""
-
-
-END = ForceWeights(1.0, 0.0, 0.0)
-CENTRED = ForceWeights(0.25, 0.5, 0.25)
 
 
 class ElementEnd(NamedTuple):
@@ -116,7 +94,7 @@ def _build_pull(signals: Column) -> Pull:
 
 
 class TracedStrand:
-    """The step of one element, traced, and what it remembers."""
+    """One element, traced, with its state."""
 
     def __init__(self, name: str, actuator: Actuator, start_force: float, slack: float, length: float) -> None:
         self.name = name
@@ -133,63 +111,29 @@ class TracedStrand:
         )
         self.drive = actuator.environment.temperature if actuator.source.sets_temperature else 0.0
         compiled = compile_system(self.system)
-        functions = compiled.program.bind_floats(*compiled.values(self.system))
-        self._step, self._observe = functions["step"], functions["observe"]
+        self._observe = compiled.program.bind_floats(*compiled.values(self.system))["observe"]
         self._names = compiled.outputs
         state = self.system.init(floats, self.drive, 0.0, 0.0)
         spring = actuator.element.tangent(floats, state.elements[0], start_force)
         self.state = tuple(flatten_numbers(state))
-        self.force = self.before = start_force
-        self.line = spring.free + spring.compliance * start_force - slack, 0.0
-        self.reference = length - self.line[0]
+        """At the start."""
+        self.force = start_force
+        self.reach = spring.free + spring.compliance * start_force - slack
+        """Elongation of the path at the start [m]."""
+        self.reference = length - self.reach
         """Length of the path at which the element has no elongation [m]."""
-        one = actuator.observe_element(floats, state.elements[0], 1.0, self.drive)
-        self.least = NOTICED / one["stress"]
-        """Force that counts as one [N]."""
-        self.status = Status.OK
-        """Of the last step."""
 
-    def trial(self, drive: float, dt: float) -> Callable[[float, float], LineStepEnd]:
-        """The next step as a function of the line; commits nothing."""
+    def observe(self, state: Sequence[float], drive: float, length: float) -> dict[str, float]:
+        """Measure the element.
 
-        def answer(reach: float, give: float) -> LineStepEnd:
-            return self._answer(drive, dt, reach, give)
+        Args:
+            state: its state.
+            drive: the drive signal, in the unit of the source.
+            length: length of its path [m].
 
-        return answer
-
-    def _answer(self, drive: float, dt: float, reach: float, give: float) -> LineStepEnd:
-        try:
-            *state, residual, crossing = self._step(*self.state, drive, reach, give, dt)
-        except ArithmeticError:  # a division by zero or an overflow
-            return LineStepEnd(self.state, math.nan, math.nan, math.nan, math.inf, 0.0)
-        force, free, compliance = state[-len(ElementEnd._fields) :]  # what the line holds comes last
-        return LineStepEnd(tuple(state), force, free, compliance, residual, crossing)
-
-    def held(self, weights: ForceWeights) -> float:
-        """The share of the tension of the next step that is known [N]."""
-        return weights.start * self.force + weights.before * self.before
-
-    def require(self, answer: LineStepEnd, time: float) -> Status:
-        """Status of an answer, or `SolveError` if it cannot be trusted."""
-        status = classify_step(answer.residual, answer.crossing)
-        if not math.isfinite(sum(answer.state)):
-            status = Status.NOT_FINITE
-        if status.failed:
-            raise SolveError(
-                f"The element at tendon `{self.name}` failed in the step at t = {time:.6g} s. {status.sentence}"
-            )
-        return status
-
-    def commit(self, answer: LineStepEnd, drive: float, length: float, time: float) -> None:
-        """Take an answer; `length` [m] is that of the path in the end."""
-        self.status = self.require(answer, time)
-        self.state, self.before, self.force = answer.state, self.force, answer.force
-        self.drive = drive
-        self.line = length - self.reference, 0.0
-
-    def observe(self, drive: float) -> dict[str, float]:
-        """Everything that can be measured on the element, in SI, by name."""
-        row = self._observe(*self.state, drive, *self.line)
-        found = dict(zip(self._names, row, strict=True))
-        known = self.system.mechanism.signals()
-        return {name: value for name, value in found.items() if name not in known}
+        Returns:
+            Outputs in SI by name.
+        """
+        row = self._observe(*state, drive, length - self.reference, 0.0)
+        inputs = self.system.mechanism.signals()
+        return {name: value for name, value in zip(self._names, row, strict=True) if name not in inputs}
