@@ -1,4 +1,7 @@
-"""`martensite benchmark control`, and `martensite benchmark tune` for the numbers of its entries."""
+"""Commands of the benchmark of control, run from a checkout by `python -m benchmarks.control`.
+
+`control` runs and ranks, `guards` compares guards, and `tune` finds the numbers of the entries.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,7 @@ import typer
 from typer import Option
 
 from martensite.base.errors import SolveError, require_known
+from martensite.cli.app import PlainErrors
 from martensite.cli.options import Json, Texts, refuse_idle, spread_options
 from martensite.cli.outputs import AnswerOptions, Outputs
 from martensite.cli.progress import show_progress
@@ -18,17 +22,25 @@ if TYPE_CHECKING:
     from benchmarks.control.competition import BenchmarkTable
     from martensite.base.summary import Summary
 
-benchmark = typer.Typer(help="Compare what controls, on fixed tasks, wires and faults.", no_args_is_help=True)
+benchmark = typer.Typer(
+    cls=PlainErrors,
+    help="Compare controllers on fixed tasks, wires and faults.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
 ALL, NONE = "all", "none"
 
 
 @dataclass(frozen=True)
 class BenchmarkOptions:
-    """What takes part."""
+    """Options that choose entries, tasks, faults and wires."""
 
     shown: Annotated[bool, Option("--list", help="Show tasks, entries and faults, and run nothing.")] = False
     entry: Annotated[
-        Texts, Option(help="Entry of the package; repeatable [default: all, or none beside strangers].")
+        Texts, Option(help="Entry of the benchmark; repeatable [default: all, or none next to your own].")
     ] = None
     controller: Annotated[
         Texts,
@@ -51,9 +63,9 @@ def control(
     answer: AnswerOptions,
     save: Annotated[Path | None, Option(help="Table to write: .csv, .json, or .nc with every wire.")] = None,
 ) -> None:
-    """Run the benchmark of control, and rank who takes part.
+    """Run the benchmark of control, and rank the controllers.
 
-    Entries of the package run if none is named and no controller of your own is given. Exit code 1 if a run without a
+    All entries run if none is named and no controller of your own is given. Exit code 1 if a run without a
     fault has no result.
     """
     outputs = answer.check_files(save, ".csv", ".json", ".nc")
@@ -143,12 +155,12 @@ def guards(
 
 @benchmark.command()
 def tune(
-    save: Annotated[Path, Option(help="File of gains to write, or to go on with: .toml.")],
+    save: Annotated[Path, Option(help="File of gains to write, or to continue: .toml.")],
     entry: Annotated[Texts, Option(help="Entry; repeatable [default: all].")] = None,
     plant: Annotated[Texts, Option(help="Plant; repeatable [default: all].")] = None,
     json: Json = False,
 ) -> None:
-    """Search the numbers of the entries anew, on the nominal wires; minutes. What a file holds already is kept."""
+    """Search the numbers of the entries on the nominal wires; minutes. Entries that the file has already are kept."""
     from benchmarks.control.entries import find_entry, load_entries
     from benchmarks.control.search import format_gains, read_found, search_gains, summarise_gains
     from benchmarks.control.tasks import ORDER

@@ -99,7 +99,8 @@ def _judge_places(entry: BenchmarkEntry, plant: str, runs: PlantRuns, places: Nu
 
 
 HEAD = """# Numbers of the entries of the benchmark of control, on the nominal wire of each plant: written by
-# `martensite benchmark tune`, whose search `search.py` describes. Rows are in SI; `cost` is what the search found.
+# `python -m benchmarks.control tune --save gains.toml`, whose search `search.py` describes. Rows are in SI; `cost` is
+# the lowest cost of the search.
 """
 
 

@@ -20,8 +20,28 @@ GROUPS = {
 """Commands of the help text, the most used first."""
 
 
-class Commands(TyperGroup):
+class PlainErrors(TyperGroup):
     """Commands that answer errors made on purpose with a sentence, not a traceback."""
+
+    def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:
+        """Accept `--debug` before or after the name of the command."""
+        ctx.obj = {"debug": "--debug" in args}
+        return super().parse_args(ctx, [arg for arg in args if arg != "--debug"])
+
+    def invoke(self, ctx: typer.Context) -> Any:
+        """Run a command; exit with 1 or 2 on an error, with 130 where it is interrupted."""
+        try:
+            with rescue_answer(lambda: "Interrupted; no file was written."):
+                return super().invoke(ctx)
+        except MartensiteError as error:
+            if ctx.obj["debug"]:
+                raise
+            typer.secho(f"error: {error}", fg=typer.colors.RED, err=True)
+            raise typer.Exit(error.exit_code) from None
+
+
+class Commands(PlainErrors):
+    """The commands of `martensite`, listed by groups."""
 
     def list_commands(self, ctx: typer.Context) -> list[str]:
         """The commands by groups; others follow."""
@@ -41,22 +61,6 @@ class Commands(TyperGroup):
             if rows:
                 with formatter.section(title):
                     formatter.write_dl(rows)
-
-    def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:
-        """Accept `--debug` before or after the name of the command."""
-        ctx.obj = {"debug": "--debug" in args}
-        return super().parse_args(ctx, [arg for arg in args if arg != "--debug"])
-
-    def invoke(self, ctx: typer.Context) -> Any:
-        """Run a command; exit with 1 or 2 on an error, with 130 where it is interrupted."""
-        try:
-            with rescue_answer(lambda: "Interrupted; no file was written."):
-                return super().invoke(ctx)
-        except MartensiteError as error:
-            if ctx.obj["debug"]:
-                raise
-            typer.secho(f"error: {error}", fg=typer.colors.RED, err=True)
-            raise typer.Exit(error.exit_code) from None
 
 
 app = typer.Typer(
