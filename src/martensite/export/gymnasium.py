@@ -2,8 +2,8 @@
 
     environment = SmaEnv(bench, Task(output="position", low=0.0, high=4e-3, duration=20.0))
 
-What is observed, rewarded and drawn is said in `martensite.export.episodes` and
-`martensite.export.learning_task`. What `gymnasium.make` finds by name says `martensite.export.gymnasium_names`.
+`martensite.export.episodes` and `martensite.export.learning_task` define observations, rewards and references.
+`martensite.export.gymnasium_names` registers the names for `gymnasium.make`.
 
 Gymnasium comes with `pip install 'martensite[gymnasium]'`.
 """
@@ -40,32 +40,49 @@ def import_gymnasium() -> Any:
     return import_extra("gymnasium", "gymnasium", "Gymnasium")
 
 
-def build_spaces(episodes: Episodes) -> tuple[Any, Any]:
-    """Spaces of the actions and of the observations of one environment."""
-    box: Any = import_gymnasium().spaces.Box
-    actions, observations = episodes.sizes
-    return box(-1.0, 1.0, (actions,), np.float32), box(-BOUND, BOUND, (observations,), np.float32)
+class SharedEpisodes:
+    """Episodes of a bench and their pictures: the common part of one and of many environments."""
+
+    metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES)}  # noqa: RUF012 - as Gymnasium has it
+
+    def _prepare(
+        self,
+        bench: Bench | str,
+        task: LearningTask | Mapping[str, Any] | None,
+        count: int,
+        native: bool | None,
+        render_mode: str | None,
+    ) -> tuple[Any, Any]:
+        """Make the episodes; return the spaces of the actions and of the observations of one environment.
+
+        Raises:
+            InputError: Gymnasium is not installed, or a name or range does not fit.
+            ParameterError: a spread does not fit.
+        """
+        box: Any = import_gymnasium().spaces.Box
+        if render_mode not in (None, *RENDER_MODES):
+            raise InputError(f"There is no render mode `{render_mode}`. {suggest_name(render_mode, RENDER_MODES)}")
+        bench, task = find_bench(bench, task)
+        self._episodes = Episodes(bench, task, count, native)
+        self._frames: Frames | None = None
+        self.render_mode = render_mode
+        self.metadata = type(self).metadata | {"render_fps": max(1, round(1.0 / bench.period))}
+        actions, observations = self._episodes.sizes
+        return box(-1.0, 1.0, (actions,), np.float32), box(-BOUND, BOUND, (observations,), np.float32)
+
+    def _watch(self) -> None:
+        """Record the last period for pictures, if any are wanted."""
+        if self.render_mode is not None:
+            self._frames = self._frames or Frames(self._episodes)
+            self._frames.watch()
 
 
-def describe_rendering(bench: Bench, render_mode: str | None) -> dict[str, Any]:
-    """Metadata of an environment: what can be rendered, and how many periods are in a second.
-
-    Raises:
-        InputError: there is no such mode.
-    """
-    if render_mode not in (None, *RENDER_MODES):
-        raise InputError(f"There is no render mode `{render_mode}`. {suggest_name(render_mode, RENDER_MODES)}")
-    return {"render_modes": list(RENDER_MODES), "render_fps": max(1, round(1.0 / bench.period))}
-
-
-class SmaEnv(BASE):
+class SmaEnv(SharedEpisodes, BASE):
     """A bench as a `gymnasium.Env`.
 
     An action has one number per free drive, from -1 to 1; an observation the readings, the
     reference and its preview, from -2 to 2. Both are of 32 bits.
     """
-
-    metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES)}  # noqa: RUF012 - as Gymnasium has it
 
     def __init__(
         self,
@@ -87,13 +104,7 @@ class SmaEnv(BASE):
             InputError: Gymnasium is not installed, or a name or range does not fit.
             ParameterError: a spread does not fit.
         """
-        import_gymnasium()
-        bench, task = find_bench(bench, task)
-        self.metadata = type(self).metadata | describe_rendering(bench, render_mode)
-        self._episodes = Episodes(bench, task, 1, native)
-        self._frames: Frames | None = None
-        self.action_space, self.observation_space = build_spaces(self._episodes)
-        self.render_mode = render_mode
+        self.action_space, self.observation_space = self._prepare(bench, task, 1, native, render_mode)
 
     def reset(self, *, seed: int | None = None, options: Mapping[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Begin an episode.
@@ -108,13 +119,13 @@ class SmaEnv(BASE):
         """
         super().reset(seed=seed)
         found, shown = self._episodes.begin(np.ones(1, bool), [self.np_random], options)
-        self._frames = watch_episodes(self._frames, self._episodes, self.render_mode)
+        self._watch()
         return found[0], {name: float(row[0]) for name, row in shown.items()}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """One period: observation, reward, terminated, truncated, and what is true [SI]."""
         found = self._episodes.step(np.asarray(action, float)[None])
-        self._frames = watch_episodes(self._frames, self._episodes, self.render_mode)
+        self._watch()
         shown = {name: float(row[0]) for name, row in found.shown.items()}
         return (
             found.observations[0],
@@ -127,15 +138,6 @@ class SmaEnv(BASE):
     def render(self) -> Any:
         """The picture now, of 8 bits, shape (height, width, 3); none without a `render_mode` or before `reset`."""
         return None if self._frames is None else self._frames.draw(0)
-
-
-def watch_episodes(frames: Frames | None, episodes: Episodes, render_mode: str | None) -> Frames | None:
-    """Frames that know the last period, if any are wanted."""
-    if render_mode is None:
-        return None
-    frames = frames or Frames(episodes)
-    frames.watch()
-    return frames
 
 
 if HERE:

@@ -16,28 +16,17 @@ import numpy as np
 
 from martensite.base.errors import InputError, suggest_name
 from martensite.control.loop.bench import Bench
-from martensite.export.episodes import Episodes, Outcome
-from martensite.export.frames import Frames
-from martensite.export.gymnasium import (
-    HERE,
-    RENDER_MODES,
-    build_spaces,
-    describe_rendering,
-    import_gymnasium,
-    watch_episodes,
-)
+from martensite.export.episodes import Outcome
+from martensite.export.gymnasium import HERE, SharedEpisodes, import_gymnasium
 from martensite.export.learning_task import LearningTask
-from martensite.export.packaged_tasks import find_bench
 
 VECTOR: Any = import_module("gymnasium.vector") if HERE else None
 BASE: Any = VECTOR.VectorEnv if HERE else object
 MODES: dict[str, Any] = {one.value: one for one in VECTOR.AutoresetMode} if HERE else {}
 
 
-class SmaVectorEnv(BASE):
+class SmaVectorEnv(SharedEpisodes, BASE):
     """A bench as a `gymnasium.vector.VectorEnv`."""
-
-    metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES)}  # noqa: RUF012 - as Gymnasium has it
 
     def __init__(
         self,
@@ -65,12 +54,9 @@ class SmaVectorEnv(BASE):
         """
         import_gymnasium()
         self._mode = _find_mode(getattr(autoreset_mode, "value", autoreset_mode))
-        bench, task = find_bench(bench, task)
-        self.metadata = {**describe_rendering(bench, render_mode), "autoreset_mode": self._mode}
-        self._frames: Frames | None = None
-        self.num_envs, self.render_mode = num_envs, render_mode
-        self._episodes = Episodes(bench, task, num_envs, native)
-        single = build_spaces(self._episodes)
+        single = self._prepare(bench, task, num_envs, native, render_mode)
+        self.metadata |= {"autoreset_mode": self._mode}
+        self.num_envs = num_envs
         self.single_action_space, self.single_observation_space = single
         batch: Any = VECTOR.utils.batch_space
         self.action_space, self.observation_space = (batch(one, num_envs) for one in single)
@@ -94,7 +80,7 @@ class SmaVectorEnv(BASE):
         self._seed_environments(seed, which)
         found, shown = self._episodes.begin(which, self._random, given)
         self._over &= ~which
-        self._frames = watch_episodes(self._frames, self._episodes, self.render_mode)
+        self._watch()
         return found, _arrange_info(shown, which)
 
     def render(self) -> tuple[Any, ...] | None:
@@ -114,7 +100,7 @@ class SmaVectorEnv(BASE):
     def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """One period of all environments: arrays, and what is true by name [SI]."""
         answer = self._step_all(actions)
-        self._frames = watch_episodes(self._frames, self._episodes, self.render_mode)
+        self._watch()
         return answer
 
     def _step_all(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
