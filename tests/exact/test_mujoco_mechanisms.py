@@ -7,7 +7,7 @@ Source of truth: the equations of the mechanisms. MuJoCo's inverse dynamics and 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -201,7 +201,7 @@ def test_limits_give_way_as_the_stops_do(changes: dict[str, Any], limit: float, 
 # ---------------------------------------------------------------- the same motion
 
 
-def run_mujoco(system: AbstractSystem, waveform: Waveforms, times: Sequence[float], step: float) -> MujocoResult:
+def run_mujoco(system: AbstractSystem, waveform: Waveforms, times: Any, step: float) -> MujocoResult:
     """Run the system in MuJoCo, with the samples of a run of ours."""
     model = to_mujoco(system, timestep=step)
     found = model.run(times[-1], tendon_signals(system, waveform), samples=len(times))
