@@ -1,1 +1,5 @@
-"""Boards: firmware around an exported loop, the link to it, logs and experiments; offered in `martensite.hardware`."""
+"""Boards: firmware around an exported loop, the link to it, logs and experiments."""
+
+from martensite.base.lazy import attach_names
+
+__getattr__, __dir__ = attach_names(__name__)

@@ -1,0 +1,1 @@
+from martensite.boards.session import Session as Session
