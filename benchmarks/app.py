@@ -153,7 +153,7 @@ def app(options: Options) -> list[Table]:
 def slides(browser: Any, name: str) -> dict[str, Any]:
     """One scenario: quick moves on floats and in C, then 500 of them, and what is held."""
     from martensite.app.documents import list_standalone
-    from martensite.cli.web_bench import pack_text
+    from martensite.cli.commands.web_bench import pack_text
 
     with served() as (address, _, pid):
         page = opened(browser, f"{address}#/bench?scenario={pack_text(list_standalone()[name])}")

@@ -22,7 +22,7 @@ from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
 from martensite.app.documents import build_packaged, list_standalone
-from martensite.cli.web_bench import build_address
+from martensite.cli.commands.web_bench import build_address
 
 DOCS = Path(__file__).resolve().parents[1]
 FOLDER = DOCS / "_static" / "devices"

@@ -14,7 +14,7 @@ from typing import Any
 from docutils import nodes
 from sphinx.util import logging
 
-from martensite.cli.web_bench import build_address
+from martensite.cli.commands.web_bench import build_address
 
 BESIDE = "bench/"
 """Where the bench lies, from the first page."""

@@ -17,7 +17,7 @@ from app_server import Bench
 from playwright.sync_api import Page, expect
 from websockets.sync.client import ClientConnection, connect
 
-from martensite.cli.web_bench import pack_text
+from martensite.cli.commands.web_bench import pack_text
 
 TEXT = (Path(__file__).parents[2] / "examples/constant_power.toml").read_text("utf-8")
 COURSE = """figure => {

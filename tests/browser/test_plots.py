@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from martensite.cli.web_bench import pack_text
+from martensite.cli.commands.web_bench import pack_text
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TEXT = (EXAMPLES / "constant_power.toml").read_text("utf-8")

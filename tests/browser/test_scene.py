@@ -13,7 +13,7 @@ import pytest
 from app_server import Bench
 from playwright.sync_api import Locator, Page, expect
 
-from martensite.cli.web_bench import pack_text
+from martensite.cli.commands.web_bench import pack_text
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SLOW = 20_000

@@ -13,7 +13,7 @@ import pytest
 from app_server import Bench
 from playwright.sync_api import Browser, Page, expect
 
-from martensite.cli.web_bench import pack_text
+from martensite.cli.commands.web_bench import pack_text
 from martensite.scenario.scenario import read_scenario
 
 TEXT = (Path(__file__).parents[2] / "examples/constant_power.toml").read_text("utf-8")

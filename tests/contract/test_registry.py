@@ -172,7 +172,7 @@ def test_files_of_one_name_and_broken_files_are_refused(folder: Path) -> None:
     done = python("-m", "martensite", "list", "law", "--import", "nowhere.py")
     assert (done.returncode, done.stderr) == (2, "error: There is no file `nowhere.py`.\n")
     for text, words in (
-        ("x = = 1\n", "invalid syntax (line 1)"),
+        ("x = = 1\n", "invalid syntax (line 1 of "),
         ("\nmissing\n", "NameError: name 'missing' is not defined (line 2 of "),
     ):
         (folder / "broken.py").write_text(text, encoding="utf-8")

@@ -17,7 +17,7 @@ from pathlib import Path
 import pytest
 from fences import ROOT
 
-from martensite.cli.web_bench import build_address
+from martensite.cli.commands.web_bench import build_address
 
 DOCS = ROOT / "docs"
 HELPERS = str(DOCS / "_ext")

@@ -98,7 +98,7 @@ def test_every_command_is_there(extension: ModuleType) -> None:
     from martensite.cli import app
 
     text = extension.SECTIONS["commands"]()
-    for name in typer.main.get_command(app).commands:  # type: ignore[attr-defined]
+    for name in typer.main.get_command(app).list_commands(None):  # type: ignore[attr-defined]
         assert f"## `martensite {name}`" in text
 
 

@@ -13,7 +13,7 @@ import pytest
 from command import Command
 from design_cases import BUNDLE
 
-import martensite.cli.design
+import martensite.cli.commands.design
 import martensite.cli.tune_run
 from martensite.scenario.scenario import load
 
@@ -53,7 +53,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_a_design_goes_on_from_the_best_so_far(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     words = "--free", "strand.diameter=0.08..0.14 mm", "--free", "element.count=2..3", "--subject", "stroke >= 7 mm"
     quick = *words, "--sample", "16", "--descents", "1"
-    said = interrupt(Command("design"), martensite.cli.design, monkeypatch, "bundle.toml", *quick)
+    said = interrupt(Command("design"), martensite.cli.commands.design, monkeypatch, "bundle.toml", *quick)
     assert "the best so far is in `bundle-interrupted.toml`" in said
     text = Path("bundle-interrupted.toml").read_text(encoding="utf-8")
     assert text.startswith("# best so far")
@@ -62,7 +62,7 @@ def test_a_design_goes_on_from_the_best_so_far(folder: Path, monkeypatch: pytest
     diameter = [float(one.system.value_of("element.strand.diameter")) for one in (best, given)]
     assert 0.08e-3 <= diameter[0] <= 0.14e-3
     assert diameter[0] != diameter[1]
-    interrupt(Command("design"), martensite.cli.design, monkeypatch, "bundle.toml", *quick, "--save", "found.toml")
+    interrupt(Command("design"), martensite.cli.commands.design, monkeypatch, "bundle.toml", *quick, "--save", "found.toml")
     assert Path("found.toml").read_text(encoding="utf-8") == text
 
 

@@ -17,7 +17,7 @@ import pytest
 from command import Command
 from fit_cases import HEATED, ISOBARIC, Rows, edited, heated, isobaric, read_rows, write_log
 
-from martensite.cli import fit_logs
+from martensite.cli.commands.fit import logs as fit_logs
 from martensite.fit.search_monitor import SearchNote, Tell
 from martensite.scenario.scenario import load
 

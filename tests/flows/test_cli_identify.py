@@ -15,7 +15,7 @@ from command import Command
 from first_order import LINE, STRUCTURE, log, pulses, ramps
 
 from martensite.base.errors import InputError
-from martensite.cli.identify import ANCHOR, IdentifyOptions
+from martensite.cli.commands.identify import ANCHOR, IdentifyOptions
 from martensite.identify.blocks.base import BLOCKS
 from martensite.identify.chains.estimate import INTERRUPTED, Options
 from martensite.identify.chains.stages import identify_stages

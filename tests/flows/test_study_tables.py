@@ -16,7 +16,7 @@ from claim_checks import check_complete
 
 from martensite.base.errors import DataError, ParameterError
 from martensite.base.summary import PAGE_WIDTH
-from martensite.cli.study import summarise_answer
+from martensite.cli.commands.study import summarise_answer
 from martensite.studies import shipped_numbers, tables
 from martensite.studies.base import WIDEST, Claim, load_study, study_names
 from martensite.studies.claim_tables import find_number, read_claims, settle_part, write_digest

@@ -50,7 +50,7 @@ def test_contracts_hold() -> None:
         ("physics/laws/strip_laws.py", "import martensite.physics.laws.extra", "No law imports another"),
         ("actuators/elements/wire.py", "import pint", "martensite.base.units imports pint"),
         ("simulate/march.py", "import xarray", "imports no xarray"),
-        ("export/mjcf.py", "import martensite.cli.sweep", "layers below its own"),
+        ("export/mjcf.py", "import martensite.cli.commands.sweep", "layers below its own"),
         ("simulate/result.py", "import mujoco", "Only martensite.export imports mujoco"),
     ],
 )

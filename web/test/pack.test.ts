@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { packed, unpacked } from "../src/lib/pack.ts";
 
 const TEXT = 'title = "Ω wire"\n[run]\nduration = "60 s"\n';
-/** The same, packed by martensite.cli.web_bench. */
+/** The same, packed by martensite.cli.commands.web_bench. */
 const FROM_PYTHON = "K8ksyUlVsFVQOrdSoTyzKFWJK7qoNC-WK6W0KLEkMz8PJGVmoFCsxAUA";
 
 test("a text comes back from its letters", async () => {

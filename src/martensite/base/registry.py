@@ -2,15 +2,15 @@
 
 A registry scans its package, so a new file is a new entry with no list to edit. Packages
 from elsewhere add entries through the entry-point group `martensite.<folder>`, and a
-user's own module does so simply by being imported. A name belongs to one class: another that asks
+user's own module does so simply by being imported. A file that cannot be imported fails alone: other
+names stay available, and `failures` names the file and the error. A name belongs to one class: another that asks
 for it is refused, also while the first has not been imported yet.
 """
 
 from __future__ import annotations
 
 import sys
-import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -18,6 +18,7 @@ from typing import Any, Generic, TypeVar, cast
 
 from martensite.base.errors import InputError, MartensiteError, UnknownNameError
 from martensite.base.interfaces import require_methods
+from martensite.base.module_folder import ModuleFolder, describe_error
 
 T = TypeVar("T")
 C = TypeVar("C")
@@ -35,6 +36,7 @@ class Registry(Generic[T]):
         self.package = package
         self.group = "martensite." + package.rpartition(".")[2]
         self.typical = typical
+        self._folder = ModuleFolder(package)
         self._entries: dict[str, type[T]] = {}
         self._scanned = False
         self._plugged = False
@@ -71,6 +73,7 @@ class Registry(Generic[T]):
         if name not in self._entries:
             self._plug()
         if name not in self._entries:
+            self._folder.require_import(f'.register("{name}"')
             raise UnknownNameError(self.kind, name, self._entries)
         return self._entries[name]
 
@@ -79,6 +82,11 @@ class Registry(Generic[T]):
         self._scan()
         self._plug()
         return sorted(self._entries)
+
+    def failures(self) -> list[str]:
+        """Return a sentence for each file of the package that cannot be imported."""
+        self._scan()
+        return self._folder.list_failures()
 
     def _find_holder(self, name: str, cls: type[Any]) -> type[T] | None:
         """The class that has a name which another asks for."""
@@ -92,28 +100,19 @@ class Registry(Generic[T]):
 
     def _find(self, name: str) -> None:
         """Import the file of this package that files an entry, if there is one: others may be heavy."""
-        if name in self._entries or self._scanned:
-            return
-        words = f'.register("{name}")'
-        for module, path in self._list_modules():
-            if words in path.read_text("utf-8"):
-                import_module(module)
+        if name not in self._entries and not self._scanned:
+            self._import_where(f'.register("{name}")')
 
     def _scan(self) -> None:
         if not self._scanned:
             self._scanned = True
-            for module, path in self._list_modules():
-                if ".register(" in path.read_text("utf-8"):
-                    import_module(module)
+            self._import_where(".register(")
 
-    def _list_modules(self) -> Iterator[tuple[str, Path]]:
-        """Yield the modules of the package, and the packages in it, with their files."""
-        folder = Path(import_module(self.package).__path__[0])
-        for path in sorted([*folder.glob("*.py"), *folder.glob("*/__init__.py")]):
-            if path.parent != folder:
-                yield f"{self.package}.{path.parent.name}", path
-            elif path.stem != "__init__":
-                yield f"{self.package}.{path.stem}", path
+    def _import_where(self, words: str) -> None:
+        """Import files by their text; a file that fails leaves no entry."""
+        self._folder.import_where(words)
+        for name in [n for n, cls in self._entries.items() if cls.__module__ in self._folder.failures]:
+            del self._entries[name]
 
     def _plug(self) -> None:
         if not self._plugged:
@@ -167,7 +166,7 @@ def import_modules(names: Sequence[str]) -> None:
         except MartensiteError:
             raise
         except Exception as error:  # whatever a user's file raises
-            raise InputError(f"Cannot import `{name}`: {_describe_error(error)}.") from None
+            raise InputError(f"Cannot import `{name}`: {describe_error(error)}.") from None
         finally:
             sys.path.pop(0)
 
@@ -183,13 +182,3 @@ def _require_free(path: Path) -> None:
             f"`{path}` cannot be imported, since `{path.stem}` is the module "
             f"{place or 'of that name'} already; rename the file."
         )
-
-
-def _describe_error(error: Exception) -> str:
-    """What went wrong in a user's file, and in which line."""
-    if isinstance(error, ImportError):
-        return str(error)
-    frames = traceback.extract_tb(error.__traceback__)
-    if isinstance(error, SyntaxError):
-        return f"{error.msg} (line {error.lineno})"
-    return f"{type(error).__name__}: {error} (line {frames[-1].lineno} of {frames[-1].filename})"

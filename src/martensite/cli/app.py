@@ -9,15 +9,7 @@ from typer.core import TyperGroup
 
 from martensite.base.errors import MartensiteError
 from martensite.base.interrupts import rescue_answer
-
-GROUPS = {
-    "Simulate": ("run", "steady", "check", "law", "demo", "study"),
-    "From logs": ("fit", "identify"),
-    "Design": ("size", "wire", "design", "tune", "sweep", "sensitivity", "pareto"),
-    "Take along": ("export", "hardware", "app"),
-    "Look up": ("list", "params", "describe", "materials", "data", "cite", "conform"),
-}
-"""Commands of the help text, the most used first."""
+from martensite.cli.folder_group import FolderGroup, make_group
 
 
 class PlainErrors(TyperGroup):
@@ -40,36 +32,13 @@ class PlainErrors(TyperGroup):
             raise typer.Exit(error.exit_code) from None
 
 
-class Commands(PlainErrors):
+class Commands(PlainErrors, FolderGroup):
     """The commands of `martensite`, listed by groups."""
 
-    def list_commands(self, ctx: typer.Context) -> list[str]:
-        """The commands by groups; others follow."""
-        known = super().list_commands(ctx)
-        grouped = [name for names in GROUPS.values() for name in names]
-        return [*grouped, *(name for name in known if name not in grouped)]
-
-    def format_commands(self, ctx: typer.Context, formatter: Any) -> None:
-        """The commands of the help text, each group under its title."""
-        left = self.list_commands(ctx)
-        for title, names in {**GROUPS, "Others": tuple(left)}.items():
-            found = {name: self.get_command(ctx, name) for name in names if name in left}
-            rows = [
-                (name, one.get_short_help_str(66)) for name, one in found.items() if one is not None and not one.hidden
-            ]
-            left = [name for name in left if name not in found]
-            if rows:
-                with formatter.section(title):
-                    formatter.write_dl(rows)
+    order = ("Simulate", "From logs", "Design", "Take along", "Look up")
 
 
-app = typer.Typer(
-    cls=Commands,
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,  # importing rich for a help text takes longer than all the rest
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
+app = make_group("martensite.cli.commands", Commands)
 
 
 def _print_version(wanted: bool) -> None:

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from martensite.boards.board_log import BoardLog
     from martensite.boards.session import Session
 
-hardware = typer.Typer(no_args_is_help=True)
-"""The group."""
 ProjectFolder = Annotated[Path, typer.Argument(metavar="PROJECT", help="A folder that `export firmware` wrote.")]
 SHOWN = 4
 """Numbers beside a progress bar."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -183,3 +183,21 @@ class BestSoFar:
 def name_interrupted(save: Path | None, scenario: Path) -> BestSoFar:
     """The best so far of a search: where its result is to be saved, or else beside where one stands."""
     return BestSoFar(save or Path(f"{scenario.stem}-interrupted.toml"))
+
+
+def check_folder_files(folder: Path, names: Sequence[str], force: bool) -> list[Path]:
+    """Return the files that a command will write into a folder.
+
+    Args:
+        folder: made if it is missing; its parent must be there.
+        names: of the files.
+        force: whether existing files may be replaced.
+
+    Raises:
+        DataError: a file is there already, or the parent folder is missing.
+    """
+    files = [folder / name for name in names]
+    missing = not folder.exists()
+    for path in [folder.parent / names[1]] if missing else files:
+        Outputs(path, None).check(force or missing, data=(path.suffix,))
+    return files

@@ -15,8 +15,8 @@ from martensite.show.summaries.tuning import TuningOutcome, summarise_tuning
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from martensite.cli.commands.tune import TuneOptions
     from martensite.cli.outputs import BestSoFar
-    from martensite.cli.tune import TuneOptions
     from martensite.control.loop.bench import Bench
     from martensite.control.rules.rule_starts import LoopTests
     from martensite.control.tuning.bench_tuning import TunedBench

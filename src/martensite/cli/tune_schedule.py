@@ -26,7 +26,7 @@ from martensite.simulate.drive_waveforms import by_name
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from martensite.cli.tune import TuneOptions
+    from martensite.cli.commands.tune import TuneOptions
     from martensite.scenario.scenario import Scenario
 
 HEAD = ("branch", "at", "Kp", "Ki [1/s]", "M_s", "gain margin", "phase margin")

@@ -1,5 +1,5 @@
 // A text as letters that may stand in an address: deflated, base64 for addresses. The twin of
-// martensite.cli.web_bench. Links of the page are JSON in the format of zlib, whose checksum tells when
+// martensite.cli.commands.web_bench. Links of the page are JSON in the format of zlib, whose checksum tells when
 // letters are missing or changed; those of the command line are the bare text.
 
 async function through(data: Uint8Array<ArrayBuffer>, stream: CompressionStream | DecompressionStream): Promise<Uint8Array> {

@@ -1,0 +1,217 @@
+"""`check` and `params`: what a scenario holds, before anything is run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from martensite.base.errors import BudgetError, InputError
+from martensite.base.formats import write_quantity
+from martensite.base.summary import Block, DataTable, Sentence, Summary
+from martensite.cli.app import app
+from martensite.cli.options import (
+    Imports,
+    Json,
+    ScenarioSource,
+    Settings,
+    import_modules,
+    load_without_log,
+    spread_options,
+)
+from martensite.cli.outputs import AnswerOptions, Outputs
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from martensite.base.parameters import Leaf
+    from martensite.control.margins.loop_check import LoopReport
+    from martensite.scenario.scenario import Scenario
+    from martensite.simulate.judgement import Judgement
+    from martensite.simulate.result import Result
+
+TRIED = 5.0
+"""CPU time [s] for which the run of a scenario is tried."""
+ROUNDING = 1e-9
+"""Part of a step."""
+
+
+@app.command("check", rich_help_panel="Simulate")
+@spread_options
+def check(source: ScenarioSource, answer: AnswerOptions) -> None:
+    """Judge a scenario: its limits, its drives and its loop.
+
+    The scenario is run as it is, for at most 5 s of CPU time, and judged by the limits that `run` uses. A loop is also
+    tested for sign, reach, pace and margins; the figure shows its Bode and Nyquist plots. Exits with 1 if a limit is
+    exceeded or a loop is not sound.
+    """
+    from martensite.show.summaries.loop import check_scenario_loop, describe_loops, describe_verdict
+    from martensite.simulate.judgement import judge_run
+
+    outputs = answer.check_files()
+    loaded = load_without_log(source.file, source.settings, source.modules)
+    if "at" not in loaded.initial:  # to find what is to be found takes a run
+        loaded.find_start(loaded.tolerance)
+    report, (tried, unjudged) = _collect_report(loaded), _try_run(loaded)
+    judged = None if tried is None else judge_run(tried)
+    report |= {"limits": judged and judged.to_dict(), "not_judged": unjudged or None}
+    if loaded.bench is not None:
+        from martensite.scenario.guard_report import collect_guard
+
+        report["guard"] = collect_guard(loaded)
+    loops = None if loaded.bench is None or report["follows"] else check_scenario_loop(loaded, loaded.bench)
+    verdict = describe_verdict(loops, judged, unjudged)
+    blocks = [
+        verdict,
+        *(() if tried is None or judged is None else _describe_run(tried, judged, loops)),
+        *_describe_report(report),
+        *(() if loops is None else describe_loops(loops)),
+    ]
+    data = report if loops is None else report | {"loops": loops.to_dict()}
+    outputs.answer(Summary(loaded.title, blocks, data), answer.json, draw=_find_figure(loaded, outputs))
+    if verdict.tone == "bad":
+        raise typer.Exit(1)
+
+
+def _try_run(scenario: Scenario) -> tuple[Result | None, str]:
+    """Return the run of a scenario, or None with the reason why there is none and the remedy."""
+    if scenario.follows:
+        return None, "the scenario follows a log. Use `run --log`, or `fit`"
+    try:
+        return scenario.run(budget=TRIED), ""
+    except BudgetError:
+        return None, f"the run takes more than {TRIED:.3g} s of CPU time. Use `run`"
+
+
+def _describe_run(tried: Result, judged: Judgement, loops: LoopReport | None) -> Iterator[Block]:
+    """Return the warnings of a run that neither its verdict nor the tests of its loops give, and its extremes."""
+    from martensite.show.summaries.run import list_peaks
+
+    told = {judged.outside, *(alarm.sentence for alarm in judged.alarms)}
+    told |= set() if loops is None else {f"Warning: {one.sentence} {one.remedy}" for one in loops.findings}
+    yield from (Sentence(words, "caution") for words in tried.warnings if words not in told)
+    peaks = [f"{name} {value}" for name, value in list_peaks(tried)]
+    if peaks:
+        yield Sentence(f"Its run of {tried.times[-1]:.6g} s: {', '.join(peaks)}.")
+
+
+def _find_figure(scenario: Scenario, outputs: Outputs) -> Callable[[], Figure] | None:
+    """What draws the margins of a loop, if they are wanted."""
+    if outputs.figure is None:
+        return None
+    if scenario.bench is None:
+        raise InputError("There is no loop to draw margins of: a scenario needs a [controller] for that.")
+    from martensite.show.figures.margins import plot_scenario_margins
+
+    return lambda: plot_scenario_margins(scenario)
+
+
+def _describe_report(report: dict[str, Any]) -> Iterator[Block]:
+    yield from (Sentence(f"Caution: {caution}", "caution") for caution in report["cautions"])
+    if report["doubtful"]:
+        names = ", ".join(report["doubtful"])
+        told = f"Assumed or recalled numbers of {report['material']}: {names}"
+        yield Sentence(told, "caution")
+    yield from (Sentence(f"Controller of {name}, {words}") for name, words in report["controllers"].items())
+    if report["follows"]:
+        followed = ", ".join(f"`{drive}` column `{column}`" for drive, column in report["follows"].items())
+        yield Sentence(f"Follows a log: {followed}.")
+        return
+    if report.get("guard") is not None:
+        from martensite.scenario.guard_report import describe_guard
+
+        yield from describe_guard(report["guard"])
+    yield Sentence(f"Run: {_tell_steps(report)}")
+
+
+def _tell_steps(report: dict[str, Any]) -> str:
+    begin = f"{report['duration']:.6g} s"
+    if report["period"] is not None:
+        return f"{begin} in {report['steps']} periods of {report['period']:.3g} s."
+    return (
+        f"{begin}, first step {report['first_step']:.3g} s (at least {report['steps']} steps), "
+        f"tolerance {report['tolerance']:.3g}."
+    )
+
+
+def _collect_report(scenario: Scenario) -> dict[str, Any]:
+    from martensite.control.loop.names import describe_controllers
+    from martensite.physics.materials.base import DOUBTFUL
+    from martensite.simulate.api import first_step
+
+    period = None if scenario.bench is None else scenario.bench.period
+    step = period or scenario.step or first_step(scenario.system, scenario.duration, scenario.samples)
+    samples = 1 if period else scenario.samples
+    doubtful = [p for p, o in scenario.origins.items() if o.partition(",")[0] in DOUBTFUL]
+    return {
+        "title": scenario.title,
+        "material": scenario.material.name if scenario.material else None,
+        "cautions": scenario.cautions,
+        "doubtful": doubtful,
+        "duration": scenario.duration,
+        "first_step": step,
+        "steps": max(math.ceil(scenario.duration / step - ROUNDING), samples - 1),
+        "period": period,
+        "tolerance": scenario.tolerance,
+        "follows": scenario.follows,
+        "controllers": {} if scenario.bench is None else describe_controllers(scenario.bench),
+    }
+
+
+@app.command("params", rich_help_panel="Look up")
+def params(
+    name: Annotated[str, typer.Argument(metavar="NAME|SCENARIO", help="A part, or a scenario file.")],
+    settings: Settings = None,
+    json: Json = False,
+    modules: Imports = None,
+) -> None:
+    """List the parameters of a part, or all values of a scenario."""
+    from martensite.scenario.catalogue import describe_named
+    from martensite.show.summaries.parts import describe_part
+    from martensite.show.terminal import print_summary
+
+    if name.endswith(".toml"):
+        rows = _list_values(load_without_log(name, settings, modules))
+        cells = [(r["path"], write_quantity(r["value"], r["unit"]), r["from"], r["meaning"]) for r in rows]
+        table = DataTable(("path", "value", "from", "meaning"), cells)
+        print_summary(Summary("", [table], rows), json)
+        return
+    import_modules(modules)
+    found = describe_named(name)
+    blocks = [block for part in found for block in describe_part(part)]
+    print_summary(Summary("", blocks, found), json)
+
+
+def _list_values(scenario: Scenario) -> list[dict[str, Any]]:
+    places, known = scenario.places, scenario.origins
+    found = [
+        _collect_value(scenario, path, leaf, places.unit(leaf))
+        for leaf in scenario.leaves()
+        if (path := places.path(leaf.path)) in known or not places.is_copy(leaf.path)
+    ]
+    return [*found, *_list_levels(scenario)]
+
+
+def _list_levels(scenario: Scenario) -> Iterator[dict[str, Any]]:
+    from martensite.scenario.assemble import waveform_path
+    from martensite.signals.base import DRIVE
+    from martensite.simulate.drive_waveforms import by_name
+
+    units = {drive.name: drive.unit for drive in scenario.system.drives()}
+    for name, waveform in by_name(scenario.system, scenario.waveform).items():
+        begin = waveform_path(scenario.system, name, scenario.places.drive)
+        for leaf in waveform.leaves(begin):
+            unit = units[name] if leaf.declared.unit == DRIVE else leaf.declared.unit
+            yield _collect_value(scenario, leaf.path, leaf, unit)
+
+
+def _collect_value(scenario: Scenario, path: str, leaf: Leaf, unit: str) -> dict[str, Any]:
+    return {
+        "path": path,
+        "value": leaf.value,
+        "unit": unit,
+        "meaning": leaf.declared.doc,
+        "from": scenario.origins.get(path, "default"),
+    }

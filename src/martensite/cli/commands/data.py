@@ -1,0 +1,135 @@
+"""`data`: published measurements, and files of instruments with what they are taken for."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from typer import Argument, Option
+
+from martensite.base.errors import InputError
+from martensite.base.summary import DataTable, Sentence, Summary
+from martensite.cli.app import app
+from martensite.cli.options import Force, Json, NamedColumns, Texts, read_quantity, refuse_idle
+from martensite.cli.outputs import Outputs, check_absent, check_ending, check_folder
+
+data = typer.Typer(help="Show files of instruments; published measurements.")
+
+app.add_typer(data, name="data", invoke_without_command=True, rich_help_panel="Look up")
+
+
+@data.callback()
+def overview(ctx: typer.Context, json: Json = False) -> None:
+    """Show files of instruments; published measurements."""
+    if ctx.invoked_subcommand is None:
+        list_all(json)
+
+
+@data.command("list")
+def list_all(json: Json = False) -> None:
+    """List the data sets, their licences, and which are on this machine."""
+    from martensite.scenario.datasets import dataset_names, describe_dataset
+    from martensite.show.terminal import print_summary
+
+    found = [describe_dataset(name) for name in dataset_names()]
+    here = {one.name: _count_here(one.name) for one in found}
+    rows = [(d.name, d.title, d.licence, str(len(d.files)), here[d.name]) for d in found]
+    table = DataTable(("data set", "what it is", "licence", "files", "on this machine"), rows)
+    data = [asdict(one) | {"here": here[one.name]} for one in found]
+    print_summary(Summary("", [table], data), json)
+
+
+def _count_here(name: str) -> str:
+    from martensite.base.errors import DataError
+    from martensite.scenario.datasets import describe_dataset, locate_file
+
+    found = 0
+    dataset = describe_dataset(name)
+    files = dataset.files
+    if dataset.packaged is not None:
+        return "in the package"
+    for file in files:
+        try:
+            locate_file(f"{name}/{file}")
+        except DataError:
+            continue
+        found += 1
+    return "yes" if found == len(files) else "no" if not found else f"{found} of {len(files)}"
+
+
+@data.command("show")
+def show_data(
+    names: Annotated[
+        list[str],
+        Argument(metavar="FILE...", help="Files of instruments, of any layout; or the name of one published data set."),
+    ],
+    named: NamedColumns = None,
+    merge: Annotated[bool, Option("--merge", help="Join the files on the clock of the first.")] = False,
+    offset: Annotated[
+        Texts, Option(metavar="TIME", help="Zero of each further file on the clock of the first, if it is known.")
+    ] = None,
+    save: Annotated[Path | None, Option(metavar="CSV", help="Write the understood table, in SI: .csv.")] = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Show what files of instruments hold and how they are understood, or what a data set is.
+
+    Layout, units, clocks and columns are recognised; what is a guess is said, and --as corrects it.
+    """
+    from martensite.scenario.datasets import dataset_names
+
+    if len(names) == 1 and names[0] in dataset_names():
+        _show_set(names[0], json)
+        return
+    from martensite.scenario.lab_files import read_lab_file
+    from martensite.scenario.log_tables import parse_named
+    from martensite.scenario.merged_files import merge_by_clock
+    from martensite.show.summaries.lab_file import summarise_lab_files
+
+    check_ending(save, (".csv",))
+    refuse_idle("--merge", merge and len(names) < 2, "there is one file only")
+    refuse_idle("--offset", bool(offset) and not merge, "files are joined by --merge only")
+    if save is not None:
+        check_folder(save)
+        check_absent(save, force)
+    found = [read_lab_file(name, parse_named(named or ())) for name in names]
+    if merge:
+        offsets = [read_quantity("offset", text, "s") or 0.0 for text in offset or ()]
+        found = [merge_by_clock(found, offsets or None)]
+    if save is not None and len(found) > 1:
+        raise InputError(f"`{save}` takes one table, but there are {len(found)} files; join them by --merge.")
+    Outputs(save, None).answer(summarise_lab_files(found), json, found[0].to_csv)
+
+
+def _show_set(name: str, json: bool) -> None:
+    """A published data set: what it holds, what it is not, where it comes from, its files."""
+    from martensite.scenario.datasets import describe_dataset
+    from martensite.show.terminal import print_summary
+
+    dataset = describe_dataset(name)
+    rows = [(f"data:{name}/{f.name}", ", ".join(f.layout.columns)) for f in dataset.files.values()]
+    blocks = [
+        Sentence(f"Caution: {dataset.caution}", "caution"),
+        Sentence(f"Licence: {dataset.licence}, {dataset.notice}. Source: {dataset.page}"),
+        DataTable(("file", "columns"), rows),
+    ]
+    title = f"{dataset.name}: {dataset.title}"
+    print_summary(Summary(title, blocks, asdict(dataset), dataset.summary), json)
+
+
+@data.command("fetch")
+def fetch(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="A data set.")],
+    force: Annotated[bool, typer.Option("--force", help="Download what is there, too.")] = False,
+    json: Json = False,
+) -> None:
+    """Download a data set from its authors, and check every file against its SHA-256."""
+    from martensite.scenario import datasets
+    from martensite.show.terminal import print_summary
+
+    folder = datasets.fetch_dataset(name, force)
+    packaged = folder == datasets.describe_dataset(name).packaged
+    title = f"{name} is in the package: there is nothing to fetch" if packaged else f"{name} is in {folder}"
+    print_summary(Summary(title, [], {"name": name, "folder": str(folder)}), json)

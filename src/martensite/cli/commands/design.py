@@ -1,0 +1,252 @@
+"""`design`: numbers of a scenario for which a goal is best and limits are kept; the scenario with them."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from typer import Exit, Option
+
+from martensite.base.errors import InputError, ParameterError
+from martensite.base.interrupts import rescue_answer
+from martensite.cli.app import app
+from martensite.cli.options import ScenarioSource, Text, Texts, read_quantity, refuse_idle, spread_options
+from martensite.cli.outputs import BestSoFar, JudgedOptions, Verdict, name_interrupted
+from martensite.cli.progress import show_share
+
+if TYPE_CHECKING:
+    from martensite.design.optimise.optimised_design import OptimisedDesign
+    from martensite.design.optimise.question import DesignQuestion
+    from martensite.scenario.scenario import Scenario
+    from martensite.search.free_numbers import Target
+
+
+@dataclass(frozen=True)
+class DesignOptions:
+    """What may change, what is wanted, and how it is searched."""
+
+    free: Annotated[
+        Texts,
+        Option(
+            metavar="PATH=LOW..HIGH",
+            help='What may change, e.g. --free "element.diameter=0.05..0.5 mm" or '
+            '--free "drive.peak=1..5 W"; repeatable.',
+        ),
+    ] = None
+    minimise: Annotated[Text, Option(help='What shall be least, e.g. "max(stress)" [default: energy].')] = None
+    maximise: Annotated[Text, Option(help='What shall be most, e.g. "stroke".')] = None
+    subject: Annotated[
+        Texts,
+        Option(metavar="MEASURE<=LIMIT", help='What must hold, e.g. --subject "max(stress) <= 200 MPa"; repeatable.'),
+    ] = None
+    life: Annotated[Text, Option(help="What is to be left of the limits that the elements declare [default: 0 %].")] = (
+        None
+    )
+    no_limits: Annotated[bool, Option("--no-limits", help="Ignore the limits that the elements declare.")] = False
+    case: Annotated[
+        Texts,
+        Option(
+            metavar="PATH=VALUE",
+            help='Another case in which it must hold, e.g. --case "environment.temperature=35 degC"; repeatable.',
+        ),
+    ] = None
+    grid: Annotated[int | None, Option(help="Compare with all designs of a grid of so many points along a number.")] = (
+        None
+    )
+    sample: Annotated[int, Option(help="Designs of the first sample, a power of 2.")] = 64
+    descents: Annotated[int, Option(help="Designs from which it is descended.")] = 3
+    seed: Annotated[int, Option(help="Of the sample.")] = 0
+
+    def check(self) -> None:
+        """Raise `InputError` for a number out of range, or an option without effect."""
+        refuse_idle("--life", self.no_limits and self.life is not None, "--no-limits ignores all limits")
+        if self.sample < 1 or self.sample & (self.sample - 1):
+            raise ParameterError(f"Option `--sample` must be a power of 2, such as 64, but is {self.sample}.")
+        if self.descents < 1:
+            raise ParameterError(f"Option `--descents` must be at least 1, but is {self.descents}.")
+        if self.grid is not None and self.grid < 2:
+            raise ParameterError(f"Option `--grid` must be at least 2, but is {self.grid}.")
+
+    def search(self, scenario: Scenario, best: BestSoFar, *, saved: bool) -> OptimisedDesign:
+        """The best design.
+
+        Args:
+            scenario: where the search begins.
+            best: takes the best so far.
+            saved: whether the scenario will be written with the numbers found.
+
+        Raises:
+            InputError: the scenario is no open loop, or an option does not fit it.
+            SolveError: no design can be run.
+        """
+        from martensite.design.optimise.optimise import optimise_design
+        from martensite.design.optimise.search import DesignSearch
+
+        if scenario.bench is not None:
+            raise InputError(
+                "A scenario with sensors or controllers cannot be designed: take it without them, "
+                "and tune its controller after that."
+            )
+        free = self.free or []
+        if saved:
+            require_written(scenario, free)
+
+        def keep(question: DesignQuestion, numbers: Sequence[float], kept: bool) -> None:
+            lead = "# best so far" + ("" if kept else ", NOT KEEPING all limits")
+            best.keep(lambda: f"{lead}\n\n{_write_numbers(question, numbers, scenario)}")
+
+        with rescue_answer(best.save), show_share("designing") as tell:
+            found = optimise_design(
+                scenario.system,
+                scenario.waveform,
+                scenario.duration,
+                free,
+                minimise=self.minimise,
+                maximise=self.maximise,
+                subject=self.subject or (),
+                life=None if self.no_limits else read_quantity("life", self.life or "0", "1"),
+                cases=self.case or (),
+                samples=scenario.samples,
+                step=scenario.step,
+                search=DesignSearch(sample=self.sample, descents=self.descents, seed=self.seed),
+                written=name_targets(scenario),
+                watch=tell,
+                keep=keep,
+            )
+            if self.grid is None:
+                return found
+            from martensite.design.optimise.search import scan_designs
+
+            watch = None if tell is None else partial(tell, "grid")
+            compared = scan_designs(found.designs, self.grid, watch)
+            return replace(found, scan=compared)
+
+
+@app.command("design", rich_help_panel="Design")
+@spread_options
+def design(
+    source: ScenarioSource,
+    options: DesignOptions,
+    answer: JudgedOptions,
+    save: Annotated[Path | None, Option(help="Scenario with the numbers found to write: .toml.")] = None,
+) -> None:
+    """Find numbers for which a goal is best and limits are kept.
+
+    Goal and limits are measures of its run, such as stroke, rise-time, energy, max(stress) or
+    at(position, time=2 s). The search follows derivatives through the simulation. If no design keeps
+    all limits, the command exits with 1 and saves the nearest one only with --save-anyway. Limits that the
+    elements declare are kept without being asked for. The design is judged by the limits that `run` uses.
+    """
+    outputs = answer.check_files(save, ".toml")
+    options.check()
+    loaded = source.load()
+    found = options.search(loaded, name_interrupted(save, source.file), saved=save is not None)
+    from martensite.show.figures.design import plot_design
+    from martensite.show.summaries.design import describe_verdict, summarise_design
+
+    refused = outputs.answer_verdict(
+        Verdict(not found.kept, describe_verdict(found)),
+        summarise_design(found, loaded.title),
+        answer,
+        lambda: write_design(found, loaded),
+        lambda: plot_design(found, loaded.title),
+    )
+    if refused:
+        raise Exit(1)
+
+
+def name_targets(scenario: Scenario) -> dict[str, str]:
+    """Path in the system of every number that may be free -> its path in the scenario."""
+    from martensite.design.optimise.targets import name_level
+    from martensite.scenario.assemble import waveform_path
+    from martensite.simulate.waveform_levels import PEAK, WaveformLevels
+
+    system, places = scenario.system, scenario.places
+    found = {leaf.path: places.path(leaf.path) for leaf in system.leaves()}
+    steering = WaveformLevels(system, scenario.waveform, scenario.duration)
+    for level in steering.available():
+        before = waveform_path(system, level.drive, places.drive)
+        if level.name == PEAK:
+            before = before.removesuffix("waveform.")
+        found[name_level(level.drive, level.name)] = before + level.name
+    return found
+
+
+def require_written(scenario: Scenario, free: Sequence[str]) -> None:
+    """Raise `InputError` if a peak is free whose waveform the scenario does not hold itself."""
+    from martensite.simulate.waveform_levels import PEAK
+
+    for text in free:
+        name = text.partition("=")[0].strip()
+        before, _, last = name.rpartition(".")
+        if last == PEAK and isinstance(_find_waveform(scenario, f"{before}.").get("file"), str):
+            raise InputError(
+                f"`{name}` is the peak of a waveform in a file of its own, so no scenario can be "
+                "written with another; leave out --save."
+            )
+
+
+def write_design(found: OptimisedDesign, scenario: Scenario) -> str:
+    """The scenario with the numbers found, as TOML."""
+    sense = "most" if found.question.most else "least"
+    goal = f"# designed for the {sense} {found.question.goal.words}"
+    limits = [f"# subject to {one.words}" for one in found.question.subject]
+    missed = [f"# NOT KEPT: {words}" for words in found.missed]
+    return "\n".join(
+        [goal, *limits, *missed, f"# {found.life}", "", _write_numbers(found.question, found.numbers, scenario)]
+    )
+
+
+def _write_numbers(question: DesignQuestion, numbers: Sequence[float], scenario: Scenario) -> str:
+    """The scenario with other free numbers [SI], whole ones rounded."""
+    from martensite.base.toml_text import as_toml
+    from martensite.scenario.overrides import change_document
+
+    changed: dict[str, Any] = {}
+    for one, value in zip(question.free, numbers, strict=True):
+        for target in one.targets:
+            changed |= _write_settings(target, float(round(value)) if one.whole else value, scenario, whole=one.whole)
+    return as_toml(change_document(tomllib.loads(scenario.text), changed))
+
+
+def _write_settings(target: Target, value: float, scenario: Scenario, *, whole: bool) -> dict[str, Any]:
+    from martensite.scenario.exact_text import exact_text
+    from martensite.simulate.waveform_levels import PEAK
+
+    if target.level is not None and target.level.name == PEAK:
+        return _scale_levels(target, value / target.value, scenario)
+    if target.unit == "1":
+        return {target.name: int(value) if whole else value}
+    return {target.name: exact_text(value, target.unit)}
+
+
+def _scale_levels(target: Target, factor: float, scenario: Scenario) -> dict[str, Any]:
+    from martensite.base import units
+    from martensite.scenario.exact_text import exact_text
+    from martensite.simulate.drive_waveforms import by_name
+
+    before = target.name.removesuffix("peak")
+    held = _find_waveform(scenario, before).get("values")
+    if isinstance(held, list):
+        values = [units.parse_quantity(v, target.unit) if isinstance(v, str) else float(v) for v in held]
+        return {f"{before}waveform.values": [exact_text(factor * v, target.unit) for v in values]}
+    level = target.level
+    drive = "" if level is None else level.drive
+    wave = by_name(scenario.system, scenario.waveform)[drive]
+    return {
+        f"{before}waveform.{leaf.path}": exact_text(factor * leaf.value, target.unit)
+        for leaf in wave.leaves()
+        if leaf.declared.unit == "drive"
+    }
+
+
+def _find_waveform(scenario: Scenario, before: str) -> dict[str, Any]:
+    """The table of a waveform in the scenario; empty if there is none."""
+    node: Any = tomllib.loads(scenario.text)
+    for key in f"{before}waveform".split("."):
+        node = node.get(key, {}) if isinstance(node, dict) else {}
+    return node if isinstance(node, dict) else {}

@@ -1,0 +1,131 @@
+"""`export c`: a scenario as C99 with an example that plays its drive."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from typer import Option
+
+from martensite.base.errors import InputError, ParameterError, suggest_name
+from martensite.base.summary import DataTable, Sentence, Summary
+from martensite.cli.commands.export import export
+from martensite.cli.material_options import Port, write_core_alone
+from martensite.cli.options import Force, Json, ScenarioSource, Text, spread_options
+from martensite.cli.outputs import check_folder_files
+
+if TYPE_CHECKING:
+    from martensite.export.c_core import CCore
+    from martensite.scenario.scenario import Scenario
+
+PARTS = ("whole", "plant", "loop")
+ALONE = ("element", "material")
+EXAMPLE_STEPS = 400
+"""Least steps that the example plays."""
+
+
+@export.command("c")
+@spread_options
+def c(
+    source: ScenarioSource,
+    out: Annotated[Path, Option(metavar="FOLDER", help="Where to write.")] = Path(),
+    name: Annotated[Text, Option(help="Name of the files and in them [default: SCENARIO].")] = None,
+    part: Annotated[
+        str,
+        Option(
+            help="whole; plant: without the loops around it; loop: observers, controllers and "
+            "supervisor without the plant, for a controller board; element, material: alone, for a host, with slopes."
+        ),
+    ] = "whole",
+    port: Port = None,
+    precision: Annotated[str, Option(help="float64 (double), or float32 (float).")] = "float64",
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Write a scenario as C99: header, source, and an example that plays its drive.
+
+    No allocation, no library but libm; in double the results are those of `run`, bit for bit.
+    Operations are counted at worst: what is not chosen in a step is not computed.
+    """
+    from martensite.base.files import make_folder, replace_together, write_file
+    from martensite.export.c_names import choose_identifier
+    from martensite.show.terminal import print_summary
+
+    if part not in (known := (*PARTS, *ALONE)):
+        raise ParameterError(f"There is no part `{part}`. {suggest_name(part, known)}")
+    if port is not None and part not in ALONE:
+        raise InputError(f"Option `--port` goes with `--part element` or `--part material`, not with `{part}`.")
+    name = choose_identifier(name, source.file.stem)
+    ends = (".h", ".c") if part in ALONE else (".h", ".c", "_example.c")
+    files = check_folder_files(out, [f"{name}{end}" for end in ends], force)
+    core, example, tried = _make_core(source.load(), name, part, precision, port)
+    make_folder(out)
+    with replace_together():
+        core.write(out)
+        if example:
+            write_file(files[-1], example)
+    print_summary(_summarise_core(core, part, tried), json, files)
+
+
+def _make_core(loaded: Scenario, name: str, part: str, precision: str, port: str | None) -> tuple[CCore, str, str]:
+    """The core of a part of a scenario, the text of its example if it has one, and how far it was tried."""
+    if part in ALONE:
+        return write_core_alone(loaded.system, part, port, name, precision), "", ""
+    from martensite.export.c_core import build_c_core, build_c_loop
+    from martensite.export.c_example import (
+        MOST,
+        MOST_TRIED,
+        example_text,
+        played_by_loop,
+        played_by_system,
+        try_program,
+    )
+
+    if part != "loop":
+        system = loaded.system if part == "plant" else loaded.whole
+        core = build_c_core(system, name=name, precision=precision)
+        play = partial(played_by_system, system, loaded.waveform, loaded.duration, EXAMPLE_STEPS)
+    elif loaded.bench is None:
+        raise ParameterError("This scenario has no loop: there is no controller in it.")
+    else:
+        core = build_c_loop(loaded.bench, name=name, precision=precision)
+        play = partial(played_by_loop, loaded.bench, loaded.waveform, loaded.run(), EXAMPLE_STEPS)
+    tried = try_program(core, play(MOST_TRIED)) if core.precision == "float32" else ""
+    return core, example_text(core, *play(MOST)), tried
+
+
+def _summarise_core(core: CCore, part: str, tried: str) -> Summary:
+    from martensite.export.c_kernels import ORDER
+
+    counts = {
+        "parameters": len(core.parameters),
+        "constants": core.constants,
+        "states": core.states,
+        "inputs": len(core.inputs),
+        "outputs": len(core.outputs),
+    }
+    data = {
+        "name": core.name,
+        "part": part,
+        "described": core.description,
+        "precision": core.precision,
+        "model_bytes": core.size,
+        **counts,
+        "sample_time": core.sample_time,
+        "operations": core.operations,
+        "tried": tried or None,
+    }
+    numbers = ", ".join(f"{kind} {count}" for kind, count in counts.items())
+    kinds = [kind for kind in ORDER if any(kind in one for one in core.operations.values())]
+    rows = [
+        [call, str(sum(found.values())), *(str(found.get(kind, 0)) for kind in kinds)]
+        for call, found in core.operations.items()
+    ]
+    blocks = [
+        Sentence(f"{core.description}, {core.precision}"),
+        Sentence(f"model: {core.size:,} bytes ({numbers})"),
+        DataTable(("operations at most", "sum", *kinds), rows, right=range(1, len(kinds) + 2)),
+        *([Sentence(tried)] if tried else []),
+    ]
+    return Summary("", blocks, data)

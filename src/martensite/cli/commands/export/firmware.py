@@ -1,0 +1,102 @@
+"""`export firmware`: a complete firmware around the loop of a scenario."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from typer import Option
+
+from martensite.base.errors import InputError
+from martensite.base.summary import Block, DataTable, Sentence, Summary
+from martensite.cli.board_options import require_empty
+from martensite.cli.commands.export import export
+from martensite.cli.options import Force, Json, ScenarioSource, Text, read_positive, spread_options
+
+if TYPE_CHECKING:
+    from martensite.boards.firmware.project import Firmware
+    from martensite.boards.firmware.settings import FirmwarePlan
+
+
+@export.command("firmware")
+@spread_options
+def firmware(
+    source: ScenarioSource,
+    board: Annotated[str, Option(help="uno, mega2560, esp32 or stm32f405.")],
+    out: Annotated[Path | None, Option(metavar="FOLDER", help="Where to write [default: ./SCENARIO_BOARD].")] = None,
+    silence: Annotated[str, Option(help="The board disarms when it has not heard the host for so long.")] = "40 ms",
+    longest: Annotated[str, Option(help="It disarms when it was armed for so long.")] = "1 h",
+    most_duty: Annotated[float, Option(help="No signal is above it.")] = 1.0,
+    most_current: Annotated[
+        Text, Option(help="It disarms above this current [default: 1.25 times that of the full signal].")
+    ] = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Write a complete firmware around the loop of a scenario: sketch or bare project, link, guard, wiring.
+
+    The loop is tried in float32 over the scenario first. Nothing is armed before the host says so, and the
+    board disarms by itself when the host is silent, the supply low or the current too large.
+    """
+    from martensite.boards.firmware.project import build_firmware
+    from martensite.boards.firmware.settings import Limits
+    from martensite.show.terminal import print_summary
+
+    if not 0.0 < most_duty <= 1.0:
+        raise InputError(f"Option `--most-duty` must be above 0 and at most 1, but is {most_duty:g}.")
+    limits = Limits(
+        read_positive("silence", silence, "s"),
+        read_positive("longest", longest, "s"),
+        most_duty,
+        read_positive("most-current", most_current, "A"),
+    )
+    folder = require_empty(out or Path(f"{source.file.stem}_{board}"), force)
+    found = build_firmware(source.load(), board, name=folder.resolve().name, limits=limits)
+    files = found.write(folder)
+    print_summary(_summarise_firmware(found), json, files)
+
+
+def _summarise_firmware(found: Firmware) -> Summary:
+    plan = found.plan
+    count = sum(plan.core.operations["step"].values())
+    rows = [
+        [one.name, f"{one.value:.4g}", one.unit, "flash" if one.fixed else "host", one.about] for one in plan.settings
+    ]
+    data = {"board": plan.board.name, "digest": plan.digest, "tried": found.tried, "operations": plan.core.operations}
+    blocks: list[Block] = [
+        Sentence(f"{plan.core.description}, for {plan.board.title}"),
+        Sentence(f"model: {plan.core.size:,} bytes; a step takes at most {count} operations"),
+        Sentence(found.tried),
+        DataTable(("setting", "value", "unit", "stands in", "about"), rows, right=(1,)),
+        *_warn_of_room(found),
+        Sentence(_describe_limits(plan)),
+        Sentence("Gains and offsets are nominal: calibrate the board before it arms on its own readings.", "caution"),
+    ]
+    return Summary("", blocks, data)
+
+
+def _warn_of_room(found: Firmware) -> list[Block]:
+    board = found.plan.board
+    if found.flash <= board.flash:
+        return []
+    words = (
+        f"It hardly fits: by the length of its C it takes about {1e-3 * found.flash:.2g} kB of flash, and the board "
+        f"has {1e-3 * board.flash:.2g} kB. Take a larger board, such as mega2560 or stm32f405."
+    )
+    return [Sentence(words, "bad")]
+
+
+def _describe_limits(plan: FirmwarePlan) -> str:
+    limits, fixed = plan.limits, {one.name: one.value for one in plan.settings if one.fixed}
+    words = [
+        f"{1e3 * limits.silence:g} ms after it heard the host last",
+        f"after {limits.longest:g} s armed",
+        "when the loop cannot be solved",
+    ]
+    if plan.inputs.supply_channel >= 0:
+        words.append(f"below {fixed['least_supply']:.3g} V of supply")
+    if plan.inputs.current_channel >= 0:
+        words.append(f"above {fixed['most_current']:.3g} A")
+    guard = any(one.name == "alarm" for one in plan.core.outputs)
+    own = " The guard of the scenario is in the loop." if guard else " The scenario has no guard of its own."
+    return f"The board disarms by itself {', '.join(words)}; no duty is above {limits.most_duty:g}.{own}"

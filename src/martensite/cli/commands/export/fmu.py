@@ -1,0 +1,123 @@
+"""`export fmu`: a scenario as a functional mock-up unit for co-simulation or model exchange."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from typer import Option
+
+from martensite.base.errors import InputError
+from martensite.base.formats import write_quantity
+from martensite.base.summary import Sentence, Summary
+from martensite.cli.commands.export import export
+from martensite.cli.material_options import Port
+from martensite.cli.options import Force, Json, ScenarioSource, Text, Texts, read_quantity, spread_options
+from martensite.cli.outputs import Outputs
+
+if TYPE_CHECKING:
+    from martensite.export.fmu import Fmu
+
+
+@export.command("fmu")
+@spread_options
+def fmu(
+    source: ScenarioSource,
+    fmi: Annotated[str, Option(help="Version of FMI: 2.0 or 3.0.")] = "2.0",
+    out: Annotated[Path | None, Option(help="FMU to write [default: ./SCENARIO.fmu].")] = None,
+    step: Annotated[
+        Text,
+        Option(
+            help="Longest step of the model within a step of the co-simulation "
+            "[default: that with which `run` reaches its tolerance]."
+        ),
+    ] = None,
+    name: Annotated[Text, Option(help="Model identifier [default: made of the name of the file].")] = None,
+    platforms: Annotated[
+        Texts,
+        Option(
+            "--platform",
+            help="For which to compile, e.g. x86_64-windows, with gcc or zig; repeatable "
+            "[default: all that gcc is there for].",
+        ),
+    ] = None,
+    ports: Annotated[
+        bool,
+        Option(
+            "--ports", help="The element alone: its elongation, drive and surroundings in; force and temperature out."
+        ),
+    ] = False,
+    port: Port = None,
+    model_exchange: Annotated[
+        bool,
+        Option(
+            "--model-exchange",
+            help="Refuse unless it is for model exchange too, as it is by itself where laws have rates.",
+        ),
+    ] = False,
+    sources_only: Annotated[bool, Option("--sources-only", help="Compile nothing.")] = False,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Write a scenario as an FMU for co-simulation: the model in C, compiled and as sources.
+
+    Drives are inputs, everything that can be observed is an output, all numbers of the scenario
+    are parameters; a closed loop has its reference as an input. With `--ports` it is the element
+    alone, for a host that has the mechanism. One element on a static load line, or alone, whose law
+    has rates (`mas`, `mas-polycrystal`) is for model exchange too.
+    """
+    from martensite.export.fmu import to_fmu
+    from martensite.show.terminal import print_summary
+
+    if port is not None and not ports:
+        raise InputError("Option `--port` chooses the element of an FMU with `--ports`.")
+    if sources_only and platforms:
+        raise InputError("Options `--sources-only` and `--platform` exclude each other.")
+    loaded = source.load()
+    out = out or Path(f"{source.file.stem}.fmu")
+    Outputs(out, None).check(force, data=(".fmu",))
+    chosen = read_quantity("step", step, "s")
+    compiled = [] if sources_only else platforms or None
+    made = to_fmu(
+        loaded,
+        out,
+        fmi=fmi,
+        step=chosen,
+        name=name,
+        platforms=compiled,
+        ports=ports,
+        port=port,
+        model_exchange=model_exchange,
+    )
+    print_summary(_summarise_fmu(made), json)
+
+
+def _collect_signals(made: Fmu) -> dict[str, Any]:
+    report = {
+        "file": str(made.path),
+        "fmi": made.fmi,
+        "identifier": made.name,
+        "token": made.token,
+        "period" if made.discrete else "step": made.step,
+        "platforms": list(made.platforms),
+    }
+    kinds = {"inputs": "input", "outputs": "output", "parameters": "parameter"}
+    named = {key: made.named(causality) for key, causality in kinds.items()}
+    named["fixed"] = [one for one in made.named("local") if one.variability == "constant"]
+    named["states"] = made.states
+    return report | {key: {one.name: one.reference for one in signals} for key, signals in named.items()}
+
+
+def _summarise_fmu(made: Fmu) -> Summary:
+    counts = {kind: len(made.named(kind)) for kind in ("input", "output", "parameter")}
+    counted = [f"{count} {kind}{'' if count == 1 else 's'}" for kind, count in counts.items()]
+    inputs = ", ".join(f"{one.name} [{one.unit or '-'}]" for one in made.named("input"))
+    pace = "period" if made.discrete else "inner step of at most"
+    known = ", ".join(made.platforms) or "no platform: compile its sources before use"
+    lines = (
+        f"{', '.join(counted)}; {pace} {write_quantity(made.step, 's')}",
+        f"inputs: {inputs}",
+        *[f"for model exchange too, with {len(made.states)} continuous states"] * bool(made.states),
+        f"wrote {made.path} (FMI {made.fmi}; {known})",
+    )
+    return Summary("", [Sentence(line) for line in lines], _collect_signals(made))

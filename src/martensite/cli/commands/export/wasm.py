@@ -1,0 +1,94 @@
+"""`export wasm`: a scenario as WebAssembly with a script and a guide."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from typer import Option
+
+from martensite.base.errors import ParameterError, suggest_name
+from martensite.base.summary import Sentence, Summary
+from martensite.cli.commands.export import export
+from martensite.cli.options import Force, Json, ScenarioSource, Text, spread_options
+from martensite.cli.outputs import check_folder_files
+
+if TYPE_CHECKING:
+    from martensite.export.wasm import WasmModule
+    from martensite.scenario.scenario import Scenario
+
+PARTS = ("whole", "plant")
+EXAMPLE_STEPS = 400
+"""Least steps of the example in the guide."""
+
+
+@export.command("wasm")
+@spread_options
+def wasm(
+    source: ScenarioSource,
+    out: Annotated[Path | None, Option(metavar="FOLDER", help="Where to write [default: ./SCENARIO_wasm].")] = None,
+    name: Annotated[Text, Option(help="Name of the files [default: SCENARIO].")] = None,
+    part: Annotated[str, Option(help="whole; plant: without the loops around it.")] = "whole",
+    slopes: Annotated[
+        Text, Option(metavar="NAMES", help="Parameters and signals by which outputs have derivatives, comma-separated.")
+    ] = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Write a scenario as WebAssembly for browsers and Node.js: module, script with types, guide.
+
+    It imports nothing, and gives the numbers of `export c`. Zig compiles it: `pip install
+    "martensite[cc]"`, unless there is one.
+    """
+    from martensite.base.files import make_folder, replace_together, write_file
+    from martensite.export.c_names import choose_identifier
+    from martensite.export.wasm.module import find_wasm_compiler
+    from martensite.show.terminal import print_summary
+
+    if part not in PARTS:
+        raise ParameterError(f"There is no part `{part}`. {suggest_name(part, PARTS)}")
+    name = choose_identifier(name, source.file.stem)
+    out = out or Path(f"{source.file.stem}_wasm")
+    names = (f"{name}.wasm", f"{name}.js", f"{name}.d.ts", "README.md")
+    files = check_folder_files(out, names, force)
+    find_wasm_compiler()
+    made = _make_module(source.load(), name, part, [one.strip() for one in (slopes or "").split(",") if one.strip()])
+    make_folder(out)
+    with replace_together():
+        for path in files:
+            write_file(path, made.files[path.name])
+    print_summary(_summarise_module(made), json, files)
+
+
+def _make_module(loaded: Scenario, name: str, part: str, slopes: Sequence[str]) -> WasmModule:
+    from martensite.export.c_example import played_by_system
+    from martensite.export.wasm import build_wasm
+
+    system = loaded.system if part == "plant" else loaded.whole
+    first, _ = played_by_system(system, loaded.waveform, loaded.duration, EXAMPLE_STEPS)
+    return build_wasm(system, name=name, title=loaded.title or name, first=first, slopes=slopes)
+
+
+def _summarise_module(made: WasmModule) -> Summary:
+    core = made.core
+    data = {
+        "name": core.name,
+        "described": core.description,
+        "module_bytes": len(made.binary),
+        "packed_bytes": made.packed,
+        "parameters": len(core.parameters),
+        "states": core.states,
+        "sample_time": core.sample_time,
+        "signals": {one.name: one.unit for one in core.inputs},
+        "outputs": {one.name: one.unit for one in core.outputs},
+        "slopes": list(made.slopes.names) if made.slopes else [],
+    }
+    signals = ", ".join(f"{one.name} [{one.unit}]" for one in core.inputs)
+    slopes = f"slopes by {', '.join(made.slopes.names)}" if made.slopes else "no slopes (`--slopes`)"
+    lines = (
+        f"{core.description}: {len(core.parameters)} parameters, {core.states} states, {len(core.outputs)} outputs",
+        f"signals: {signals}",
+        f"module: {len(made.binary):,} bytes, {made.packed:,} by gzip; {slopes}",
+    )
+    return Summary("", [Sentence(line) for line in lines], data)

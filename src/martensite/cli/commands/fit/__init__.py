@@ -1,0 +1,44 @@
+"""`fit`: numbers of a model from measurements, with what the measurements leave open."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from pathlib import Path
+
+import typer
+
+from martensite.cli.app import app
+from martensite.cli.folder_group import FolderGroup, make_group
+
+LOGS = "logs"
+"""What is meant where no command is named."""
+
+
+class Fits(FolderGroup):
+    """Commands, and `logs` where the first word is none of them."""
+
+    def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:
+        """Name `logs` where it is meant."""
+        return super().parse_args(ctx, self.worded(args))
+
+    def worded(self, args: list[str]) -> list[str]:
+        """The words of a call with its command first."""
+        if not args or args[0] in ("-h", "--help") or self._names(args[0]):
+            return args
+        return [LOGS, *args]
+
+    def _names(self, word: str) -> bool:
+        if self.load_command(word):
+            return True
+        near = get_close_matches(word, self.commands, n=1, cutoff=0.7)
+        return bool(near) and not Path(word).exists()
+
+
+fit = make_group(
+    __name__,
+    Fits,
+    short_help="Make a model of measured logs, with a scenario or without.",
+    help="Fit numbers of a model to measurements: `martensite fit LOG... --scenario S --free ...` "
+    "(or fit FILE.toml), or one of the commands below.",
+)
+app.add_typer(fit, name="fit", rich_help_panel="From logs")

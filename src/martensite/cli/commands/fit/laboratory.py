@@ -1,0 +1,247 @@
+"""`fit motor`, `fit tangents`, `fit vibration`: numbers of laboratory tests."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from typer import Argument, Option
+
+from martensite.base.errors import DataError, InputError, suggest_name
+from martensite.cli.commands.fit import fit
+from martensite.cli.options import Json, Text, Texts, read_positive, read_quantity, spread_options
+from martensite.cli.outputs import AnswerOptions, Outputs
+
+if TYPE_CHECKING:
+    from martensite.characterise.motor_constants import SteadyRunning, Winding
+    from martensite.characterise.tangent_points import TangentPoints
+    from martensite.characterise.time_constant import Rise
+    from martensite.signals.records import Record
+
+SPEED = "rad/s"
+SPEEDS = (SPEED, "rpm")
+"""Units of a speed; those of a frequency would leave open what turns once."""
+
+
+@fit.command("motor")
+def motor(
+    steady: Annotated[Path, Argument(metavar="STEADY", help="Steady states: `voltage`, `current`, `speed`.")],
+    locked: Annotated[Path | None, Option(help="Rotor held still: `voltage` and `current`.")] = None,
+    resistance: Annotated[Text, Option(help='Resistance instead, e.g. "41 ohm".')] = None,
+    current_rise: Annotated[Path | None, Option(help="Step of the voltage, rotor held: `time` and `current`.")] = None,
+    inductance: Annotated[Text, Option(help='Inductance instead, e.g. "3 mH".')] = None,
+    run_up: Annotated[Path | None, Option(help="Step of the voltage, rotor free: `time` and `speed`.")] = None,
+    json: Json = False,
+) -> None:
+    """Constants of a DC motor from its tests.
+
+    The resistance and the steady states give K_T = K_B and friction, viscous and dry; a run-up
+    gives the inertia. Records of a step begin after it. Speeds are in rad/s or rpm.
+    """
+    winding = read_winding(locked, resistance)
+    coil = read_positive("inductance", inductance, "H")
+    states = read_steady(steady)
+    from martensite.characterise.motor_constants import estimate_motor_constants
+    from martensite.show.summaries.laboratory import summarise_motor
+
+    found = estimate_motor_constants(
+        states,
+        winding,
+        current_rise=read_rise(current_rise, "current"),
+        inductance=coil,
+        run_up=read_rise(run_up, "speed"),
+    )
+    Outputs(None, None).answer(summarise_motor(found, len(states.speeds)), json)
+
+
+def read_winding(locked: Path | None, resistance: str | None) -> Winding:
+    """Resistance from the test with a held rotor, or as given.
+
+    Raises:
+        InputError: neither or both of the two are there, or the resistance is not above 0.
+        DataError: the table does not hold what is needed.
+    """
+    from martensite.characterise.estimate import MeasuredValue
+    from martensite.characterise.motor_constants import Winding, winding_resistance
+    from martensite.scenario.tables import read_table
+
+    if (locked is None) == (resistance is None):
+        raise InputError("Give the resistance in one way: --locked TABLE or --resistance.")
+    if locked is None:
+        return Winding(MeasuredValue(read_positive("resistance", str(resistance), "ohm")))
+    record = read_table(locked, interval=1.0)
+    return winding_resistance(record["voltage"], record["current"])
+
+
+def read_steady(path: Path) -> SteadyRunning:
+    """Steady states of a table with voltage, current and speed.
+
+    Raises:
+        DataError: the table does not hold what is needed.
+    """
+    from martensite.characterise.motor_constants import steady_running
+    from martensite.scenario.tables import read_table
+
+    record = read_table(path, interval=1.0)
+    return steady_running(record["voltage"], record["current"], _read_speeds(record))
+
+
+def read_rise(path: Path | None, column: str) -> Rise | None:
+    """The exponential rise of a current or a speed; None without a record.
+
+    Raises:
+        DataError: the record does not hold what is needed.
+    """
+    from martensite.characterise.time_constant import fit_rise
+    from martensite.scenario.tables import read_table
+
+    if path is None:
+        return None
+    record = read_table(path)
+    if record.interval is not None:
+        raise DataError(f"`{path.name}` has no column `time`; a rise needs one, `time [s]`.")
+    values = _read_speeds(record) if column == "speed" else record[column]
+    return fit_rise(record.times, values)
+
+
+def _read_speeds(record: Record) -> list[float]:
+    from martensite.base import units
+
+    numbers, unit = record["speed"], record.units["speed"]
+    if unit not in SPEEDS:
+        raise DataError(
+            f"Column `speed` of record `{record.name}` must be in {' or '.join(SPEEDS)}, but is in "
+            f"`{unit}`; write for example `speed [rpm]`."
+        )
+    return [units.to_si(number, unit, SPEED) for number in numbers]
+
+
+@fit.command("tangents")
+@spread_options
+def tangents(
+    logs: Annotated[
+        list[str],
+        Argument(
+            metavar="LOG...",
+            help="Isobaric cycles, one per file: `temperature`, `strain` and `stress`; "
+            "or data:SET/FILE for files of a published data set.",
+        ),
+    ],
+    answer: AnswerOptions,
+    stress: Annotated[Texts, Option(help='Constant stress of each LOG, e.g. "100 MPa"; repeatable.')] = None,
+    cycle: Annotated[int | None, Option(help="Which cycle of each LOG, from 1 on; the last if left out.")] = None,
+) -> None:
+    """Transformation temperatures, slopes and strain of isobaric cycles, by tangents.
+
+    Each LOG is heated and cooled once through its whole transformation under a constant stress.
+    Three straight lines per branch give A_s, A_f, M_s, M_f and the transformation strain; two and
+    more stresses give C_A, C_M and the temperatures at zero stress.
+    """
+    outputs = answer.check_files()
+    levels = read_cycles(logs, stress, cycle)
+    from martensite.characterise.tangent_fit import fit_tangents
+    from martensite.show.figures.laboratory import plot_tangents
+    from martensite.show.summaries.laboratory import summarise_tangents
+
+    found = fit_tangents(levels) if len(levels) > 1 else levels[0]
+    title = f"Tangents of {levels[0].name if len(levels) == 1 else f'{len(levels)} cycles'}"
+    summary = summarise_tangents(found)
+    outputs.answer(summary, answer.json, draw=lambda: plot_tangents(found, title))
+
+
+def read_cycles(logs: Sequence[str], stresses: Sequence[str] | None, cycle: int | None) -> list[TangentPoints]:
+    """The tangents of each log, in the order given.
+
+    Raises:
+        InputError: stresses and logs are not equally many, or the cycle is counted from below 1.
+        DataError: a log is missing, malformed, or holds no isobaric cycle.
+        UnitError: a stress is none.
+    """
+    from martensite.characterise.tangent_points import find_tangent_points
+    from martensite.scenario.log_tables import read_log_table
+
+    if cycle is not None and cycle < 1:
+        raise InputError(f"Option `--cycle` counts from 1 on, but is {cycle}.")
+    if stresses and len(stresses) != len(logs):
+        raise InputError(
+            f"Give --stress once for every LOG, in their order; stresses: {len(stresses)}, logs: {len(logs)}."
+        )
+    given = [read_quantity("stress", text, "Pa") for text in stresses] if stresses else [None] * len(logs)
+    which = -1 if cycle is None else cycle - 1
+    return [
+        find_tangent_points(read_log_table(log), stress=stress, cycle=which)
+        for log, stress in zip(logs, given, strict=True)
+    ]
+
+
+@fit.command("vibration")
+def vibration(
+    record: Annotated[Path, Argument(metavar="RECORD", help="A record with `time` and what vibrates.")],
+    column: Annotated[Text, Option(help="Column that vibrates, if there are several.")] = None,
+    start: Annotated[Text, Option(help='Time from which on it is free, e.g. "0.5 s".')] = None,
+    end: Annotated[Text, Option(help='Time of the last row used, e.g. "4 s".')] = None,
+    cycles: Annotated[int | None, Option(help="Most cycles used; all if left out.")] = None,
+    stiffness: Annotated[Text, Option(help='Stiffness, e.g. "540 N/m": gives the moving mass.')] = None,
+    mass: Annotated[Text, Option(help='Moving mass, e.g. "190 g": gives the stiffness.')] = None,
+    json: Json = False,
+) -> None:
+    """Frequency and damping from the record of a free vibration.
+
+    RECORD begins at the release, or --start says when that was. The frequency is found from the
+    spectrum, then from the times of the extremes; the damping ratio is that of the logarithmic
+    decrement over all cycles.
+    """
+    if stiffness is not None and mass is not None:
+        raise InputError("Give --stiffness or --mass, not both: the frequency tells the other one.")
+    k, m = read_positive("stiffness", stiffness, "N/m"), read_positive("mass", mass, "kg")
+    times, values, label = read_vibration(record, column, start, end)
+    from martensite.characterise.free_vibration import log_decrement
+    from martensite.characterise.spectrum import natural_frequency
+    from martensite.show.summaries.laboratory import Oscillator, summarise_vibration
+
+    peak = natural_frequency(times, values)
+    found = log_decrement(times, values, cycles=cycles, frequency=peak.frequency)
+    title = f"Free vibration of {label}, {len(times)} rows, {found.cycles:g} cycles used"
+    Outputs(None, None).answer(summarise_vibration(peak, found, Oscillator(k, m), title), json)
+
+
+def read_vibration(
+    path: Path, column: str | None, start: str | None, end: str | None
+) -> tuple[list[float], list[float], str]:
+    """Times [s] and values of the part of a record between two times, and a name for the values.
+
+    Raises:
+        DataError: there is no such column, none to choose, no time, or no row in between.
+        UnitError: `start` or `end` is no time.
+    """
+    from martensite.scenario.tables import read_table
+
+    record = read_table(path)
+    if record.interval is not None:
+        raise DataError(f"`{path.name}` has no column `time`; a vibration needs one, `time [s]`.")
+    name = _choose_column(record, column)
+    first = -math.inf if start is None else read_quantity("start", start, "s")
+    last = math.inf if end is None else read_quantity("end", end, "s")
+    rows = [k for k, time in enumerate(record.times) if first <= time <= last]
+    if not rows:
+        raise DataError(
+            f"`{path.name}` has no rows between --start and --end: it goes from "
+            f"{record.times[0]:.6g} s to {record.times[-1]:.6g} s."
+        )
+    unit = record.units[name]
+    label = f"`{name}`" if unit == "1" else f"`{name}` [{unit}]"
+    return [record.times[k] for k in rows], [record[name][k] for k in rows], label
+
+
+def _choose_column(record: Record, column: str | None) -> str:
+    others = [name for name in record.columns if name != "time"]
+    if column is None:
+        if len(others) != 1:
+            listed = ", ".join(f"`{name}`" for name in others) or "none"
+            raise DataError(f"Give --column: record `{record.name}` has {len(others)} columns beside `time`, {listed}.")
+        return others[0]
+    if column not in others:
+        raise DataError(f"Record `{record.name}` has no column `{column}`. {suggest_name(column, others)}")
+    return column

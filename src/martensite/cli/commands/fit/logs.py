@@ -1,0 +1,355 @@
+"""`fit LOG...`: parameters of a scenario from measured logs, and how far to trust them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib import import_module
+from importlib.util import find_spec
+from json import dumps
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from typer import Argument, Option
+
+from martensite.base.errors import InputError, UnknownNameError
+from martensite.base.formats import write_quantity
+from martensite.base.interrupts import InterruptError, accept_interrupt, rescue_answer
+from martensite.cli.commands.fit import fit
+from martensite.cli.fit_log_model import ModelOptions, fit_log_model
+from martensite.cli.options import (
+    Force,
+    Imports,
+    Json,
+    NamedColumns,
+    Settings,
+    Text,
+    Texts,
+    import_modules,
+    read_quantity,
+    spread_options,
+)
+from martensite.cli.outputs import check_absent, check_ending, check_folder
+from martensite.cli.progress import show_search, show_spinner
+
+if TYPE_CHECKING:
+    from martensite.base.summary import Summary
+    from martensite.fit.fit import Fit
+    from martensite.fit.fit_task import ArrangedFit, FitTask
+    from martensite.fit.posterior import Posterior
+    from martensite.fit.search_monitor import SearchNote
+    from martensite.search.profile import Profile
+
+REPORTS, MATERIAL = (".md", ".html"), (".toml",)
+
+
+@dataclass(frozen=True)
+class FitOptions:
+    """What is fitted, and how."""
+
+    scenario: Annotated[list[Path] | None, Option(help="Scenario file; one for all logs, or repeated for each.")] = None
+    free: Annotated[
+        Texts,
+        Option(
+            metavar="NAME[=LOW..HIGH UNIT][@START]",
+            help='Free parameters, comma-separated or repeated, e.g. A_s,A_f,"C_A=5..12 MPa/K".',
+        ),
+    ] = None
+    each: Annotated[
+        Texts,
+        Option(help='What every log has for itself: parameters, offset[.OUTPUT], delay; "h:by=specimen", "h=±20 %".'),
+    ] = None
+    hold_out: Annotated[
+        Text, Option(help='Kept back from the fit: auto, none, each in turn, names, or "25 %" [default: auto].')
+    ] = None
+    column: Annotated[
+        Texts,
+        Option(
+            metavar="OUTPUT[=COLUMN[*FACTOR]]",
+            help="What is compared [default: all that log and scenario share]; repeatable.",
+        ),
+    ] = None
+    noise: Annotated[Texts, Option(metavar="OUTPUT=AMOUNT", help='Noise of a measurement, e.g. "strain=0.02 %".')] = (
+        None
+    )
+    method: Annotated[Text, Option(help="trf, coordinate, or evolution [default: trf].")] = None
+    loss: Annotated[Text, Option(help="linear, soft-l1, huber, or cauchy [default: linear].")] = None
+    starts: Annotated[int | None, Option(help="Further starts spread over the bounds [default: 0].")] = None
+    step: Annotated[Text, Option(help='Longest step, e.g. "0.5 s" [default: to the tolerance].')] = None
+    interval: Annotated[Text, Option(help='Time between rows of logs without times, e.g. "0.1 s".')] = None
+    named: NamedColumns = None
+
+    def read_task(self, logs: Sequence[str], settings: list[str] | None) -> FitTask:
+        """The task; options go over what a fit file says.
+
+        Raises:
+            InputError: something is missing, or contradicts a fit file.
+        """
+        from martensite.fit.fit_file import is_fit_file, read_fit_file
+        from martensite.fit.free_parameters import split_list
+        from martensite.scenario.overrides import read_settings
+
+        if any(map(is_fit_file, logs)):
+            self._refuse_beside_fit_file(logs)
+            task = read_fit_file(logs[0])
+        else:
+            task = self._make_task(logs)
+        return task.with_changes(
+            each=split_list(self.each or []),
+            hold_out=self.hold_out,
+            columns=self.column or (),
+            noise=_read_pairs(self.noise or []),
+            step=read_quantity("step", self.step, "s"),
+            settings=read_settings(settings or []),
+            search={"method": self.method, "loss": self.loss, "starts": self.starts},
+        )
+
+    def take_carried(self, logs: Sequence[str]) -> FitOptions:
+        """Take the scenario and the free numbers from logs of a board, if none are given."""
+        from martensite.boards.rig_scenarios import read_rigs
+
+        if self.scenario:
+            return self
+        found = read_rigs(logs, self.free)
+        return self if found is None else replace(self, scenario=found[0], free=found[1])
+
+    def is_alone(self, logs: Sequence[str]) -> bool:
+        """Whether neither scenario nor free numbers nor a fit file say what is fitted."""
+        from martensite.fit.fit_file import is_fit_file
+
+        return not self.scenario and not self.free and not any(map(is_fit_file, logs))
+
+    def _make_task(self, logs: Sequence[str]) -> FitTask:
+        from martensite.fit.api import build_task
+        from martensite.scenario.log_tables import parse_named
+
+        if not self.scenario:
+            raise InputError("A fit needs --scenario, the file of one; none given.")
+        if not self.free:
+            raise InputError("A fit needs --free, what is to be found, such as `--free A_s,A_f`; none given.")
+        task = build_task(self.scenario, logs, self.free)
+        interval = read_quantity("interval", self.interval, "s")
+        named = parse_named(self.named or ())
+        read = (replace(one, interval=interval, named=named) for one in task.logs)
+        return replace(task, logs=tuple(read))
+
+    def _refuse_beside_fit_file(self, logs: Sequence[str]) -> None:
+        if len(logs) > 1:
+            raise InputError("A fit file stands alone; its records are listed in it.")
+        idle = {"--scenario": self.scenario, "--free": self.free, "--interval": self.interval, "--as": self.named}
+        name = next((name for name, given in idle.items() if given), None)
+        if name is not None:
+            raise InputError(f"Option `{name}` has no effect: the fit file says that.")
+
+
+@dataclass(frozen=True)
+class FitExtras:
+    """What is asked for beside the fit itself, and the files."""
+
+    profile: Annotated[Texts, Option(metavar="NAME", help="Profile likelihood of a parameter; repeatable.")] = None
+    posterior: Annotated[
+        int | None, Option(metavar="STEPS", help="Posterior samples: steps of each walker, e.g. 500; needs emcee.")
+    ] = None
+    resume: Annotated[
+        Path | None, Option(metavar="STATE", help="File that keeps the search, and takes it up again.")
+    ] = None
+    report: Annotated[Path | None, Option(help="Report to write: .md (figures beside it) or .html.")] = None
+    out: Annotated[Path | None, Option(metavar="MATERIAL", help="Material file to write: .toml.")] = None
+
+    def refuse_without_scenario(self) -> None:
+        """Raise `InputError` for what needs a scenario of one's own."""
+        idle = {"--profile": self.profile, "--posterior": self.posterior, "--resume": self.resume}
+        if name := next((name for name, given in idle.items() if given), None):
+            raise InputError(f"Option `{name}` needs --scenario and --free; without, it has no effect.")
+
+    def check(self, arranged: ArrangedFit) -> None:
+        """Refuse before the search what would fail after it."""
+        names = arranged.problem.names
+        unknown = next((name for name in self.profile or () if name not in names), None)
+        if unknown is not None:
+            raise UnknownNameError("free parameter", unknown, names)
+        if self.posterior is not None and self.posterior < 1:
+            raise InputError(f"Option `--posterior` must be at least 1, but is {self.posterior}.")
+        if self.posterior is not None and find_spec("emcee") is None:
+            raise InputError("Option `--posterior` needs emcee: `pip install 'martensite[posterior]'`.")
+
+    def check_files(self, force: bool) -> None:
+        """Raise `DataError` if a file has a wrong ending, no folder, or is there already."""
+        check_ending(self.report, REPORTS)
+        check_ending(self.out, MATERIAL)
+        for path in filter(None, (self.report, self.out, self.resume)):
+            check_folder(path)
+        for path in filter(None, (self.report, self.out, self._find_figures())):
+            check_absent(path, force)
+
+    def _find_figures(self) -> Path | None:
+        """Folder of the figures of a report that does not hold them."""
+        from martensite.show.pages import HTML, find_figure_folder
+
+        if self.report is None or self.report.suffix.lower() in HTML:
+            return None
+        return find_figure_folder(self.report)
+
+    def write(self, fit: Fit, summary: Summary) -> list[Path]:
+        """Write what is wanted; the files that were written."""
+        written: list[Path] = []
+        if self.out is not None:
+            from martensite.fit.material_files import write_material
+
+            write_material(fit, self.out, scenario=fit.scenario)
+            written.append(self.out)
+        if self.report is not None:
+            from martensite.show.pages import write_page
+
+            written += write_page(summary, self.report)
+        return written
+
+
+@fit.command("logs")
+@spread_options
+def fit_logs(
+    logs: Annotated[
+        list[str],
+        Argument(
+            metavar="LOG...",
+            help="Measured tables with headings such as `strain [%]`, over time or one row per condition, "
+            "or data:SET/FILE for files of a published data set; or one fit file (.toml).",
+        ),
+    ],
+    options: FitOptions,
+    extras: FitExtras,
+    models: ModelOptions,
+    settings: Settings = None,
+    modules: Imports = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Fit parameters of a scenario to logs (meant where no other command is named).
+
+    Without --scenario and --free the logs are recognised, and a scenario is proposed, fitted and judged by what it did
+    not see; the exit code is 1 if it does not predict. Logs of `martensite hardware` bring their scenario along.
+
+    A scenario follows the log where its waveforms are of kind `log`. All other columns that the
+    scenario has outputs for are compared. Ctrl-C ends the search and keeps the best so far; the
+    exit code is 1 then. SIGTERM does the same.
+    """
+    import_modules(modules)
+    extras.check_files(force)
+    options = options.take_carried(logs)
+    if options.is_alone(logs):
+        extras.refuse_without_scenario()
+        models.check(options, extras.report, force)
+        seconds, named = read_quantity("interval", options.interval, "s"), options.named or ()
+        files = {"report": extras.report, "material": extras.out}
+        predicts = fit_log_model(logs, models, settings or [], named=named, interval=seconds, **files, json=json)
+        raise typer.Exit(0 if predicts else 1)
+    models.refuse_beside_scenario()
+    latest: dict[str, Any] = {}
+    with rescue_answer(lambda: _tell_best(latest, extras.resume, json)):
+        whole = run_fit(options.read_task(logs, settings), extras, json, latest)
+    if not whole:
+        raise typer.Exit(InterruptError.exit_code)
+
+
+def _tell_best(latest: dict[str, Any], resume: Path | None, json: bool) -> str:
+    """Print the best numbers so far; the sentence with which an interrupted fit ends."""
+    state = _tell_state(resume)
+    if not latest:
+        return f"Interrupted; nothing was found yet{state}."
+    problem, note = latest["problem"], latest["note"]
+    numbers = problem.numbers(note.values)
+    if json:
+        typer.echo(dumps({"reason": "interrupted", "cost": note.cost, "numbers": numbers}))
+    else:
+        units = {free.name: free.unit for free in problem.free}
+        best = ", ".join(f"{name} = {write_quantity(x, units[name])}" for name, x in numbers.items())
+        typer.echo(f"Best so far: {best}")
+    return f"Interrupted; these numbers are not judged{state}."
+
+
+def _tell_state(path: Path | None) -> str:
+    """Where an interrupted search goes on from."""
+    if path is None or not path.exists():
+        return ""
+    return f"; the search goes on from `{path}` with --resume {path}"
+
+
+def run_fit(task: FitTask, extras: FitExtras, json: bool, latest: dict[str, Any] | None = None) -> bool:
+    """Do what a task says and show what there is of it; False if it was interrupted.
+
+    `latest` is told the problem and the best so far.
+    """
+    names = extras.profile or []
+    with show_spinner("reading logs, choosing steps"):
+        for module in ("scipy.optimize", "scipy.stats", "scipy.stats.qmc"):
+            import_module(module)  # not while it searches: an interruption would leave it half imported
+        arranged = task.arrange()
+        extras.check(arranged)
+    with show_search(lambda note: _describe_note(note, task.noise)) as tell:
+        training = arranged.problem.training
+
+        def remember(note: SearchNote) -> None:
+            if latest is not None and math.isfinite(note.cost):
+                latest.update(problem=training, note=note)
+            if tell is not None:
+                tell(note)
+
+        fit = arranged.solve(remember, extras.resume)
+    profiles, posterior = _walk_profiles(fit, names), None
+    if extras.posterior is not None and len(profiles) == len(names):
+        posterior = _draw_posterior(fit, extras.posterior)
+    from martensite.show.summaries.fit import summarise_fit
+    from martensite.show.terminal import print_summary
+
+    summary = summarise_fit(fit, fit.scenario, profiles, fit.scenario.title if fit.scenario else "", posterior)
+    with show_spinner("writing"):
+        written = extras.write(fit, summary)
+    print_summary(summary, json, written)
+    whole = len(profiles) == len(names) and (posterior is None) == (extras.posterior is None)
+    if not whole:
+        typer.echo("interrupted: profiles or samples are missing", err=True)
+    if fit.reason == "interrupted":
+        typer.echo(f"interrupted: this is the best so far{_tell_state(extras.resume)}", err=True)
+    return whole and fit.reason != "interrupted"
+
+
+def _draw_posterior(fit: Fit, draws: int) -> Posterior | None:
+    from martensite.fit.posterior import sample_posterior
+
+    try:
+        with show_spinner("drawing posterior samples"):
+            return sample_posterior(fit, draws=draws)
+    except KeyboardInterrupt:
+        accept_interrupt()
+        return None
+
+
+def _walk_profiles(fit: Fit, names: Sequence[str]) -> list[Profile]:
+    from martensite.fit.profiling import profile_likelihood
+
+    walked: list[Profile] = []
+    try:
+        for name in names:
+            with show_spinner(f"profile of {name}"):
+                walked.append(profile_likelihood(fit, name))
+    except KeyboardInterrupt:
+        accept_interrupt()
+    return walked
+
+
+def _describe_note(note: SearchNote, noise: Mapping[str, Any]) -> str:
+    root = math.sqrt(note.cost)
+    size = f"{root:.3g} of noise" if noise else f"{100.0 * root:.3g} % of range"
+    return f"{note.stage}: best RMS {size}, {note.simulations} runs"
+
+
+def _read_pairs(texts: Sequence[str]) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals:
+            raise InputError(f'`{text}` is no noise; write `OUTPUT=AMOUNT`, e.g. "strain=0.02 %".')
+        found[name.strip()] = value.strip()
+    return found

@@ -1,0 +1,45 @@
+"""`hardware cost`: what a step takes on emulated processors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from typer import Option
+
+from martensite.base.summary import Block, DataTable, Sentence, Summary
+from martensite.cli.commands.hardware import hardware
+from martensite.cli.options import Json, ScenarioSource, spread_options
+from martensite.cli.progress import show_spinner
+
+if TYPE_CHECKING:
+    pass
+
+
+@hardware.command("cost")
+@spread_options
+def cost(
+    source: ScenarioSource,
+    part: Annotated[str, Option(help="loop: what a board runs; plant: the model alone.")] = "loop",
+    json: Json = False,
+) -> None:
+    """Say what a step of a loop or a model costs on emulated processors, in float32.
+
+    Cycles of an AVR are those of its data sheet, as simavr counts them. QEMU counts instructions of a Cortex-M4, of
+    which most take a cycle and a division 14: the time that follows from them is the least.
+    """
+    from tempfile import TemporaryDirectory
+
+    from martensite.boards.emulators.cost import measure_costs
+    from martensite.show.terminal import print_summary
+
+    with TemporaryDirectory() as folder, show_spinner("counting"):
+        core, found = measure_costs(source.load(), part, Path(folder))
+    rows = [
+        [one.processor, f"{one.most:,} {one.counted}", f"{1e6 * one.time:.4g} us", f"{one.flash:,}", f"{one.ram:,}"]
+        for one in found
+    ]
+    head = ("processor", "dearest step", "at least" if any(one.least for one in found) else "time", "flash", "RAM")
+    blocks: list[Block] = [Sentence(f"{core.description}, float32"), DataTable(head, rows, right=(1, 2, 3, 4))]
+    blocks += [Sentence(f"{one.processor}: a step was not solved in float32.", "bad") for one in found if one.failed]
+    print_summary(Summary("", blocks, {one.processor: vars(one) for one in found}), json)

@@ -1,0 +1,87 @@
+"""`hardware replay`, `characterise`: what the logs of a board tell of its wire."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from typer import Option
+
+from martensite.base.errors import InputError
+from martensite.base.summary import DataTable, Sentence, Summary
+from martensite.cli.board_options import Armed, BoardSource, ProjectFolder, require_empty, show_log
+from martensite.cli.commands.hardware import hardware
+from martensite.cli.options import FigureFile, Force, Json, Texts, read_positive, spread_options
+from martensite.cli.outputs import Outputs
+from martensite.cli.progress import show_spinner
+
+
+@hardware.command("replay")
+@spread_options
+def replay(
+    project: ProjectFolder,
+    logged: Annotated[Path, typer.Argument(metavar="LOG", help="A log of its board.")],
+    figure: FigureFile = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Put the readings of a log beside those of the model under the same signals."""
+    from martensite.boards.replay import replay_log
+    from martensite.boards.session import read_project, read_project_scenario
+
+    outputs = Outputs(None, figure).check(force)
+    found = replay_log(read_project_scenario(read_project(project)), logged)
+    rows = [[one.name, f"{one.rms:.4g} {one.unit}", f"{100.0 * one.fit:.1f} %"] for one in found.readings]
+    table = DataTable(("reading", "rms of measured - model", "fit"), rows, right=(1, 2))
+    data = {one.name: {"rms": one.rms, "fit": one.fit} for one in found.readings}
+    outputs.answer(Summary("", [Sentence(f"{len(found.times)} samples"), table], data), json, None, found.plot)
+
+
+@hardware.command("characterise")
+@spread_options
+def characterise(
+    source: BoardSource,
+    free: Annotated[str, Option(help="What is to be learnt: A_s,A_f,M_s,M_f,h.")],
+    out: Annotated[Path, Option(metavar="FOLDER", help="Where logs, scenario and report are written.")],
+    budget: Annotated[str, Option("--time", help="For all courses together.")] = "120 s",
+    arm: Armed = None,
+    emulated: Annotated[
+        Texts, Option(metavar="PATH=VALUE", help="Another wire in the emulator than the model's; repeatable.")
+    ] = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Run the courses of a duty that tell most of a wire, and fit its numbers to them.
+
+    Courses are chosen by the information matrix of the fit, and none heats a wire that may be at hand above its limit.
+    Without `--arm ARM` it is a dry run, which says which courses these are and what they would tell.
+    """
+    from martensite.base.files import make_folder
+    from martensite.boards.characterise import characterise as work
+    from martensite.boards.session import Session, read_project, read_project_scenario
+    from martensite.scenario.overrides import read_settings
+    from martensite.show.terminal import print_summary
+
+    seconds, firmware = read_positive("time", budget, "s"), read_project(source.project)
+    require_empty(out, force)
+    bench = read_project_scenario(firmware).bench
+    if bench is None:
+        raise InputError("The firmware has no loop, and so no sensors.")
+    unknown = work.list_unknown(bench, [name.strip() for name in free.split(",")], {})
+    with show_spinner("choosing courses"):
+        chosen = work.plan_courses(bench, unknown, seconds)
+    plan = work.describe_plan(unknown, chosen)
+    if arm is None:
+        print_summary(Summary("", [*plan, Sentence("Dry run: nothing was armed.", "caution")], {}), json)
+        return
+    make_folder(out)
+    logs = work.name_logs(out, chosen.courses)
+    with Session.open(source.project, source.port, read_settings(emulated or [])) as session:
+        for course, path in zip(chosen.courses, logs, strict=True):
+            with show_log(course.name) as watch:
+                session.play(course.levels, word=arm, watch=watch).write(path, session.link.reader.counts)
+    with show_spinner("fitting"):
+        found = work.fit_courses(firmware["scenario"], out, logs, unknown)
+        files = work.write_fit(found, out)
+    print_summary(Summary("", [*plan, *work.describe_fit(found)], dict(found.numbers)), json, [*logs, *files])

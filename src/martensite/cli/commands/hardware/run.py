@@ -1,0 +1,126 @@
+"""`hardware ports`, `log`, `run`, `hil`: what a board does now."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from typer import Option
+
+from martensite.base.errors import InputError
+from martensite.base.summary import Block, DataTable, Sentence, Summary
+from martensite.cli.board_options import Armed, BoardSource, LogOptions, answer_log, open_session, show_log
+from martensite.cli.commands.hardware import hardware
+from martensite.cli.options import Force, Json, Text, read_positive, spread_options
+from martensite.cli.outputs import Outputs
+from martensite.cli.progress import open_bar
+
+if TYPE_CHECKING:
+    from martensite.boards.session import Session
+
+
+@hardware.command("ports")
+def ports(json: Json = False) -> None:
+    """List the serial ports that there are."""
+    from serial.tools.list_ports import comports
+
+    from martensite.show.terminal import print_summary
+
+    found = [[one.device, one.description or ""] for one in comports()]
+    block: Block = DataTable(("port", "what it is"), found) if found else Sentence("No serial port is there.")
+    print_summary(Summary("", [block], {"ports": [one[0] for one in found]}), json)
+
+
+@hardware.command("log")
+@spread_options
+def log(
+    source: BoardSource, options: LogOptions, duration: Annotated[str, Option(help="How long to listen.")] = "5 s"
+) -> None:
+    """Log what a board measures, nothing armed."""
+    options.check_file()
+    seconds = read_positive("duration", duration, "s")
+    with open_session(source) as session, show_log("logging") as watch:
+        found = session.listen(seconds, watch)
+        answer_log(session, found, options)
+
+
+@hardware.command("run")
+@spread_options
+def run(
+    source: BoardSource,
+    options: LogOptions,
+    arm: Armed = None,
+    duration: Annotated[Text, Option(help="[default: that of the scenario]")] = None,
+    duty: Annotated[
+        Text, Option(metavar="TIME:DUTY,…", help="Play levels instead of the loop: 2 s:0.4, 5 s:0.")
+    ] = None,
+) -> None:
+    """Run the loop of the scenario on the board, or levels of its duty, and log it.
+
+    Without `--arm ARM` it is a dry run: the board is asked, nothing is heated, and what would be done is said.
+    """
+    from martensite.boards.session import read_levels
+
+    options.check_file()
+    levels = read_levels(duty) if duty is not None else []
+    with open_session(source) as session:
+        scenario = session.scenario
+        whole = sum(t for t, _ in levels) if levels else scenario.duration
+        seconds = whole if duration is None else read_positive("duration", duration, "s")
+        if arm is None:
+            with show_log("listening") as watch:
+                found = session.listen(0.5, watch)
+            answer_log(session, found, options, _describe_dry_run(session, seconds, levels))
+            return
+        with show_log("running") as watch:
+            if levels:
+                found = session.play(levels, word=arm, watch=watch)
+            else:
+                found = session.follow(session.list_references(), seconds, word=arm, watch=watch)
+        answer_log(session, found, options)
+
+
+@hardware.command("hil")
+@spread_options
+def hil(
+    source: BoardSource,
+    arm: Armed = None,
+    out: Annotated[Path | None, Option(help="Table of the run to write: .csv.")] = None,
+    duration: Annotated[Text, Option(help="[default: that of the scenario]")] = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Run the plant here and its loop on the board, and compare with the run of both here.
+
+    The board's own switches stay open, but it computes and answers as if it drove them; say `--arm ARM`.
+    """
+    from martensite.boards.hil import compare_runs, run_hil
+    from martensite.show.terminal import print_summary
+
+    outputs = Outputs(out, None).check(force, data=(".csv",))
+    if arm is None:
+        raise InputError("Hardware in the loop arms the board, with its switches open: say `--arm ARM`.")
+    seconds = read_positive("duration", duration, "s")
+    with open_session(source) as session, open_bar("plant here, loop there", 1.0) as move:
+        watch: Callable[[float], None] | None = move and (lambda share: move(completed=share))
+        found = run_hil(session.scenario, session.link, session.firmware, word=arm, duration=seconds, watch=watch)
+        rows = compare_runs(session.scenario, found)
+    outputs.write(found.to_text)
+    table = DataTable(
+        ("output", "largest difference", "of range"),
+        [[n, f"{d:.3g} {u}", f"{s:.2g}"] for n, u, d, s in rows],
+        right=(1, 2),
+    )
+    words = f"{len(found.times)} samples, {found.lost} frames lost; the run here with float64 differs by:"
+    data = {"samples": len(found.times), "lost": found.lost, "differences": {n: d for n, _, d, _ in rows}}
+    print_summary(Summary("", [Sentence(words), table], data), json, outputs.paths())
+
+
+def _describe_dry_run(session: Session, seconds: float, levels: list[tuple[float, float]]) -> list[Block]:
+    what = f"levels of {len(levels)} steps" if levels else "the loop"
+    most = max((duty for _, duty in levels), default=session.firmware["settings"][0]["value"])
+    return [
+        Sentence("Dry run: nothing was armed.", "caution"),
+        Sentence(f"With `--arm ARM` it would run {what} for {seconds:.4g} s, with a duty of at most {most:.3g}."),
+    ]

@@ -1,0 +1,352 @@
+"""`identify LOG...`: a dynamic model of blocks from measured logs, and what it is worth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from typer import Argument, Option
+
+from martensite.base.errors import InputError, suggest_name
+from martensite.base.files import replace_together
+from martensite.base.interrupts import InterruptError, rescue_answer
+from martensite.cli.app import app
+from martensite.cli.options import (
+    Imports,
+    NamedColumns,
+    Text,
+    Texts,
+    import_modules,
+    read_positive,
+    read_quantity,
+    spread_options,
+)
+from martensite.cli.outputs import AnswerOptions, Outputs, check_absent, check_ending, check_folder
+from martensite.cli.progress import show_share, show_spinner
+
+if TYPE_CHECKING:
+    from martensite.identify.chains.estimate import Options
+    from martensite.identify.chains.stages import Identified, ModelStage
+    from martensite.identify.ladder.ladder_result import LadderTrial
+    from martensite.signals.sampling.sampled import Sampled
+
+REPORTS = (".html", ".md")
+ANCHOR = 0.1
+"""Weight of rest where a record begins there, in shares of all rows."""
+
+
+@dataclass(frozen=True)
+class IdentifyOptions:
+    """What is identified, and how."""
+
+    inputs: Annotated[Texts, Option("--input", metavar="COLUMN", help="Column that goes in; repeatable.")] = None
+    output: Annotated[Text, Option(metavar="COLUMN", help="Column that comes out at the end; several with commas.")] = (
+        None
+    )
+    stage: Annotated[
+        Texts,
+        Option(
+            metavar="BLOCKS[->COLUMN]",
+            help='Blocks in series, e.g. --stage "poly2 | oe(3,3,1) | pwl10". Repeated, each stage goes on from the '
+            "measured column that the one before names.",
+        ),
+    ] = None
+    validate: Annotated[
+        Texts, Option(metavar="LOG", help="Log of another cadence, to choose a structure by or to score; repeatable.")
+    ] = None
+    other: Annotated[Texts, Option(metavar="LOG", help="Log that is only scored; repeatable.")] = None
+    interval: Annotated[Text, Option(help='Sample time to fit at, e.g. "20 ms" [default: that of the log].')] = None
+    unit: Annotated[
+        Texts, Option(metavar="COLUMN=UNIT", help='Unit of a column in the model, e.g. "duty=%"; repeatable.')
+    ] = None
+    starts: Annotated[int, Option(min=1, help="Searches from different starts.")] = 12
+    seed: Annotated[int, Option(min=0, help="Of the random starts.")] = 0
+    skip: Annotated[Text, Option(help='Time at the start of every log that does not count, e.g. "2 s".')] = None
+    initial: Annotated[
+        str,
+        Option(
+            help="State at the first row: rest, zero, estimate, or auto, which tests whether a log begins at rest and "
+            "estimates the state of those that do not."
+        ),
+    ] = "auto"
+    anchor: Annotated[
+        float | None,
+        Option(
+            min=0.0,
+            help="Weight of the rest before the input first changes, as a share of all rows "
+            "[default: 0.1 for logs that begin at rest, else 0].",
+        ),
+    ] = None
+    time_box: Annotated[
+        Text, Option(metavar="TIME", help='Processor time that finding a structure may take [default: "120 s"].')
+    ] = None
+    ridge: Annotated[
+        float | None,
+        Option(
+            min=0.0,
+            help="Pull of free numbers to their start, e.g. 1e-6 [default: chosen where logs are short, else 0].",
+        ),
+    ] = None
+    named: NamedColumns = None
+
+    def plan_stages(self) -> list[ModelStage]:
+        """The stages.
+
+        Raises:
+            InputError: something is missing, or contradicts something else.
+        """
+        from martensite.identify.chains.stages import ModelStage
+
+        texts = list(self.stage or ())
+        output = self.output or ""
+        read = [ModelStage.read(text, output if k == len(texts) else None) for k, text in enumerate(texts, start=1)]
+        if read[-1].outputs != ModelStage("", output).outputs:
+            raise InputError(f"The last stage gives `{read[-1].output}`, but --output is `{output}`.")
+        return read
+
+    @property
+    def climbs(self) -> bool:
+        """Whether no structure is given, so that one is found."""
+        return not self.stage
+
+    def complete_columns(self, log: str) -> IdentifyOptions:
+        """With the columns that the first log leaves no choice of.
+
+        Raises:
+            InputError: it leaves a choice.
+        """
+        from martensite.scenario.identify_logs import choose_columns
+
+        given = self.list_inputs()
+        arrows = [text.partition("->")[2].strip() for text in self.stage or ()]
+        named = [name.strip() for arrow in arrows for name in arrow.split(",") if name.strip()]
+        last = arrows[-1] if arrows else ""
+        inputs, output = choose_columns(log, given, self.output or last or None, named, self.read_named())
+        return replace(self, inputs=inputs, output=output)
+
+    def list_inputs(self) -> list[str]:
+        """The inputs that are given."""
+        return [name.strip() for text in self.inputs or () for name in text.split(",") if name.strip()]
+
+    def read_records(self, fitted: Sequence[str], outputs: Sequence[str]) -> tuple[list[Sampled], ...]:
+        """Records to fit, to validate with, and others, all of one sample time."""
+        from martensite.scenario.identify_logs import read_logs
+
+        interval = read_positive("interval", self.interval, "s")
+        groups: list[list[Sampled]] = []
+        for logs in (fitted, self.validate or (), self.other or ()):
+            group: list[Sampled] = []
+            for log in logs:
+                group += read_logs([log], self.inputs or [], outputs, interval, self.read_units(), self.read_named())
+                interval = group[-1].interval
+            groups.append(group)
+        return tuple(groups)
+
+    def read_named(self) -> dict[str, str]:
+        """What columns of files without headings are."""
+        from martensite.scenario.log_tables import parse_named
+
+        return dict(parse_named(self.named or ()))
+
+    def read_units(self) -> dict[str, str]:
+        """Units of columns by name."""
+        found: dict[str, str] = {}
+        for text in self.unit or ():
+            name, equals, spelling = text.partition("=")
+            if not equals or not spelling.strip():
+                raise InputError(f'`{text}` is no unit; write `COLUMN=UNIT`, e.g. "duty=%".')
+            found[name.strip()] = spelling.strip()
+        return found
+
+    def choose_search(self, interval: float) -> Options:
+        """How stages are estimated at a sample time."""
+        from martensite.identify.chains.estimate import Options
+        from martensite.identify.chains.goals import AUTO
+        from martensite.identify.chains.residuals import STARTS
+
+        if self.initial not in (*STARTS, AUTO):
+            raise InputError(f"Option `--initial` is `{self.initial}`. {suggest_name(self.initial, (*STARTS, AUTO))}")
+        rest = ANCHOR if self.initial in ("rest", AUTO) else 0.0
+        seconds = read_quantity("skip", self.skip, "s") or 0.0
+        return Options(
+            starts=self.starts,
+            seed=self.seed,
+            skip=max(round(seconds / interval), 0),
+            start=self.initial,
+            anchor=rest if self.anchor is None else self.anchor,
+            ridge=self.ridge,
+        )
+
+
+@app.command("identify", rich_help_panel="From logs")
+@spread_options
+def identify(
+    logs: Annotated[
+        list[str],
+        Argument(
+            metavar="LOG...",
+            help="Logs to fit, all at once: text with headings such as `position [mm]`, .parquet, "
+            ".mat or .nc; or data:SET/FILE.",
+        ),
+    ],
+    options: IdentifyOptions,
+    answer: AnswerOptions,
+    save: Annotated[Path | None, Option(metavar="MODEL", help="Model file to write: .json.")] = None,
+    report: Annotated[Path | None, Option(metavar="PAGE", help="Report to write: .html or .md.")] = None,
+    modules: Imports = None,
+) -> None:
+    """Find a model of blocks that repeats logs in free run.
+
+    With a log alone, columns are chosen by their names, rest, delay, order and linearity are tested, and structures
+    are tried from linear to hysteresis, feedback and nonlinear state space. One is kept if it predicts blocks that
+    it was not fitted to better than the one before by more than chance; the last fifth of the log judges the
+    result. --validate gives logs to choose by, --other logs to judge on instead. Logs of another regime than the
+    first are set apart.
+    With --stage the structure is given; --input and --output may then be left out where the log leaves no choice.
+    Blocks: see `martensite list block`. All scores are of free runs: no measured output is fed back.
+    Exit code 1: nothing was found that predicts, or the log cannot tell. Ctrl-C keeps the best so far; the exit
+    code is 130 then.
+    """
+    import_modules(modules)
+    outputs = answer.check_files(save, ".json")
+    if report is not None:
+        check_ending(report, REPORTS)
+        check_folder(report)
+        check_absent(report, answer.force)
+    if options.climbs:
+        _climb(logs, options, answer, outputs, report)
+        return
+    options = options.complete_columns(logs[0])
+    stages = options.plan_stages()
+    with show_spinner("reading logs"):
+        names = list(dict.fromkeys(name for stage in stages for name in stage.outputs))
+        fitted, validation, other = options.read_records(logs, names)
+        search = options.choose_search(fitted[0].interval)
+    from martensite.identify.chains.estimate import INTERRUPTED
+    from martensite.identify.chains.stages import identify_stages
+    from martensite.show.summaries.identification import summarise_identified
+    from martensite.show.terminal import print_summary
+
+    ended: list[str] = []
+    with show_share("identifying") as bar:
+
+        def tell(text: str, share: float) -> None:
+            if INTERRUPTED in text:
+                ended.append(text)
+            if bar is not None:
+                bar(text, share)
+
+        found = identify_stages(fitted, stages, validation, other, search, tell)
+    records = [*fitted, *validation, *other]
+    written = _write_files(found, outputs, records)
+    if report is not None:
+        written += _write_stages_report(found, records, report)
+    print_summary(summarise_identified(found, records), answer.json, written)
+    if ended:
+        typer.echo("interrupted: this is the best so far", err=True)
+        raise typer.Exit(InterruptError.exit_code)
+
+
+def _climb(
+    logs: list[str], options: IdentifyOptions, answer: AnswerOptions, outputs: Outputs, report: Path | None
+) -> None:
+    """Find a structure by itself, write and print what there is to say; the exit code says whether it is worth it."""
+    from martensite.identify.ladder.climb import TIME_BOX
+    from martensite.scenario.identify_logs import identify_log
+    from martensite.scenario.model_files import write_model
+    from martensite.show.pages import write_page
+    from martensite.show.summaries.ladder import summarise_ladder
+    from martensite.show.terminal import print_summary
+
+    interval = read_positive("interval", options.interval, "s")
+    best: list[LadderTrial] = []
+    with rescue_answer(lambda: _save_best(best, outputs.data)), show_share("identifying") as bar:
+        found = identify_log(
+            logs,
+            options.list_inputs(),
+            options.output,
+            validation=options.validate or (),
+            other=options.other or (),
+            interval=interval,
+            units=options.read_units(),
+            named=options.read_named(),
+            options=replace(options.choose_search(interval or 1.0), ridge=options.ridge or 0.0),
+            time_box=read_positive("time-box", options.time_box, "s") or TIME_BOX,
+            watch=bar,
+            keep=best.append,
+        )
+    summary, written = summarise_ladder(found), outputs.paths()
+    if outputs.data is not None:
+        write_model(found.model, outputs.data, {"ladder": summary.data["rungs"], "verdict": found.verdict})
+    if outputs.figure is not None and found.checks:
+        from martensite.show.figures.model import plot_model
+        from martensite.show.figures.style import write_figure
+
+        write_figure(plot_model(found.checks[0]), outputs.figure)
+    if report is not None:
+        written += write_page(summary, report)
+    print_summary(summary, answer.json, written)
+    if found.stopped == "interrupted":
+        raise typer.Exit(InterruptError.exit_code)
+    if found.doubts or not found.predicts:
+        raise typer.Exit(1)
+
+
+def _save_best(best: Sequence[LadderTrial], path: Path | None) -> str:
+    """Write the best model of a climb that ends in a long run, and say so; nothing where there is none."""
+    from martensite.scenario.model_files import write_model
+
+    one = best[-1] if best else None
+    if one is None or one.chain is None:
+        return ""
+    said = f"Interrupted; the best so far is `{one.structure}`, fit {one.held.fit:.1f} % on the blocks held out"
+    if path is None:
+        return f"{said}; --save would have kept it."
+    write_model(one.chain, path)
+    return f"{said}, saved in `{path}`."
+
+
+def _write_stages_report(found: Identified, records: Sequence[Sampled], report: Path) -> list[Path]:
+    """Write how the model of given stages does on its records."""
+    from martensite.identify.chains.validation import validate_chain
+    from martensite.show.pages import write_model_report
+    from martensite.signals.sampling.resampling import select_signals
+
+    names = found.stages[-1].outputs
+    own = [select_signals(record, found.model.input_names, names) for record in records]
+    return write_model_report([validate_chain(found.model, one, found.options.skip) for one in own], report)
+
+
+def _write_files(found: Identified, outputs: Outputs, records: Sequence[Sampled]) -> list[Path]:
+    """Write model and figure; the files that were written."""
+    written = outputs.paths()
+    with replace_together():
+        if outputs.data is not None:
+            _save_model(found, outputs.data)
+        if outputs.figure is not None:
+            from martensite.show.figures.model import plot_identified
+            from martensite.show.figures.style import write_figure
+
+            write_figure(plot_identified(found, records), outputs.figure)
+    if outputs.data is not None and len(found.estimates) > 1:
+        for k, one in enumerate(found.estimates, start=1):
+            from martensite.scenario.model_files import model_provenance, write_model
+
+            beside = outputs.data.with_name(f"{outputs.data.stem}.stage{k}.json")
+            write_model(one.chain, beside, model_provenance(one))
+            written.append(beside)
+    return written
+
+
+def _save_model(found: Identified, path: Path) -> None:
+    from dataclasses import asdict
+
+    from martensite.scenario.model_files import model_provenance, write_model
+
+    stages = [model_provenance(one) for one in found.estimates]
+    origin = stages[0] if len(stages) == 1 else {"stages": stages}
+    scores = [asdict(score) for score in found.scores]
+    write_model(found.model, path, origin | {"scores_of_free_runs": scores})

@@ -1,0 +1,180 @@
+"""`list`, `materials`, `cite` and `describe`: what there is, and what is known of one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from typer import Argument
+
+from martensite.base.summary import Block, DataTable, Heading, Summary
+from martensite.cli.app import app
+from martensite.cli.options import Imports, Json, Settings, Text, import_modules, load_scenario
+
+if TYPE_CHECKING:
+    from martensite.app.forms.form_types import GroupNode, SingleNode
+    from martensite.identify.blocks.base import AbstractBlock
+
+
+def complete_kind(incomplete: str) -> list[str]:
+    """Kinds of parts that begin as what is typed in a shell."""
+    from martensite.scenario import catalogue
+
+    return [kind for kind in catalogue.list_registries(blocks=True) if kind.startswith(incomplete)]
+
+
+def complete_name(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Parts of the kind before it that begin as what is typed in a shell."""
+    from martensite.scenario import catalogue
+
+    registry = catalogue.list_registries(blocks=True).get(ctx.params.get("kind") or "")
+    names = registry.names() if registry is not None else []
+    return [name for name in names if name.startswith(incomplete)]
+
+
+@app.command("list", rich_help_panel="Look up")
+def list_parts(
+    kind: Annotated[Text, Argument(metavar="[KIND]", help="A kind of parts.", autocompletion=complete_kind)] = None,
+    name: Annotated[
+        Text, Argument(metavar="[NAME]", help="One of them, in detail.", autocompletion=complete_name)
+    ] = None,
+    json: Json = False,
+    modules: Imports = None,
+) -> None:
+    """List the kinds of parts, the parts of a kind, or describe one.
+
+    For example `martensite list law`, and `martensite list law brinson`.
+    """
+    import_modules(modules)
+    if kind is None:
+        _list_kinds(json)
+        return
+    from martensite.scenario import catalogue
+    from martensite.show.summaries.parts import describe_part, tabulate_parts
+    from martensite.show.terminal import print_summary
+
+    registry = catalogue.find_registry(kind)
+    if name is None:
+        rows = catalogue.list_named(registry)
+        if registry.kind == "block":
+            rows = [{"written": _write_block(registry[row["name"]]), **row} for row in rows]
+        print_summary(Summary("", [tabulate_parts(registry.kind, rows)], rows), json)
+        return
+    short = {getattr(registry[n], "short", ""): n for n in registry.names()}
+    part = catalogue.describe_class(registry.kind, registry[short.get(name, name)])
+    print_summary(Summary("", list(describe_part(part)), part), json)
+
+
+def _list_kinds(json: bool) -> None:
+    from martensite.scenario import catalogue
+    from martensite.show.terminal import print_summary
+
+    found = {kind: r.names() for kind, r in catalogue.list_registries(blocks=True).items()}
+    table = DataTable(("kind of part", "names"), [(k, ", ".join(v)) for k, v in found.items()])
+    print_summary(Summary("", [table], found), json)
+
+
+def _write_block(block: type[AbstractBlock]) -> str:
+    if not block.short:
+        return block().text()
+    if not block.shape:
+        return block.short
+    return f"{block.short}({','.join(block.shape)})"
+
+
+@app.command("materials", rich_help_panel="Look up")
+def materials(
+    name: Annotated[Text, Argument(metavar="[NAME|FILE]", help="One of them, in detail.")] = None, json: Json = False
+) -> None:
+    """List the materials, or show one with all sources."""
+    from martensite.physics.materials.base import load_material, material_names
+    from martensite.show.summaries.parts import summarise_material, summarise_materials
+    from martensite.show.terminal import print_summary
+
+    if name is None:
+        summary = summarise_materials([load_material(one) for one in material_names()])
+    else:
+        summary = summarise_material(load_material(name))
+    print_summary(summary, json)
+
+
+@app.command("cite", rich_help_panel="Look up")
+def cite(
+    name: Annotated[str, typer.Argument(metavar="SCENARIO|STUDY", help="A scenario file, or a study's name.")],
+    settings: Settings = None,
+    json: Json = False,
+    modules: Imports = None,
+) -> None:
+    """Print BibTeX of what a scenario or a study rests on."""
+    import_modules(modules)
+    from martensite.scenario import citations
+    from martensite.show.terminal import print_json
+
+    if name.endswith(".toml"):
+        loaded = load_scenario(name, settings)
+        keys = citations.list_citations(loaded, loaded.material)
+    else:
+        from martensite.studies.base import load_study
+
+        keys = list(dict.fromkeys(load_study(name).cites))
+    texts = citations.list_entries(keys)
+    if json:
+        print_json([{"key": k, "bibtex": t} for k, t in zip(keys, texts, strict=True)])
+    else:
+        typer.echo("\n\n".join(texts))
+
+
+@app.command("describe", rich_help_panel="Look up")
+def describe(
+    scenario: Annotated[
+        Path | None, Argument(metavar="[SCENARIO]", help="A scenario file, section by section.")
+    ] = None,
+    settings: Settings = None,
+    json: Json = False,
+    modules: Imports = None,
+) -> None:
+    """Say what is declared of all parts, and of a scenario.
+
+    With --json it is one document with unit, bounds, default, typical value and meaning of every
+    entry, of which other programs can build forms, as the web bench does.
+    """
+    import_modules(modules)
+    from martensite.scenario.catalogue import describe_parts
+    from martensite.show.terminal import print_summary
+
+    parts = describe_parts()
+    if scenario is None:
+        rows = [(k, str(len(v)), str(sum(len(p["parameters"]) for p in v))) for k, v in parts.items()]
+        blocks: list[Block] = [DataTable(("kind of part", "parts", "entries"), rows, right=(1, 2))]
+        print_summary(Summary("", blocks, {"parts": parts}), json)
+        return
+    from martensite.app.forms.sections import describe_scenario
+
+    form = describe_scenario(load_scenario(scenario, settings))
+    blocks = [block for one in form["sections"] for block in _describe_section(one)]
+    print_summary(Summary(form["title"], blocks, {"parts": parts, "scenario": form}), json)
+
+
+def _describe_section(section: GroupNode) -> Iterator[Block]:
+    yield Heading(section["title"])
+    yield DataTable(("entry", "value", "allowed", "from"), list(_list_rows(section)))
+
+
+def _list_rows(group: GroupNode) -> Iterator[tuple[str, ...]]:
+    if group["kind"]:
+        yield group["kind"]["path"], group["kind"]["value"], f"a {group['kind']['registry']}", ""
+    for one in group["items"]:
+        if one["sort"] == "group":
+            yield from _list_rows(one)
+        else:
+            yield one["path"], _write_value(one), one["allowed"], one["origin"]["words"]
+
+
+def _write_value(one: SingleNode) -> str:
+    if one["sort"] != "number":
+        return one["value"]
+    if one["value"] is None or one["unlimited"]:
+        return "no limit"
+    return f"{one['value'] * one['factor'] + one['offset']:.6g} {one['label']}".strip()

@@ -1,0 +1,142 @@
+"""`study`: published results rebuilt, each claim with its number and its verdict; `demo`: one of them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import asdict
+from functools import partial
+from itertools import groupby
+from pathlib import Path
+from textwrap import wrap
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from martensite.base.interrupts import rescue_answer
+from martensite.base.summary import PAGE_WIDTH, Block, DataTable, Sentence, Summary, Tone
+from martensite.cli.app import app
+from martensite.cli.options import Json
+from martensite.cli.outputs import Outputs
+from martensite.cli.progress import show_spinner
+
+if TYPE_CHECKING:
+    from martensite.studies.base import AbstractStudy, Answer
+
+TONES: dict[str, Tone] = {"reproduced": "good", "disagrees": "bad"}
+HEADS = ("repro-\nduced", "dis-\nagrees", "mis-\nprint", "contra-\ndictory", "not\ncomp.", "reco-\nvery", "re-\nports")
+"""Verdicts in the order of their declaration, at the top of narrow columns."""
+DEMONSTRATED = "migaone"
+
+
+@app.command("study", rich_help_panel="Simulate")
+def study(
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="[NAME]...", help="Studies, or `all`; without one they are listed.")
+    ] = None,
+    reasons: Annotated[bool, typer.Option("--all", help="Add reasons and reports.")] = False,
+    recompute: Annotated[bool, typer.Option("--recompute", help="Compute all numbers now: up to minutes.")] = False,
+    figures: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Write the figure of each study into this folder.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace existing figures.")] = False,
+    json: Json = False,
+) -> None:
+    """List the studies, or show one: digest, claims and verdicts."""
+    from martensite.show.terminal import print_json, print_summary
+    from martensite.studies.base import load_study, study_names
+
+    if not names:
+        print_summary(_summarise_all([load_study(name) for name in study_names()]), json)
+        return
+    found = [load_study(name) for name in (study_names() if names == ["all"] else names)]
+    drawn = {} if figures is None else {one.key: figures / f"{one.key}.png" for one in found}
+    for path in drawn.values():
+        Outputs(None, path).check(force)
+    told: list[Any] = []
+    for one in found:
+        done = f"Interrupted in `{one.key}`, after {len(told)} of {len(found)} studies."
+        with rescue_answer(partial(str, done)), show_spinner(f"computing {one.key}"):
+            summary = summarise_answer(one, one.find_answer(recompute), reasons=reasons)
+        told.append(summary.data)
+        if not json:
+            print_summary(summary)
+        if one.key in drawn:
+            with show_spinner(f"drawing {one.key}"):
+                one.figure(drawn[one.key])
+            if not json:
+                typer.echo(f"wrote {drawn[one.key]}")
+    if json:
+        print_json(told)
+
+
+def _summarise_all(found: list[AbstractStudy]) -> Summary:
+    """How many claims of each verdict there are, by study, and by source where it has several."""
+    from martensite.studies.base import VERDICTS
+
+    rows: dict[str, Counter[str]] = {}
+    for source, studies in groupby(found, lambda one: (*one.cites, one.key)[0]):
+        counts = {one.key: Counter(shipped.count_all() if (shipped := one.shipped()) else ()) for one in studies}
+        rows |= counts if len(counts) == 1 else counts | {f"all of {source}": sum(counts.values(), Counter[str]())}
+    blocks: list[Block] = [
+        DataTable(("study", "what is rebuilt"), [(one.key, one.title) for one in found]),
+        DataTable(
+            ("claims and reports", *HEADS),
+            [(name, *(str(count[kind]) for kind in (*VERDICTS, "reports"))) for name, count in rows.items()],
+            right=range(1, len(HEADS) + 1),
+        ),
+        Sentence("martensite study NAME shows one: digest, claims, verdicts; `all` shows all."),
+    ]
+    return Summary("", blocks, [{"key": one.key, "title": one.title, "tally": rows[one.key]} for one in found])
+
+
+def summarise_answer(study: AbstractStudy, answer: Answer, *, claims: bool = True, reasons: bool = False) -> Summary:
+    """The digest of a study, how many claims there are of each verdict, and the claims; then reasons and reports."""
+    counted = ", ".join(f"{count} {kind}" for kind, count in answer.count_all().items() if count)
+    blocks: list[Block] = [
+        DataTable(("", "digest"), [(key.replace("_", " "), text) for key, text in answer.digest.items()]),
+        *map(Sentence, wrap(f"{counted}.", PAGE_WIDTH)),
+    ]
+    if claims:
+        rows = [
+            (c.statement, _write(c.published, c.as_printed), _write(c.computed), c.unit, c.verdict)
+            for c in answer.claims
+        ]
+        blocks.append(DataTable(("claim", "published", "computed", "unit", "verdict"), rows, right=(1, 2), tones=TONES))
+    if reasons:
+        blocks.append(DataTable(("claim", "reason"), [(one.id, one.describe_reason()) for one in answer.claims]))
+        told = [(f"{one.id}: {one.statement}", _write(one.computed), one.unit, one.why) for one in answer.reports]
+        blocks.append(DataTable(("report, without a verdict", "computed", "unit", "why"), told, right=(1,)))
+    elif claims:
+        blocks.append(Sentence(f"martensite study {study.key} --all adds reasons and reports."))
+    if answer.made_by:
+        blocks.append(Sentence(f"Numbers of {answer.made_by}; --recompute finds them anew."))
+    data = {"key": study.key, "title": study.title, "cites": list(study.cites), "tally": answer.count_all()}
+    return Summary(study.key, blocks, data | asdict(answer), study.title)
+
+
+def _write(number: float | None, by_equation: float | None = None) -> str:
+    """A number to four digits; in brackets what only follows from a printed equation."""
+    return f"({by_equation:.4g})" if by_equation is not None else "" if number is None else f"{number:.4g}"
+
+
+@app.command("demo", rich_help_panel="Simulate")
+def demo(json: Json = False) -> None:
+    """Rebuild a published test; writes migaone.nc and migaone.png."""
+    from martensite.cli.commands.run import RunOptions, run_scenario
+    from martensite.scenario.examples import EXAMPLES
+    from martensite.scenario.scenario import load
+    from martensite.show.terminal import print_json, print_summary
+    from martensite.studies.base import STUDIES
+
+    outputs = Outputs(Path(f"{DEMONSTRATED}.nc"), Path(f"{DEMONSTRATED}.png")).check(force=True)
+    _, done = run_scenario(load(EXAMPLES / f"{DEMONSTRATED}.toml"), RunOptions(), outputs)
+    study = STUDIES[DEMONSTRATED]()
+    digest = summarise_answer(study, study.find_answer(), claims=False)
+    if json:
+        run = done.data | {"files": [str(path) for path in outputs.paths()]}
+        print_json({"run": run, "study": digest.data})
+        return
+    print_summary(done, files=outputs.paths())
+    typer.echo()
+    print_summary(digest)
+    typer.echo(f"Every claim with its numbers: martensite study {DEMONSTRATED}")

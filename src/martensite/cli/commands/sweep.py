@@ -1,0 +1,226 @@
+"""`sweep`: many variants of a scenario, into a store; `sensitivity` and `pareto`: what it says; `steady`."""
+
+from __future__ import annotations
+
+import csv
+import io
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from typer import Option
+
+from martensite.base.errors import InputError
+from martensite.cli.app import app
+from martensite.cli.options import Json, ScenarioSource, Text, Texts, read_quantity, spread_options
+from martensite.cli.outputs import AnswerOptions, Outputs
+from martensite.cli.progress import open_bar, show_spinner
+
+if TYPE_CHECKING:
+    from martensite.design.sweep.api import Progress, SweepExecution
+    from martensite.design.sweep.pareto import ParetoFront
+    from martensite.design.sweep.slurm_array import SlurmArray
+    from martensite.design.sweep.table import SweepTable
+
+StoreFolder = Annotated[Path, typer.Argument(metavar="STORE", help="A sweep (Zarr).")]
+
+
+@app.command("sweep", rich_help_panel="Design")
+@spread_options
+def sweep(
+    source: ScenarioSource,
+    over: Annotated[
+        Texts,
+        Option(
+            metavar="NAME=NUMBERS",
+            help='What is varied: "diameter=0.1..0.5 mm:9", "A_s=68, 70 degC", "length=250 mm +- 2 %"; repeatable.',
+        ),
+    ] = None,
+    sample: Annotated[str, Option(help="grid, or a sample and its size: sobol:1024, latin-hypercube:1000 …")] = "grid",
+    output: Annotated[
+        Texts,
+        Option(
+            metavar="MEASURE",
+            help='One number kept of every run: stroke, "max(stress)", energy, rise-time …; '
+            "repeatable [default: stroke, max(temperature), max(stress), energy].",
+        ),
+    ] = None,
+    trace: Annotated[Texts, Option(metavar="OUTPUT:SAMPLES", help="A column kept over time; repeatable.")] = None,
+    out: Annotated[Path | None, Option(help="Zarr store to write, or to go on with [./SCENARIO.zarr].")] = None,
+    seed: Annotated[int, Option(help="Of the sample.")] = 0,
+    step: Annotated[Text, Option(help="Longest of equal steps [default: an error control].")] = None,
+    runtime: Annotated[Text, Option(help="c, cuda or floats [default: c, if there is a compiler].")] = None,
+    precision: Annotated[str, Option(help="float64, or float32 on CUDA.")] = "float64",
+    backend: Annotated[
+        Text,
+        Option(
+            help="Who runs the chunks: processes, serial, dask [default: processes; serial for a "
+            "few chunks, or on CUDA]."
+        ),
+    ] = None,
+    workers: Annotated[int, Option(min=0, help="How many processes; 0 for one per core.")] = 0,
+    scheduler: Annotated[Text, Option(help="Address of a Dask scheduler, such as tcp://host:8786.")] = None,
+    chunk_size: Annotated[int, Option(min=1, help="Runs in a chunk; many thousands keep a GPU busy.")] = 512,
+    chunk: Annotated[Text, Option(metavar="I/N", help="Run only part I of N of the chunks, for job arrays.")] = None,
+    slurm: Annotated[
+        Text,
+        Option(
+            metavar="OPTIONS",
+            help='Submit an array of SLURM: "partition=short, time=2 h, cpus=8, tasks=16, memory=4 GB"; while it is in '
+            "the queue, say how far it is.",
+        ),
+    ] = None,
+    dry_run: Annotated[bool, Option("--dry-run", help="Print the script of --slurm, and do nothing.")] = False,
+    figure: Annotated[Path | None, Option(help="Figure to write, or to replace: .png, .svg or .pdf.")] = None,
+    force: Annotated[bool, Option("--force", help="Replace an existing store.")] = False,
+    json: Json = False,
+) -> None:
+    """Run many variants of a scenario; go on where it stopped."""
+    from martensite.design.sweep.api import SweepExecution, begin_sweep, count_missing
+    from martensite.design.sweep.job import MEASURES, SweepRequest
+    from martensite.show.figures.sweep import plot_sweep
+    from martensite.show.summaries.sweep import summarise_sweep
+    from martensite.show.terminal import print_summary
+
+    drawn = Outputs(None, figure).check(force=True)
+    loaded = source.load()
+    wanted = SweepRequest(
+        over=tuple(over or ()),
+        sample=sample,
+        measures=tuple(output or MEASURES),
+        traces=tuple(_read_trace(words) for words in trace or ()),
+        seed=seed,
+        chunk=chunk_size,
+        step=read_quantity("step", step, "s"),
+        runtime=runtime,
+        precision=precision,
+    )
+    how = SweepExecution(backend, workers, scheduler, chunk, tuple(source.modules or ()), force)
+    path = out or Path(f"{source.file.stem}.zarr")
+    array = _ask_slurm(slurm, path, how, dry_run, figure)
+    if array and dry_run:
+        typer.echo(array.write_script(count_missing(loaded, wanted, path)))
+        return
+    with show_spinner(f"preparing {loaded.title}"):
+        begun = begin_sweep(loaded, wanted, path, how)
+    told = array and array.go_on(begun)
+    if told:
+        print_summary(told, json)
+        return
+    with show_sweep(loaded.title) as tell:
+        progress = begun.run(tell)
+    print_summary(summarise_sweep(begun.plan, begun.store, progress), json)
+    if figure is not None:
+        from martensite.design.sweep.reading import read_sweep
+
+        drawn.write(draw=lambda: plot_sweep(read_sweep(path)))
+
+
+def _ask_slurm(
+    words: str | None, path: Path, how: SweepExecution, dry_run: bool, figure: Path | None
+) -> SlurmArray | None:
+    """The array that is asked for, if any."""
+    from martensite.design.sweep.slurm_array import SlurmArray
+    from martensite.design.sweep.slurm_options import parse_slurm_options
+
+    if words is None:
+        if dry_run:
+            raise InputError("Option `--dry-run` shows the script of `--slurm`, which is not given.")
+        return None
+    given = {"backend": how.backend, "workers": how.workers, "scheduler": how.scheduler, "chunk": how.part}
+    for name, value in (given | {"figure": figure}).items():
+        if value:
+            raise InputError(f"Option `--{name}` has no effect with `--slurm`.")
+    array = SlurmArray(path, parse_slurm_options(words))
+    if how.force and not dry_run:
+        array.require_idle()
+    return array
+
+
+def _read_trace(words: str) -> tuple[str, int]:
+    name, _, count = words.rpartition(":")
+    if not name or not count.isdecimal() or int(count) < 2:
+        raise InputError(f"`{words}` is no trace; write an output and 2 samples or more, `T:101`.")
+    return name, int(count)
+
+
+@contextmanager
+def show_sweep(label: str) -> Iterator[Callable[[Progress], None] | None]:
+    """A bar for a sweep, with its rate and what failed."""
+    begun = time.monotonic()
+    with open_bar(label, None, counted=True) as move:
+        yield move and (
+            lambda now: move(total=now.runs, completed=now.done, rate=_write_rate(now, time.monotonic() - begun))
+        )
+
+
+def _write_rate(now: Progress, elapsed: float) -> str:
+    failed = sum(count for status, count in now.status.items() if status > 1)
+    speed = "" if not elapsed or not now.made else f"{now.made / elapsed:.0f}/s"
+    return f"{speed}, {failed} failed" if failed else speed
+
+
+@app.command("sensitivity", rich_help_panel="Design")
+@spread_options
+def sensitivity(
+    store: StoreFolder,
+    answer: AnswerOptions,
+    output: Annotated[
+        Texts, Option(metavar="MEASURE", help="A measure of the sweep; repeatable [default: all].")
+    ] = None,
+) -> None:
+    """Say which numbers of a sweep explain its variance.
+
+    A sweep with `--sample saltelli:1024` gives first and total order with intervals, a whole grid
+    both without, any other sample first order, delta and slopes.
+    """
+    from martensite.design.sweep.indices import compute_sensitivity as find_sensitivity
+    from martensite.design.sweep.reading import read_sweep
+    from martensite.show.figures.sweep_analysis import plot_sensitivity
+    from martensite.show.summaries.sweep import summarise_sensitivity
+
+    outputs = answer.check_files()
+    table = read_sweep(store)
+    found = find_sensitivity(table, output)
+    summary = summarise_sensitivity(store, table, found)
+    outputs.answer(summary, answer.json, draw=lambda: plot_sensitivity(found, table.title))
+
+
+@app.command("pareto", rich_help_panel="Design")
+@spread_options
+def pareto(
+    store: StoreFolder,
+    answer: AnswerOptions,
+    minimise: Annotated[
+        Texts, Option(metavar="MEASURE", help="What shall be small, a varied number too; repeatable.")
+    ] = None,
+    maximise: Annotated[Texts, Option(metavar="MEASURE", help="What shall be large; repeatable.")] = None,
+    save: Annotated[Path | None, Option(help="Table of the front to write: .csv.")] = None,
+) -> None:
+    """Find the runs of a sweep that no other beats."""
+    from martensite.design.sweep.pareto import find_pareto_front
+    from martensite.design.sweep.reading import read_sweep
+    from martensite.show.figures.sweep_analysis import plot_pareto
+    from martensite.show.summaries.sweep import summarise_front
+
+    outputs = answer.check_files(save, ".csv")
+    table = read_sweep(store)
+    front = find_pareto_front(table, minimise or (), maximise or ())
+    outputs.answer(
+        summarise_front(store, table, front),
+        answer.json,
+        lambda: _write_front(table, front),
+        lambda: plot_pareto(table, front),
+    )
+
+
+def _write_front(table: SweepTable, front: ParetoFront) -> str:
+    columns, text = front.columns(table), io.StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["run", *(f"{name} [{c.unit}]" for name, c in columns.items())])
+    for run in front.runs:
+        writer.writerow([int(run), *(float(c.values[run]) for c in columns.values())])
+    return text.getvalue()

@@ -1,0 +1,118 @@
+"""`tune`: gains of the controller of a scenario, by rules, by a relay, or downhill on the bench; and `benchmark`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from typer import Option
+
+from martensite.base.errors import InputError, UnknownNameError
+from martensite.cli.app import app
+from martensite.cli.options import ScenarioSource, Text, Texts, spread_options
+from martensite.cli.outputs import JudgedOptions, name_interrupted
+
+METHODS = ("rules", "relay", "gradient", "schedule")
+
+
+@dataclass(frozen=True)
+class TuneOptions:
+    """How a controller is tuned."""
+
+    method: Annotated[
+        str,
+        Option(
+            help="rules (step test), relay, gradient (through the loop itself), or schedule (PI gains over the stroke, "
+            "heating and cooling, by linear systems on both branches)."
+        ),
+    ] = "gradient"
+    rule: Annotated[
+        Text,
+        Option(
+            help="Of --method rules [default: simc], such as amigo or cohen-coon; of relay [default: tyreus-luyben]."
+        ),
+    ] = None
+    form: Annotated[Text, Option(help="pi or pid, for rules and relay [default: pid].")] = None
+    level: Annotated[
+        Text,
+        Option(help='Level of step and relay test, e.g. "4 mm" [default: the middle of what the reference asks for].'),
+    ] = None
+    free: Annotated[
+        Text,
+        Option(
+            help="What is searched by gradient, comma-separated, with bounds if you like: "
+            "Kp=1..100,Ki [default: Kp,Ki,Kd of a pid]."
+        ),
+    ] = None
+    goal: Annotated[Text, Option(help="itae, iae, or ise, for gradient [default: itae].")] = None
+    spread: Annotated[
+        Texts,
+        Option(
+            metavar="PATH=SPREAD",
+            help='How far plants are from the scenario, e.g. --spread element.diameter="3 %" or '
+            '--spread environment.temperature="3 K"; repeatable.',
+        ),
+    ] = None
+    plants: Annotated[int | None, Option(help="Plants drawn within the spreads [default: 64].")] = None
+    seed: Annotated[int, Option(help="Of the plants and of scattered starts.")] = 0
+    sensitivity: Annotated[
+        float | None, Option(help="Largest sensitivity M_s of --method schedule [default: 1.4].")
+    ] = None
+    loop: Annotated[Text, Option(help="Drive whose controller is tuned, if there are several.")] = None
+    duration: Annotated[Text, Option(help='Length of a run, e.g. "10 s" [default: the scenario\'s].')] = None
+
+    def check(self) -> None:
+        """Raise `InputError` for an unknown method, or an option without effect."""
+        if self.method not in METHODS:
+            raise UnknownNameError("method of tuning", self.method, METHODS)
+        search = {"free": self.free, "goal": self.goal}
+        rules = {"rule": self.rule, "form": self.form}
+        schedule = {"sensitivity": self.sensitivity}
+        tests = {"level": self.level}
+        idle = {"gradient": rules | schedule, "schedule": search | rules | tests}.get(self.method, search | schedule)
+        name = next((name for name, value in idle.items() if value is not None), None)
+        if name is not None:
+            raise InputError(f"Option `--{name}` has no effect with --method {self.method}.")
+        known = self._list_rules()
+        if self.rule is not None and self.rule not in known:
+            raise UnknownNameError(f"rule for --method {self.method}", self.rule, known)
+        if self.plants is not None and not self.spread:
+            raise InputError("Option `--plants` has no effect without --spread.")
+
+    def _list_rules(self) -> list[str]:
+        from martensite.control.rules.formulas import RULES
+        from martensite.control.rules.relay import RELAY_RULES
+
+        return list(RULES if self.method == "rules" else RELAY_RULES)
+
+
+@app.command("tune", rich_help_panel="Design")
+@spread_options
+def tune(
+    source: ScenarioSource,
+    options: TuneOptions,
+    answer: JudgedOptions,
+    save: Annotated[Path | None, Option(help="Scenario with the new numbers to write: .toml.")] = None,
+) -> None:
+    """Tune the controller of a scenario, and show its loop.
+
+    The scenario needs sections [controller] and [reference]. With --spread, the gradient is that
+    of the mean over many plants. The result is compared with the present loop on as many other
+    plants, or on that of the scenario, and tested like a `check`. If it is worse, the command exits
+    with 1 and saves it only with --save-anyway.
+    """
+    outputs = answer.check_files(save, ".toml")
+    options.check()
+    loaded = source.load()
+    if options.method == "schedule":
+        from martensite.cli.tune_schedule import run_schedule
+
+        found = run_schedule(loaded, options)
+    else:
+        from martensite.cli.tune_run import run_tuning
+
+        found = run_tuning(loaded, options, name_interrupted(save, source.file))
+    if found.give(outputs, answer):
+        raise typer.Exit(1)

@@ -1,0 +1,115 @@
+"""`app`: the web bench in the browser.
+
+The state of the bench is in its address: the text of a scenario, deflated, behind the `#`, which stays in the browser.
+"""
+
+from __future__ import annotations
+
+import base64
+import zlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from martensite.base.errors import InputError
+from martensite.cli.app import app
+from martensite.cli.options import Json
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from martensite.app.server import Served
+
+
+@app.command("app", rich_help_panel="Take along")
+def bench_app(
+    scenario: Annotated[
+        Path | None, typer.Argument(metavar="[SCENARIO]", help="A scenario file to begin with.")
+    ] = None,
+    port: Annotated[int, typer.Option(help="Port on this machine; 0 for the last one, or a free one.")] = 0,
+    no_browser: Annotated[bool, typer.Option("--no-browser", help="Only print the address.")] = False,
+    folder: Annotated[
+        Path | None, typer.Option(help="Where files are kept, made if need be [default: one that ends with it].")
+    ] = None,
+    static: Annotated[Path | None, typer.Option(help="Write it as a folder for any file server, and end.")] = None,
+    json: Json = False,
+) -> None:
+    """Open the web bench: sliders, loops, motion, your own logs.
+
+    It is reachable from this machine alone, and only with the token in the address. Ctrl-C ends it.
+    """
+    from martensite.app.server import serve_bench
+
+    if static is not None:
+        return _write_page(static, scenario, json)
+    text = None if scenario is None else _read_text(scenario)
+    serve_bench(port, folder, _make_opener(text, no_browser, json))
+
+
+def _read_text(scenario: Path) -> str:
+    from martensite.scenario.scenario import load
+
+    return load(scenario).text
+
+
+def _make_opener(text: str | None, no_browser: bool, json: bool) -> Callable[[Served], None]:
+    def ready(at: Served) -> None:
+        address = at.address if text is None else build_address(at.address, text)
+        if json:
+            from martensite.show.terminal import print_json
+
+            print_json({"address": address, "port": at.port, "token": at.token})
+        else:
+            typer.echo(f"martensite app: {address}")
+            typer.echo("Ctrl-C ends it.")
+        if not no_browser:
+            import webbrowser
+
+            webbrowser.open(address)
+
+    return ready
+
+
+def pack_text(text: str) -> str:
+    """A text as letters that may stand in an address."""
+    made = zlib.compressobj(9, zlib.DEFLATED, -15)
+    data = made.compress(text.encode()) + made.flush()
+    return base64.urlsafe_b64encode(data).decode().rstrip("=")
+
+
+def build_address(address: str, text: str) -> str:
+    """The address of a bench that begins with a scenario."""
+    return f"{address}#/bench?scenario={pack_text(text)}"
+
+
+def _write_page(folder: Path, scenario: Path | None, json: bool) -> None:
+    """Write the bench with the scenarios of the package, or with one of a file alone.
+
+    Raises:
+        InputError: the page cannot run that scenario, or there is no compiler of WebAssembly.
+        DataError: the folder holds something else, or the scenario names files.
+    """
+    from martensite.app.documents import check_files
+    from martensite.app.static_site.site_writer import can_offer, check_folder, list_offered, measure_folder, write_site
+    from martensite.scenario.scenario import load
+    from martensite.show.terminal import print_json
+
+    check_folder(folder)
+    texts = list_offered() if scenario is None else {scenario.stem: load(scenario).text}
+    for name, text in texts.items():
+        check_files(text, {})
+        if not can_offer(text):
+            raise InputError(
+                f"A page without a server cannot run `{name}`: it starts elsewhere than at home, or keeps states. "
+                "Use `martensite app`."
+            )
+    manifest = write_site(folder, texts, lambda words: typer.echo(words, err=True))
+    made = measure_folder(folder)
+    if json:
+        names = [one["name"] for one in manifest["scenarios"]]
+        sizes = {"files": made.files, "bytes": made.size, "compressed": made.compressed}
+        print_json({"folder": str(folder), **sizes, "scenarios": names})
+        return
+    typer.echo(f"{folder}: {made.words()}")
+    typer.echo(f"See it with: python -m http.server --directory {folder}")

@@ -1,0 +1,107 @@
+"""Groups whose commands are the files of a folder: a new file is a new command, with no list to edit.
+
+A file declares a command by `@app.command("name", ...)`, or a group by `app.add_typer(..., name="name")`.
+Only the files that declare the requested command are imported; a help text imports all of them. Packages
+from elsewhere add commands through the entry-point group `martensite.<folder>`.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import typer
+from typer.core import TyperGroup
+
+from martensite.base.module_folder import ModuleFolder
+
+
+class FolderGroup(TyperGroup):
+    """Commands that the files of a folder declare."""
+
+    folder: ClassVar[ModuleFolder]
+    declared: ClassVar[typer.Typer]
+    """Collects the commands of imported files."""
+    order: ClassVar[tuple[str, ...]] = ()
+    """Titles of the help text, first to last; others follow."""
+
+    def get_command(self, ctx: typer.Context, cmd_name: str) -> Any:
+        """Return a command by its name, or None; import the file that declares it."""
+        self.load_command(cmd_name)
+        return super().get_command(ctx, cmd_name)
+
+    def load_command(self, name: str) -> bool:
+        """Return whether there is a command of this name; import the file that declares it.
+
+        Raises:
+            InputError: the file that declares it cannot be imported.
+        """
+        words = f'command("{name}"', f'name="{name}"'
+        if name not in self.commands:
+            self._import(*words)
+        if name not in self.commands:
+            self._import_all()
+        if name not in self.commands:
+            self.folder.require_import(*words)
+        return name in self.commands
+
+    def list_commands(self, ctx: typer.Context) -> list[str]:
+        """Return the names of all commands, by title and name."""
+        self._import_all()
+        titles = (*self.order, *sorted({self._find_title(name) for name in self.commands} - {*self.order}))
+        return sorted(self.commands, key=lambda name: (titles.index(self._find_title(name)), name))
+
+    def format_commands(self, ctx: typer.Context, formatter: Any) -> None:
+        """Write the commands of the help text, each title with its commands, and the files that failed."""
+        groups: dict[str, list[str]] = {}
+        for name in self.list_commands(ctx):
+            command = self.commands[name]
+            if not command.hidden:
+                groups.setdefault(self._find_title(name), []).append(name)
+        for title, names in groups.items():
+            width = formatter.width - 4 - max(map(len, names))
+            with formatter.section(title):
+                formatter.write_dl([(name, self.commands[name].get_short_help_str(width)) for name in names])
+        for failure in self.folder.list_failures():
+            formatter.write_paragraph()
+            formatter.write_text(failure)
+
+    def _find_title(self, name: str) -> str:
+        return getattr(self.commands[name], "rich_help_panel", None) or "Commands"
+
+    def _import(self, *words: str) -> None:
+        self.folder.import_where(*words)
+        self.commands = dict(typer.main.get_group(self.declared).commands)
+
+    def _import_all(self) -> None:
+        from importlib.metadata import entry_points
+
+        for point in entry_points(group="martensite." + self.folder.package.rpartition(".")[2]):
+            point.load()
+        self._import(".command(", ".add_typer(")
+
+
+def make_group(
+    package: str, cls: type[FolderGroup] = FolderGroup, *, help: str | None = None, short_help: str | None = None
+) -> typer.Typer:
+    """Make a group that takes its commands from the files of a package.
+
+    Args:
+        package: dotted name of the folder.
+        cls: class of the group.
+        help: text of `--help`; by default that of the callback.
+        short_help: line in the list of commands; by default the start of `help`.
+
+    Returns:
+        The group, in which the files of the package declare their commands.
+    """
+    found = type(cls.__name__, (cls,), {"folder": ModuleFolder(package)})
+    group = found.declared = typer.Typer(
+        cls=found,
+        help=help,
+        short_help=short_help,
+        no_args_is_help=True,
+        pretty_exceptions_enable=False,
+        rich_markup_mode=None,  # importing rich for a help text takes longer than everything else
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+    return group

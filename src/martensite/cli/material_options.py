@@ -1,0 +1,95 @@
+"""Options of exporters that write an element, or its material, alone for a host."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from typer import Option
+
+from martensite.base.errors import InputError
+from martensite.base.summary import Sentence, Summary
+from martensite.cli.options import Force, Json, ScenarioSource, Text, read_quantity
+from martensite.cli.outputs import Outputs
+
+if TYPE_CHECKING:
+    from martensite.actuators.assembly import AbstractSystem
+    from martensite.export.c_core import CCore
+    from martensite.export.ports.kernel import PortKernel
+
+Port = Annotated[Text, Option("--port", help="Where the element stands, if the scenario has several.")]
+
+
+@dataclass(frozen=True)
+class MaterialOptions:
+    """Which material is written, and where."""
+
+    out: Annotated[Path, Option(metavar="FOLDER", help="Where to write.")] = Path()
+    name: Annotated[Text, Option(help="Name of the material and the files [default: SCENARIO].")] = None
+    port: Port = None
+    preload: Annotated[Text, Option(help="Stress at zero strain, at the start [default: 0 MPa].")] = None
+    slack: Annotated[
+        bool, Option("--slack", help="It goes slack as a wire, instead of carrying compression as a bar.")
+    ] = False
+    force: Force = False
+    json: Json = False
+
+    def compile(self, source: ScenarioSource) -> tuple[PortKernel, str]:
+        """The material of a scenario, and its name.
+
+        Raises:
+            InputError: it would begin compressed though it goes slack.
+        """
+        from martensite.export.c_names import choose_identifier
+        from martensite.export.ports.kernel import compile_port
+        from martensite.export.ports.material import build_material_port
+
+        called = choose_identifier(self.name, source.file.stem)
+        stress = read_quantity("preload", self.preload, "Pa") or 0.0
+        if self.slack and stress < 0.0:
+            raise InputError("What goes slack under compression cannot begin compressed: leave out `--slack`.")
+        side = "slack" if self.slack else "carries"
+        system = source.load().system
+        return compile_port(build_material_port(system, port=self.port, preload=stress, compressed=side)), called
+
+    def write(self, kernel: PortKernel, called: str, texts: Mapping[str, str], lines: list[str]) -> None:
+        """Write its texts, and say so."""
+        files = write_texts(self.out, called, texts, self.force)
+        report_written(kernel, called, lines, files, self.json)
+
+
+def write_core_alone(system: AbstractSystem, part: str, port: str | None, name: str, precision: str) -> CCore:
+    """The core of an element, or of its material, for a host."""
+    from martensite.export.ports.element import build_element_port
+    from martensite.export.ports.kernel import compile_port
+    from martensite.export.ports.material import build_material_port
+
+    build = build_element_port if part == "element" else build_material_port
+    return compile_port(build(system, port=port)).write_core(name=name, precision=precision)
+
+
+def write_texts(folder: Path, name: str, texts: Mapping[str, str], force: bool) -> list[Path]:
+    """Write texts by the endings of their files, all of them or none."""
+    from martensite.base.files import make_folder, replace_together, write_file
+
+    missing = not folder.exists()
+    files = {folder / f"{name}{end}": text for end, text in texts.items()}
+    for path in [folder.parent / next(iter(files)).name] if missing else files:
+        Outputs(path, None).check(force or missing, data=(path.suffix,))
+    make_folder(folder)
+    with replace_together():
+        for path, text in files.items():
+            write_file(path, text)
+    return list(files)
+
+
+def report_written(kernel: PortKernel, name: str, lines: list[str], files: list[Path], json: bool) -> None:
+    """Print what was written: the element, remarks, cautions and files."""
+    from martensite.show.terminal import print_summary
+
+    port = kernel.system
+    told = [port.description(), *lines, *port.list_cautions()]
+    data = {"name": name, "described": port.description(), "states": kernel.size}
+    print_summary(Summary("", [Sentence(line) for line in told], data), json, files)
