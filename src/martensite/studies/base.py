@@ -1,6 +1,7 @@
 """What every study answers: a digest, claims with verdicts, reports, and a figure.
 
-A study is a folder of this package, or an entry point of the group `martensite.studies`.
+A study is a folder of this package, or an entry point of the group `martensite.studies`. A study that cannot be
+imported or loaded fails alone.
 
 A claim sets a number that a source prints beside a computed one. It has one of six verdicts:
 
@@ -26,8 +27,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar, Literal, get_args
 
-from martensite.base.errors import ParameterError
+from martensite.base.errors import ParameterError, StoppedError
 from martensite.base.interfaces import make_missing_error
+from martensite.base.module_folder import describe_error
 from martensite.base.registry import Registry
 
 Verdict = Literal["reproduced", "disagrees", "misprint", "self-contradictory", "not comparable", "recovery"]
@@ -201,9 +203,36 @@ class AbstractStudy:
         """Write the figure that a reader of the paper recognises (png, svg or pdf)."""
 
 
+def load_studies() -> tuple[list[AbstractStudy], list[str]]:
+    """Load all studies that are installed.
+
+    Returns:
+        The studies, those of one source together, and a sentence for each study that cannot be loaded.
+    """
+    loaded: list[AbstractStudy] = []
+    failed: list[str] = []
+    for name in STUDIES.names():
+        try:
+            loaded.append(STUDIES[name]())
+        except Exception as error:  # a half-written study may raise anything
+            failed.append(describe_failure(name, error))
+    return sorted(loaded, key=lambda one: one.order), [*STUDIES.failures(), *failed]
+
+
 def study_names() -> list[str]:
-    """Names of all studies that are installed, those of one source together."""
-    return sorted(STUDIES.names(), key=lambda name: STUDIES[name].order)
+    """Return the names of all studies that can be loaded, those of one source together."""
+    return [one.key for one in load_studies()[0]]
+
+
+def describe_failure(name: str, error: Exception) -> str:
+    """Return a sentence on the error of one study.
+
+    Raises:
+        StoppedError: the error is an interruption, which stops the command.
+    """
+    if isinstance(error, StoppedError):
+        raise error
+    return f"The study `{name}` failed: {describe_error(error)}."
 
 
 def load_study(name: str) -> AbstractStudy:
@@ -211,5 +240,6 @@ def load_study(name: str) -> AbstractStudy:
 
     Raises:
         UnknownNameError: there is no study of that name.
+        InputError: its files cannot be imported.
     """
     return STUDIES[name]()

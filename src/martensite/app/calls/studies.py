@@ -21,7 +21,7 @@ from martensite.base.errors import DataError
 from martensite.base.files import write_file
 from martensite.scenario.citations import list_entries, read_fields
 from martensite.scenario.datasets import describe_dataset, is_here
-from martensite.studies.base import DIGEST, AbstractStudy, Answer, load_study, study_names
+from martensite.studies.base import DIGEST, AbstractStudy, Answer, load_studies, load_study
 
 
 def load_named_study(request: Request) -> AbstractStudy:
@@ -125,7 +125,7 @@ def list_studies(request: Request, desk: Desk) -> JsonTable:
     {} -> {"studies": [{"name": …, "title": …, "sources": […], "tally": {…} or null, …}]}
     """
     found: list[JsonTable] = []
-    for study in map(load_study, study_names()):
+    for study in load_studies()[0]:
         results = find_results(study, desk.folder)
         found.append(describe_study(study) | {"tally": results["tally"] if results else None})
     return {"studies": found}

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict
 from functools import partial
 from itertools import groupby
@@ -41,41 +43,76 @@ def study(
     force: Annotated[bool, typer.Option("--force", help="Replace existing figures.")] = False,
     json: Json = False,
 ) -> None:
-    """List the studies, or show one: digest, claims and verdicts."""
+    """List the studies, or show one: digest, claims and verdicts.
+
+    A study that fails does not stop the others: it is reported on standard error. If one fails while several are
+    shown, the exit code is 1.
+    """
     from martensite.show.terminal import print_json, print_summary
-    from martensite.studies.base import load_study, study_names
+    from martensite.studies.base import load_studies, load_study
 
+    everything = not names or names == ["all"]
+    studies, failures = load_studies() if everything else ([load_study(name) for name in names or ()], [])
     if not names:
-        print_summary(_summarise_all([load_study(name) for name in study_names()]), json)
-        return
-    found = [load_study(name) for name in (study_names() if names == ["all"] else names)]
-    drawn = {} if figures is None else {one.key: figures / f"{one.key}.png" for one in found}
-    for path in drawn.values():
-        Outputs(None, path).check(force)
-    told: list[Any] = []
-    for one in found:
-        done = f"Interrupted in `{one.key}`, after {len(told)} of {len(found)} studies."
-        with rescue_answer(partial(str, done)), show_spinner(f"computing {one.key}"):
-            summary = summarise_answer(one, one.find_answer(recompute), reasons=reasons)
-        told.append(summary.data)
+        print_summary(_summarise_all(studies, failures), json)
+    else:
+        drawn = {} if figures is None else {one.key: figures / f"{one.key}.png" for one in studies}
+        for path in drawn.values():
+            Outputs(None, path).check(force)
+        shown: list[Any] = []
+        for one in studies:
+            done = f"Interrupted in `{one.key}`, after {len(shown)} of {len(studies)} studies."
+            with rescue_answer(partial(str, done)), _note_failure(one, failures, alone=len(studies) == 1):
+                shown.append(_show_study(one, reasons, recompute, json, drawn.get(one.key)))
+        if json:
+            print_json(shown)
+    for failure in failures:
+        typer.secho(f"error: {failure}", fg=typer.colors.RED, err=True)
+    if names and failures:
+        raise typer.Exit(1)
+
+
+@contextmanager
+def _note_failure(study: AbstractStudy, failures: list[str], *, alone: bool) -> Iterator[None]:
+    """Note the failure of one of several studies; let the failure of a single study pass."""
+    from martensite.studies.base import describe_failure
+
+    try:
+        yield
+    except Exception as error:  # a half-written study may raise anything
+        if alone:
+            raise
+        failures.append(describe_failure(study.key, error))
+
+
+def _show_study(study: AbstractStudy, reasons: bool, recompute: bool, json: bool, figure: Path | None) -> Any:
+    """Print the answer of a study, write its figure, and return its numbers."""
+    from martensite.show.terminal import print_summary
+
+    with show_spinner(f"computing {study.key}"):
+        summary = summarise_answer(study, study.find_answer(recompute), reasons=reasons)
+    if not json:
+        print_summary(summary)
+    if figure is not None:
+        with show_spinner(f"drawing {study.key}"):
+            study.figure(figure)
         if not json:
-            print_summary(summary)
-        if one.key in drawn:
-            with show_spinner(f"drawing {one.key}"):
-                one.figure(drawn[one.key])
-            if not json:
-                typer.echo(f"wrote {drawn[one.key]}")
-    if json:
-        print_json(told)
+            typer.echo(f"wrote {figure}")
+    return summary.data
 
 
-def _summarise_all(found: list[AbstractStudy]) -> Summary:
-    """How many claims of each verdict there are, by study, and by source where it has several."""
+def _summarise_all(studies: list[AbstractStudy], failures: list[str]) -> Summary:
+    """Count the claims of each verdict, by study, and by source where it has several; note the studies that fail."""
     from martensite.studies.base import VERDICTS
 
+    tallies: dict[str, Counter[str]] = {}
+    for one in studies:
+        with _note_failure(one, failures, alone=False):
+            tallies[one.key] = Counter(shipped.count_all() if (shipped := one.shipped()) else ())
+    found = [one for one in studies if one.key in tallies]
     rows: dict[str, Counter[str]] = {}
-    for source, studies in groupby(found, lambda one: (*one.cites, one.key)[0]):
-        counts = {one.key: Counter(shipped.count_all() if (shipped := one.shipped()) else ()) for one in studies}
+    for source, group in groupby(found, lambda one: (*one.cites, one.key)[0]):
+        counts = {one.key: tallies[one.key] for one in group}
         rows |= counts if len(counts) == 1 else counts | {f"all of {source}": sum(counts.values(), Counter[str]())}
     blocks: list[Block] = [
         DataTable(("study", "what is rebuilt"), [(one.key, one.title) for one in found]),
