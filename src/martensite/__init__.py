@@ -14,8 +14,19 @@ from __future__ import annotations
 from typing import Any
 
 from martensite.base.lazy import attach_names
+from martensite.base.services import offer_services
 
 _import_name, __dir__ = attach_names(__name__)
+offer_services(
+    {
+        "render_html": "martensite.show.html:render_fragment",
+        "plot_run": "martensite.show.figures.overview:plot_result",
+        "save_run_figure": "martensite.show.figures.overview:save_figure",
+        "save_run": "martensite.scenario.saved_results:save_by_suffix",
+        "describe_run": "martensite.scenario.netcdf:describe_result",
+        "make_bench_widget": "martensite.app.notebook:BenchWidget",
+    }
+)
 
 
 def __getattr__(name: str) -> Any:

@@ -90,7 +90,7 @@ def test_a_scenario_with_files_of_its_own_is_refused() -> None:
 
 
 def test_without_the_extra_a_sentence_names_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "martensite.app.notebook", None)
+    monkeypatch.setitem(__import__("sys").modules, "anywidget", None)
     scenario: Scenario = build_packaged(TEXT)
     with pytest.raises(InputError, match=r"pip install .*\[notebook\]'"):
         scenario.show_bench()

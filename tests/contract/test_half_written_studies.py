@@ -64,7 +64,7 @@ def broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setattr(martensite.studies.base, "STUDIES", registry)
     yield
     for name in BROKEN:
-        vars(martensite.studies).pop(name, None)
+        martensite.studies.__dict__.pop(name, None)
         sys.modules.pop(f"martensite.studies.{name}", None)
 
 

@@ -17,7 +17,7 @@ from martensite.base.errors import InputError
 from martensite.control.controllers.relay import OnOff
 from martensite.control.loop.parts import Controllers
 from martensite.control.margins.linear_loop import LinearLoop, measure_noise
-from martensite.control.margins.loop_check import LoopCase
+from martensite.control.margins.loop_case import LoopCase
 from martensite.control.margins.loop_points import find_validity, linearise_case
 from martensite.control.margins.margins import compute_margins
 from martensite.identify.chains.linear_system import LinearSystem

@@ -16,7 +16,8 @@ from command import Command
 from martensite.base.errors import InputError
 from martensite.control.loop.findings import LoopFinding, check_guard, check_signals
 from martensite.control.loop.held_readings import iterate_signals
-from martensite.control.margins.loop_check import LoopCase, LoopReport, check_loop, check_reach, check_sign
+from martensite.control.margins.loop_case import LoopCase
+from martensite.control.margins.loop_check import LoopReport, check_loop, check_reach, check_sign
 from martensite.control.margins.loop_points import linearise_case
 from martensite.control.margins.loop_tests import check_band, check_derivative, check_offset, judge_margins
 from martensite.control.margins.observability import check_observability, find_slopes

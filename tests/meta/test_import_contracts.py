@@ -1,11 +1,19 @@
-"""The import contracts hold, and breaking one is noticed."""
+"""The import contracts hold, and breaking one is noticed.
 
+Source of truth: the layers of `pyproject.toml`. import-linter sees import statements; this file checks strings that
+name a module, the public names of stubs, and pairs of files that import each other.
+"""
+
+import ast
 import os
 import shutil
 import subprocess
 import sys
+import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 
+import grimp
 import pytest
 
 import martensite
@@ -62,3 +70,102 @@ def test_a_violation_is_noticed(copy: Path, file: str, line: str, contract: str)
     assert done.returncode == 1, done.stdout + done.stderr
     broken = [text for text in done.stdout.splitlines() if "BROKEN" in text]
     assert any(contract in text for text in broken)
+
+
+# ---------------------------------------------------------------- modules named in strings and stubs
+
+
+def read_ranks() -> dict[str, int]:
+    """Return the layer of each room, 0 for the highest."""
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["importlinter"]["contracts"]
+    (layers,) = [one["layers"] for one in contracts if one["id"] == "layers"]
+    return {room.strip(" ()"): rank for rank, row in enumerate(layers) for room in row.split("|")}
+
+
+RANKS = read_ranks()
+
+
+def find_room(module: str) -> str:
+    """Return the room of a module; empty for the root package."""
+    return module.partition(".")[2].partition(".")[0]
+
+
+def list_named_modules(tree: ast.Module) -> Iterator[tuple[int, str]]:
+    """Yield line and name of each module of the package that a string names: whole, or at the start of an f-string."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value.startswith("martensite."):
+            name = node.value.partition(":")[0].rstrip(".")
+            place = PACKAGE.joinpath(*name.split(".")[1:])
+            if find_room(name) and (place.with_suffix(".py").exists() or (place / "__init__.py").exists()):
+                yield node.lineno, name
+
+
+def find_upward_strings(package: Path) -> list[str]:
+    """Return the places where a string names a module of a higher layer."""
+    found: list[str] = []
+    for path in sorted(package.glob("*/**/*.py")):  # the root package may name every module
+        own = path.relative_to(package).parts[0]
+        for line, module in list_named_modules(ast.parse(path.read_text("utf-8"))):
+            room = find_room(module)
+            if room != own and RANKS[room] <= RANKS[own]:
+                found.append(f"{path.relative_to(package)}:{line} names `{module}`")
+    return found
+
+
+def test_no_string_names_a_module_of_a_higher_layer() -> None:
+    assert find_upward_strings(PACKAGE) == []
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        'import_module("martensite.show.html")',
+        'import_extra("martensite.app.notebook", "notebook")',
+        'import_module(f"martensite.show.{name}")',
+        'HOME = "martensite.show.html:render_fragment"',
+    ],
+)
+def test_an_upward_string_is_noticed(tmp_path: Path, code: str) -> None:
+    (tmp_path / "simulate").mkdir()
+    (tmp_path / "simulate" / "late.py").write_text(f"def load(name):\n    {code}\n")
+    assert len(find_upward_strings(tmp_path)) == 1
+    (tmp_path / "simulate" / "late.py").rename(tmp_path / "__init__.py")
+    assert find_upward_strings(tmp_path) == []
+
+
+STUBS = {"fit": {"show"}, "identify": {"scenario", "show"}}
+"""Rooms whose public names stand in higher rooms. The list only shrinks."""
+
+
+def test_public_names_stand_in_their_room_or_below() -> None:
+    upward: dict[str, set[str]] = {}
+    for stub in sorted(PACKAGE.glob("*/**/__init__.pyi")):
+        own = stub.relative_to(PACKAGE).parts[0]
+        for node in ast.parse(stub.read_text("utf-8")).body:
+            room = find_room(str(node.module)) if isinstance(node, ast.ImportFrom) else own
+            if room != own and RANKS[room] <= RANKS[own]:
+                upward.setdefault(own, set()).add(room)
+    assert upward == STUBS
+
+
+# ---------------------------------------------------------------- two files that import each other
+
+CIRCLES = {
+    ("martensite.fit.condition_fits", "martensite.fit.fit_task"),
+    ("martensite.scenario.sampled_files", "martensite.scenario.tables"),
+}
+"""Pairs that are left. The list only shrinks."""
+
+
+def find_circles(graph: grimp.ImportGraph) -> set[tuple[str, str]]:
+    """Return the pairs of modules that import each other, at the top or within functions."""
+    pairs = {(one, two) for one in graph.modules for two in graph.find_modules_directly_imported_by(one)}
+    return {(one, two) for one, two in pairs if (two, one) in pairs and one < two}
+
+
+def test_no_two_files_import_each_other() -> None:
+    graph = grimp.build_graph("martensite", exclude_type_checking_imports=True, cache_dir=None)
+    found = find_circles(graph)
+    assert found == CIRCLES, "dissolve a new pair; remove a pair that is gone from the list"
+    graph.add_import(importer="martensite.base.errors", imported="martensite.base.files")
+    assert find_circles(graph) - found == {("martensite.base.errors", "martensite.base.files")}

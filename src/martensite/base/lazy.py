@@ -46,6 +46,7 @@ def write_install_line(extra: str) -> str:
 
     A package that was installed from a folder is installed from there again (PEP 610, `direct_url.json`).
     """
+    record: dict[str, Any]
     try:
         record = json.loads(distribution("martensite").read_text("direct_url.json") or "{}")
     except PackageNotFoundError:  # run from a source tree that was not installed

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
+from martensite.base.services import import_service
 from martensite.base.table_layout import format_table
 
 if TYPE_CHECKING:
@@ -124,9 +125,7 @@ class Summary:
         return "\n".join([*lines[:most], *more])
 
     def _repr_html_(self) -> str:
-        from importlib import import_module
-
-        return import_module("martensite.show.html").render_fragment(self)
+        return import_service("render_html")(self)
 
     def format_lines(
         self, width: int = PAGE_WIDTH, paint: Callable[[str, Tone], str] = lambda text, _: text

@@ -15,7 +15,7 @@ from martensite.cli.tune_answer import TuningAnswer, judge_scenario
 from martensite.cli.tune_run import draw_both_plants
 from martensite.control.loop.parts import Controllers
 from martensite.control.margins.linear_loop import LinearLoop
-from martensite.control.margins.loop_check import LoopCase
+from martensite.control.margins.loop_case import LoopCase
 from martensite.control.margins.loop_points import linearise_case
 from martensite.control.margins.margins import compute_margins
 from martensite.control.synthesis.gain_schedule import DesignedSchedule, design_gain_schedule

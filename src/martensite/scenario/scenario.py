@@ -23,6 +23,7 @@ from martensite.base.files import read_text_file, toml_document
 from martensite.base.formats import write_quantity
 from martensite.base.lazy import import_extra
 from martensite.base.parameters import Leaf, Number, Parametrised, param, text
+from martensite.base.services import import_service
 from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.base.toml_text import as_toml
 from martensite.physics.materials.base import Material
@@ -279,7 +280,8 @@ class Scenario:
 
     def show_bench(self) -> Any:
         """The web bench as a widget of a notebook; `InputError` if the extra `notebook` is not installed."""
-        return import_extra("martensite.app.notebook", "notebook", "the bench in a notebook").BenchWidget(self)
+        import_extra("anywidget", "notebook", "the bench in a notebook")
+        return import_service("make_bench_widget")(self)
 
     def _run_bench(self, bench: Bench, runtime: str | None, budget: float | None) -> Result:
         from martensite.control.loop.run import simulate_bench

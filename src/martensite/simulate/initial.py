@@ -26,11 +26,8 @@ from martensite.physics.laws.base import Fractions
 from martensite.simulate.compiled import bind_march, compile_march
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms
 from martensite.simulate.envelope import describe_exit, envelope_of
-from martensite.simulate.restarts import HOME, PassState, Restart
+from martensite.simulate.restarts import AT, CYCLE, EQUILIBRIUM, HOME, PERIOD, WHERE, PassState, Restart
 
-WHERE, AT, PERIOD = "[initial]", "at", "period"
-EQUILIBRIUM, CYCLE = "equilibrium", "settled cycle"
-"""What may be found."""
 OF_ELEMENT = {"temperature": "K", "martensite_fraction": "1", "oriented_fraction": "1"}
 """What may be given of an element, with its unit."""
 FITS = 50

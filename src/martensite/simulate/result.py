@@ -8,7 +8,6 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
-from importlib import import_module
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +17,7 @@ from martensite.actuators.assembly import PROFILES
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import SolveError, UnknownNameError
 from martensite.base.formats import write_quantity
+from martensite.base.services import import_service
 from martensite.base.status import Status
 from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.simulate.alarms import Alarm
@@ -161,10 +161,9 @@ class Result:
         Raises:
             DataError: the file cannot be written, or a record holds nothing that can be compared.
         """
-        room = import_module("martensite.show.figures.overview")
         if path is not None:
-            room.save_figure(self, path, records, title)
-        return room.plot_result(self, records, title)
+            import_service("save_run_figure")(self, path, records, title)
+        return import_service("plot_run")(self, records, title)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the result in the format that the suffix names; the file is replaced whole or not at all.
@@ -175,11 +174,11 @@ class Result:
         Raises:
             DataError: the suffix is another one, or the file cannot be written.
         """
-        import_module("martensite.scenario.saved_results").save_by_suffix(self, path)
+        import_service("save_run")(self, path)
 
     def to_xarray(self) -> xarray.Dataset:
         """A dataset over time [s], with units and provenance as attributes; needs the extra `xarray`."""
-        return import_module("martensite.scenario.netcdf").describe_result(self).to_xarray()
+        return import_service("describe_run")(self).to_xarray()
 
     def to_pandas(self) -> pandas.DataFrame:
         """A table with a row per sample, by time [s], of a batch by variant and time.
@@ -256,7 +255,7 @@ class Result:
         return "\n".join([*lines[:LINES], *more, shorten(f"columns: time, {columns}", 100)])
 
     def _repr_html_(self) -> str:
-        return import_module("martensite.show.html").render_fragment(self.summary())
+        return import_service("render_html")(self.summary())
 
     def _write_ends(self, name: str) -> list[str]:
         return [write_quantity(end, self.unit(name)) for end in self.find_range(name)]

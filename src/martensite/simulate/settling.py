@@ -16,8 +16,7 @@ from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.simulate.api import longest_step, simulate
 from martensite.simulate.drive_waveforms import Waveforms, by_name
-from martensite.simulate.initial import AT, EQUILIBRIUM, PERIOD, WHERE
-from martensite.simulate.restarts import HOME, Restart
+from martensite.simulate.restarts import AT, EQUILIBRIUM, HOME, PERIOD, WHERE, Restart
 from martensite.simulate.result import Result
 from martensite.simulate.steady.cycles import find_period
 

@@ -24,16 +24,14 @@ from importlib.metadata import version
 from numbers import Real
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from martensite.base.files import write_file
-from martensite.studies.base import Claim, StudyReport
-
-if TYPE_CHECKING:
-    from martensite.studies.tables import TableStudy
+from martensite.studies.base import Claim, StudyReport, load_study
+from martensite.studies.tables import RESULTS, TableStudy, read_results
 
 FOLDER = Path(__file__).parent
-FILE, FIGURE = "results.json", "figure.svg"
+FIGURE = "figure.svg"
 COMPUTING = (".py", ".toml", ".csv")
 """Endings of files that numbers depend on."""
 ABOUT_WORDS = re.compile(r"claims\.toml|__init__\.py|.*figure\.py|.*panels\.py")
@@ -66,21 +64,11 @@ def write_results(study: TableStudy, folder: Path) -> Path:
     """Compute all parts and write their numbers beside the tables."""
     numbers = {part: simplify_numbers(study.part_numbers(part)) for part in study.table["parts"]}
     made = {"version": version("martensite"), "made_by": fingerprint_study(folder)}
-    path = folder / FILE
+    path = folder / RESULTS
     if (folder / FIGURE).is_file():
         study.figure(folder / FIGURE)
     write_file(path, json.dumps({**made, "numbers": numbers}, indent=1, ensure_ascii=False).encode() + b"\n")
     return path
-
-
-def read_results(folder: Path) -> dict[str, Any] | None:
-    """Version, fingerprint and numbers that a study came with; None without any."""
-    path = folder / FILE
-    if not path.is_file():
-        return None
-    found = json.loads(path.read_text("utf-8"))
-    found["numbers"] = {part: _restore_part(numbers) for part, numbers in found["numbers"].items()}
-    return found
 
 
 def simplify_numbers(numbers: Mapping[str, Any]) -> dict[str, Any]:
@@ -121,21 +109,6 @@ def _is_plain(value: Any) -> bool:
     return isinstance(value, (Real, str, SimpleNamespace))
 
 
-def _restore_part(numbers: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: _restore(value) for name, value in numbers.items()}
-
-
-def _restore(value: Any) -> Any:
-    """Objects with attributes, and rows with names."""
-    match value:
-        case dict():
-            return SimpleNamespace(**_restore_part(value))
-        case [dict(), *_]:
-            return [_restore_part(row) for row in value]
-        case _:
-            return value
-
-
 def find_figure(study: TableStudy) -> Path | None:
     """The figure that a study came with, made by the program that made its numbers; None if it is to be drawn."""
     path, found = study.folder() / FIGURE, read_results(study.folder())
@@ -150,7 +123,7 @@ def find_changes(study: TableStudy, *, wandering: bool = True) -> list[str]:
     """
     shipped = study.shipped()
     if shipped is None:
-        return [f"It has no `{FILE}`."]
+        return [f"It has no `{RESULTS}`."]
     if study.lacks_compiler():
         return []
     known = _list_numbers([*shipped.claims, *shipped.reports])
@@ -177,9 +150,6 @@ def _list_numbers(found: list[Claim | StudyReport]) -> dict[str, float]:
 
 def main(names: list[str]) -> None:
     """Write the results of studies of this package."""
-    from martensite.studies.base import load_study
-    from martensite.studies.tables import TableStudy
-
     for name in names:
         study = load_study(name)
         if isinstance(study, TableStudy):

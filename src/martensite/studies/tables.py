@@ -13,6 +13,7 @@ this project; no claim can have it as published. `claims.toml` holds words, clai
 
 from __future__ import annotations
 
+import json
 import sys
 import tomllib
 from collections.abc import Callable, Mapping
@@ -25,11 +26,12 @@ from typing import Any, ClassVar
 from martensite.base.errors import DataError, suggest_name
 from martensite.studies.base import AbstractStudy, Answer, Claim
 from martensite.studies.claim_tables import check_keys, read_claims, settle_part, write_digest
-from martensite.studies.shipped_numbers import read_results
 
 FOLDER = Path(__file__).parent
 ENTRY, TABLE = ("value", "unit", "what"), ("columns", "units", "rows")
 """Keys of a printed number, and of a printed table."""
+RESULTS = "results.json"
+"""Computed numbers that came with a study."""
 OWN = "not printed"
 """Beginning of a place in no source."""
 
@@ -201,3 +203,31 @@ def _read_entry(name: str, entry: Mapping[str, Any], path: Path) -> Any:
         return PrintedRows(Printed(**dict(zip(columns, row, strict=True))) for row in entry["rows"])
     check_keys(entry, ENTRY, ("value", "unit"), f"Number `{name}` of {path}")
     return tuple(entry["value"]) if isinstance(entry["value"], list) else entry["value"]
+
+
+# ---------------------------------------------------------------- numbers that a study came with
+
+
+def read_results(folder: Path) -> dict[str, Any] | None:
+    """Return version, fingerprint and numbers that a study came with; None without any."""
+    path = folder / RESULTS
+    if not path.is_file():
+        return None
+    found = json.loads(path.read_text("utf-8"))
+    found["numbers"] = {part: _restore_part(numbers) for part, numbers in found["numbers"].items()}
+    return found
+
+
+def _restore_part(numbers: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: _restore(value) for name, value in numbers.items()}
+
+
+def _restore(value: Any) -> Any:
+    """Objects with attributes, and rows with names."""
+    match value:
+        case dict():
+            return SimpleNamespace(**_restore_part(value))
+        case [dict(), *_]:
+            return [_restore_part(row) for row in value]
+        case _:
+            return value

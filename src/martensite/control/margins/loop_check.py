@@ -7,37 +7,26 @@ is installed, it adds margins on both branches, pace, sampling, noise and observ
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
-from functools import cached_property
+from dataclasses import asdict, dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from martensite.base.errors import InputError, MartensiteError
 from martensite.base.formats import write_quantity
-from martensite.control.controllers.base import AHEAD, AbstractController
+from martensite.control.controllers.base import AHEAD
 from martensite.control.controllers.mpc import Mpc
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.findings import LoopFinding, check_guard, check_signals, find_source, list_limits
+from martensite.control.loop.findings import LoopFinding, check_guard, check_signals
 from martensite.control.loop.held_readings import iterate_signals
-from martensite.control.loop.names import list_readings
-from martensite.control.synthesis.rest_curves import RestCurve, compute_rest_curve, read_at_rest, read_curve
-from martensite.kernels.c99_lanes import BLOCK
+from martensite.control.margins.loop_case import BEYOND, LoopCase
+from martensite.control.synthesis.rest_curves import read_at_rest
 from martensite.signals.base import AbstractWaveform
-from martensite.signals.sampling.sampled import Numbers
 
-COARSE, SIGNALS = BLOCK, 2 * BLOCK
-"""On a branch: to see where the reading moves, and there."""
-EVEN = 0.2
-"""Share of the signals that is spread evenly."""
 LONGER = 1000
 """Samples after which a controller has answered an error, its integral included."""
 SHORT = 10
 """Samples after which it has answered a reference."""
-BEYOND = 0.02
-"""Share of what can be reached by which a reference may be beyond it."""
-SAMPLES = 4000
-"""Of a reference at most."""
 
 
 @dataclass(frozen=True)
@@ -61,82 +50,6 @@ class LoopReport:
     def to_dict(self) -> dict[str, Any]:
         """All of it for programs."""
         return asdict(self) | {"verdict": self.verdict}
-
-
-@dataclass(frozen=True, eq=False)
-class LoopCase:
-    """One loop of a bench, and what its tests ask for."""
-
-    bench: Bench
-    drive: str
-    controller: AbstractController
-    duration: float
-    """Of the run [s]."""
-    others: Mapping[str, float] = field(default_factory=dict[str, float])
-    """Signals of other drives."""
-
-    @property
-    def unit(self) -> str:
-        """SI unit of what is controlled."""
-        return list_readings(self.bench)[self.controller.measured].unit
-
-    @cached_property
-    def reference(self) -> Numbers:
-        """What the reading shall be, at samples of the run."""
-        count = min(int(self.duration / self.bench.period) + 1, SAMPLES)
-        return np.array([float(self.controller.reference.value(t)) for t in np.linspace(0.0, self.duration, count)])
-
-    @cached_property
-    def limits(self) -> tuple[float, float]:
-        """Least and largest signal that the controller gives and the source can give."""
-        source, ohms = find_source(self.bench.plant, self.drive)
-        known = list_limits(self.controller).values()
-        reach = (-np.inf, np.inf) if source is None else source.reach(ohms)
-        low, high = (min(known), max(known)) if known else reach
-        low, high = max(low, reach[0], 0.0), min(high, reach[1])
-        if not (np.isfinite(high) and low < high):
-            raise InputError("no limits of the signal are known")
-        return low, high
-
-    @cached_property
-    def heating(self) -> RestCurve:
-        """Rest under rising signals."""
-        return self.compute_branch(self.limits[1], None)
-
-    @cached_property
-    def cooling(self) -> RestCurve:
-        """Rest under falling signals, from the end of the heating branch."""
-        return self.compute_branch(self.limits[1], self.heating.states[:, -1])
-
-    def compute_branch(self, high: float, start: Numbers | None) -> RestCurve:
-        """Rest under signals up to a highest one, dense where the reading moves; cooling from a `start`."""
-
-        def settle(row: Numbers) -> RestCurve:
-            return compute_rest_curve(self.bench.plant, self.drive, row, others=self.others, start=start)
-
-        coarse = settle(np.linspace(self.limits[0], high, COARSE))
-        moved = np.abs(np.diff(self.read(coarse)))
-        way = np.cumsum([0.0, *(moved + EVEN * max(moved.sum(), 1e-300) / COARSE)])
-        return settle(np.interp(np.linspace(0.0, way[-1], SIGNALS), way, coarse.levels))
-
-    def list_reached(self) -> Numbers:
-        """Readings on the heating branches of this drive, of those led, and of those that hold the same reading."""
-        own = self.controller
-        members = {**self.bench.controllers.members(), **dict.fromkeys(own.led_drives(), own), self.drive: own}
-        peers = [(name, one) for name, one in members.items() if one.measured == own.measured and name != self.drive]
-        every = [self, *(LoopCase(self.bench, *peer, self.duration, self.others) for peer in peers)]
-        return np.concatenate([one.read(one.heating) for one in every])
-
-    def read(self, curve: RestCurve) -> Numbers:
-        """What is controlled, as it is read along a branch."""
-        return read_curve(self.bench, curve, self.controller.measured)
-
-    def find(
-        self, test: str, place: str, said: tuple[str, str], number: tuple[float, float, str], fault: bool = False
-    ) -> LoopFinding:
-        """A finding about this loop: sentence and remedy; number, what is allowed, unit."""
-        where = place if "." in place else f"{place}.{self.drive}"
-        return LoopFinding(test, where, said[0], float(number[0]), float(number[1]), number[2], said[1], fault)
 
 
 LoopTest: TypeAlias = Callable[[LoopCase], Iterator[LoopFinding]]

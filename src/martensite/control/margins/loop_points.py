@@ -8,7 +8,7 @@ from martensite.base.errors import InputError
 from martensite.control.controllers.mpc import Mpc
 from martensite.control.margins.linear_controller import list_step_answers
 from martensite.control.margins.linear_loop import LinearLoop, linearise_dead_band, linearise_loops
-from martensite.control.margins.loop_check import LoopCase
+from martensite.control.margins.loop_case import LoopCase
 from martensite.control.synthesis.rest_curves import RestCurve, read_at_rest
 from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.operating_point import SteadyPoint

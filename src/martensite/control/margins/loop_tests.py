@@ -18,7 +18,7 @@ from martensite.base.formats import write_difference, write_percent, write_quant
 from martensite.base.units import DIFFERENCE
 from martensite.control.loop.findings import LoopFinding
 from martensite.control.margins.linear_loop import LinearLoop, measure_noise, measure_rise
-from martensite.control.margins.loop_check import LoopCase
+from martensite.control.margins.loop_case import LoopCase
 from martensite.control.margins.loop_points import SOON, find_validity, linearise_case, list_first_answers
 from martensite.control.margins.margins import compute_margins
 from martensite.control.margins.observability import check_observability

@@ -12,7 +12,7 @@ import numpy as np
 from martensite.base.errors import InputError
 from martensite.base.formats import write_quantity
 from martensite.control.loop.findings import LoopFinding
-from martensite.control.margins.loop_check import BEYOND, LoopCase
+from martensite.control.margins.loop_case import BEYOND, LoopCase
 from martensite.control.observers.base import ESTIMATED
 from martensite.control.sensors.resistance import ResistanceSensor
 from martensite.control.synthesis.rest_curves import RestCurve

@@ -15,7 +15,7 @@ import numpy as np
 from martensite.base.errors import InputError
 from martensite.base.formats import write_difference, write_percent
 from martensite.control.loop.findings import LoopFinding
-from martensite.control.margins.loop_check import BEYOND, LoopCase
+from martensite.control.margins.loop_case import BEYOND, LoopCase
 from martensite.control.observers.base import ESTIMATED
 from martensite.kernels.c99_lanes import BLOCK
 from martensite.signals.sampling.sampled import Numbers

@@ -21,7 +21,7 @@ from martensite.control.controllers.pid import PidLaw
 from martensite.control.controllers.scheduled_pid import GainsAt, GainSchedule, ScheduledPid
 from martensite.control.loop.bench import Bench
 from martensite.control.margins.linear_loop import LinearLoop
-from martensite.control.margins.loop_check import LoopCase
+from martensite.control.margins.loop_case import LoopCase
 from martensite.control.margins.loop_points import linearise_case
 from martensite.control.margins.margins import evaluate_response, list_frequencies
 from martensite.identify.chains.linear_system import LinearSystem

@@ -12,7 +12,7 @@ from martensite.base.errors import InputError
 from martensite.base.formats import write_quantity
 from martensite.base.lazy import import_extra
 from martensite.control.margins.linear_loop import LinearLoop
-from martensite.control.margins.loop_check import LoopCase
+from martensite.control.margins.loop_case import LoopCase
 from martensite.control.margins.loop_points import linearise_case
 from martensite.control.margins.margins import compute_margins, list_frequencies
 from martensite.identify.chains.linear_system import LinearSystem
