@@ -1,0 +1,158 @@
+"""Limits on the source code: length of a file, complexity of a function, and openings of docstrings.
+
+Source of truth: the house rules in `CONTRIBUTING.md`. Ruff (C901) counts branches; the count here adds operands of
+`and` and `or`, conditional expressions and comprehensions, and leaves nested functions to themselves. `test_names.py`
+checks names. Lists and numbers of exceptions only shrink: an entry that is no longer needed fails.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import tomllib
+from collections import Counter
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGE = ROOT / "src" / "martensite"
+MOST_LINES = 400
+LONG_FILES = {
+    "actuators/elements/lumped.py",
+    "app/static_site/input_map.py",
+    "base/parameters.py",
+    "fit/condition_tables.py",
+    "fit/input_noise.py",
+    "fit/problem.py",
+    "fit/scenario_proposals.py",
+    "identify/chains/estimate.py",
+    "kernels/graph.py",
+    "kernels/slopes.py",
+    "physics/kinetics/history.py",
+    "physics/kinetics/surfaces.py",
+    "physics/kinetics/two_fractions.py",
+    "scenario/scenario.py",
+    "simulate/adaptive.py",
+    "simulate/marching_native.py",
+    "simulate/result.py",
+    "simulate/track.py",
+}
+"""Files that are too long today."""
+MOST_BRANCHES = 15
+COMPLEX = set(
+    """
+actuators/mechanics/complementarity.py:_move_held app/identify/log_kinds.py:describe_reading
+app/static_site/input_map.py:_reach_ends app/static_site/input_map.py:_try_pairs base/object_text.py:encode
+boards/characterise/information.py:choose_courses boards/replay.py:replay_log cli/tune_run.py:_read_spread
+design/optimise/optimise.py:optimise_design design/optimise/search.py:_walk_neighbours
+export/episodes.py:_find_places fit/baselines.py:predict_naively fit/condition_fits.py:_build_experiment
+fit/condition_tables.py:_find_words fit/experiment_kinds.py:_list_possible
+fit/fit_task.py:_drop_silent_outputs fit/input_noise.py:_iterate fit/logs.py:choose_held_out
+fit/ordered_numbers.py:list_orders fit/problem.py:evaluate fit/solve.py:_run_search fit/solve.py:solve_problem
+identify/chains/impulse_response.py:match_poles identify/ladder/blocked_records.py:describe_silence
+identify/ladder/climb.py:_climb_all identify/ladder/record_tests.py:find_delay kernels/slopes.py:_each
+scenario/binary_files.py:_flatten_value scenario/build.py:build scenario/cells.py:_count_days
+scenario/cells.py:find_style scenario/cells.py:read_cells scenario/column_meanings.py:_guess_column
+scenario/container_files.py:read_workbook scenario/lab_files.py:_list_doubts
+scenario/lab_files.py:interpret_table scenario/law_logs.py:_pick_rows scenario/log_tables.py:read_log
+scenario/merged_files.py:merge_by_clock scenario/raw_table.py:find_table
+scenario/recorded_waveforms.py:build_followed scenario/running.py:run scenario/table_headings.py:find_headings
+scenario/tables.py:_read_column scenario/text_tables.py:_choose_separator
+scenario/text_tables.py:_expand_serial scenario/value_guess.py:_guess_loop scenario/value_guess.py:guess_unit
+show/summaries/identification.py:collect_warnings show/summaries/log_model.py:_iterate_next
+show/summaries/sizing.py:_describe_candidates simulate/adaptive.py:_find_kink
+simulate/batch.py:compute_sensitivity simulate/grid.py:keep_steps simulate/marching_native.py:__init__
+simulate/marching_native.py:source simulate/restarts.py:join_legs simulate/start_report.py:describe_start
+studies/electrothermal/staircase.py:reduce_to_plateaus
+""".split()
+)
+"""Functions that are too complex today."""
+OPENINGS = {"What": 940, "Whether": 250, "Those|These|That of|The same|Likewise|Also": 162}
+"""First words of docstrings that are no summary, and how often each occurs today; the aim is 0."""
+SLACK = 40
+"""Docstrings by which a number may be above the count before it must be lowered."""
+
+
+@cache
+def read_sources() -> dict[str, str]:
+    """Return the text of each Python file of the package by its path."""
+    return {str(path.relative_to(PACKAGE)): path.read_text("utf-8") for path in sorted(PACKAGE.rglob("*.py"))}
+
+
+def find_long_files(sources: dict[str, str]) -> set[str]:
+    """Return the files that have more lines than are allowed."""
+    return {path for path, text in sources.items() if text.count("\n") > MOST_LINES}
+
+
+def count_branches(function: ast.FunctionDef) -> int:
+    """Return the cyclomatic complexity of a function, without the functions within it."""
+    count, nodes = 1, list(ast.iter_child_nodes(function))
+    while nodes:
+        node = nodes.pop()
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            continue
+        count += isinstance(node, ast.If | ast.IfExp | ast.For | ast.While | ast.ExceptHandler | ast.match_case)
+        if isinstance(node, ast.BoolOp):
+            count += len(node.values) - 1
+        if isinstance(node, ast.comprehension):
+            count += 1 + len(node.ifs)
+        nodes += ast.iter_child_nodes(node)
+    return count
+
+
+def find_complex(sources: dict[str, str]) -> set[str]:
+    """Return path and name of the functions that are more complex than is allowed."""
+    functions = ((path, node) for path, text in sources.items() for node in ast.walk(ast.parse(text)))
+    return {
+        f"{path}:{node.name}"
+        for path, node in functions
+        if isinstance(node, ast.FunctionDef) and count_branches(node) > MOST_BRANCHES
+    }
+
+
+def list_docstrings(sources: dict[str, str]) -> Iterator[str]:
+    """Yield the docstrings of modules, classes, functions and attributes."""
+    for text in sources.values():
+        for node in ast.walk(ast.parse(text)):
+            for inner in getattr(node, "body", ()) if not isinstance(node, ast.Lambda | ast.IfExp) else ():
+                if isinstance(inner, ast.Expr) and isinstance(inner.value, ast.Constant):
+                    yield str(inner.value.value).strip()
+
+
+def count_openings(sources: dict[str, str]) -> Counter[str]:
+    """Count the docstrings that begin with each of the words."""
+    patterns = {words: re.compile(rf"({words})\b") for words in OPENINGS}
+    texts = list(list_docstrings(sources))
+    return Counter({words: sum(bool(one.match(text)) for text in texts) for words, one in patterns.items()})
+
+
+def test_files_are_short() -> None:
+    assert find_long_files(read_sources()) == LONG_FILES, "split a new long file; remove a file that is short now"
+
+
+def test_functions_are_simple() -> None:
+    assert find_complex(read_sources()) == COMPLEX, "divide a new function; remove a function that is simple now"
+
+
+def test_docstrings_begin_with_a_summary() -> None:
+    counts = count_openings(read_sources())
+    above = {words: counts[words] for words, most in OPENINGS.items() if counts[words] > most}
+    assert above == {}, 'begin with an imperative, such as "Return ..."'
+    below = {words: counts[words] for words, most in OPENINGS.items() if counts[words] + SLACK < most}
+    assert below == {}, "lower the numbers in OPENINGS"
+
+
+def test_ruff_limits_the_complexity() -> None:
+    lint = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["ruff"]["lint"]
+    assert "C901" in lint["select"] and lint["mccabe"]["max-complexity"] == 15
+    assert not [codes for codes in lint["per-file-ignores"].values() if "C901" in codes]
+    assert [path for path, text in read_sources().items() if re.search(r"noqa:.*C901", text)] == []
+
+
+def test_breaches_are_found() -> None:
+    sources = {"a.py": '"""What is read."""\n' + "\n" * MOST_LINES, "b.py": 'def f():\n    """Return 1."""\n'}
+    assert find_long_files(sources) == {"a.py"}
+    assert count_openings(sources)["What"] == 1
+    tangled = "def g(a):\n    return [b for b in a if b and " + " and ".join("a" * 13) + "]\n"
+    assert find_complex({"c.py": tangled, "d.py": tangled.replace(" and a", "", 1)}) == {"c.py:g"}
