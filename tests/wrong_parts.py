@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import builders
@@ -39,6 +40,7 @@ from martensite.physics.thermal.ends import AbstractEnds
 from martensite.physics.thermal.films import ConstantCooling
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.simulate.measures.extremes import Largest
+from martensite.studies.base import AbstractStudy, Claim
 from martensite.testing import build_example
 
 
@@ -498,6 +500,23 @@ def thin_material() -> Material:
 
 
 MODEL = builders.problem_a()
+
+
+class Unsourced(AbstractStudy):
+    """No words, an unknown source, no claim, and a digest with a key of its own."""
+
+    cites = ("nobody-1900",)
+
+    def claims(self) -> list[Claim]:
+        return []
+
+    def digest(self) -> dict[str, str]:
+        return {"moral": "none"}
+
+    def figure(self, path: Path) -> None:
+        """Draw nothing."""
+
+
 WRONG: dict[str, list[Any]] = {
     "cooling": [Falling(h=10.0), Heating(h=10.0)],
     "ends": [Insulating()],
@@ -530,5 +549,6 @@ WRONG: dict[str, list[Any]] = {
     "fault": [build_example(Early), build_example(Mute)],
     "block": [Deaf(), Miscounting(), Exploding(), Drifting()],
     "measure": [Doubled(), Neighbourly()],
+    "study": [Unsourced()],
     "material": [spoil_material(A_s=400.0, C_A=1e12), thin_material()],
 }

@@ -25,6 +25,7 @@ from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.physics.materials.base import Material, material_names
 from martensite.physics.thermal.films import ConstantCooling
 from martensite.scenario.catalogue import list_registries
+from martensite.studies.base import AbstractStudy
 from martensite.testing import check_conformance, check_material, observers
 from martensite.testing.conformance import SUITES, check_part, find_checks
 
@@ -82,8 +83,12 @@ def test_observers_without_sigma_points_rest_to_the_last_digits(monkeypatch: Any
         observers.check_rest(observer)
 
 
+OTHERS: dict[str, type[Any]] = {"material": Material, "study": AbstractStudy}
+"""Kinds that no scenario names."""
+
+
 def test_every_kind_has_a_suite() -> None:
-    assert set(SUITES) == {*REGISTRIES, "material"}
+    assert set(SUITES) == {*REGISTRIES, *OTHERS}
 
 
 # ---------------------------------------------------------------- the suites can fail
@@ -92,7 +97,7 @@ def test_every_kind_has_a_suite() -> None:
 @pytest.mark.parametrize("kind", SUITES)
 def test_every_check_notices_a_wrong_part(kind: str) -> None:
     registry = REGISTRIES.get(kind)
-    classes = [Material] if registry is None else [registry[name] for name in registry.names()]
+    classes = [OTHERS[kind]] if registry is None else [registry[name] for name in registry.names()]
     checks = {check.__name__ for cls in classes for check in find_checks(kind, cls)}
     found = [check_part(part, check) for part in WRONG[kind] for check in find_checks(kind, type(part))]
     assert {one.check for one in found if one.fault} == checks

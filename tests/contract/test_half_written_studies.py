@@ -96,3 +96,10 @@ def test_the_command_lists_the_others_and_names_each_failure(broken: None) -> No
 
 def test_no_shipped_study_fails() -> None:
     assert load_studies()[1] == []
+
+
+def test_conform_covers_studies(broken: None) -> None:
+    found = Command("conform")("wire-heating")
+    assert found.exit_code == 0 and "study `wire-heating` conforms: 4 checks passed" in found.stdout
+    found = Command("conform")("half_results")
+    assert found.exit_code == 1 and "KeyError" in found.stdout

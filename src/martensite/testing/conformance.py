@@ -16,6 +16,7 @@ from martensite.base.registry import import_modules
 from martensite.physics.materials.base import Material, load_material, material_names
 from martensite.scenario.catalogue import list_registries
 from martensite.simulate.provenance import keep_record
+from martensite.studies.base import STUDIES, AbstractStudy, load_study
 from martensite.testing.examples import label_part, list_variants
 
 Check = Callable[[Any], None]
@@ -38,6 +39,7 @@ SUITES = {
     "block": "blocks",
     "measure": "waveforms",
     "material": "materials",
+    "study": "studies",
 }
 """Kind of a part -> module of this package that has its suite."""
 
@@ -137,6 +139,17 @@ def check_material(name: str | Path) -> Conformance:
     return Conformance(material.name, "material", tuple(found))
 
 
+def check_study(name: str) -> Conformance:
+    """Run the suite of studies on one, by its name.
+
+    Raises:
+        InputError: there is no such study, or its files cannot be read.
+    """
+    study = load_study(name)
+    found = [check_part(study, check) for check in find_checks("study", AbstractStudy)]
+    return Conformance(study.key, "study", tuple(found))
+
+
 def check_target(target: str) -> list[Conformance]:
     """Run the suites on all that a name, a `.py` file or the `.toml` file of a material stands for.
 
@@ -145,7 +158,12 @@ def check_target(target: str) -> list[Conformance]:
     """
     if target.endswith(".toml") or target in material_names():
         return [check_material(target)]
-    return [check_conformance(cls, kind) for kind, cls in find_parts(target)]
+    try:
+        return [check_conformance(cls, kind) for kind, cls in find_parts(target)]
+    except UnknownNameError as error:
+        if target in STUDIES.names():
+            return [check_study(target)]
+        raise error from None
 
 
 def find_parts(target: str) -> list[tuple[str, type[Parametrised]]]:
@@ -172,9 +190,11 @@ def find_parts(target: str) -> list[tuple[str, type[Parametrised]]]:
     return own
 
 
-def check_part(part: Parametrised | Material, check: Check) -> Finding:
+def check_part(part: Parametrised | Material | AbstractStudy, check: Check) -> Finding:
     """What one check says of one part; an error in the part's own code is a fault too."""
-    label = label_part(part) if isinstance(part, Parametrised) else part.name
+    label = (
+        label_part(part) if isinstance(part, Parametrised) else part.name if isinstance(part, Material) else part.key
+    )
     promise = (check.__doc__ or "").partition("\n")[0]
     try:
         check(part)
