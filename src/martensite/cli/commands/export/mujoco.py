@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 
 from typer import Option
 
-from martensite.base.errors import InputError
 from martensite.base.formats import write_quantity
 from martensite.base.summary import Sentence, Summary
 from martensite.cli.commands.export import export
