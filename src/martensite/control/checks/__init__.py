@@ -1,1 +1,1 @@
-"""What a guard checks."""
+"""Checks of a guard."""

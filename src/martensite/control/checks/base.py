@@ -15,7 +15,7 @@ Every check has the number of its alarm. When several have cut, the lowest numbe
 | 8 | `thermal-bound` | by its own bound the element may be too hot |
 | 9 | `low-confidence` | an observer has no trust in what it estimates |
 
-Damage that is seen comes first, then what is known of sensors and wires, last what is only possible. While a check
+Visible damage comes first, then faults of sensors and wires, last possible damage. While a check
 only limits a signal (answer `limit` of a guard), and none has cut, its number is shown beyond 100: 108.
 """
 
@@ -32,13 +32,13 @@ from martensite.kernels.namespace import Flag, Namespace, Scalar
 
 CHECKS: Registry[AbstractCheck] = Registry("check", "martensite.control.checks", typical="overheat")
 LIMITED = 100
-"""What is added to the number of an alarm while a signal is limited and not cut."""
+"""Number that is added to an alarm while a signal is limited and not cut."""
 Column: TypeAlias = Sequence[Scalar]
 Named: TypeAlias = Mapping[str, Scalar]
 
 
 class Looked(NamedTuple):
-    """What a check finds in a sample."""
+    """Result of a check in one sample."""
 
     trips: Flag
     """Something is wrong: signals must be cut."""
@@ -70,12 +70,12 @@ class AbstractCheck(Parametrised):
         return ()
 
     def rest(self, xp: Namespace, readings: Named) -> Column:
-        """What it remembers before the first sample, `size` numbers."""
+        """Return the memory before the first sample, `size` numbers."""
         return ()
 
     @abstractmethod
     def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> Looked:
-        """What it finds.
+        """Check one sample.
 
         Args:
             xp: namespace.
@@ -90,7 +90,7 @@ class AbstractCheck(Parametrised):
         return {}
 
     def remember_allowed(self, xp: Namespace, memory: Column, allowed: Named, dt: Scalar) -> Column:
-        """What it remembers once it is decided which signals pass for the next period."""
+        """Return the memory after the decision which signals pass for the next period."""
         return memory
 
     def on(self, xp: Namespace, signals: Named, least: Scalar) -> Scalar:

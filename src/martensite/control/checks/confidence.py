@@ -10,7 +10,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 class LowConfidence(AbstractReadingCheck):
     """An observer that has not trusted its own estimates for a while.
 
-    The confidence is an estimate between 1 and 0, such as that of the observer `model-bank`. What is no number is no
+    The confidence is an estimate between 1 and 0, such as that of the observer `model-bank`. NaN counts as no
     confidence. Controllers may get slower by the same reading; this cuts where they would only stop.
     """
 
@@ -25,7 +25,7 @@ class LowConfidence(AbstractReadingCheck):
         return (0.0,)
 
     def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> Looked:
-        """Whether it has been lower for too long."""
+        """Check whether the confidence has been low for too long."""
         fine = readings[self.reading] >= self.limit
         time = xp.where(fine, 0.0, memory[0] + dt)
         trips = time > self.longest

@@ -37,10 +37,10 @@ class AbstractAbove(AbstractReadingCheck):
     limit: Scalar
     """Most that is allowed; without it the check is refused, for it could not trip."""
     band: Scalar
-    """How far below the limit it is well again."""
+    """Distance below the limit at which the check clears."""
 
     def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> Looked:
-        """Whether its size is above the limit."""
+        """Check whether the size of the reading is above the limit."""
         size = xp.abs(readings[self.reading])
         return Looked(xp.negate(size <= self.limit), size < self.limit - self.band, ())
 
@@ -49,7 +49,7 @@ class AbstractAbove(AbstractReadingCheck):
 class Overheat(AbstractAbove):
     """A measured temperature above its limit.
 
-    What is no number is above every limit.
+    NaN is above every limit.
     """
 
     alarm = 1
@@ -113,7 +113,7 @@ class Mismatch(AbstractCheck):
         return (0.0,)
 
     def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> Looked:
-        """Whether they have differed for too long."""
+        """Check whether the readings have differed for too long."""
         fine = xp.abs(readings[self.reading] - readings[self.other]) <= self.limit
         time = xp.where(fine, 0.0, memory[0] + dt)
         trips = time > self.longest
@@ -137,7 +137,7 @@ class SensorLost(AbstractReadingCheck):
         return (self.reading + AGE,)
 
     def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> Looked:
-        """Whether it is too old."""
+        """Check whether the reading is too old."""
         fine = readings[self.reading + AGE] <= self.timeout
         return Looked(xp.negate(fine), fine, ())
 
@@ -162,7 +162,7 @@ class SensorStuck(AbstractWhileOn):
         return readings[self.reading], 0.0, 0.0
 
     def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> Looked:
-        """Whether it has been the same for too long."""
+        """Check whether the reading has been constant for too long."""
         same, time, on = memory
         now = readings[self.reading]
         moved = xp.abs(now - same) > self.band
@@ -191,7 +191,7 @@ class NoCurrent(AbstractWhileOn):
         return 0.0, 0.0
 
     def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> Looked:
-        """Whether there has been no current for too long."""
+        """Check whether there has been no current for too long."""
         time, on = memory
         none = xp.both(on > 0.5, xp.abs(readings[self.reading]) <= self.most)
         time = xp.where(none, time + dt, 0.0)

@@ -38,7 +38,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE
 
 SHORT = 1e-12
-"""Share of a time constant that is none."""
+"""Fraction of a time constant that counts as zero."""
 
 
 @CHECKS.register("thermal-bound")
@@ -68,15 +68,15 @@ class ThermalBound(AbstractCheck):
         return (self.drive, *self.cuts())
 
     def reads(self) -> tuple[str, ...]:
-        """What says how well it is cooled, if anything does."""
+        """Return the name of the reading for the cooling, if there is one."""
         return (self.cooling,) if self.cooling else ()
 
     def rest(self, xp: Namespace, readings: Named) -> Column:
-        """As hot as the hottest surroundings."""
+        """Return the memory: the largest ambient temperature."""
         return (self.ambient,)
 
     def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> Looked:
-        """Whether the element may be too hot at the end of the period; remembers how well it is cooled."""
+        """Check whether the element may be too hot at the end of the period; remember its cooling."""
         memory = (memory[0], *(readings[name] for name in self.reads()))
         then = self._cooled(memory).after(xp, memory[0], wanted[self.drive], dt)
         return Looked(xp.negate(then <= self.limit), then <= self.limit - self.band, memory)
@@ -103,11 +103,11 @@ class ThermalBound(AbstractCheck):
         return settled + (bound - settled) * xp.exp(-self.conductance * dt / self.capacity)
 
     def settled_bound(self, xp: Namespace, signal: Scalar) -> Scalar:
-        """Where the bound ends under a signal that stays [K]."""
+        """Return the final value of the bound under a constant signal [K]."""
         share = xp.abs(signal) / self.full
         share = share if self.rises == "linear" else share * share
         return self.ambient + self.power * share / self.conductance
 
     def holds(self, safe: float) -> bool:
-        """Whether the bound stays below its limit under the signal of a cut."""
+        """Return whether the bound stays below its limit under the signal of a cut."""
         return self.settled_bound(floats, safe) <= self.limit

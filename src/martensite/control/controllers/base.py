@@ -3,14 +3,14 @@
 A controller is a straight-line kernel with a memory of numbers: `rest` before the first sample, `answer` in every
 sample. On a bench (`martensite.control.loop`) it is traced together with the plant, the sensors and the observers, so
 that the whole loop runs in C, in batches and with derivatives. The same controller is a drive like any other
-(`AbstractDrive`): called once per sample with what is measured, it answers on plain floats, in `simulate_controlled` or
-in a program of one's own.
+(`AbstractDrive`): called once per sample with the readings, it returns plain floats, in `simulate_controlled` or in
+your own program.
 
 Readings come by name: those of sensors, `estimated.NAME` of observers, and the age of each,
 `NAME.age` [s]. Without sensors they are the outputs of the system themselves.
 
 Filters of readings, the shaping of the reference, a manual mode and a slew limit stand around any controller
-(`martensite.control.controllers.conditioning`); whoever runs one calls `begin` and `proceed`.
+(`martensite.control.controllers.conditioning`). The caller uses `begin` and `proceed`.
 """
 
 from __future__ import annotations
@@ -46,16 +46,17 @@ AROUND = "reading_filter", "shaping", "manual", "slew"
 HAIR = 1e-9
 """Difference of times that is rounding [s]."""
 AHEAD = "ahead."
-"""What the names of references begin with among readings: `ahead.DRIVE.0` is the present one, others lie ahead."""
+"""Prefix of the names of references among the readings: `ahead.DRIVE.0` is the present value, higher numbers lie ahead.
+"""
 PLANNED = "planned"
-"""What another controller has planned for a drive, among its readings."""
+"""Name of the reading with the signal that another controller has planned for a drive."""
 
 
 class Called(NamedTuple):
-    """What a controller remembers as a drive."""
+    """Memory of a controller that runs as a drive."""
 
     time: float
-    """Of the last call [s]."""
+    """Time of the last call [s]."""
     memory: Column
 
 
@@ -90,7 +91,7 @@ class AbstractController(AbstractDrive):
 
     @property
     def follows_reading(self) -> bool:
-        """Whether what is measured shall be as the reference."""
+        """Return whether the reading follows the reference."""
         return type(self).reference_unit is AbstractController.reference_unit
 
     def reference_unit(self, readings: Mapping[str, str], signal: str) -> str:
@@ -107,7 +108,7 @@ class AbstractController(AbstractDrive):
         return ""
 
     def list_previews(self) -> dict[str, tuple[float, ...]]:
-        """How far ahead [s] it must know references, by the drive whose controller has them, its own one included.
+        """Return the times [s] by which the controller looks ahead at references, by drive, its own drive included.
 
         Their values are among the readings: `ahead.DRIVE.1`, `ahead.DRIVE.2`, … .
         """
@@ -122,7 +123,7 @@ class AbstractController(AbstractDrive):
         return {}
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
-        """What it remembers before the first sample."""
+        """Return the memory before the first sample."""
         return ()
 
     @abstractmethod
@@ -138,7 +139,7 @@ class AbstractController(AbstractDrive):
         """
 
     def list_outputs(self, unit: str, signal: str) -> dict[str, Output]:
-        """What it says of itself beside its signal, by name; none by default.
+        """Return the outputs of the controller beside its signal, by name; empty by default.
 
         Args:
             unit: SI unit of its reference.
@@ -155,7 +156,7 @@ class AbstractController(AbstractDrive):
         return []
 
     def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> Column:
-        """What it remembers after a sample in which the signal was another one: with an integral that gives it."""
+        """Return the memory after a sample with a different signal; the integral is set to give that signal."""
         return memory
 
     def begin(self, xp: Namespace, reference: Scalar, readings: Readings, hand: ManualInput | None = None) -> Answer:
@@ -180,7 +181,7 @@ class AbstractController(AbstractDrive):
 
     @property
     def conditioned(self) -> bool:
-        """Whether something stands around it."""
+        """Return whether filters, a manual mode, a shaped reference or a slew limit surround the controller."""
         return any(self.__dict__[name] is not None for name in AROUND)
 
     def init(self) -> Called | None:
@@ -204,7 +205,7 @@ class AbstractController(AbstractDrive):
 
 
 class SignalLimits(Parametrised):
-    """What a controller keeps its signal between."""
+    """Lower and upper limit of the signal of a controller."""
 
     low: Number = param(DRIVE, "least signal", default=0.0)
     high: Number = param(DRIVE, "largest signal", default=1.0)

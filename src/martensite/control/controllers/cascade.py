@@ -36,7 +36,7 @@ class CascadeMemory(NamedTuple):
         return cls(PidMemory(*memory[:3]), PidMemory(*memory[3:]))
 
     def flat(self) -> Sequence[Scalar]:
-        """As a flat column."""
+        """Return the memory as a flat column."""
         return (*self.outer, *self.inner)
 
 

@@ -6,8 +6,8 @@ Each is a part of the controller that is left out unless it is given, and then t
 
 - A reading is the median of its last three, then a low pass by backward differences of first order, T y' + y = x, or
   of second order with a damping of 0.71, T² y''/2 + T y' + y = x.
-- In manual mode the signal is that of the hand, and what the controller remembers is set so that it would have
-  answered the same (`track`): the change to automatic does not step the signal of what has an integral.
+- In manual mode the operator sets the signal, and the memory of the controller is set so that it would return the
+  same signal (`track`). With an integral the change to automatic does not step the signal.
 - Where the slew limit acts an integral does not go on in the direction of what is cut off.
 
 Source: Åström and Hägglund (1995), chapter 3.
@@ -38,7 +38,7 @@ Readings = Mapping[str, Scalar]
 
 
 class ManualInput(NamedTuple):
-    """What is set by hand in a sample."""
+    """Manual input of one sample."""
 
     signal: Scalar
     automatic: Scalar
@@ -61,11 +61,11 @@ class ReadingFilter(Parametrised):
         return 1 + (self.order == "2") + 2 * (self.median == "of-three")
 
     def rest(self, reading: Scalar) -> Column:
-        """As if the reading had been the same for long."""
+        """Return the memory of a filter whose reading has been constant for a long time."""
         return (reading, *(0.0,) * (self.order == "2"), *(reading, reading) * (self.median == "of-three"))
 
     def filter(self, xp: Namespace, memory: Column, reading: Scalar, dt: Scalar) -> Column:
-        """What is remembered, the filtered reading first, with a reading `dt` [s] after the one before."""
+        """Return the memory, the filtered reading first, after a reading `dt` [s] after the last one."""
         T, value, found = self.time_constant, memory[0], reading
         past: Column = ()
         if self.median == "of-three":
@@ -79,7 +79,7 @@ class ReadingFilter(Parametrised):
 
 
 class SignalSlew(Parametrised):
-    """How fast a signal may change; it begins at 0."""
+    """Limit of the rate at which a signal changes; the signal begins at 0."""
 
     rising: Number = param(SIGNAL_RATE, "largest rate at which it rises", above=0.0, default=math.inf)
     falling: Number = param(SIGNAL_RATE, "largest rate at which it falls", above=0.0, default=math.inf)
@@ -96,7 +96,7 @@ class SignalSlew(Parametrised):
         return self.__dict__["_layout"]
 
     def limit(self, xp: Namespace, before: Scalar, wanted: Scalar, dt: Scalar) -> Scalar:
-        """The signal nearest to what is wanted, `dt` [s] after the one before."""
+        """Return the allowed signal that is nearest to the wanted one, `dt` [s] after the last one."""
         up, down = self.layout()
         found = xp.minimum(wanted, before + self.rising * dt) if up else wanted
         return xp.maximum(found, before - self.falling * dt) if down else found
@@ -121,7 +121,7 @@ class ManualMode(Parametrised):
 
 
 class Conditioned(NamedTuple):
-    """What is remembered of a controller and around it."""
+    """Memory of a controller and of its filters, shaping and slew limit."""
 
     filters: tuple[Column, ...]
     shaped: ShapedReference | None
@@ -205,7 +205,7 @@ def _override_signal(
 
 
 def _hold_integrals(one: AbstractController, xp: Namespace, before: Column, after: Column, beyond: Scalar) -> Column:
-    """What is remembered, without what integrals gained in the direction of what is cut off the signal."""
+    """Return the memory without the growth of integrals in the direction of the part of the signal that is cut off."""
     found = list(after)
     for place in one.integrals:
         gained = after[place] - before[place]

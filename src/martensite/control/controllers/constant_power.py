@@ -2,10 +2,10 @@
 
     D_k = P(t_k)/P_max,    P_max = U I/u
 
-with voltage U and current I of the element, measured while the switch is closed (u = 1; under
-an averaged duty u both go with √u). `every-period` takes the last measurement, so that the
-power is late by one period of change in resistance. `once` takes the first one for ever, as in
-the paper on a finger prototype; the power is then wrong by P_max(R)/P_max(R₀).
+with voltage U and current I of the element, measured while the switch is closed (u = 1; under an averaged duty u both
+go with √u). `every-period` takes the last measurement, so that the power is late by one period of change in
+resistance. `once` always uses the first one, as in the paper on a finger prototype; the power is then wrong by
+P_max(R)/P_max(R₀).
 
 Nothing can be measured on an open switch: as long as there was no measurement the duty is
 `probe` if any power is demanded, and after a period without a pulse the last measurement stays.

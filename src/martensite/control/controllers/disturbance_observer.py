@@ -29,14 +29,14 @@ from martensite.kernels.nested import NestedShape, flatten_numbers
 
 
 class DisturbanceMemory(NamedTuple):
-    """What a disturbance observer remembers."""
+    """Memory of a disturbance observer."""
 
     disturbance: Scalar
     """d̂ [signal]."""
     before: Scalar
     """The reading of the last sample, from where it began."""
     origin: Scalar
-    """Where it began."""
+    """Reading of the first sample."""
     signals: tuple[Scalar, ...]
     """u of the last samples, latest first."""
     pid: PidMemory

@@ -7,10 +7,10 @@ output of the model will have got to where the reference will be:
     y(t + L; x(t), u_f) = r(t) + c ṙ(t) L,      low ≤ u_f ≤ high
 
 by bracketed Newton iterations of fixed count with exact slopes. Out of reach, it is the limit that comes nearest: also
-where the output does not answer in that time at all, as on the way from one branch of a hysteresis to the other; at the
-reference, it is then the idle signal. Hysteresis, latent heat and the slow cooling are inverted with everything else
-the model knows, for it is the model itself that is solved; the error of the model is left to the feedback. A reference
-that the model can never reach gets the limit for ever: that is for a supervisor.
+where the output does not answer in that time at all, as on the way from one branch of a hysteresis to the other; at
+the reference, it is then the idle signal. Hysteresis, latent heat and the slow cooling are inverted with everything
+else the model knows, for it is the model itself that is solved; the error of the model is left to the feedback. A
+reference that the model can never reach keeps the signal at the limit; a supervisor must detect this.
 
 The error of the output goes like exp(-t/L): a short L follows closely and moves the signal much, and with inertia it
 must be no shorter than the plant takes to answer. Of the reference only the present value is known: its rate ṙ is its
@@ -39,11 +39,12 @@ from martensite.kernels.nested import NestedShape, flatten_numbers
 SLIGHT = 1e-9
 """Slope added to the output over its range, so that a flat model has an answer: the last one."""
 INSIDE = 0.05, 0.95
-"""Where iterations begin, as a share of the limits: not at an end, where slopes may vanish."""
+"""First guesses, as fractions of the range between the limits: inside the range, because slopes may vanish at its ends.
+"""
 
 
 class Following(NamedTuple):
-    """What a feed-forward remembers beside the state of its model."""
+    """Memory of a feed-forward beside the state of its model."""
 
     feed: Scalar
     """u_f, the signal of the sample before."""

@@ -29,7 +29,7 @@ class Follower(AbstractController):
     high: Number = param(DRIVE, "largest signal that it passes on; the guard by default asks for it", default=math.inf)
 
     def reads(self) -> tuple[str, ...]:
-        """What was planned, and the reading that its reference is for."""
+        """Return the name of the planned signal and of the reading that its reference is for."""
         return (PLANNED, self.measured) if self.measured else (PLANNED,)
 
     def reference_unit(self, readings: Mapping[str, str], signal: str) -> str:

@@ -12,7 +12,7 @@ and it converges where that holds; what remains is due to Q, which is 1 at rest 
 the learning gain g, and for the lead the time by which the closed loop is late.
 
 Nothing is learned where the signal is at a limit and the error would drive it further. When the error grows from
-repetition to repetition it stops, uses v no more, and `learning` is 0: what is left is the PID controller.
+repetition to repetition, learning stops, v is used no more, and `learning` is 0. Only the PID controller remains.
 
 Sources: Arimoto, Kawamura and Miyazaki (1984); Bristow, Tharayil and Alleyne (2006), parallel architecture.
 """
@@ -31,7 +31,7 @@ from martensite.kernels.nested import NestedShape, choose_tuple, flatten_numbers
 
 
 class LearningMemory(NamedTuple):
-    """What a controller that learns remembers."""
+    """Memory of a controller that learns."""
 
     task: TaskMemory
     pid: PidMemory
@@ -43,7 +43,7 @@ class AbstractLearning(PidGains, RepeatedTask, AbstractController):
     """A PID controller with something that it learns along a task."""
 
     adds_error: ClassVar[bool] = False
-    """Whether it is an error that it learns; else a signal."""
+    """True if the controller learns an error, False if it learns a signal."""
     integrals = (-4,)
 
     def check(self) -> None:
@@ -57,7 +57,7 @@ class AbstractLearning(PidGains, RepeatedTask, AbstractController):
         return flatten_numbers(LearningMemory(self.begin_task(), pid, 0.0))
 
     def list_outputs(self, unit: str, signal: str) -> dict[str, Output]:
-        """How it learns, and what it has learned."""
+        """Return the outputs for the state of learning and the learned value."""
         return {
             "repetition": Output("1", "whole repetitions of the task", "j"),
             "error": Output(unit, "rms error of the last repetition", "e_rms"),
@@ -66,13 +66,13 @@ class AbstractLearning(PidGains, RepeatedTask, AbstractController):
         }
 
     def observe(self, xp: Namespace, memory: Column) -> Column:
-        """How it learns, and what it has learned."""
+        """Return the state of learning and the learned value."""
         held = self.rebuild_memory(memory)
         score = held.task.score
         return [score.repetition, score.error, score.learning, held.learned]
 
     def describe_doubts(self, last: Mapping[str, float]) -> list[str]:
-        """Whether it has stopped learning."""
+        """Return a warning if learning has stopped."""
         if last["learning"] > 0.5:
             return []
         return [
@@ -81,12 +81,12 @@ class AbstractLearning(PidGains, RepeatedTask, AbstractController):
         ]
 
     def rebuild_memory(self, memory: Column) -> LearningMemory:
-        """What is remembered, by name."""
+        """Return the memory by name."""
         example = LearningMemory(self.begin_task(), PidMemory(*[0.0] * len(PidMemory._fields)), 0.0)
         return NestedShape(example).rebuild(memory)
 
     def limit_learning(self, xp: Namespace, signal: Scalar, error: Scalar, way: Scalar) -> Scalar:
-        """What of an error is learned: nothing where the signal is at a limit and would be driven further."""
+        """Return the learned part of an error: 0 where the signal is at a limit and the error drives it further."""
         push = way * error
         over = xp.both(signal >= self.law.high, push > 0.0)
         under = xp.both(signal <= self.law.low, push < 0.0)

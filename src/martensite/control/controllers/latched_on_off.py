@@ -4,8 +4,8 @@
     off  once on, and A < share · largest A since then; it stays off
 
 with the threshold r, the reference. y and the oscillation are readings by name, such as `rotor_speed` and
-`displacement` of a motor on a beam. A is half the distance of the extremes in a window, taken anew in one window after
-the other; windows must be longer than a period of the oscillation.
+`displacement` of a motor on a beam. A is half the distance of the extremes in a window, measured in consecutive
+windows; windows must be longer than a period of the oscillation.
 
 `replayed` says what a controller would have done along a record. Up to its first switching a run
 does not depend on the answer, so a run under it is right up to the second one, and so on: with
@@ -26,7 +26,7 @@ from martensite.signals.levels import HIGH
 
 
 class Latch(NamedTuple):
-    """What a latched controller remembers."""
+    """Memory of a latched controller."""
 
     on: Scalar
     """1 from the threshold on, else 0."""
@@ -55,7 +55,7 @@ class LatchedOnOff(AbstractController):
     low: Number = param(DRIVE, "signal while it is off", default=0.0)
 
     def reads(self) -> tuple[str, ...]:
-        """What switches it on, and what switches it off."""
+        """Return the readings that switch it on and off."""
         return self.measured, self.oscillation
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Latch:

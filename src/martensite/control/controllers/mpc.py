@@ -14,12 +14,13 @@ In every period:
        from this plan, moved on (receding horizon).
 
 In the first sample the model is at rest and nothing is planned yet. The horizon decides whether anything moves: a cold
-wire must be heated through its dead band, and cooled through that of the way back, before its stroke changes. A horizon
-that ends before sees that heating costs and gains nothing, and the best plan is none. `Mpc.for_system` measures on the
-model how long full signal and none need, and takes the sum; `cautions` says when a given horizon is too short.
+wire must be heated through its dead band, and cooled through that of the way back, before its stroke changes. A
+horizon that ends earlier sees only the cost of heating and no gain, and the best plan is not to move. `Mpc.for_system`
+measures on the model how long full signal and none need, and takes the sum; `cautions` says when a given horizon is
+too short.
 
-Of several drives one controller has all: it has one of them itself, those that it leads have a `follower`. What the
-readings named in `also_measured` shall be is the reference of the follower of that place.
+Of several drives one controller has all: it has one of them itself, those that it leads have a `follower`. The
+reference of the n-th follower is the set-point of the n-th reading in `also_measured`.
 """
 
 from collections.abc import Mapping
@@ -51,19 +52,19 @@ from martensite.simulate.api import steps_in
 
 
 class PlanMemory(NamedTuple):
-    """What a predictive controller remembers."""
+    """Memory of a predictive controller."""
 
     state: Any
-    """Of the model, now."""
+    """State of the model now."""
     signals: tuple[Scalar, ...]
-    """Of its drives, in the period that begins."""
+    """Signals of its drives in the period that begins."""
     planned: Planned
     offsets: tuple[Scalar, ...]
-    """Of what readings have more than the model, d, by reading."""
+    """Offsets d by reading: how far the readings are above the model."""
     past: tuple[tuple[Scalar, ...], ...]
-    """What the model said in the last samples, latest first, by reading."""
+    """Outputs of the model in the last samples, latest first, by reading."""
     added: tuple[Scalar, ...] = ()
-    """What `tracking` adds to the signal of the model, its memory behind it; nothing without."""
+    """Signal that `tracking` adds to the model, then the memory of its law; empty without tracking."""
 
 
 @CONTROLLERS.register("mpc")
@@ -180,7 +181,7 @@ class Mpc(AbstractController, SignalLimits):
         return self.__dict__["_layout"]
 
     def cautions(self) -> list[str]:
-        """Whether the horizon ends before full signal moves anything."""
+        """Return a caution if the horizon ends before full signal moves the output."""
         if self._leads:
             return []
         start = measure_reach(self.model, self.followed_outputs[0], self.low, self.high).start
@@ -298,7 +299,7 @@ class Mpc(AbstractController, SignalLimits):
         return memory._replace(offsets=tuple(found))
 
     def _recall_model(self, xp: Namespace, name: str, past: Column, readings: Readings) -> Scalar:
-        """What the model said when a reading was taken."""
+        """Return the output of the model at the time when a reading was taken."""
         late = readings.get(f"{name}.age", 0.0) / self.period
         model = past[0]
         for k, said in enumerate(past[1:], 1):
@@ -345,7 +346,7 @@ class Mpc(AbstractController, SignalLimits):
         return planner.search(xp, rounds, Planned(*moved))
 
     def unflatten(self, memory: Column) -> PlanMemory:
-        """What is remembered, by name."""
+        """Return the memory by name."""
         drives, readings = len(self.model.drives()), len(self._readings)
         plan = (0.0,) * (drives * self.blocks)
         past = ((0.0,) * self.kept,) * readings

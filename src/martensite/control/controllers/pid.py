@@ -9,8 +9,8 @@ in every sample, h after the one before, by backward differences:
     D_k = D_k-1 + (x_k - x_k-1 - h D_k-1)/(T_f + h),        x = c r - y
 
 Gains do not depend on the sample time: K_i is per second, K_d in seconds. The derivative is always filtered, with T_f
-= T_d/N, N = 10, or with the time `filter` if there is one; never with less than one sample, which is none. The first
-sample has nothing to integrate, and the derivative begins with the second, so switching on gives no kick.
+= T_d/N, N = 10, or with the time `filter` if there is one; never with less than one sample, which would not filter.
+The first sample has nothing to integrate, and the derivative begins with the second, so switching on gives no kick.
 
 `gains_are = "per-sample"` is the discrete form of published controllers, whose time is counted in samples, h = 1, and
 whose derivative has no filter unless `filter` says so:
@@ -49,7 +49,7 @@ class Gains(NamedTuple):
 
 
 class PidMemory(NamedTuple):
-    """What a PID controller remembers."""
+    """Memory of a PID controller."""
 
     integral: Scalar
     """I [signal]."""
@@ -72,7 +72,7 @@ def per_sample(Kp: float, Ki: float, Kd: float, interval: float) -> Gains:
 
 
 class PidLaw(SignalLimits):
-    """What a PID controller does beside its gains: limits, set-point weights and filter."""
+    """Properties of a PID controller beside its gains: limits, set-point weights and filter."""
 
     weight: Number = param("1", "set-point weight b of the proportional part", low=0.0, high=1.0, default=1.0)
     slope_weight: Number = param("1", "set-point weight c of the derivative part", low=0.0, high=1.0, default=1.0)
@@ -84,7 +84,7 @@ class PidLaw(SignalLimits):
     tracking: Number = param("s", "tracking time T_t of back-calculation; T_i if 0", low=0.0, default=0.0)
 
     def rest(self, xp: Namespace, reference: Scalar, measured: Scalar) -> PidMemory:
-        """What is remembered before the first sample."""
+        """Return the memory before the first sample."""
         return PidMemory(0.0, self.slope_weight * reference - measured, 0.0)
 
     def answer(
@@ -116,7 +116,7 @@ class PidLaw(SignalLimits):
     def track(
         self, xp: Namespace, gains: Gains, memory: PidMemory, signal: Scalar, reference: Scalar, measured: Scalar
     ) -> PidMemory:
-        """What is remembered with an integral, if there is one, that gives a signal in this sample."""
+        """Return the memory whose integral, if there is one, gives a signal in this sample."""
         rest = gains.Kp * (self.weight * reference - measured) + gains.Kd * memory.change
         return memory._replace(integral=xp.where(xp.abs(gains.Ki) > 0.0, signal - rest, memory.integral))
 
@@ -139,9 +139,9 @@ class PidLaw(SignalLimits):
 
 
 SHORTEST = 1e-12
-"""Time constant that is none [s]."""
+"""Time constant that counts as zero [s]."""
 SLIGHT = 1e-30
-"""Square of a gain that is none."""
+"""Square of a gain that counts as zero."""
 
 
 def count_samples(xp: Namespace, time: Scalar, dt: Scalar) -> Scalar:
@@ -155,11 +155,11 @@ def integral_time(xp: Namespace, gains: Gains) -> Scalar:
 
 
 IN_SECONDS, PER_SAMPLE = GAINS_ARE = "in-seconds", "per-sample"
-"""What the integral and the derivative gain of a controller may be given for."""
+"""Meanings of the integral and the derivative gain of a controller."""
 
 
 class PidGains(Parametrised):
-    """What any PID controller is given: gains and limits."""
+    """Parameters of any PID controller: gains and limits."""
 
     Kp: Number = param(GAIN, "proportional gain", typical=100.0)
     Ki: Number = param(INTEGRAL_GAIN, "integral gain", default=0.0)
@@ -182,7 +182,7 @@ class PidGains(Parametrised):
 
     @property
     def sampled(self) -> bool:
-        """Whether integral and derivative gain are those of C(z), per sample."""
+        """Return whether integral and derivative gain are per sample, as in C(z)."""
         return self.gains_are == PER_SAMPLE
 
     @property

@@ -37,7 +37,7 @@ from martensite.simulate.march import SOLVED
 
 KELVIN, MEGAPASCAL = 1.0, 1e6
 APART = 0.03
-"""How far a signal is moved to see what it does, as a share of the range."""
+"""Step of a signal for slopes of the cost, as a fraction of the range."""
 ALONG = (0.1, 0.3, 0.6, 1.0, 1.5)
 """Shares of a direction that are tried."""
 WINDOWS = (
@@ -46,9 +46,11 @@ WINDOWS = (
 )
 """Shares of the horizon in which a drive gets more or less: a while from now on, or later."""
 MORE = (-1.0, -0.3, -0.1, 0.1, 0.3, 1.0)
-"""How much more, as a share of the range; the limits make of the whole of it full or off."""
+"""Changes that are tried, as fractions of the range; limits turn a change by the whole range into full or zero signal.
+"""
 FEW_WINDOWS, MUCH_MORE = ((0.0, 0.1), (0.0, 0.3), (0.0, 1.0), (0.3, 1.0), (0.6, 1.0)), (-1.0, -0.3, 0.3, 1.0)
-"""The same for each of several drives: fewer, so that the time that a period takes grows slowly with them."""
+"""Windows and changes for several drives: fewer, so that the computing time of a period grows slowly with their number.
+"""
 DAMPING = 1e-3
 """λ, as a share of the mean of the diagonal."""
 HAIR = 1e-9
@@ -60,7 +62,7 @@ Numbers = list[Scalar]
 
 
 class Price(Parametrised):
-    """What a plan is charged for."""
+    """Prices of errors, energy, changes, and excesses of temperature and stress in a plan."""
 
     error: Number = param(DIFFERENCE, "error that costs 1", above=0.0, default=1e-4)
     energy: Number = param("1/W", "price of electrical power", low=0.0, default=0.0)
@@ -70,7 +72,7 @@ class Price(Parametrised):
     excess: Number = param("1", "price of 1 K or 1 MPa more than that", low=0.0, default=1000.0)
 
     def layout(self) -> tuple[int, ...]:
-        """Whether temperature and stress have a price."""
+        """Return whether temperature and stress have a price."""
         return int(math.isfinite(self.hottest)), int(math.isfinite(self.strongest))
 
     def check(self) -> None:
@@ -79,7 +81,7 @@ class Price(Parametrised):
 
 
 class PlanCost(NamedTuple):
-    """What a plan costs."""
+    """Cost of a plan."""
 
     total: Scalar
     linear: Scalar
@@ -89,12 +91,12 @@ class PlanCost(NamedTuple):
 
 
 class Planned(NamedTuple):
-    """What is kept of a search for the next one, of all drives in every block."""
+    """Result of a search that the next search starts from, for all drives in every block."""
 
     plan: tuple[Scalar, ...]
     """The best one."""
     origin: tuple[Scalar, ...]
-    """Where the direction begins."""
+    """Plan at which the direction begins."""
     direction: tuple[Scalar, ...]
 
 
@@ -110,15 +112,15 @@ class Planner(NamedTuple):
     turns: int
     """Steps of the model in a block."""
     length: Scalar
-    """Of a block [s]."""
+    """Duration of a block [s]."""
     state: Any
-    """Of the model, now."""
+    """State of the model now."""
     signals: Sequence[Scalar]
-    """Of the last period."""
+    """Signals of the last period."""
     wanted: Sequence[Scalar]
     """References less what the model is known to lack, now and at the end of every block, one after the other."""
     shifts: Sequence[Scalar] = ()
-    """What the model gets besides, for every drive; nothing if empty."""
+    """Shift that is added to the signal of the model, by drive; zero if empty."""
 
     @property
     def drives(self) -> int:
@@ -229,7 +231,7 @@ class Planner(NamedTuple):
     # ------------------------------------------------------------ one plan
 
     def rate_plan(self, xp: Namespace, plan: Sequence[Scalar]) -> PlanCost:
-        """What a plan costs; `HUGE` where the model fails."""
+        """Return the cost of a plan; `HUGE` where the model fails."""
         shape, size, count = NestedShape(self.state), len(flatten_numbers(self.state)), len(plan)
         kinds = self._count_kinds()
         parts = (size, count, len(self.wanted), self.drives, kinds * self.blocks, 3)
@@ -286,7 +288,7 @@ class Planner(NamedTuple):
         return len(self.outputs) + hot * len(self._list_outputs("hottest")) + strong * len(self._list_outputs("stress"))
 
     def _list_excesses(self, xp: Namespace, seen: dict[str, Scalar]) -> Numbers:
-        """What is beyond a bound that has a price, times the root of that."""
+        """Return the excesses over bounds that have a price, times the square root of the price."""
         hot, strong = self.price.__dict__["_bounded"]
         weight, found = xp.sqrt(self.price.excess), Numbers()
         bounds = ((hot, "hottest", self.price.hottest, KELVIN), (strong, "stress", self.price.strongest, MEGAPASCAL))

@@ -5,10 +5,10 @@ r"""A controller that tunes itself: a relay first, then the PID controller that 
     tuned    u = PID, K_p = c_1 K_u,    T_i = c_2 P_u,    T_d = c_3 P_u
 
 `skipped` cycles of coming up are not counted; K_u and P_u are means over the next `cycles`, unless their lengths
-scatter by more than a tenth: then it counts anew. It goes over to the PID controller without a bump: the integral
+scatter by more than a tenth: then counting restarts. It goes over to the PID controller without a bump: the integral
 begins such that the first signal is the mean of the relay's, which is what holds r_0. A wire that heats faster than it
-cools spends more time at the lower signal, and the describing function is an average over both: with `balance` the bias
-moves, while cycles are skipped, to the mean signal of the last one, so that both take as long.
+cools spends more time at the lower signal, and the describing function is an average over both: with `balance` the
+bias moves, while cycles are skipped, to the mean signal of the last one, so that both take as long.
 
 There are no gains before the test is over, and none at all where no limit cycle appears in `timeout`: the signal is the
 idle one for good, and `tuning` is -1. What a supervisor cuts makes no cycle either.
@@ -49,14 +49,14 @@ def find_ultimate_gain(xp: Namespace, relay: Scalar, amplitude: Scalar, hysteres
 
 
 class RelayCycle(NamedTuple):
-    """What is known of the cycle that is going on."""
+    """Values of the current relay cycle."""
 
     on: Scalar
     """1 at the larger signal, 0 at the smaller one."""
     length: Scalar
     """Time since it was switched on [s]."""
     heated: Scalar
-    """How much of it at the larger signal [s]."""
+    """Time of the cycle at the larger signal [s]."""
     lowest: Scalar
     highest: Scalar
 
@@ -72,14 +72,14 @@ class RelaySums(NamedTuple):
 
 
 class TuningMemory(NamedTuple):
-    """What a controller that tunes itself remembers."""
+    """Memory of a controller that tunes itself."""
 
     stage: Scalar
     """`TUNING`, `TUNED` or `FAILED`."""
     elapsed: Scalar
     """Time of the test [s]."""
     turns: Scalar
-    """How often it was switched on."""
+    """Number of times that the relay was switched on."""
     bias: Scalar
     gain: Scalar
     """K_u; 0 before it is known."""
@@ -127,7 +127,7 @@ class RelayTuning(AbstractController):
             )
 
     def list_outputs(self, unit: str, signal: str) -> dict[str, Output]:
-        """Where it is, and what it has found."""
+        """Return the outputs for the stage of the test and the gains found."""
         per = signal if unit == "1" else f"{signal}/{unit}"
         return {
             "tuning": Output("1", "relay test: going on (1), over (0), without a cycle (-1)", "s"),
@@ -144,7 +144,7 @@ class RelayTuning(AbstractController):
         return [held.stage, held.gain, held.period, *self._find_gains(xp, held)]
 
     def describe_doubts(self, last: Mapping[str, float]) -> list[str]:
-        """Whether the test came to its end."""
+        """Return a warning if the test has not finished."""
         if last["tuning"] == TUNED:
             return []
         if last["tuning"] == TUNING:
@@ -179,13 +179,16 @@ class RelayTuning(AbstractController):
         return xp.where(after.stage > 0.5, relay, signal), flatten_numbers(after._replace(pid=pid))
 
     def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> Column:
-        """With the integral that gives the signal; a relay test begins anew, for its signals were not there."""
+        """Return the memory whose integral gives the signal.
+
+        A relay test restarts, because its signals were not applied.
+        """
         held, found = self._name_memory(memory), readings[self.measured]
         pid = self.law.track(xp, self._find_gains(xp, held), held.pid, signal, reference, found)
         return flatten_numbers(held._replace(elapsed=0.0, turns=0.0, sums=NOTHING, pid=pid))
 
     def _place(self, found: Scalar) -> Scalar:
-        """How far a reading is beyond the level, in the direction of the signal."""
+        """Return how far a reading is beyond the level, in the direction of the signal."""
         return found - self.level if self.action == "rising" else self.level - found
 
     def _find_gains(self, xp: Namespace, memory: TuningMemory) -> Gains:
@@ -225,7 +228,7 @@ class RelayTuning(AbstractController):
         return after._replace(bias=xp.where(moves, mean, after.bias))
 
     def _judge_cycles(self, xp: Namespace, before: TuningMemory, after: TuningMemory) -> tuple[TuningMemory, Scalar]:
-        """With gain and period once there are cycles enough; counting anew where they are not steady."""
+        """Compute gain and period once there are enough cycles; restart counting where the cycles are not steady."""
         sums = after.sums
         count = xp.where(sums.count > 0.5, sums.count, 1.0)
         period, amplitude = sums.lengths / count, 0.5 * sums.ranges / count

@@ -36,7 +36,7 @@ Line: TypeAlias = tuple[Scalar, ...]
 
 
 class TaskScore(NamedTuple):
-    """How well a task is repeated."""
+    """Score of how well a task is repeated."""
 
     squares: Scalar
     """Squared error of this repetition so far, integrated over time."""
@@ -53,7 +53,7 @@ class TaskScore(NamedTuple):
 
 
 class TaskMemory(NamedTuple):
-    """What is remembered of a task."""
+    """Memory of a task."""
 
     elapsed: Scalar
     """Time since the last point [s]."""
@@ -69,12 +69,12 @@ class TaskMemory(NamedTuple):
 
 
 class TaskMoment(NamedTuple):
-    """Where in its task a controller is."""
+    """Place of a controller in its task at one sample."""
 
     due: Flag
-    """Whether a point has come."""
+    """True if a point is due."""
     begins: Flag
-    """Whether it is the first one of a repetition."""
+    """True if it is the first point of a repetition."""
     learned: Scalar
     """v at this time."""
     memory: TaskMemory
@@ -82,7 +82,7 @@ class TaskMoment(NamedTuple):
 
 
 class RepeatedTask(Parametrised):
-    """How a task repeats, and how it is learned."""
+    """Parameters of a repeated task and of its learning."""
 
     period: Number = param("s", "time from one sample to the next", above=0.0, typical="20 ms")
     task: Number = param("s", "time from one repetition to the next", above=0.0, typical="10 s")
@@ -160,7 +160,7 @@ class RepeatedTask(Parametrised):
         *,
         seam: bool = True,
     ) -> TaskMemory:
-        """What is remembered of a sample.
+        """Return the memory after a sample with this error.
 
         Args:
             xp: namespace.

@@ -13,7 +13,7 @@ so that g is a share: 0.5 is a good start, with the time by which T is late for 
 the signal and can be put back between repetitions; this one adds to the error, and PID gains count for what it learns.
 
 Nothing is learned where the signal is at a limit and the error would drive it further. When the error grows from
-repetition to repetition it stops, uses v no more, and `learning` is 0: what is left is the PID controller.
+repetition to repetition, learning stops, v is used no more, and `learning` is 0. Only the PID controller remains.
 
 Source: Hara, Yamamoto, Omata and Nakano (1988), modified repetitive control.
 """

@@ -69,12 +69,12 @@ class GainSchedule(Members[GainsAt], init=False):
 
 
 class ScheduledMemory(NamedTuple):
-    """What a scheduled PID controller remembers."""
+    """Memory of a scheduled PID controller."""
 
     integral: Scalar
     before: Scalar
     change: Scalar
-    """As `PidMemory`."""
+    """Filtered change, as in `PidMemory`."""
     reference: Scalar
     """That of the last sample."""
     direction: Scalar
@@ -85,7 +85,7 @@ SCHEDULED = len(ScheduledMemory._fields)
 
 
 class BumplessMemory(NamedTuple):
-    """What is remembered beside it where a change of gains does not step the signal."""
+    """Additional memory that prevents a step of the signal when the gains change."""
 
     Kp: Scalar
     Kd: Scalar
@@ -123,7 +123,7 @@ class ScheduledPid(AbstractController):
         return self.law.describe(first, period, self.gains_are == PER_SAMPLE)
 
     def reads(self) -> tuple[str, ...]:
-        """What is controlled, and what decides about the gains."""
+        """Return the controlled reading and the reading that selects the gains."""
         return (self.measured, self.over) if self.over else (self.measured,)
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
@@ -165,7 +165,7 @@ class ScheduledPid(AbstractController):
         return (*held._replace(integral=pid.integral), *memory[SCHEDULED:])
 
     def _gains(self, xp: Namespace, at: Scalar, direction: Scalar) -> Gains:
-        """As they were given, for a direction."""
+        """Return the given gains for a direction."""
         up = self.rising.gains(xp, at)
         if self.falling is None:
             return up

@@ -28,7 +28,7 @@ from martensite.signals.base import DRIVE
 
 
 class ShapedReference(NamedTuple):
-    """What is remembered of a reference that is shaped."""
+    """Memory of a shaped reference."""
 
     value: Scalar
     """s, what the controller follows."""
@@ -39,7 +39,7 @@ class ShapedReference(NamedTuple):
 
 
 class ReferenceShaping(Parametrised):
-    """How fast what a controller follows may change."""
+    """Limits of how fast the reference that a controller follows may change."""
 
     rate: Number = param(REFERENCE_RATE, "largest rate", above=0.0, default=math.inf)
     acceleration: Number = param(REFERENCE_ACCELERATION, "largest change of the rate", above=0.0, default=math.inf)
@@ -100,5 +100,5 @@ class ReferenceShaping(Parametrised):
         return xp.clip((readings[self.confidence] - self.stop) / (self.full - self.stop), 0.0, 1.0)
 
     def is_safe(self, xp: Namespace, readings: Mapping[str, Scalar]) -> Flag:
-        """Whether the signal is the safe one."""
+        """Return whether the signal is the safe one."""
         return readings[self.confidence] < self.stop

@@ -9,7 +9,7 @@ without the integral. On the surface the error decays with the time constant 1/�
 
 ė is the difference over the last sample behind a lag with the time constant τ of `filter`. The equivalent signal u_eq,
 which would hold the plant on the surface, is either a straight line of the reference, u_0 + k r, to be read off a
-staircase of the plant, or (`filtered`) what the signal has been on the mean: u itself behind a lag of its own, in the
+staircase of the plant, or (`filtered`) what the signal has been on the mean: u itself behind a separate lag, in the
 sense of Utkin's equivalent control. It then takes over what an integral would do, and cannot wind up, since u is
 limited. ∫e stays as it is where the signal is limited and the error drives it further.
 
@@ -31,7 +31,7 @@ from martensite.signals.levels import HIGH, MARGIN
 
 
 class SlidingMemory(NamedTuple):
-    """What a sliding-mode controller remembers."""
+    """Memory of a sliding-mode controller."""
 
     error: Scalar
     """That of the last sample."""
@@ -93,7 +93,7 @@ class SlidingMode(AbstractController, SignalLimits):
 
 
 def lag_rate(xp: Namespace, before: Scalar, change: Scalar, lag: Scalar, dt: Scalar) -> Scalar:
-    """What changes by `change` in `dt`, behind a lag: its rate, by the implicit rule.
+    """Return the rate of a quantity that changes by `change` in `dt`, behind a lag, by the implicit rule.
 
     d = (τ d₋ + Δ)/(τ + dt), and d₋ where dt = 0; with Δ = u dt it is u itself behind the lag.
     """

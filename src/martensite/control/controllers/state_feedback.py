@@ -51,7 +51,7 @@ class StateFeedback(AbstractController, SignalLimits):
         return given or (self.measured,)
 
     def reads(self) -> tuple[str, ...]:
-        """What is measured, and the states."""
+        """Return the measured reading and the states."""
         return self.measured, *self.named
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
@@ -95,7 +95,7 @@ class NumberedGains(Parametrised):
         return {name: _convert_number(place) for place, name in enumerate(self.__dict__, 1)}
 
     def layout(self) -> tuple[int, ...]:
-        """How many there are."""
+        """Return the number of gains."""
         return (len(self.__dict__),)
 
     @property

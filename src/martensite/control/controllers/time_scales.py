@@ -1,4 +1,4 @@
-"""How long full signal and none need to move a system: what a horizon must be measured by."""
+"""Times that full and zero signal need to move a system: a measure for the horizon."""
 
 from typing import NamedTuple
 
@@ -27,7 +27,7 @@ class TimeScales(NamedTuple):
 
 
 def measure_reach(system: AbstractSystem, output: str, low: float, high: float) -> TimeScales:
-    """How long full signal and none need.
+    """Measure how long full and zero signal need to move an output.
 
     Args:
         system: a system with one drive.

@@ -34,7 +34,7 @@ class AbstractFault(Parametrised):
             )
 
     def active(self, xp: Namespace, time: Scalar) -> Flag:
-        """Whether it is there at a time [s]."""
+        """Return whether the fault is present at a time [s]."""
         return xp.both(time >= self.start - HAIR, time < self.end - HAIR)
 
     def fault_at(self, xp: Namespace, time: Scalar) -> Self:
@@ -42,7 +42,7 @@ class AbstractFault(Parametrised):
         return self
 
     def names(self) -> dict[str, str]:
-        """What it names -> `sensor` or `drive`: to be checked by the bench."""
+        """Return the names of sensors and drives in the fault -> `sensor` or `drive`; the bench checks them."""
         return {}
 
     def plant(self, xp: Namespace, plant: AbstractSystem, active: Flag) -> AbstractSystem:
@@ -50,11 +50,11 @@ class AbstractFault(Parametrised):
         return plant
 
     def signal(self, xp: Namespace, drive: str, signal: Scalar, active: Flag) -> Scalar:
-        """What arrives at the source of a drive."""
+        """Return the signal that arrives at the source of a drive."""
         return signal
 
     def reading(self, xp: Namespace, sensor: str, reading: Scalar, held: Scalar, active: Flag) -> Scalar:
-        """What a sensor says; `held` is what it said before."""
+        """Return the reading of a sensor with the fault; `held` is the reading before."""
         return reading
 
     def disturb(self, xp: Namespace, sensor: str, reading: Scalar, number: Scalar, active: Flag) -> Scalar:
@@ -62,13 +62,13 @@ class AbstractFault(Parametrised):
         return reading
 
     def travel(self, xp: Namespace, sensor: str, travel: Scalar, active: Flag) -> Scalar:
-        """How long a reading of a sensor travels [s], never longer than by `latest`."""
+        """Return the travel time of a reading of a sensor [s], longer than normal by `latest` at most."""
         return travel
 
     def latest(self, sensor: str) -> float:
-        """How much longer a reading of a sensor may travel [s], at any time."""
+        """Return the largest additional travel time of a reading of a sensor [s]."""
         return 0.0
 
     def fresh(self, xp: Namespace, sensor: str, fresh: Flag, active: Flag) -> Flag:
-        """Whether there is a new reading of a sensor."""
+        """Return whether there is a new reading of a sensor."""
         return fresh

@@ -1,6 +1,6 @@
 """Faults of a mechanism with one element on a load line: slack in the element, and a slider that is stuck.
 
-A load line meets the element by what is left of its elongation at assembly, e₀ - e. Slack s takes that much of it:
+A load line sees the remaining elongation since assembly, e₀ - e. Slack s is subtracted from it:
 
     F = F(e₀ - s - e),   x = x(e₀ - s - e)
 
@@ -27,10 +27,10 @@ from martensite.physics.laws.coupling import StepReport
 
 
 class ClampReference(NamedTuple):
-    """What a load line that may be clamped remembers."""
+    """Memory of a load line that may be clamped."""
 
     elongation: Scalar
-    """Of the element at position zero [m]."""
+    """Elongation of the element at position zero [m]."""
     held: Scalar
     """Elongation when it was last free [m]."""
     position: Scalar
@@ -45,13 +45,13 @@ class HinderedLoadLine(AbstractLoadLine):
     shut: Number = param("1", "1 if it is held, else 0", low=0.0, high=1.0)
 
     def start_force(self, xp: Namespace) -> Scalar:
-        """As it should be [N]: it is assembled before."""
+        """Return the force at assembly without the fault [N]; the fault acts later."""
         return self.line.start_force(xp)
 
     def init(  # type: ignore[override]
         self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column
     ) -> ClampReference:
-        """As assembled, where the position is zero."""
+        """Return the memory at assembly, where the position is zero."""
         return ClampReference(elongations[0], elongations[0], 0.0)
 
     def force(self, xp: Namespace, assembly: Any, spring: Spring) -> Scalar:
@@ -85,13 +85,13 @@ class AbstractMechanismFault(AbstractFault):
 
     @abstractmethod
     def hinder(self, xp: Namespace, line: HinderedLoadLine, active: Flag) -> dict[str, Scalar]:
-        """What is exchanged in the load line."""
+        """Return the parts that are exchanged in the load line."""
 
     def plant(self, xp: Namespace, plant: AbstractSystem, active: Flag) -> AbstractSystem:
-        """The plant with the fault in its mechanism.
+        """Return the plant with the fault in its mechanism.
 
         Raises:
-            ParameterError: the mechanism is no load line of one element.
+            ParameterError: the mechanism is not a load line of one element.
         """
         line = plant.mechanism
         if not isinstance(line, AbstractLoadLine):

@@ -16,7 +16,7 @@ from martensite.signals.base import DRIVE
 
 
 def list_placed(part: Parametrised, prefix: str) -> Iterator[tuple[str, Parametrised]]:
-    """What a path begins with, dot and all, and the part there; the whole first."""
+    """List the parts below a part with the prefix of their paths, including the dot; the whole first."""
     yield prefix, part
     for name, child in part.children():
         yield from list_placed(child, f"{prefix}{name}.")
@@ -33,7 +33,7 @@ class AbstractPlantFault(AbstractFault):
 
     @abstractmethod
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
-        """What is exchanged in an actuator, by path, such as `source.supply`."""
+        """Return the parts that are exchanged in an actuator, by path, such as `source.supply`."""
 
     def plant(self, xp: Namespace, plant: AbstractSystem, active: Flag) -> AbstractSystem:
         """The plant with the fault in it; its numbers may be traced.
@@ -76,7 +76,7 @@ class Multiplied(AbstractCooling):
         return self.factor * self.cooling.film(xp, temperature, ambient, shape)
 
     def pump_heat(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
-        """As without the fault [W]: no draught changes what is pumped."""
+        """Return the pumped heat [W] as without the fault: a draught does not change it."""
         return self.cooling.pump_heat(xp, temperature, ambient, shape)
 
 
@@ -102,7 +102,7 @@ class AbstractContact(AbstractSource):
 
     @property
     def sets_temperature(self) -> bool:  # type: ignore[override]
-        """As the source: a chamber has no circuit."""
+        """Return whether the source sets the temperature; a chamber has no circuit."""
         return self.source.sets_temperature
 
     @property
@@ -121,7 +121,7 @@ class Interrupted(AbstractContact):
         return self.contact * self.source.current(xp, drive, resistance)
 
     def supply_current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """The same, as its supply sees it [A]."""
+        """Return the current of the supply [A]."""
         return self.contact * self.source.supply_current(xp, drive, resistance)
 
 
@@ -149,7 +149,7 @@ class Resisted(AbstractContact):
         return self.source.current(xp, drive, resistance + self.contact)
 
     def supply_current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """The same, as its supply sees it [A]."""
+        """Return the current of the supply [A]."""
         return self.source.supply_current(xp, drive, resistance + self.contact)
 
 
@@ -158,7 +158,7 @@ class ContactResistance(AbstractPlantFault):
     """A crimp or a plug that has got a resistance, in a row with the element.
 
     A source of voltage delivers less, one of current the same; what the contact takes does not heat the element. The
-    resistance that is measured is that of the element, as with leads of its own.
+    meter measures only the element, as with separate leads.
     """
 
     resistance: Number = param("ohm", "resistance of the contact", low=0.0, high=1e6, typical="1 ohm")
@@ -171,7 +171,7 @@ class ContactResistance(AbstractPlantFault):
 
 @FAULTS.register("stuck-on")
 class StuckOn(AbstractFault):
-    """A switch, or a driver, that does not obey: it gives a signal of its own.
+    """A switch or a driver that ignores its command and gives a fixed signal.
 
     Such as a transistor that has failed closed. It stands behind the supervisor: what a guard decides does not arrive,
     and only a second switch in the supply can cut.
@@ -185,7 +185,7 @@ class StuckOn(AbstractFault):
         return {self.drive: "drive"} if self.drive else {}
 
     def signal(self, xp: Namespace, drive: str, signal: Scalar, active: Flag) -> Scalar:
-        """The signal of its own."""
+        """Return the fixed signal of the fault."""
         return xp.where(active, self.level, signal) if self.drive in ("", drive) else signal
 
 

@@ -67,7 +67,7 @@ class Stuck(AbstractSensorFault):
 class NoiseBurst(AbstractSensorFault):
     """A sensor that is disturbed, as by a motor beside its cable.
 
-    The readings get the deviation times the standard normal number of their own noise on top, behind the rounding of
+    The deviation times the standard normal number of the sensor noise is added to the readings, behind the rounding of
     the instrument. A run without noise has no such numbers, and no burst.
     """
 
@@ -90,5 +90,5 @@ class LateReadings(AbstractSensorFault):
         return travel + xp.where(active, self.by, 0.0) if sensor == self.sensor else travel
 
     def latest(self, sensor: str) -> float:
-        """As much later as it says [s]."""
+        """Return the additional delay [s]."""
         return self.by if sensor == self.sensor else 0.0

@@ -91,7 +91,7 @@ class Bench(AbstractSystemAround, init=False):
         return names.list_drives(self)
 
     def outputs(self) -> dict[str, Output]:
-        """Those of the plant, then readings, estimates, references, wanted signals, those of controllers, the alarm."""
+        """Return outputs of the plant, then readings, estimates, references, wanted signals, controllers, the alarm."""
         return names.list_outputs(self)
 
     def profile(self, state: BenchState) -> list[Column]:

@@ -43,17 +43,17 @@ class Consistency:
     degrees: int
     """Degrees of freedom of the NEES: number of hidden values."""
     readings: int
-    """Those of the NIS."""
+    """Number of readings in the NIS."""
     error: dict[str, Numbers]
     """Estimate less truth by name, (samples, runs)."""
 
     @property
     def runs(self) -> int:
-        """How many runs."""
+        """Return the number of runs."""
         return self.nees.shape[1]
 
     def band(self, share: float = 0.95) -> tuple[float, float]:
-        """Where the mean NEES of a sample over the runs lies, with that probability."""
+        """Return the band that contains the mean NEES of a sample over the runs with a given probability."""
         from scipy.stats import chi2
 
         ends = chi2.ppf([0.5 - 0.5 * share, 0.5 + 0.5 * share], self.degrees * self.runs) / self.runs

@@ -31,14 +31,14 @@ class LoopFinding:
     """One thing that a check finds in a loop."""
 
     test: str
-    """What was tested."""
+    """Name of the test."""
     where: str
     """Path of the number that is to be looked at."""
     sentence: str
     number: float
-    """What was found, in the SI `unit`."""
+    """Measured value, in the SI `unit`."""
     allowed: float
-    """What it may be at most, or must be at least."""
+    """Upper limit of the value, or its lower limit."""
     unit: str
     remedy: str
     fault: bool

@@ -26,7 +26,7 @@ SETTLING = 30.0
 
 
 class Expectation(NamedTuple):
-    """What a loop expects of itself: two numbers, or two arrays with a number per batch element."""
+    """Expected error and confidence of a loop: two numbers, or two arrays with a number per batch element."""
 
     error: Any
     """Expected rms error over the span of the reference; NaN if the reference is constant."""

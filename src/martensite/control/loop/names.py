@@ -1,4 +1,4 @@
-"""What everything on a bench is called: drives, readings, outputs."""
+"""Names of drives, readings and outputs on a bench."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ class Preview(NamedTuple):
     """A reference ahead, as a controller wants to know it."""
 
     name: str
-    """Of the drive of the bench, such as `reference.ahead.2`."""
+    """Name of the drive of the bench, such as `reference.ahead.2`."""
     drive: str
     """Whose reference it is."""
     number: int
     time: float
-    """How far ahead it is [s]."""
+    """Time by which it looks ahead [s]."""
 
 
 def list_previews(bench: Bench) -> list[Preview]:
@@ -70,7 +70,7 @@ def outside_references(bench: Bench, outside: Iterable[str]) -> dict[str, str]:
 
 
 def describe_controllers(bench: Bench) -> dict[str, str]:
-    """What controllers say of themselves, by drive, such as their anti-windup, and of what stands around them."""
+    """Describe features of controllers, such as anti-windup, and of the parts around them, by drive."""
     found: dict[str, str] = {}
     for name, one in bench.controllers.members().items():
         around = ", ".join(part.replace("_", " ") for part in AROUND if one.__dict__[part] is not None)
@@ -119,7 +119,7 @@ def reference_units(bench: Bench) -> list[str]:
 
 
 def list_readings(bench: Bench) -> dict[str, Output]:
-    """What controllers may read: readings and estimates, and the age of readings."""
+    """List the readings and estimates that controllers may use, and the age of readings."""
     found = {
         name: Output(_find_unit(bench, one), f"reading of {name}", f"y_{name}")
         for name, one in bench.sensors.members().items()
@@ -130,7 +130,7 @@ def list_readings(bench: Bench) -> dict[str, Output]:
 
 
 def list_estimates(bench: Bench) -> dict[str, Output]:
-    """What observers estimate."""
+    """List the estimates of the observers."""
     return {
         ESTIMATED + name: output._replace(long_name=f"estimated {output.long_name}")
         for one in bench.observers.members().values()
@@ -139,7 +139,7 @@ def list_estimates(bench: Bench) -> dict[str, Output]:
 
 
 def list_outputs(bench: Bench) -> dict[str, Output]:
-    """Those of the plant, then readings, estimates, references, wanted signals, those of controllers, the alarm."""
+    """List outputs of the plant, then readings, estimates, references, wanted signals, controllers, the alarm."""
     known = list_readings(bench)
     measured = {MEASURED + name: known[name] for name in bench.sensors.members()}
     found = bench.plant.outputs() | measured | list_estimates(bench)
@@ -157,7 +157,7 @@ def list_outputs(bench: Bench) -> dict[str, Output]:
 
 
 def list_controller_outputs(bench: Bench) -> dict[str, Output]:
-    """What controllers say of themselves: `controller.NAME`, beside other controllers `controller.DRIVE.NAME`."""
+    """List the outputs of controllers: `controller.NAME`, with several controllers `controller.DRIVE.NAME`."""
     found: dict[str, Output] = {}
     for drive in bench.controllers.members():
         own = _list_own(bench, drive)
@@ -166,7 +166,7 @@ def list_controller_outputs(bench: Bench) -> dict[str, Output]:
 
 
 def name_controller_outputs(bench: Bench, drive: str) -> dict[str, str]:
-    """What the outputs of a controller are called on a bench, by its own names."""
+    """Return the names of the outputs of a controller on a bench, by their names in the controller."""
     beside = f"{drive}." if len(bench.controllers.members()) > 1 else ""
     return {key: f"{CONTROLLER}.{beside}{key}" for key in _list_own(bench, drive)}
 
@@ -179,7 +179,7 @@ def _list_own(bench: Bench, drive: str) -> dict[str, Output]:
 
 
 def list_shaped(bench: Bench) -> dict[str, Output]:
-    """What controllers follow whose reference is shaped: `shaped`, or `shaped.DRIVE` of several."""
+    """List the shaped references: `shaped`, or `shaped.DRIVE` with several controllers."""
     members = bench.controllers.members().items()
     rows = zip(list_references(bench), reference_units(bench), members, strict=True)
     return {
@@ -190,12 +190,12 @@ def list_shaped(bench: Bench) -> dict[str, Output]:
 
 
 def reference_output(unit: str, followed: str) -> Output:
-    """What a controller shall follow."""
+    """Return the output for a reference."""
     return Output(unit, f"reference of {followed}", "r")
 
 
 def wanted_output(unit: str, drive: str) -> Output:
-    """What a controller answers."""
+    """Return the output for the signal of a controller."""
     return Output(unit, f"signal that {drive} shall have", "u")
 
 
@@ -205,7 +205,7 @@ def wanted_name(reference: str) -> str:
 
 
 def list_truths(bench: Bench) -> dict[str, Output]:
-    """What sensors may look at: outputs of the plant, and the surroundings."""
+    """List the outputs that sensors may measure: outputs of the plant, and the ambient temperature."""
     found = dict(bench.plant.outputs())
     for port in bench.plant.actuators():
         name = bench.plant.label(port, AMBIENT)

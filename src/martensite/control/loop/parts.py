@@ -1,4 +1,4 @@
-"""What a bench is made of, by name, and what its parts remember."""
+"""Parts of a bench, by name, and their memories."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ NEVER = 1e9
 
 
 class Sensed(NamedTuple):
-    """What a sensor on a bench remembers."""
+    """Memory of a sensor on a bench."""
 
     inner: tuple[Scalar, ...]
-    """Of the sensor itself."""
+    """Memory of the sensor itself."""
     held: Scalar
     """Its last reading."""
     elapsed: Scalar
@@ -40,9 +40,9 @@ class Sensed(NamedTuple):
     ages: tuple[Scalar, ...]
     """Their ages then [s]."""
     travels: tuple[Scalar, ...]
-    """How long they travel [s]."""
+    """Remaining travel times of the readings [s]."""
     reading: Scalar
-    """What has arrived."""
+    """Last reading that has arrived."""
     age: Scalar
     """And how old it is [s]."""
 
@@ -53,10 +53,10 @@ class MountedSensor(Parametrised):
         truth → lag and noise → rounding → held until the next sample → late by delay + jitter n
 
     Lag, noise and rounding are those of the sensor itself. `sample_time` is the time between its readings, a whole
-    number of periods of the bench in the end: one is made in the first period in which so much time has gone by. Where
-    there is nothing to measure none is made, and the last one counts on. Readings travel, each for `delay` + `jitter`
-    n, with a standard normal number n of its own that is limited to ±4; less than 0 is 0. In every period the newest
-    one counts that has arrived: one that is overtaken on its way is lost, and what arrives never goes back in time.
+    number of periods of the bench in the end: a reading is taken in the first period after that time. While the sensor
+    has no valid input, the last reading is held. Each reading travels for `delay` + `jitter` n, with an independent
+    standard normal number n that is limited to ±4; a negative travel time is 0. In every period the newest reading
+    that has arrived is used. A reading that is overtaken on its way is lost.
     """
 
     sensor: AbstractSensor = part("the sensor", SENSORS)
@@ -101,7 +101,7 @@ class MountedSensor(Parametrised):
         period: Scalar,
         disturbed: Disturbed,
     ) -> Sensed:
-        """What it says a period [s] later, with normal numbers for noise and jitter."""
+        """Return the memory a period [s] later, with normal numbers for noise and jitter."""
         noise, late = numbers
         seen = [truth[name] for name in self.sees()]
         value, inner = self.sensor.reading(xp, before.inner, seen, noise, period)
@@ -130,26 +130,26 @@ def _find_arrived(xp: Namespace, past: Column, ages: Column, travels: Column, pe
 
 
 class Disturbed:
-    """How faults disturb one sensor."""
+    """Effect of faults on one sensor."""
 
     def __init__(self, name: str, faults: Sequence[tuple[AbstractFault, Flag]]) -> None:
         self.name, self.faults = name, faults
 
     def reading(self, xp: Namespace, reading: Scalar, held: Scalar, noise: Scalar) -> Scalar:
-        """What it says, after every fault; `noise` is the normal number of its noise."""
+        """Return the reading after every fault; `noise` is the normal number of its noise."""
         for fault, active in self.faults:
             reading = fault.reading(xp, self.name, reading, held, active)
             reading = fault.disturb(xp, self.name, reading, noise, active)
         return reading
 
     def travel(self, xp: Namespace, travel: Scalar) -> Scalar:
-        """How long its reading travels [s], with every fault."""
+        """Return the travel time of the reading [s], with every fault."""
         for fault, active in self.faults:
             travel = fault.travel(xp, self.name, travel, active)
         return travel
 
     def fresh(self, xp: Namespace, fresh: Flag) -> Flag:
-        """Whether there is a new reading, after every fault."""
+        """Return whether there is a new reading, after every fault."""
         for fault, active in self.faults:
             fresh = fault.fresh(xp, self.name, fresh, active)
         return fresh
@@ -161,7 +161,7 @@ Numbers = dict[str, Scalar]
 
 
 class SupervisorVerdict(NamedTuple):
-    """What a supervisor says."""
+    """Decision of a supervisor."""
 
     signals: dict[str, Scalar]
     """Allowed, by the name of the drive."""
@@ -190,12 +190,12 @@ class AbstractSupervisor(Parametrised):
         return {}
 
     def rest(self, xp: Namespace, readings: Named) -> Column:
-        """What it remembers before the first sample."""
+        """Return the memory before the first sample."""
         return ()
 
     @abstractmethod
     def judge(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> SupervisorVerdict:
-        """What is allowed for the next period.
+        """Return the signals that are allowed for the next period.
 
         Args:
             xp: namespace.
@@ -256,13 +256,13 @@ class BenchState(NamedTuple):
 
 
 class Inputs(NamedTuple):
-    """What drives a bench, by where it goes."""
+    """Inputs of a bench, by destination."""
 
     references: tuple[Scalar, ...]
     previews: tuple[Scalar, ...]
     """References ahead."""
     hands: tuple[ManualInput | None, ...]
-    """What is set by hand, for every controller; None for one without a manual mode."""
+    """Manual inputs, for every controller; None for a controller without a manual mode."""
     free: Numbers
     """Signals of the plant that no controller has."""
     numbers: tuple[tuple[Scalar, Scalar], ...]

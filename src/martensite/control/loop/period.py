@@ -33,7 +33,7 @@ SLIGHT = 1e-9
 
 
 def sorted_inputs(bench: Bench, drives: Sequence[Scalar]) -> Inputs:
-    """What drives the bench, by where it goes."""
+    """Return the inputs of the bench, by destination."""
     taken, rest = bench.controllers.members(), iter(drives)
     references = tuple(next(rest) for _ in taken)
     previews = tuple(next(rest) for _ in list_previews(bench))
@@ -44,7 +44,7 @@ def sorted_inputs(bench: Bench, drives: Sequence[Scalar]) -> Inputs:
 
 
 def sort_hands(bench: Bench, rest: Iterator[Scalar]) -> tuple[ManualInput | None, ...]:
-    """What is set by hand, by controller, from the numbers that come next."""
+    """Return the manual inputs by controller, from the next drives."""
     members = bench.controllers.members().values()
     return tuple(None if one.manual is None else ManualInput(next(rest), next(rest)) for one in members)
 
@@ -74,7 +74,7 @@ def collect_idle(bench: Bench, given: Inputs) -> Numbers:
 def judge_signals(
     bench: Bench, xp: Namespace, memory: Sequence[Scalar], signals: Numbers, known: Numbers
 ) -> SupervisorVerdict:
-    """What the supervisor makes of signals; without one they pass."""
+    """Return the verdict of the supervisor on signals; without a supervisor the signals pass."""
     if bench.supervisor is None:
         return SupervisorVerdict(signals, 0.0, ())
     return bench.supervisor.judge(xp, memory, signals, known, bench.period)
@@ -93,7 +93,7 @@ def begin_loop(
 
 
 def collect_shaped(bench: Bench, controllers: Sequence[Controlling]) -> list[Scalar]:
-    """What controllers follow whose reference is shaped."""
+    """Return the shaped references that controllers follow."""
     rows = zip(bench.controllers.members().values(), controllers, strict=True)
     found = [split_memory(one, held.memory).shaped for one, held in rows]
     return [shaped.value for shaped in found if shaped is not None]
@@ -141,7 +141,7 @@ def close_switch(xp: Namespace, duty: Scalar, share: Scalar) -> Scalar:
 
 
 def collect_truth(bench: Bench, xp: Namespace, plant: AbstractSystem, state: Any, signals: Signals) -> Numbers:
-    """What sensors may look at; electrical outputs are those while the switch is closed."""
+    """Return the outputs that sensors may measure; electrical outputs are those while the switch is closed."""
     applied = list(signals.values())
     if bench.switching == "pulses":
         applied = [close_switch(xp, u, share) for u, share in _switch_signals(bench, xp, signals)]
@@ -221,7 +221,7 @@ def find_commands(bench: Bench, drive: str) -> list[tuple[str, str]]:
 def obey_commands(
     bench: Bench, xp: Namespace, drive: str, answer: Controlling, rest: tuple[Scalar, ...], known: Numbers
 ) -> Controlling:
-    """What a controller answers, or what an observer commands; its memory then stays at rest."""
+    """Return the answer of a controller, or the command of an observer; then the controller keeps its initial state."""
     for names in find_commands(bench, drive):
         lasts, signal = (known[ESTIMATED + name] for name in names)
         kept = tuple(xp.where(lasts > 0.5, x, y) for x, y in zip(rest, answer.memory, strict=True))
@@ -230,7 +230,7 @@ def obey_commands(
 
 
 def collect_readings(bench: Bench, sensors: Sequence[Sensed], known: Signals) -> Numbers:
-    """What controllers may read: readings with their ages, or without sensors the truth."""
+    """Return the readings of controllers with their ages, or without sensors the true outputs."""
     found: Numbers = {}
     for name, held in zip(bench.sensors.members(), sensors, strict=True):
         found |= {name: held.reading, name + AGE: held.age}
@@ -248,7 +248,7 @@ def collect_estimates(bench: Bench, observers: Sequence[ObserverState]) -> Numbe
 
 
 def collect_controller_outputs(bench: Bench, xp: Namespace, controllers: Sequence[Controlling]) -> Numbers:
-    """What controllers say of themselves, by name."""
+    """Return the outputs of the controllers, by name."""
     rows = zip(bench.controllers.members().values(), controllers, strict=True)
     values = [value for one, held in rows for value in one.observe(xp, split_memory(one, held.memory).inner)]
     return dict(zip(list_controller_outputs(bench), values, strict=True))

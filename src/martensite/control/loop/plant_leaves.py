@@ -4,7 +4,7 @@ from martensite.base.parameters import Leaf
 from martensite.control.loop.bench import Bench
 
 PLANT = "plant."
-"""What the paths of the plant's numbers begin with on a bench."""
+"""Prefix of the paths of the plant's parameters on a bench."""
 
 
 def find_plant_leaf(bench: Bench, name: str) -> Leaf:

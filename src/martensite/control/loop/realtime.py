@@ -5,7 +5,7 @@ period, by the same kernels, traced into one function and compiled. In every sam
 
     readings → observers, with the signals since the last sample → controllers → supervisor
 
-Whoever calls it keeps the time: once per `period`. On floats where there is no compiler.
+The caller keeps the time and calls it once per `period`. On floats where there is no compiler.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ class RealtimeStep:
             drive: whose controller; needed if there are several.
 
         Raises:
-            ParameterError: its controller has no manual mode, or there is no last signal.
+            ParameterError: the controller of the drive has no manual mode, or there is no last signal.
         """
         name = self._find_mode(drive)
         if value is None:
@@ -179,19 +179,19 @@ class RealtimeStep:
 
     @property
     def state(self) -> LoopState:
-        """What the parts remember after the last step."""
+        """Return the memories of the parts after the last step."""
         if not self.count:
             raise ParameterError("A loop has no state before its first step.")
         return self._shape.rebuild(self._engine.state())
 
     @property
     def estimates(self) -> dict[str, float]:
-        """What the observers said in the last step, by name."""
+        """Return the estimates of the observers in the last step, by name."""
         return period.collect_estimates(self.bench, self.state.observers)
 
     @property
     def outputs(self) -> dict[str, float]:
-        """What the controllers said of themselves in the last step, called as on a bench: `controller.NAME`."""
+        """Return the outputs of the controllers in the last step, named as on a bench: `controller.NAME`."""
         return period.collect_controller_outputs(self.bench, floats, self.state.controllers)
 
 
@@ -203,7 +203,7 @@ class LoopState(NamedTuple):
     supervisor: tuple[Scalar, ...]
     alarm: Scalar
     signals: tuple[Scalar, ...]
-    """Of all drives of the plant, as the supervisor lets them pass."""
+    """Signals of all drives of the plant, as the supervisor allows them."""
 
 
 def _require_controllers(bench: Bench) -> None:

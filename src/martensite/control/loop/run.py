@@ -1,7 +1,8 @@
 """`simulate_bench`: one run of a bench, with its noise drawn and its references played.
 
-References come from the controllers themselves, noise from a seed. A drive of one's own may run outside: it
-is called once per period with what the bench measures. The result has the columns `reference` and `wanted` of either.
+References come from the controllers themselves, noise from a seed. A user-defined drive may run outside the kernel: it
+is called once per period with the readings of the bench. The result has the columns `reference` and `wanted` of
+either.
 """
 
 from __future__ import annotations
@@ -66,19 +67,19 @@ def simulate_bench(
     start: Restart = HOME,
     restart_at: Sequence[float] = (),
 ) -> Result:
-    """Run a bench, from rest if nothing else is said.
+    """Run a bench, by default from rest.
 
     Args:
         bench: plant, sensors, observers, controllers, supervisor and faults.
         duration: end of the run [s], counted from 0, at least a period; a warning says if the run ends at another
             time, for it is no whole number of periods.
         outside: drives by name of what they drive that run outside of the kernel, called once per period.
-        waveforms: those of drives of the plant that nobody has; what is not named gets 0.
+        waveforms: signals of plant drives without a controller, by drive; a drive that is not named gets 0.
         seed: seed of noise and jitter; None for a run without them. The result keeps it as `seed`.
         runtime: floats or c; by default c if there is a compiler.
         budget: CPU time [s] after which the run is given up; not if something runs outside.
         watch: called after every period with the share of the run that is done, if something runs outside.
-        start: where a run goes on from that a result kept.
+        start: state kept by a result, from which the run continues.
         restart_at: samples [s] at which a state is kept; not if something runs outside.
 
     Raises:
@@ -183,7 +184,7 @@ def _with_loops(result: Result, bench: Bench, outside: Mapping[str, AbstractDriv
 
 
 def reference_waveforms(bench: Bench) -> dict[str, AbstractWaveform]:
-    """What controllers shall follow, now and ahead as far as they look, and what is set by hand, by name of drive."""
+    """Return the waveforms of references, of references ahead, and of manual inputs, by name of drive."""
     members, hands = bench.controllers.members(), list_hands(bench)
     found = {name: one.reference for name, one in zip(list_references(bench), members.values(), strict=True)}
     found |= {one.name: Ahead(waveform=members[one.drive].reference, lead=one.time) for one in list_previews(bench)}

@@ -47,18 +47,18 @@ class Switch:
     """An ON/OFF controller with a dead band."""
 
     output: str
-    """What is measured."""
+    """Measured output."""
     upper: float
-    """Where it switches off, in SI."""
+    """Threshold at which it switches off, in SI."""
     band: float
-    """How far below it is on again, above 0."""
+    """Distance below `upper` at which it switches on again, above 0."""
     high: float
     """Drive while it is on."""
     low: float = 0.0
     delay: float = 0.0
     """Age of what is measured [s]."""
     drive: str | None = None
-    """What it switches; the first drive if not named."""
+    """Drive that is switched; the first drive if not named."""
     sampling: float = 0.0
     """Time from look to look [s]; 0 for a switch that looks all the time."""
 
@@ -68,7 +68,7 @@ class SwitchedCycle(PeriodicOrbit):
     """A limit cycle of an ON/OFF loop, from one switching off to the next."""
 
     on_time: float = 0.0
-    """How long it is on in the period [s]."""
+    """Time within the period for which the drive is on [s]."""
 
 
 def find_switched_cycle(
@@ -291,7 +291,7 @@ class SwitchedMotion:
         return found[:, :n] - np.outer(found[:, n], output[:n] / output[n])
 
     def linearise(self, point: Numbers) -> Linearised:
-        """What does not repeat itself, in sizes of the states, and its derivatives."""
+        """Return the change of the states over a cycle, over their sizes, and its derivatives."""
         states, slopes = self.march(point)
         sizes = np.maximum(np.abs(states).max(axis=0), 1e-12)
         residual, jacobian = states[-1] - states[0], slopes - np.eye(self.size)

@@ -15,11 +15,11 @@ from martensite.kernels import floats
 from martensite.signals.sampling.sampled import Numbers
 
 WIDE = 1e9
-"""A limit of the signal that is none."""
+"""Limit of the signal so wide that it does not act."""
 SHAPED = "manual", "shaping", "slew"
 """Parts that controllers may have around them, and that have no linear system."""
 ROUNDS, LEFT = 30, 1e-9
-"""Of the search for what a controller remembers at rest, and what may be left of it, over the signal."""
+"""Rounds of the search for the memory at rest, and largest remaining change of the memory, over the signal."""
 SAME = 1e-11
 """Relative difference of two references that is rounding."""
 LEAST = 1e-3
@@ -33,7 +33,7 @@ def free_limits(controller: AbstractController) -> AbstractController:
 
 
 def remember_first(controller: AbstractController, reference: float, readings: Mapping[str, float]) -> list[float]:
-    """What a controller remembers before its second sample, with what stands around it."""
+    """Return the memory of a controller before its second sample, with its filters, shaping and slew limit."""
     return [float(one) for one in controller.begin(floats, reference, readings)[1]]
 
 
@@ -73,7 +73,7 @@ def list_step_answers(
 def settle_controller(
     controller: AbstractController, known: Mapping[str, float], signal: float, rising: bool, dt: float
 ) -> tuple[Numbers, float]:
-    """What a controller remembers, and its reference, where it rests with a signal.
+    """Return the memory of a controller and its reference, where it is at rest with a signal.
 
     The least change of both for which `answer` gives the signal and leaves the memory as it is. What neither readings
     nor the reference ever move, such as an integral without gain, stays as it begins.
@@ -86,7 +86,7 @@ def settle_controller(
         dt: period [s].
 
     Raises:
-        InputError: there is no such rest: it only switches, or does not answer.
+        InputError: there is no such steady state, because the controller only switches or does not respond.
     """
     value = known[controller.measured]
     aside = 1e-9 * max(abs(value), 1e-6) * (1.0 if rising else -1.0)

@@ -39,9 +39,9 @@ Branch: TypeAlias = Literal["heating", "cooling", "dead band"]
 LONG, LEAST_STEPS, MOST_STEPS = 3.0, 10, 5000
 """Longest time constants after which a step is over, and periods."""
 DOUBLINGS = 40
-"""Of the samples whose noise counts."""
+"""Doublings of the number of samples whose noise counts."""
 STRETCH, STRETCHES, SETTLED = 500, 40, 1e-7
-"""Periods after which observers are looked at again, how often, and change that is none."""
+"""Periods between two tests of whether observers have settled, number of tests, and change that counts as zero."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +159,7 @@ def _begin_at(idle: Bench, start: BenchState, point: SteadyPoint) -> BenchState:
 
 
 def collect_known(bench: Bench, xp: Any, state: BenchState, signals: Mapping[str, Any]) -> dict[str, Any]:
-    """What controllers read in a state."""
+    """Return the readings of controllers in a state."""
     known = {} if state.sensors else of_period.collect_truth(bench, xp, bench.plant, state.plant, signals)
     return of_period.collect_readings(bench, state.sensors, known) | of_period.collect_estimates(bench, state.observers)
 

@@ -31,13 +31,13 @@ SHORT = 10
 
 @dataclass(frozen=True)
 class LoopReport:
-    """What a check of the loops of a bench found."""
+    """Result of a check of the loops of a bench."""
 
     findings: tuple[LoopFinding, ...]
     """Faults first."""
     tested: tuple[str, ...]
     untested: Mapping[str, str]
-    """What could not be tested, and why."""
+    """Tests that could not be made, with the reason."""
     margins: tuple[Mapping[str, Any], ...] = ()
     """A row for every operating point: branch, reading and signal, margins."""
 
@@ -97,7 +97,7 @@ def _collect_tests(margins: list[Mapping[str, Any]]) -> dict[str, LoopTest]:
 
 
 def check_reach(case: LoopCase) -> Iterator[LoopFinding]:
-    """Whether the reading can rest where the reference asks for it."""
+    """Check that the reading can rest at all levels of the reference."""
     reached, unit, asked = case.list_reached(), case.unit, case.reference
     least, most = float(reached.min()), float(reached.max())
     ends = f"between {write_quantity(least, unit, 4)} and {write_quantity(most, unit, 4)}"
@@ -111,7 +111,7 @@ def check_reach(case: LoopCase) -> Iterator[LoopFinding]:
 
 
 def check_sign(case: LoopCase) -> Iterator[LoopFinding]:
-    """Whether the controller answers too low a reading with the signal that raises it, at once and in the end."""
+    """Check that the controller answers too low a reading with a signal that raises it, at once and in the end."""
     if case.controller.led_drives():
         raise InputError(f"`{case.controller.registered_name}` answers with several signals at once")
     ends = [read_at_rest(case.bench, case.heating.point(k).outputs) for k in (0, -1)]
@@ -159,8 +159,8 @@ def _list_answers(
     case: LoopCase, readings: Mapping[str, float], reference: float, count: int = LONGER
 ) -> tuple[float, float]:
     """Signals of the controller while it reads the same: the first one, and that after a while."""
-    previews = case.controller.list_previews().items()  # of its own reference, for it leads nobody
+    previews = case.controller.list_previews().items()  # of its own reference, because it leads no other drive
     ahead = {f"{AHEAD}{name}.{k}": reference for name, times in previews for k in range(len(times) + 1)}
-    samples = 1 if isinstance(case.controller, Mpc) else count  # a plan is made anew in every sample
+    samples = 1 if isinstance(case.controller, Mpc) else count  # a plan is made again in every sample
     signals = list(iterate_signals(case.controller, {**readings, **ahead}, reference, case.bench.period, samples))
     return signals[0], signals[-1]

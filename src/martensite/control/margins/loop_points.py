@@ -14,7 +14,7 @@ from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.operating_point import SteadyPoint
 
 POINTS = 3
-"""Of a branch."""
+"""Number of points of a branch."""
 INNER = 0.1
 """Share of the reachable range at either end where the branch begins and ends."""
 SOON = 5

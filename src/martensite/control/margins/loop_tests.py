@@ -1,4 +1,4 @@
-"""What a check tests of a loop beside its sign and reach: margins, pace, offset, sampling, noise, observability.
+"""Tests of a loop beside its sign and reach: margins, pace, offset, sampling, noise, observability.
 
 Every test is a function of a `LoopCase` that yields findings, and raises an error that says why it cannot be done.
 Bounds are those of textbooks: M_s at most 2, a phase margin of 30° and a gain margin of 2 (Åström and Murray 2008,
@@ -110,12 +110,12 @@ def judge_margins(case: LoopCase, rows: list[dict[str, Any]]) -> Iterator[LoopFi
 
 
 def is_near(row: Mapping[str, Any]) -> bool:
-    """Whether a margin is beyond its bound."""
+    """Return whether a margin is beyond its bound."""
     return row["sensitivity"] > SENSITIVITY or row["phase"] < LEAST_PHASE or row["gain"] < LEAST_GAIN
 
 
 def check_offset(case: LoopCase, loops: list[LinearLoop]) -> Iterator[LoopFinding]:
-    """Whether the loop rests where its reference is, on either branch."""
+    """Check that the loop rests at its reference, on both branches."""
     reached = case.read(case.heating)
     allowed = OFFSET * float(np.ptp(reached))
     worst = max((one for one in loops if one.branch != "dead band"), key=lambda one: abs(one.offset))
@@ -130,7 +130,7 @@ def check_offset(case: LoopCase, loops: list[LinearLoop]) -> Iterator[LoopFindin
 
 
 def check_sampling(case: LoopCase, loops: list[LinearLoop]) -> Iterator[LoopFinding]:
-    """Whether the period is short beside the plant, and readings are fresh beside it."""
+    """Check that the period and the age of readings are short compared with the rise of the plant."""
     period, rise = case.bench.period, min((t for t in map(measure_rise, loops) if t > 0.0), default=math.inf)
     most, words = rise / SAMPLES_PER_RISE, f"beside a plant that rises in {write_quantity(rise, 's', 3)}"
     if period > most:
@@ -146,7 +146,7 @@ def check_sampling(case: LoopCase, loops: list[LinearLoop]) -> Iterator[LoopFind
 
 
 def check_noise(case: LoopCase, loops: list[LinearLoop]) -> Iterator[LoopFinding]:
-    """How far noise of the sensors moves the signal, in the closed loop."""
+    """Check how much noise of the sensors moves the signal, in the closed loop."""
     sizes = [size for one in loops if (size := measure_noise(one)) is not None]
     if not sizes:
         raise InputError("the loop is unstable wherever it was linearised")
@@ -158,7 +158,7 @@ def check_noise(case: LoopCase, loops: list[LinearLoop]) -> Iterator[LoopFinding
 
 
 def check_derivative(case: LoopCase) -> Iterator[LoopFinding]:
-    """Whether a step of the reading makes a kick that is soon gone, and how far the least step of its sensor goes."""
+    """Check if a step of the reading kicks the signal only briefly, and how large the least step of its sensor is."""
     answers, name, whole = list_first_answers(case), case.controller.measured, case.limits[1] - case.limits[0]
     at_once, later = abs(answers[0]), abs(answers[-1])
     if at_once > KICK * later > 0.0:
@@ -181,7 +181,7 @@ def check_derivative(case: LoopCase) -> Iterator[LoopFinding]:
 
 
 def check_band(case: LoopCase) -> Iterator[LoopFinding]:
-    """Whether bands of a controller are wider than what its sensor resolves."""
+    """Check that bands of a controller are wider than the resolution and noise of its sensor."""
     mounted = case.bench.sensors.members().get(case.controller.measured)
     if mounted is None:
         return

@@ -21,14 +21,14 @@ from martensite.signals.sampling.sampled import Numbers
 POINTS, DECADES = 600, 5.0
 """Frequencies, and how far below half the sample rate they begin."""
 HALVINGS, ROUNDS, DENSE = 52, 8, 17
-"""Of the interval of a crossing; of the search for the nearest distance to -1, and its frequencies."""
+"""Halvings of the interval of a crossing; rounds and frequencies of the search for the smallest distance to -1."""
 INSIDE = 1e-9
-"""Distance of a pole from the unit circle that is none."""
+"""Distance of a pole from the unit circle that counts as zero."""
 
 
 @dataclass(frozen=True)
 class LoopMargins:
-    """How far a loop is from swinging."""
+    """Stability margins of a loop."""
 
     stable: bool
     gain: float

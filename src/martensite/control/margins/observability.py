@@ -27,7 +27,7 @@ MOVED = 1e-3
 
 
 def check_observability(case: LoopCase) -> Iterator[LoopFinding]:
-    """Whether resistance meters tell the fraction on both branches, and anything at the least signal."""
+    """Check that resistance meters resolve the fraction on both branches, and measure at the least signal."""
     if not case.controller.measured.startswith(ESTIMATED):
         return
     plant = case.bench.plant

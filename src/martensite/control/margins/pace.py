@@ -22,9 +22,9 @@ from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.lanes import Lanes
 
 BEHIND, MOSTLY = 0.05, 0.2
-"""Share of the reference's span that is behind it, and share of the time for which that is no fault of its pace."""
+"""Fraction of the reference's span that counts as late, and fraction of the time that is allowed to be late."""
 STRETCH, STEPS = 64, 20_000
-"""Of a plant as fast as it can: steps at a time, and at most."""
+"""Steps of a plant at its largest rate: at a time, and at most."""
 Curve: TypeAlias = tuple[Numbers, Numbers]
 """Times [s] and readings."""
 WAYS = (
@@ -34,7 +34,7 @@ WAYS = (
 
 
 def check_pace(case: LoopCase) -> Iterator[LoopFinding]:
-    """Whether the reading could follow the reference if every signal were right."""
+    """Check whether the reading could follow the reference with the best signals."""
     reached = case.read(case.heating)
     sign = float(np.sign(reached[-1] - reached[0]))
     ends = float(min(sign * reached)), float(max(sign * reached))
@@ -54,10 +54,10 @@ def check_pace(case: LoopCase) -> Iterator[LoopFinding]:
 
 
 def find_truth(case: LoopCase) -> str:
-    """The output of the plant that is read and controlled.
+    """Return the output of the plant that is read and controlled.
 
     Raises:
-        InputError: it is none.
+        InputError: the reading is not an output of the plant.
     """
     name = case.controller.measured
     mounted = case.bench.sensors.members().get(name)

@@ -23,7 +23,7 @@ OBSERVERS: Registry[AbstractObserver] = Registry("observer", "martensite.control
 Column: TypeAlias = Sequence[Scalar]
 Named: TypeAlias = Mapping[str, Scalar]
 ESTIMATED = "estimated."
-"""What the names of estimates begin with among readings."""
+"""Prefix of the names of estimates among the readings."""
 
 
 class AbstractObserver(Parametrised):
@@ -37,7 +37,7 @@ class AbstractObserver(Parametrised):
 
     @abstractmethod
     def estimates(self) -> dict[str, Output]:
-        """What it estimates, by name."""
+        """Return the estimates, by name."""
 
     def commands(self) -> tuple[str, str] | None:
         """Names of two estimates of one that takes the drive of its model over for a while: whether, and the signal."""
@@ -67,7 +67,7 @@ class ObserverPeriod(NamedTuple):
     """A period."""
 
     signals: Sequence[Scalar]
-    """Of the drives of the model, in their order."""
+    """Signals of the drives of the model, in their order."""
     dt: Scalar
     """[s]"""
     turns: int

@@ -38,7 +38,7 @@ HOLDS = 0.4
 
 
 class CalibrationState(NamedTuple):
-    """What a calibration remembers."""
+    """Memory of a calibration."""
 
     phase: Scalar
     elapsed: Scalar
@@ -65,7 +65,7 @@ class CalibrationState(NamedTuple):
 
 
 class Calibration(Parametrised):
-    """How a wire is calibrated."""
+    """Signals and times of the calibration of a wire."""
 
     probe: Number = param(DRIVE, "signal of a current that measures but hardly heats", above=0.0, default=0.02)
     largest: Number = param(DRIVE, "largest signal of the heating", above=0.0, default=1.0)

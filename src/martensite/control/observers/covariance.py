@@ -24,7 +24,7 @@ LEAST = 1e-30
 
 
 class UnknownReading(NamedTuple):
-    """What is read of one of the unknowns."""
+    """Reading of one of the unknowns."""
 
     index: int
     value: Scalar

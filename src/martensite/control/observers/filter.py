@@ -1,10 +1,10 @@
-"""What Kalman filters have in common: temperature and fraction of a model, and how sure they are.
+"""Common parts of Kalman filters: temperature and fraction of a model, and their covariance.
 
     x = (T, ξ) at every port, and factors of parameters that drift;      P = cov(x)
     x⁻ = f(x) over a period under the signals applied,   + noise of variance Q T
     y = h(x⁻): outputs of the model;  those named in `measured` are compared with readings
 
-f is the model's own step and h its own `observe`: there is no second physics. Readings correct x
+f is the step of the model and h its `observe`: there is no second physics. Readings correct x
 and everything else in proportion to how it is correlated with them (`covariance`); a fraction that
 would leave [0, 1] is put at the end of it, and the rest follows. The whole state of the model
 goes along and keeps its history (`hidden`). A reading that is older than `oldest` is not used.
@@ -57,22 +57,22 @@ class FreeParameter(NamedTuple):
 
     paths: tuple[str, ...]
     scale: str
-    """What is estimated: a `factor` f, v = v₀ f; a `logarithm` x, v = v₀ exp x; an `offset` x, v = v₀ + x."""
+    """Meaning of the estimate: a `factor` f, v = v₀ f; a `logarithm` x, v = v₀ exp x; an `offset` x, v = v₀ + x."""
     first: Scalar
     """Standard deviation at the start, of f or x."""
     walk: Scalar
     """Density of its random walk [1/s^0.5]."""
     opposite: tuple[str, ...] = ()
-    """Those that move the other way, by an offset."""
+    """Parameters that change by the opposite offset."""
 
     @property
     def path(self) -> str:
-        """Of the one that is shown."""
+        """Return the path of the parameter that is shown."""
         return self.paths[0]
 
     @property
     def start(self) -> float:
-        """Of f or x."""
+        """Return the initial value of f or x."""
         return 1.0 if self.scale == "factor" else 0.0
 
     def limit(self, xp: Namespace, x: Scalar) -> Scalar:
@@ -88,7 +88,7 @@ class FreeParameter(NamedTuple):
         return found + [(path, known[path] - x) for path in self.opposite]
 
     def size(self, xp: Namespace, known: Named, x: Scalar) -> Scalar:
-        """How much that one changes with f or x."""
+        """Return the derivative of the parameter with respect to f or x."""
         if self.scale == "offset":
             return 1.0
         value = known[self.path]
@@ -101,16 +101,16 @@ class FreeParameter(NamedTuple):
 
 
 class Believed(NamedTuple):
-    """What a filter remembers."""
+    """Memory of a filter."""
 
     state: Any
-    """Of the model."""
+    """State of the model."""
     drift: tuple[Scalar, ...]
     covariance: Matrix
 
 
 class Forecast(NamedTuple):
-    """What is expected before the readings of a sample."""
+    """Prediction before the readings of a sample."""
 
     state: Any
     mean: list[Scalar]
@@ -185,14 +185,14 @@ class AbstractFilter(AbstractObserver):
 
     @abstractmethod
     def forecast(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Forecast:
-        """What is expected a period later."""
+        """Predict the state a period later."""
 
     def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
         """The model at rest under the signals, as sure as the first deviations say."""
         return self.list_estimates(xp, self.first_forecast(xp, list_required(self, signals)), 0.0)
 
     def first_forecast(self, xp: Namespace, signals: Column) -> Forecast:
-        """What is expected at rest."""
+        """Predict the state at rest."""
         state = self.model.init(xp, *signals)
         drift = tuple(one.start for one in self.free_parameters())
         matrix = self.first_covariance(xp, [x * x for x in self.first_deviations()], signals)
@@ -271,7 +271,7 @@ class AbstractFilter(AbstractObserver):
     def outlook(
         self, xp: Namespace, state: Any, drift: Sequence[Scalar], signals: Column
     ) -> tuple[list[Scalar], Matrix]:
-        """The same, and its slopes with respect to hidden values and factors."""
+        """Return the outlook and its slopes with respect to hidden values and factors."""
         at = hidden_states.read_hidden(xp, self.model_at_factors(xp, drift), state, signals)
         count = len(at)
 
@@ -293,7 +293,7 @@ class AbstractFilter(AbstractObserver):
         return [self.temperature_noise, self.fraction_noise] * len(self.model.actuators())
 
     def unflatten_memory(self, memory: Column) -> Believed:
-        """What was believed, of its numbers."""
+        """Return the memory by name, from its numbers."""
         shape = NestedShape(self.__dict__["_example"])
         size = len(flatten_numbers(shape.example))
         drift = size + len(self.free_parameters())

@@ -1,11 +1,11 @@
-"""What of a system no sensor sees: temperature and martensite fraction at every port.
+"""Hidden states of a system, which no sensor measures: temperature and martensite fraction at every port.
 
     x = (T, ξ) of every actuator,      state = placed(x)
 
-Observers carry the whole state of their model along and correct x in it: the law keeps its
-history (`AbstractLaw.moved`), and the stress is that at which element and mechanism fit. The
-oriented fraction goes with ξ in proportion. It is no unknown of its own: the resistance tells
-nothing about it, and in a wire under tension martensite is oriented where it forms.
+Observers carry the whole state of their model along and correct x in it: the law keeps its history
+(`AbstractLaw.moved`), and the stress is that at which element and mechanism fit. The oriented fraction is proportional
+to ξ. It is not a separate unknown: the resistance does not depend on it, and in a wire under tension martensite is
+oriented where it forms.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,7 +23,7 @@ from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.coupling import StepReport
 
 HIDDEN = ("temperature", "martensite_fraction")
-"""What is estimated at every port, in this order."""
+"""Names of the estimates at every port, in this order."""
 SLIGHT = 1e-6
 """Fraction below which martensite is taken as oriented."""
 REST = 300.0
@@ -31,10 +31,10 @@ REST = 300.0
 
 
 def build_example(model: AbstractSystem) -> State:
-    """A state of a model: the shape of all of them.
+    """Return a state of a model, as an example of the shape of all its states.
 
     Raises:
-        ParameterError: it is no system that an observer can go along with.
+        ParameterError: an observer cannot simulate this system.
     """
     if not isinstance(model, AbstractAssembly):
         raise ParameterError(
@@ -63,7 +63,7 @@ def observe_model(xp: Namespace, model: AbstractSystem, state: Any, signals: Seq
 
 
 def read_hidden(xp: Namespace, model: AbstractSystem, state: Any, signals: Sequence[Scalar]) -> list[Scalar]:
-    """What is hidden in a state."""
+    """Return the hidden values of a state."""
     found = observe_model(xp, model, state, signals)
     return [found[name] for name in list_names(model)]
 
@@ -112,10 +112,10 @@ class ProcessNoisePlant(AbstractSystemAround):
 
         T ← T + q_T n₁ √T_n dt/T_n,     ξ ← ξ + q_ξ n₂ √T_n dt/T_n        after every step of dt
 
-    with standard normal numbers n from outside, drawn anew after every T_n: over that time both take a step of a random
-    walk with the densities q. Their drives are called `noise.temperature` and `noise.martensite_fraction`, with the
-    port in between on a machine, and `simulate_bench` draws them like those of sensors. Fractions stay within [0, 1],
-    so that beside the transformation the noise is less than what a filter assumes.
+    with standard normal numbers n from outside, drawn again after every T_n: over that time both take a step of a
+    random walk with the densities q. Their drives are called `noise.temperature` and `noise.martensite_fraction`, with
+    the port in between on a machine, and `simulate_bench` draws them like those of sensors. Fractions stay within [0,
+    1], so that beside the transformation the noise is less than what a filter assumes.
     """
 
     temperature_noise: Number = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.5)
@@ -127,12 +127,12 @@ class ProcessNoisePlant(AbstractSystemAround):
         build_example(self.plant)
 
     def drives(self) -> list[DriveSignal]:
-        """Those of the plant, then the numbers."""
+        """Return the drives of the plant, then those of the noise."""
         own = [DriveSignal(NOISE + name, "1", False) for name in list_names(self.plant)]
         return [*self.plant.drives(), *own]
 
     def description(self) -> str:
-        """As the plant, shaken."""
+        """Describe the plant with its noise."""
         return f"{self.plant.description()}, shaken"
 
     def init(self, xp: Namespace, *drives: Scalar) -> Any:
@@ -150,7 +150,7 @@ class ProcessNoisePlant(AbstractSystemAround):
         return place_hidden(xp, self.plant, after, limit_fractions(xp, moved), signals), report
 
     def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:
-        """What is seen of the plant."""
+        """Return the outputs of the plant."""
         return self.plant.observe(xp, state, *self._apart(drives)[0])
 
     def _apart(self, drives: Column) -> tuple[Column, Column]:

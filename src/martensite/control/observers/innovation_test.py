@@ -8,8 +8,8 @@ With ν the innovation of a reading and S its variance as the filter claims it, 
 m then has the variance 1/n, n = (2 - α)/α, and n q is about chi-square distributed with n degrees of freedom, so that
 (Wilson and Hilferty, 1931) q^⅓ has about the mean 1 - 2/(9n) and the variance 2/(9n). The squares of both over their
 variances are chi-square distributed with one degree of freedom; the larger one, over a bound, is the `misfit`. A wrong
-model shows in m long before it shows in q. z is cut off at ±5, so that one absurd reading is no verdict, and of q
-only what is too large counts.
+model shows in m long before it shows in q. z is cut off at ±5, so that one absurd reading alone decides nothing. Of q
+only values above the mean count.
 
 Source: Bar-Shalom, Li and Kirubarajan (2001), section 5.4 (time-average tests), with exponential weights.
 """

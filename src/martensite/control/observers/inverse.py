@@ -29,7 +29,7 @@ ITERATIONS = 8
 FLAT = 1e-6
 """Difference of the resistances of both phases, as a share, below which nothing is solved."""
 BEYOND = 0.01
-"""How far the bracket reaches beyond the phases, so that a root there is hit exactly."""
+"""Fraction by which the bracket reaches beyond the phases, so that a root there is hit exactly."""
 
 
 @OBSERVERS.register("inverse-model")

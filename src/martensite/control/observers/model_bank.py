@@ -54,17 +54,17 @@ class Models(Members[AbstractSystem], init=False):
 
 
 class BankMemory(NamedTuple):
-    """What a bank remembers."""
+    """Memory of a bank."""
 
     weights: tuple[Scalar, ...]
     """Probabilities."""
     tests: tuple[RunningTest, ...]
-    """Of every reading."""
+    """Tests of the innovations of every reading."""
     usual_weights: tuple[Scalar, ...]
     """Probabilities as they have been for a while."""
     confidence: Scalar
     reach: Scalar
-    """Of what is controlled, from austenite to martensite."""
+    """Difference of the controlled output between austenite and martensite."""
     filters: Memories
 
 
@@ -161,7 +161,7 @@ class ModelBank(ExtendedKalman):
         return found
 
     def estimates(self) -> dict[str, Output]:
-        """Those of a filter, probabilities, the index of the most probable model, misfit and confidence."""
+        """Return the estimates of a filter, probabilities, index of the most probable model, misfit and confidence."""
         found = super().estimates()
         for name in self.__dict__["_members"]:
             found[PROBABILITY + name] = Output("1", f"probability of model {name}", "μ")
@@ -190,7 +190,7 @@ class ModelBank(ExtendedKalman):
         return BankMemory(weights, tests, weights, 1.0, reach, memories), starts
 
     def _find_reach(self, xp: Namespace, start: Forecast, one: AbstractFilter, applied: Column) -> Scalar:
-        """How far what is controlled is between austenite and martensite."""
+        """Return the difference of the controlled output between austenite and martensite."""
         at, row, count = start.mean, self._controlled_row(), len(hidden_states.list_names(self.model))
         ends: list[Scalar] = []
         for fraction in (0.0, 1.0):
@@ -252,7 +252,7 @@ class ModelBank(ExtendedKalman):
     def _interact(
         self, xp: Namespace, filters: list[AbstractFilter], before: BankMemory, shares: Matrix, going: ObserverPeriod
     ) -> list[Believed]:
-        """Where every filter goes on from."""
+        """Return the mixed states from which the filters continue."""
         ends = [one.unflatten_memory(memory) for one, memory in zip(filters, before.filters, strict=True)]
         models = [one.model_at_factors(xp, end.drift) for one, end in zip(filters, ends, strict=True)]
         points = [

@@ -1,12 +1,12 @@
-"""Self-sensing of a wire nobody measured: a Kalman filter that starts from a data sheet and calibrates itself.
+"""Self-sensing of a wire without prior measurements: a Kalman filter starts from a data sheet and calibrates itself.
 
     x = (T, ξ, ln ρ_M/ρ_M⁰, ln ρ_A/ρ_A⁰, ln h/h⁰, T_a - T_a⁰, δ)
 
 Sigma points carry the model along as in `unscented-kalman`; δ shifts the temperatures of the transformation to
-austenite, and those of the way back against them. What these are known to at first are the tolerances of the sheet,
-taken as uniform, whose standard deviation is 1/√3 of the tolerance. A shift that all temperatures of the wire and its
-surroundings have in common cannot be seen: nothing but their differences acts. It is no unknown, for a filter that
-carries it along talks itself into knowing it; its deviation is counted in the spreads of all temperatures.
+austenite, and those of the way back against them. Their initial uncertainties are the tolerances of the sheet, taken
+as uniform, whose standard deviation is 1/√3 of the tolerance. A shift that all temperatures of the wire and its
+surroundings have in common cannot be observed: only their differences act. The shift is not an unknown, because a
+filter would underestimate its uncertainty; its deviation is added to the spreads of all temperatures.
 
 A diameter that is not that of the model shows in the resistance as a resistivity and in the cooling as a film
 coefficient: both are estimated as they act, at the diameter of the model.
@@ -57,7 +57,7 @@ AROUND = ("environment.temperature",)
 HALF = 0.5**0.5
 """Share of the tolerance of two independent temperatures that their mean, and half of their difference, have."""
 ABOVE = 28.0
-"""How far the soak is above the end of the transformation without stress: 17 K for the stress [K]."""
+"""Temperature of the soak above the end of the transformation without stress: 17 K for the stress [K]."""
 GIVEN = 1e9
 """Temperature above which no soak temperature is given [K]."""
 TINY = 1e-12
@@ -67,7 +67,7 @@ VOUCHED = 2.0
 
 
 class SheetTolerances(Parametrised):
-    """How far a wire may be from its data sheet, either way."""
+    """Tolerances of a wire around its data sheet, in both directions."""
 
     resistivity: Number = param(
         "1",
@@ -84,7 +84,7 @@ class SheetTolerances(Parametrised):
 
 @OBSERVERS.register("self-sensing")
 class SelfSensing(UnscentedKalman):
-    """A filter for a wire nobody measured: it calibrates itself, and says how far it can be trusted."""
+    """Filter for a wire without prior measurements: it calibrates itself, and reports its confidence."""
 
     beta: Number = param("1", "weight of the middle in the covariance", low=0.0, default=2.0)
     fraction_noise: Number = param("1/s^0.5", "random walk of ξ amid a transformation", low=0.0, default=0.01)
@@ -123,7 +123,7 @@ class SelfSensing(UnscentedKalman):
             raise ParameterError("Observer `self-sensing`: its law has no `A_f`; say how `hot` it soaks.")
 
     def free_parameters(self) -> list[FreeParameter]:
-        """Those that drift, then those of which the sheet gives a tolerance."""
+        """Return the drifting parameters, then the parameters with a tolerance in the data sheet."""
         sheet = self.sheet
         # sinh ln F for ln F: 0.75 for 0.69 at a factor of 2.
         film = 0.5 * (sheet.film - 1.0 / sheet.film)
@@ -135,7 +135,7 @@ class SelfSensing(UnscentedKalman):
         for names, scale, tolerance, walk in rows:
             paths = self._paths(names)
             found += [FreeParameter(paths, scale, UNIFORM * tolerance, walk)] if paths else []
-        # What both transformations are off by in common acts as surroundings that are off the other way.
+        # A common error of both transformation temperatures acts as an opposite error of the ambient temperature.
         common = HALF * sheet.transformation
         around = sheet.ambient + 0.5 * common * common / sheet.ambient
         found.append(FreeParameter(self._paths(AROUND), "offset", UNIFORM * around, self.ambient_walk))
@@ -153,11 +153,11 @@ class SelfSensing(UnscentedKalman):
         return sought[names]
 
     def commands(self) -> tuple[str, str] | None:
-        """It gives the signal while it calibrates."""
+        """Return the outputs that command the signal during the calibration."""
         return None if self.start == "sheet" else ("calibrating", "probing")
 
     def estimates(self) -> dict[str, Output]:
-        """Those of a filter, the phase of the calibration, and the confidence."""
+        """Return the estimates of a filter, the phase of the calibration, and the confidence."""
         signal = self.model.drives()[0].unit
         return super().estimates() | {
             "calibrating": Output("1", "whether the wire is being calibrated", "c"),
@@ -219,7 +219,11 @@ class SelfSensing(UnscentedKalman):
         return [*estimates, *told], [*own, *trust, *memory]
 
     def _find_least_cooling(self, xp: Namespace, found: Forecast, own: CalibrationState, confidence: Scalar) -> Scalar:
-        """What is sure: of the sheet; in the pulse, bound by its energy, 1; the most while R shows the end; by h."""
+        """Return the least cooling that is sure, over the model.
+
+        It is that of the sheet; 1 during the pulse, whose energy limits it; the largest while R shows the end; then the
+        estimate of h less its deviation.
+        """
         k, most = self._index(FILMS), self.sheet.film
         known = xp.exp(found.mean[k] - VOUCHED * xp.sqrt(xp.maximum(found.covariance[k][k], 0.0)))
         sure = xp.where(confidence > 0.5, xp.clip(known, 1.0 / most, most), 1.0 / most)

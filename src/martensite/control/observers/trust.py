@@ -1,4 +1,4 @@
-"""How far a filter can be trusted: what it says of its own spread, and whether its readings are what it expects.
+"""Trust in a filter: by its own spread, and by a test of its readings against their predictions.
 
     c = 1/(1 + (s_ξ/s_0)⁴)  ·  clip((z_1 - max z)/(z_1 - z_0), 0, 1)
 
@@ -33,7 +33,7 @@ class TrustState(NamedTuple):
 
 
 class Trust(Parametrised):
-    """What confidence is made of."""
+    """Parameters of the confidence."""
 
     window: Number = param("s", "time constant of the means", above=0.0, default=2.0)
     fraction: Number = param("1", "spread s_0 of ξ at which it is a half", above=0.0, default=0.05)

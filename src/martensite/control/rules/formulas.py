@@ -111,9 +111,9 @@ class Rule(NamedTuple):
     pi: Formula
     pid: Formula
     integrating: bool = False
-    """Whether the source has it for an integrating plant."""
+    """True if the source gives the rule for an integrating plant."""
     aimed: bool = False
-    """Whether a time can be wanted of the loop."""
+    """True if the rule accepts a wanted time of the loop."""
 
 
 def convert_series(Kp: float, Ti: float, Td: float) -> IdealGains:

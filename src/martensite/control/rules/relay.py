@@ -53,7 +53,7 @@ DOUBLINGS = 5
 
 
 class LimitCycle(NamedTuple):
-    """What a relay found."""
+    """Limit cycle of a relay test."""
 
     gain: float
     """K_u, signal per unit of the reading; below 0 if the reading falls when the signal rises."""
@@ -68,7 +68,7 @@ class LimitCycle(NamedTuple):
     mean: float
     """Mean signal of a cycle."""
     phase: float
-    """Of the plant at this frequency [rad], between -π and -π/2."""
+    """Phase of the plant at this frequency [rad], between -π and -π/2."""
     scatter: float
     """Standard deviation of the periods, in shares of their mean."""
     times: Numbers
@@ -82,7 +82,7 @@ class LimitCycle(NamedTuple):
 
     @property
     def steady(self) -> bool:
-        """Whether one cycle is like the next."""
+        """Return whether the cycles repeat themselves."""
         return self.scatter <= STEADY
 
 

@@ -32,12 +32,12 @@ LEAST_STEP = 0.05
 
 
 class LoopTests(NamedTuple):
-    """What step and relay found around a level."""
+    """Results of step and relay tests around a level."""
 
     holding: HoldingSignals
     step: StepTest
     cycle: LimitCycle | None
-    """None if there is no limit cycle."""
+    """Limit cycle of the relay; None if there is no limit cycle."""
 
 
 def find_pid(bench: Bench, drive: str | None = None) -> tuple[str, Pid]:

@@ -123,9 +123,9 @@ class StepTest(NamedTuple):
     """A step up and back."""
 
     heating: Response
-    """Of the step up."""
+    """Response to the step up."""
     cooling: Response
-    """Of the step back."""
+    """Response to the step back."""
     times: Numbers
     """From the beginning of the bias on [s]."""
     signal: Numbers
@@ -205,7 +205,7 @@ class HoldingSignals(NamedTuple):
 
     @property
     def width(self) -> float:
-        """How far they are apart: the hysteresis in the signal."""
+        """Return the distance of both signals: the hysteresis in the signal."""
         return abs(self.heating - self.cooling)
 
 
@@ -242,7 +242,7 @@ def find_holding_signals(
 
 
 def _find_crossing(signals: Numbers, found: Numbers, level: float, cut: str) -> float:
-    """Where readings over signals cross a level."""
+    """Return the signal at which readings over signals cross a level."""
     beyond = np.flatnonzero(np.diff(np.sign(found - level)) != 0.0)
     if not len(beyond):
         raise ParameterError(

@@ -38,7 +38,7 @@ class AbstractSensor(Parametrised):
     unit: ClassVar[str | None] = "1"
     """SI unit of its readings; None if it is that of the first signal it looks at."""
     sees: ClassVar[tuple[str, ...]] = ()
-    """What it looks at: names of true signals, in the order in which `step` takes them."""
+    """Names of the true signals that it measures, in the order in which `step` takes them."""
 
     noise: Scalar = 0.0
     """Standard deviation of the noise of a reading."""
@@ -50,11 +50,11 @@ class AbstractSensor(Parametrised):
         return None
 
     def valid(self, xp: Namespace, truth: Column) -> Flag:
-        """Whether there is anything to measure: if not, there is no new reading."""
+        """Return whether there is a valid input; otherwise there is no new reading."""
         return True
 
     def rest(self, xp: Namespace, truth: Column) -> Column:
-        """What it remembers if the truth has been as it is for long."""
+        """Return the memory after a long time at constant inputs."""
         return ()
 
     @abstractmethod
@@ -70,7 +70,7 @@ class AbstractSensor(Parametrised):
         """
 
     def reading(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
-        """What it says, and what is remembered: `step`, rounded and within the range."""
+        """Return the reading and the memory: `step`, rounded and within the range."""
         value, after = self.step(xp, state, truth, noise, dt)
         return self.digits(xp, value), after
 
@@ -103,7 +103,7 @@ class Probe:
 
 
 def simulate_readings(sensor: AbstractSensor, truth: Numbers, interval: float, rng: np.random.Generator) -> Numbers:
-    """What a sensor says of a whole record, from rest.
+    """Simulate the readings of a sensor for a whole record, from rest.
 
     The truth, of shape (samples, signals), is in the order of `sees`, at an interval [s]; noise is drawn in portions of
     `DRAWN` numbers.

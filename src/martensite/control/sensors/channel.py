@@ -31,21 +31,21 @@ class AbstractChannel(AbstractSensor):
         return (truth[0],)
 
     def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
-        """What is felt, through the curve, with offset and noise."""
+        """Return the lagged input through the curve, with offset and noise."""
         felt = follow_lag(xp, state[0], truth[0], self.lag, dt)
         return self.curve(xp, felt) + self.offset + self.noise * noise, (felt,)
 
     def curve(self, xp: Namespace, felt: Scalar) -> Scalar:
-        """What the channel makes of what it feels."""
+        """Return the output of the channel for a lagged input."""
         return (1.0 + self.gain_error) * felt
 
     def limits(self) -> tuple[Scalar, Scalar]:
-        """As far either way."""
+        """Return symmetric limits of the range."""
         return -self.range, self.range
 
 
 def follow_lag(xp: Namespace, felt: Scalar, truth: Scalar, lag: Scalar, dt: Scalar) -> Scalar:
-    """What is felt of a truth that has been as it is for `dt` [s]; the truth if there is no lag."""
+    """Return the lagged value of a truth that has been constant for `dt` [s]; the truth if there is no lag."""
     some = lag > 0.0
     share = 1.0 - xp.exp(-dt / xp.where(some, lag, 1.0))
     return xp.where(some, felt + share * (truth - felt), truth)
@@ -158,7 +158,7 @@ class GyroscopeSensor(AbstractSensor):
     range: Number = param("rad/s", "largest reading, either way", above=0.0, default=2000.0 * DEGREE)
 
     def limits(self) -> tuple[Scalar, Scalar]:
-        """As far either way."""
+        """Return symmetric limits of the range."""
         return -self.range, self.range
 
     def rest(self, xp: Namespace, truth: Column) -> Column:

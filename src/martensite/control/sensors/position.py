@@ -72,7 +72,7 @@ class EncoderSensor(AbstractSensor):
         return 0.5 * math.pi / self.lines if self.motion == "rotary" else 0.25 * self.pitch
 
     def rest(self, xp: Namespace, truth: Column) -> Column:
-        """Where it is switched on."""
+        """Return the position where it is switched on."""
         return truth[:1] if self.zero == "start" else ()
 
     def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:

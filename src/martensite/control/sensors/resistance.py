@@ -2,10 +2,10 @@
 
     R = U/I,    reading = R + √(ρ² R² + σ²) n    if |I| ≥ I_min,    else as before
 
-U is the voltage across the element, I the current through it, with four wires: leads are no part
-of R. Where the current is below I_min there is nothing to measure, and there is no new reading:
-mounted on a bench, the last one gets older. Before there was any, it says R_0. For a switched
-source, U and I are rms values of a period, whose ratio is the resistance as well.
+U is the voltage across the element, I the current through it, with four wires: R excludes the leads. Where the current
+is below I_min nothing can be measured, and there is no new reading: on a bench, the last reading gets older. Before
+the first reading, the output is R_0. For a switched source, U and I are rms values of a period, whose ratio is the
+resistance as well.
 
 ρ is the noise as a share of the reading; its default of 1 % and that of I_min are assumed.
 """
@@ -29,11 +29,11 @@ class ResistanceSensor(AbstractSensor):
     first: Number = param("ohm", "what it says before it has measured", low=0.0, default=0.0)
 
     def valid(self, xp: Namespace, truth: Column) -> Flag:
-        """Whether the current is large enough."""
+        """Return whether the current is large enough."""
         return xp.abs(truth[1]) >= self.least_current
 
     def rest(self, xp: Namespace, truth: Column) -> Column:
-        """What it says while there is no current."""
+        """Return the reading while there is no current."""
         return (xp.where(self.valid(xp, truth), self._ratio(xp, truth), self.first),)
 
     def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:

@@ -1,4 +1,4 @@
-"""A guard from what is known of a plant: bounds on the temperature of every element.
+"""A guard from the data of a plant: bounds on the temperature of every element.
 
 The bound is for elements of one temperature: a wire, a coil, and bundles and chains of them, with
 power, heat capacity and heat loss of the whole. A ribbon or an axial wire has many temperatures;
@@ -39,7 +39,7 @@ def guard_for(
     hold: float = 0.0,
     checks: Mapping[str, AbstractCheck] | None = None,
 ) -> Guard:
-    """A guard that bounds the temperature of every element of a plant without a sensor.
+    """Build a guard that bounds the temperature of every element of a plant without a sensor.
 
     Args:
         system: the plant; its elements have one temperature, such as `wire` or a bundle of them.
@@ -53,7 +53,7 @@ def guard_for(
         checks: further checks by name.
 
     Raises:
-        InputError: there is no limit, no full signal, or an element has many temperatures.
+        InputError: there is no limit or no full signal, or an element has several temperatures.
     """
     found: dict[str, AbstractCheck] = dict(checks or {})
     for port, one in system.actuators().items():

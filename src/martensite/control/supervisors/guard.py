@@ -1,15 +1,15 @@
 """Guard: a list of checks, and a safe signal for as long as one of them does not hold.
 
-In every period all checks look at what is wanted and at the readings. The signals that a check
-which trips speaks for are replaced by the safe one, in the same period. They come back
+In every period all checks see the wanted signals and the readings. If a check trips, the safe signal replaces its
+signals in the same period. They come back
 
     never (`latch`):    not before the guard is put to rest again, as at the start of a run;
     later (`resume`):   when the check says that all is well, at the earliest after `hold`;
     lowered (`limit`):  by a check that knows the largest signal with which it holds, such as a bound on the
                         temperature, signals are not cut but kept below that; the other checks latch.
 
-How far apart tripping and being well are is the `band` of a check. Of all checks that have cut, the one with the lowest
-alarm is shown; the table of alarms is that of `martensite.control.checks.base`.
+The `band` of a check is the distance between tripping and clearing. Of all checks that have cut, the lowest alarm is
+shown; the table of alarms is that of `martensite.control.checks.base`.
 """
 
 from collections.abc import Sequence
@@ -28,13 +28,13 @@ OWN = 2
 
 
 class JudgedCheck(NamedTuple):
-    """What a check makes of a sample."""
+    """Result of a check in one sample."""
 
     check: AbstractCheck
     cut: Flag | None
-    """Whether it cuts; None for one that never does."""
+    """True if the check cuts; None for a check that never cuts."""
     lowers: Flag | None
-    """Whether it limits; None for one that never does."""
+    """True if the check limits; None for a check that never limits."""
     left: Scalar
     """Time for which it still cuts [s]."""
     memory: Column
@@ -67,7 +67,7 @@ class Guard(AbstractSupervisor):
                 )
 
     def reads(self) -> tuple[str, ...]:
-        """What the checks read."""
+        """Return the readings of the checks."""
         return tuple(name for one in self.checks.members().values() for name in one.reads())
 
     def drives(self) -> tuple[str, ...]:
@@ -89,7 +89,7 @@ class Guard(AbstractSupervisor):
         return tuple(found)
 
     def judge(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> SupervisorVerdict:
-        """What all checks leave of the signals."""
+        """Return the signals that all checks allow."""
         allowed, rows = dict(wanted), list[JudgedCheck]()
         for one, own in self._pair_memories(memory):
             found = one.look(xp, own[OWN:], wanted, readings, dt)
@@ -126,7 +126,7 @@ class Guard(AbstractSupervisor):
 
 
 def _lower_signal(xp: Namespace, signal: Scalar, size: Scalar, safe: Scalar) -> Scalar:
-    """A signal of either direction, no larger than a size; the safe one for what is no number."""
+    """Return a signal of either sign, limited to a size; the safe signal for NaN."""
     lowered = xp.where(signal > 0.0, size, xp.where(signal < 0.0, -size, safe))
     return xp.where(xp.abs(signal) <= size, signal, lowered)
 

@@ -1,4 +1,4 @@
-"""How hot an element gets at worst under a guard, whatever signals are wanted, and how hot without one.
+"""Highest temperature of an element for any wanted signals, with a guard and without.
 
 With the largest power P̂, the heat capacity C without latent heat, the least conductance G and the surroundings T_a of
 the plant (`martensite.control.supervisors.from_plant`), no signal leads beyond
@@ -32,14 +32,14 @@ from martensite.kernels import floats
 from martensite.physics.laws.base import Fractions
 
 STRAIGHT = 1e-6
-"""Departure of a reading from a straight line that is none, as a share of its change."""
+"""Departure of a reading from a straight line that counts as zero, as a fraction of its change."""
 SPAN = 100.0
 """Temperatures between which readings are looked at [K]."""
 ROUNDED = 1e-9
 SLOW, LEFT = 1e3, 1e-3
-"""Time of a heating in which rates have settled [s], and martensite that is none."""
+"""Duration of a heating in which rates have settled [s], and martensite fraction that counts as zero."""
 BEYOND, HALVINGS = 300.0, 10
-"""How far beyond a limit the end of a transformation is searched [K], and in how many halvings."""
+"""Range above a limit in which the end of a transformation is searched [K], and number of halvings."""
 
 
 class WorstCase(NamedTuple):
@@ -115,7 +115,7 @@ def find_transformation_end(one: Actuator, least: float) -> float:
 
 
 def _is_covered(told: ThermalBound, own: ThermalBound) -> bool:
-    """Whether a bound was told no less than what the plant can bring."""
+    """Return whether a bound assumes no less heat than the plant can bring."""
     more = told.power >= own.power * (1.0 - ROUNDED) and told.ambient >= own.ambient - ROUNDED
     slower = told.capacity <= own.capacity * (1.0 + ROUNDED) and told.conductance <= own.conductance * (1.0 + ROUNDED)
     return more and slower and told.rises == own.rises

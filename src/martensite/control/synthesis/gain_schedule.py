@@ -53,12 +53,12 @@ class DesignedSchedule:
     unit: str
     """SI unit of the reading."""
     period: float
-    """Of the bench [s]."""
+    """Period of the bench [s]."""
     points: tuple[ScheduledPoint, ...]
     controller: ScheduledPid
 
     def to_toml(self, text: str) -> str:
-        """A scenario, given as text, with this controller in the place of its own."""
+        """Return the scenario, given as text, with this controller in place of its present one."""
         from martensite.base.toml_text import as_toml
 
         document = tomllib.loads(text)
@@ -85,7 +85,7 @@ def design_gain_schedule(
     count: int = 4,
     waveforms: Mapping[str, AbstractWaveform] | None = None,
 ) -> DesignedSchedule:
-    """Gains over the reference for which the loop has the same largest sensitivity at points of both branches.
+    """Design gains over the reference, with the same largest sensitivity at points of both branches.
 
     Args:
         bench: with a controller, whose limits, reading and reference are kept.

@@ -31,7 +31,7 @@ class IdentifiedHysteresis(NamedTuple):
     knots: tuple[float, ...]
     outputs: tuple[float, ...]
     estimate: ChainEstimate
-    """How they were found."""
+    """Estimate that they come from."""
 
     def controller(self, **others: Any) -> InversePlay:
         """The controller that inverts them.

@@ -8,9 +8,9 @@ heating branch under a signal a little higher, on the cooling branch under one a
 the other direction it leaves the branch, at first with hardly any transformation: no linear
 system holds for both. What a controller designed here does there, a run must show.
 
-The flat state of a plant holds much that is no state of its small motions: where the law last
-turned, the stress of the step before. `realise_readings` says it in what can be measured or
-estimated instead: with z = C_z x for chosen outputs, A_z is the least-squares solution of
+The flat state of a plant holds numbers that do not take part in small motions: the last turning point of the law, the
+stress of the step before. `realise_readings` uses outputs that can be measured or estimated instead: with z = C_z x
+for chosen outputs, A_z is the least-squares solution of
 
     C_z A v = A_z C_z v    for all v that signals reach,    v = B, A B, A² B, …
 
@@ -120,7 +120,7 @@ class Readings:
 
 
 def realise_readings(linear: LinearSystem, states: Sequence[str]) -> Readings:
-    """A linear system whose states are some of its outputs.
+    """Return a linear system whose states are some of its outputs.
 
     Args:
         linear: from `linearise_plant`.

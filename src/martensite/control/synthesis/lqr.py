@@ -36,11 +36,11 @@ class LqrSizes:
     """Deviations that weigh the same in the cost."""
 
     states: tuple[float, ...]
-    """Of every state, in its SI unit; infinite for one that does not count."""
+    """Tolerated deviation of every state, in its SI unit; infinite for a state that does not count."""
     integral: float
-    """Of the integral of the error, in its unit times s."""
+    """Tolerated integral of the error, in the unit of the error times s."""
     signal: float
-    """Of the signal, in the unit of the source."""
+    """Tolerated deviation of the signal, in the unit of the source."""
 
 
 @dataclass(frozen=True, eq=False)

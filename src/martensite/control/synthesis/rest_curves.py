@@ -1,4 +1,4 @@
-"""Where a plant rests under constant signals, along both branches, and what is read there.
+"""Steady states of a plant under constant signals, along both branches, and the readings there.
 
 The heating branch is reached from rest without a signal, the cooling branch from where the heating branch ends.
 """
@@ -22,7 +22,7 @@ from martensite.simulate.lanes import Lanes
 from martensite.simulate.operating_point import Direction, SteadyPoint, settle_lanes
 
 PATIENCE, SETTLED = 6, 1e-6
-"""Doublings of a stretch after which a plant does not come to rest; change that is none, over the least that counts."""
+"""Doublings of a stretch after which a plant counts as unsettled; change that counts as zero, over the least size."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class RestCurve:
     drive: str
     direction: Direction
     signals: Numbers
-    """Of all drives, shape (drives, points)."""
+    """Signals of all drives, shape (drives, points)."""
     states: Numbers
     """Flat, shape (states, points)."""
     outputs: dict[str, Numbers]
@@ -89,7 +89,7 @@ def compute_rest_curve(
 
 
 def read_at_rest(bench: Bench, truth: Mapping[str, float]) -> dict[str, float]:
-    """What controllers of a bench read of a plant that rests: readings, estimates that are true, and ages of 0."""
+    """Return the readings of controllers at rest: readings of sensors, true estimates, and ages of 0."""
     known = dict(truth)
     for port, one in bench.plant.actuators().items():
         known[bench.plant.label(port, AMBIENT)] = float(one.environment.temperature)

@@ -47,7 +47,7 @@ class ClosedLoop(AbstractBlock):
 
     @property
     def outputs(self) -> int:
-        """What is measured, and the signal."""
+        """Return the number of outputs: the measured output and the signal."""
         return 2
 
     def numbers(self) -> tuple[str, ...]:
@@ -55,7 +55,7 @@ class ClosedLoop(AbstractBlock):
         return "log_Kp", "log_Ki", "log_Kd"
 
     def states(self) -> int:
-        """Those of the controller, its last signal, those of the model."""
+        """Return the number of states: of the controller, its last signal, and of the model."""
         return KEPT + sum(block.states() for block in self.blocks)
 
     @property
@@ -99,7 +99,7 @@ class ClosedLoop(AbstractBlock):
         return (measured, signal), [*memory, signal, *inner]
 
     def _model(self, xp: Namespace, state: Column, signal: Scalar, dt: Scalar) -> tuple[Scalar, list[Scalar]]:
-        """What is measured of the model under a signal, and its next state."""
+        """Return the measured output of the model under a signal, and its next state."""
         signals: Column = (signal,)
         after: list[Scalar] = []
         measured: Scalar = 0.0
@@ -130,9 +130,9 @@ class Trajectory(NamedTuple):
 
     reference: Numbers
     output: Numbers
-    """What is measured."""
+    """Measured output."""
     signal: Numbers
-    """What the controller answers."""
+    """Signal of the controller."""
     interval: float
     """[s]"""
 

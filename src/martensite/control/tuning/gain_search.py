@@ -52,7 +52,7 @@ def build_free_gains(bench: Bench, texts: Sequence[str], starts: Sequence[Mappin
     not to be chosen.
 
     Raises:
-        ParameterError: an unknown name, a number without a sign or bounds, bounds that are none.
+        ParameterError: an unknown name, a number without a sign or bounds, or invalid bounds.
     """
     if not texts:
         raise ParameterError("Nothing is free: name parameters of controllers, such as Kp and Ki.")
@@ -85,16 +85,16 @@ CLOUD_SPREAD, LINEAR_SPREAD, START_SPREAD = 0.15, 0.03, 1.0
 
 @dataclass(frozen=True)
 class TuningSearch:
-    """How parameters are searched."""
+    """Settings of the search for parameters."""
 
     scattered: int = 16
     """Starts scattered around the best one that is given."""
     searches: int = 2
     """Starts that are gone on from: the best."""
     iterations: int = 40
-    """Of each search."""
+    """Iterations of each search."""
     clouds: int = 2
-    """How often the neighbourhood of the best end is tried."""
+    """Number of tries around the best end."""
     slopes: int = 16
     """Plants on which a search follows derivatives: the first of those drawn. Where searches begin
     and which end is best is judged on all of them."""

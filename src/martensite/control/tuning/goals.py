@@ -1,4 +1,4 @@
-r"""What a tuned loop shall do, as one smooth number with its derivatives.
+r"""Goal of a tuned loop, as one smooth number with its derivatives.
 
     cost = E + w_o O + w_e P + w_a A
 
@@ -9,7 +9,7 @@ r"""What a tuned loop shall do, as one smooth number with its derivatives.
 
 with the error e = r - y, the span Δ of the reference and where it starts from, P₀ and U the mean
 power and the range of the signal in a first run: every part is a share, and a weight says what it
-is worth beside the error. The time t of ITAE begins anew at every step of the reference, which is
+is worth beside the error. The time t of ITAE restarts at every step of the reference, which is
 a change by more than 5 % of Δ within a sample. `beyond` is how far the output is on the other side
 of the new level, counted from a step until the reference moves again. |x| is √(x² + δ²) - δ with
 δ a thousandth of the span, so that derivatives exist; a power mean of order 8 stands for the
@@ -37,7 +37,7 @@ STEP, SMOOTH, ORDER = 0.05, 1e-3, 8.0
 
 @dataclass(frozen=True)
 class TuningGoal:
-    """How parts of the cost count beside the error."""
+    """Weights of the cost beside the error."""
 
     error: str = "itae"
     """itae, iae or ise."""
@@ -48,7 +48,7 @@ class TuningGoal:
     """Share of a batch that counts, the worst of it; 1 for the mean of all."""
 
     def __post_init__(self) -> None:
-        """Raise `ParameterError` for what is no goal."""
+        """Raise `ParameterError` for an invalid goal."""
         if self.error not in ERRORS:
             raise ParameterError(f"No goal is named `{self.error}`. {suggest_name(self.error, ERRORS)}")
         weights = self.overshoot, self.energy, self.activity
@@ -60,7 +60,7 @@ class TuningGoal:
             )
 
     def over_plants(self, costs: Numbers) -> tuple[float, Numbers]:
-        """What a batch costs, and the share with which every plant counts in it."""
+        """Return the cost of a batch, and the weight of every plant in it."""
         counted = max(math.ceil(self.worst * len(costs) - 1e-9), 1)
         weights = np.zeros(len(costs))
         weights[np.argsort(-costs, kind="stable")[:counted]] = 1.0 / counted
@@ -113,7 +113,7 @@ class Cost:
         return np.where(np.isfinite(found), found, np.inf)
 
     def slope(self, seen: Seen, slopes: Seen) -> Numbers:
-        """Derivatives of the cost of one run, from those of what was seen (samples, parameters)."""
+        """Return the derivatives of the cost of one run, from the derivatives of its outputs (samples, parameters)."""
         _, output, signal, power = self.parts(seen)
         return output @ slopes.output + signal @ slopes.signal + power @ slopes.power
 

@@ -28,20 +28,20 @@ from martensite.simulate.drive_waveforms import grid_of
 
 
 class Seen(NamedTuple):
-    """What is judged of runs; one axis of runs before that of samples, if there are many."""
+    """Outputs of runs that the goal uses; with many runs, their axis is before the axis of samples."""
 
     output: Numbers
-    """What shall follow the reference, true where it is an output of the plant."""
+    """Output that follows the reference, without noise if it is an output of the plant."""
     reference: Numbers
     signal: Numbers
-    """What the controller wants, within its limits."""
+    """Signal of the controller, within its limits."""
     power: Numbers
     """Electrical power of all elements [W]."""
     hottest: Numbers
     """Highest temperature of any element [K]."""
 
     def one(self, k: int) -> Seen:
-        """Of one run of many."""
+        """Return the outputs of one run of many."""
         return Seen(*(column[k] for column in self))
 
 
@@ -121,7 +121,7 @@ class LoopRuns(BatchRunner):
 
 
 def find_loop(bench: Bench, drive: str | None) -> str:
-    """The drive whose controller is meant.
+    """Return the drive of the controller to be tuned.
 
     Raises:
         ParameterError: there is no such controller, or none is named among several.

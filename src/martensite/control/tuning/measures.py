@@ -1,4 +1,4 @@
-"""How good a loop is, in numbers that people know: errors, overshoot, settling, energy, heat.
+"""Measures of a loop in common terms: errors, overshoot, settling, energy, temperature.
 
     IAE = ∫ |e| dt      ISE = ∫ e² dt      ITAE = ∫ t |e| dt, t from the last step of the reference
     rms = √(ISE/T)      energy = ∫ P dt
@@ -33,7 +33,7 @@ RISE, BAND, LAST = 0.90, 0.05, 0.1
 
 
 class StepResponse(NamedTuple):
-    """How one step is answered."""
+    """Response to one step."""
 
     before: float
     """Level of the reference before the step, in the unit of the output."""
@@ -66,7 +66,7 @@ def build_steps(levels: Sequence[tuple[float, float]], interval: float) -> Numbe
 
 
 def measure_steps(reference: Numbers, output: Numbers, interval: float) -> list[StepResponse]:
-    """How an output answers every step of a reference of the same unit, both (samples,), at an interval [s]."""
+    """Measure the responses to all steps of a reference, both (samples,) in one unit, at an interval [s]."""
     turns = np.flatnonzero(np.diff(reference)) + 1
     ends = [*turns[1:], len(reference)]
     return [

@@ -40,7 +40,7 @@ class Plants:
     seed: int
 
     def bench(self, bench: Bench, k: int) -> Bench:
-        """The bench with plant number k; its controllers and observers do not know.
+        """Return the bench with plant number k; its controllers and observers keep the nominal model.
 
         Raises:
             ParameterError: there is no plant of this number.
@@ -64,7 +64,7 @@ def draw_plants(
         method: sobol or latin-hypercube.
 
     Raises:
-        ParameterError: an unknown name, a spread that is none or leaves what is allowed, no plant.
+        ParameterError: an unknown name, an invalid spread, a value outside its limits, or no plant.
     """
     if method not in METHODS:
         raise ParameterError(f"No draw is named `{method}`. {suggest_name(method, METHODS)}")
@@ -127,7 +127,7 @@ class OverPlants:
         return min(self.itae, key=lambda name: float(np.median(self.itae[name])))
 
     def ratio(self, one: str, other: str) -> Ratio:
-        """How one set does beside another; `ParameterError` if there is no such set."""
+        """Return the ratio of one set to another; raise `ParameterError` if there is no such set."""
         for name in (one, other):
             if name not in self.itae:
                 raise ParameterError(f"There is no set `{name}`. {suggest_name(name, self.itae)}")

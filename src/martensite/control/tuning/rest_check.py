@@ -1,4 +1,4 @@
-"""Whether a model that a controller is tuned on rests where its records were."""
+"""Check that the steady states of a model that a controller is tuned on lie within its records."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ class CostScale:
 
 @dataclass(frozen=True)
 class CostWeights:
-    """How parts of the cost count; error and its unit are 1."""
+    """Weights of the parts of the cost; the weight of the error is 1."""
 
     overshoot: float = 1.0
     activity: float = 2.0
@@ -48,7 +48,7 @@ class CostWeights:
 
 @dataclass(frozen=True)
 class ModelTuning:
-    """How gains are searched."""
+    """Settings of the search for gains."""
 
     levels: tuple[tuple[float, float], ...]
     """Reference: levels in the unit of the output, and times [s]."""
@@ -56,9 +56,9 @@ class ModelTuning:
     weights: CostWeights = field(default_factory=CostWeights)
     starts: Sequence[tuple[float, float, float]] = STARTS
     evaluations: int = 600
-    """Of all starts together."""
+    """Evaluations of all starts together."""
     beyond_data: bool = False
-    """Whether a model is tuned on that rests where its records never were."""
+    """True if a model may be tuned whose steady states lie outside its records."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +71,7 @@ class TunedGains:
     trajectory: Trajectory
     responses: tuple[StepResponse, ...]
     costs: tuple[float, ...]
-    """Where the searches ended, best first."""
+    """Costs at the ends of the searches, best first."""
     evaluations: int
     scale: CostScale
 
@@ -93,7 +93,7 @@ class TunedGains:
 
 
 def compute_cost(run: Trajectory, gains: Gains, tuning: ModelTuning) -> float:
-    """What a run costs; infinite where it is not finite."""
+    """Return the cost of a run; infinite where the run is not finite."""
     if not np.all(np.isfinite(run.output)):
         return np.inf
     scale, weights = tuning.scale, tuning.weights
@@ -122,8 +122,8 @@ def tune_model(
         watch: called with a sentence and the share that is done.
 
     Raises:
-        ParameterError: there is no start, or none of them gives a run that is finite; or the model is at rest
-            where its records never were (`rest_check.check_static_curve`).
+        ParameterError: there is no start, or no start gives a finite run; or the steady states lie outside the
+            records (`rest_check.check_static_curve`).
     """
     if not tuning.beyond_data:
         model.check_static_curve([level for level, _ in tuning.levels])
