@@ -34,7 +34,7 @@ Tell = Callable[[str, float], None]
 PATIENCE = 0.5
 """CPU time [s] for which a run is tried on floats before a compiler is started."""
 HASTE = 0.1
-"""The same where everything is compiled already, but not loaded."""
+"""CPU time [s] of a run that pays for loading code that is compiled already."""
 NATIVE = "martensite.simulate.marching_native"
 """Module that a run which is over soon does not import."""
 OFTEN = 0.1
@@ -73,7 +73,7 @@ class RunEngine:
     budget: float | None = None
     """CPU time [s] for all runs together."""
     used: str = "floats"
-    """What the last run was made on."""
+    """Runtime of the last pass."""
     begin: float = field(default_factory=time.process_time)
 
     def __call__(self, plan: MarchPlan) -> Marched:
@@ -105,7 +105,7 @@ class RunEngine:
             return self._on_floats(plan, hasty=False)
 
     def _readiness(self, plan: MarchPlan) -> str:
-        """How near the runtime C is."""
+        """Return how ready the runtime C is."""
         from martensite.simulate.marching_native import kernel_of, tell_readiness
 
         return tell_readiness(kernel_of(plan, range(len(self.compiled.outputs))))
@@ -150,7 +150,7 @@ class RunEngine:
         return observe_on_floats(self.compiled.program.bind_floats(*self.values)["observe"], outputs)
 
     def _watch(self, doing: str) -> Callable[[float], None]:
-        """What looks at a run from time to time: at the budget, and for who wants to be told."""
+        """Return a function that checks the budget of a run from time to time, and reports progress."""
         last = 0.0
 
         def watch(share: float) -> None:
@@ -224,7 +224,7 @@ def choose_samples(count: int, skipped: int = 0) -> list[int]:
 
 
 def measure_gaps(compiled: CompiledMarch, before: Rows, after: Rows) -> list[Row]:
-    """What is judged differs by between two runs, at every sample that both reached."""
+    """Return the differences of the judged outputs between two runs, at every sample that both reached."""
     places = [compiled.outputs.index(name) for name, _ in compiled.convergence_scales]
     count = min(len(before), len(after))
     pair = (np.asarray(rows[:count], float).reshape(count, -1)[:, places] for rows in (before, after))

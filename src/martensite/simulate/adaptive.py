@@ -1,25 +1,22 @@
 r"""The march with an error control in every step, on plain floats.
 
-Every step is made once whole and once in two halves, with what the drives bring in each. Halves and
-whole differ by three times the error of the halves, in the outputs that a user reads: temperature,
-fraction, stress, coordinates. Where a law gives rates a step is one of Rodas4, with the difference
-to its inner solution of order three (`martensite.physics.laws.rosenbrock`). A step whose error is
-above the
-tolerance is made again, shorter. What the difference says about the heat in an element is handed on
-to the next step as heat that is owed, which makes the march third order where it is smooth. The
-memory of a law is never touched: the two halves are legal steps.
+Every step is made once whole and once in two halves, with what the drives bring in each. Halves and whole differ by
+three times the error of the halves, in the outputs that a user reads: temperature, fraction, stress, coordinates.
+Where a law gives rates a step is one of Rodas4, with the difference to its inner solution of order three
+(`martensite.physics.laws.rosenbrock`). A step whose error is above the tolerance is made again, shorter. The error of
+the heat in an element, as estimated from the difference, is added in the next step. This makes the march third order
+where it is smooth. The memory of a law is never touched: the two halves are legal steps.
 
 A law without rates follows the extremes of temperature and stress, and a step sees its ends only: a
 parabola through both ends and the middle shows a turn between them, and steps end on turns that
 count. They end where a transformation starts or is complete, too, if the difference says that it
 counts; a law says how far that is.
 
-Steps do not end on samples. A polynomial through the last five points, half steps apart, gives the
-state at a sample, if its term of the fourth order is within the tolerance and it overshoots
-nothing; else a step of its own goes to the sample from the last of these points. Steps need not end
-on edges of a drive either, since drives are integrated. What a mean leaves out of a drive that
-jumps or swings within a half step, its ripple, is bounded by the source; where it is above the
-tolerance, steps end on the edges.
+Steps do not end on samples. A polynomial through the last five points, half steps apart, gives the state at a sample,
+if its term of the fourth order is within the tolerance and it overshoots nothing; else a separate step goes from the
+last of these points to the sample. Steps need not end on edges of a drive either, since drives are integrated. The
+ripple of a drive that jumps or swings within a half step is its difference to the mean, and is bounded by the source;
+where it is above the tolerance, steps end on the edges.
 
 `martensite.simulate.marching_native` is the same march in C.
 """
@@ -40,21 +37,21 @@ from martensite.simulate.marching import FIRST, HAIR, SECOND, SHORTEST, Abstract
 
 SAFETY = 0.9
 LEAST_CHANGE, MOST_CHANGE = 0.2, 3.0
-"""Of the length of a step."""
+"""Smallest and largest ratio of the length of a step to the one before."""
 FEW = 3
 """Edges in a step up to which it ends on the first one, unless it may pass them."""
 SWING = 2.0
-"""Of the fastest tone, in radians: a step of this length resolves it."""
+"""Largest phase of the fastest tone in a step, in radians: a step of this length resolves the tone."""
 PRESCRIBED = 0.8
-"""The same for signals that prescribe a state, which are read and not integrated."""
+"""Largest phase in a step for signals that prescribe a state; these are read and not integrated."""
 TURN = 0.1
-"""What a step may miss of a turn, as a share of the tolerance."""
+"""Error that a step may make at a turn, as a fraction of the tolerance."""
 NEAR = 0.03
 """Share of a step before its start, or its end, in which a kink that is expected lies on it."""
 SHORT = 0.99
 """Part of the way to an expected kink that a step goes."""
 HIDDEN = 3.0
-"""What a step may miss of a bend near one of its ends, as a fraction of the tolerance."""
+"""Error that a step may make at a bend near one of its ends, as a fraction of the tolerance."""
 EDGE = 0.05
 """Fraction of a step next to its ends within which a bend hides: the halves miss about the same as the whole."""
 BESIDE = 1e-3
@@ -62,11 +59,11 @@ BESIDE = 1e-3
 PER_STRESS = 1.0 / 7e6
 """Temperature that drives a transformation like a stress [K/Pa], about: where both turn."""
 LEAST_FALL = 1e-9
-"""Distance from a kink that is none."""
+"""Distance from a kink that counts as zero."""
 BETWEEN = 1.0
 """Last term of the interpolation as a share of the tolerance."""
 ROUNDING = 1e-12
-"""Share of a number that is none."""
+"""Fraction of a number that counts as rounding."""
 CUBIC = 0.385
 """Largest value of |x (x² - 1)| between -1 and 1."""
 
@@ -77,7 +74,7 @@ class Node(NamedTuple):
     time: float
     state: Row
     seen: Row
-    """What is judged."""
+    """Judged outputs."""
 
 
 class StepTrial(NamedTuple):
@@ -86,15 +83,15 @@ class StepTrial(NamedTuple):
     length: float
     """[s]"""
     halves: Sequence[Row]
-    """What the drives bring in each half."""
+    """Inputs of each half from the drives."""
     half: Row
     """State in the middle."""
     full: Row
     """State at the end."""
     seen: Row
-    """What is judged at the end."""
+    """Judged outputs at the end."""
     points: tuple[Row, Row]
-    """Where laws without rates act, in the middle and at the end."""
+    """States of laws without rates, in the middle and at the end."""
     owed: tuple[float, ...]
     """Heat [J] that the halves fall short of, by drive."""
     error: float
@@ -110,19 +107,19 @@ class AdaptiveMarch(AbstractMarch):
     def __init__(self, plan: MarchPlan, functions: Functions) -> None:
         super().__init__(plan, functions)
         self.hair = SHORTEST * self.duration
-        """Time [s] that is none: an edge so near is here."""
+        """Time [s] that counts as zero: an edge closer than this is reached."""
         self.shortest = plan.shortest
         compiled = plan.compiled
         self.heating = [r for r, w in zip(self.readers, compiled.widths, strict=True) if w > 1]
         self.prescribing = [r for r, w in zip(self.readers, compiled.widths, strict=True) if w == 1]
         self.exponent = 4.0 if plan.order == 4 else 3.0
-        """Of the length of a step that its error goes with."""
+        """Exponent of the error over the length of a step."""
         self.points = functions["points"](*self.state)
         self.earlier_points = self.points
         """Half a step earlier."""
         self.last_half = plan.first
         self.rates = [0.0] * len(compiled.rates)
-        """Of the half step before the last."""
+        """Rates of the half step before the last."""
         self.nodes = [Node(self.time, self.state, self.seen)]
         """Start and middle of the last step, and where it ended: here. Behind a kink of a drive
         there is but the last."""
@@ -130,10 +127,10 @@ class AdaptiveMarch(AbstractMarch):
         self.length, self.after_edge, self.at_edge = plan.first, plan.first, True
         self.after_kink, self.at_kink = math.inf, False
         self.split = False
-        """Whether a step before the next edge was split, in a run in parts."""
+        """True if a step before the next edge was split, in a run in parts."""
         self.ledger = Ledger(compiled.book, functions["entries"](*self.state, *self.signals(self.time)))
         self.power = 0.0
-        """Temperature [K] that the last ripple made, per lapse [s] of its drive."""
+        """Temperature error [K] by the last ripple, per lapse [s] of its drive."""
         self.rough = 0.0
         """Error of the last step over the power of its length that it grows by; 0 behind a kink."""
 
@@ -217,14 +214,14 @@ class AdaptiveMarch(AbstractMarch):
         return length
 
     def _collect_inputs(self, begin: float, end: float) -> list[Moments | float]:
-        """What the drives bring in an interval: moments, or the value before its end."""
+        """Return the inputs from the drives in an interval: moments, or the value before its end."""
         return [
             reader.moments(begin, end) if width > 1 else reader.before(end)
             for reader, width in zip(self.readers, self.plan.compiled.widths, strict=True)
         ]
 
     def _feed_step(self, brought: Sequence[Moments | float], half: int) -> Row:
-        """The inputs of a step; what is owed goes into the first."""
+        """Return the inputs of a step; the heat error of the step before goes into the first half."""
         found: list[float] = []
         for one, owed in zip(brought, self.owed, strict=True):
             found += feed_step(one, 0.0 if half else owed) if isinstance(one, Moments) else (one,)
@@ -317,7 +314,7 @@ class AdaptiveMarch(AbstractMarch):
         return tuple(found)
 
     def _measure(self, length: float, halves: Sequence[Row], half: Row) -> tuple[float, float]:
-        """The largest lapse of a drive, and what it costs [K]."""
+        """Return the largest lapse of a drive, and its temperature error [K]."""
         at, lapse = 0, 0.0
         for width in self.plan.compiled.widths:
             if width > 1:
@@ -385,7 +382,7 @@ class AdaptiveMarch(AbstractMarch):
         return (last / rough) ** (1.0 / power) if 0.0 < last < rough else 1.0
 
     def _keep_ledger(self, trial: StepTrial) -> None:
-        """What a step did to heat and work; what came in by the mean of both ends of a half.
+        """Add the heat and the work of a step to the ledger; inputs are means over both ends of a half.
 
         It asks the laws of heating and cooling at the states that were found, and so is no part
         of the step, which linearises them.
@@ -466,7 +463,7 @@ class AdaptiveMarch(AbstractMarch):
             self.sample += 1
 
     def _is_smooth(self, trial: StepTrial, nodes: Sequence[Node]) -> bool:
-        """Whether the polynomial through the last five points is good enough in a step."""
+        """Return whether the polynomial through the last five points is good enough in a step."""
         if len(nodes) < 5 or trial.lapse > 0.0:
             return False
         times = [node.time for node in nodes]
@@ -515,7 +512,7 @@ class AdaptiveMarch(AbstractMarch):
 
 
 def join_halves(first: Moments, last: Moments, length: float) -> Moments:
-    """Moments of an interval [s] from those of its halves; its lapse is not asked for."""
+    """Return moments of an interval [s] from the moments of its halves, without the lapse."""
     slopes = (
         1.5 * (b - a) / length + 0.125 * (c + d)
         for a, b, c, d in (
@@ -581,7 +578,7 @@ def find_dip(first: float, middle: float, last: float) -> float:
 
 
 def divided_difference(times: Sequence[float], values: Sequence[float]) -> float:
-    """Of the highest order."""
+    """Return the divided difference of the highest order."""
     found = list(values)
     for order in range(1, len(times)):
         spans = [last - first for first, last in zip(times, times[order:], strict=False)]

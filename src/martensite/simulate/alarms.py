@@ -49,7 +49,7 @@ WIDENED = 1.1
 ROUNDING = 1e-9
 """Share of a demand by which it may exceed what can be delivered."""
 DRIFT = 0.05
-"""Change of the oriented share in a first cycle that is none."""
+"""Change of the oriented fraction in a first cycle that counts as zero."""
 CYCLE = 0.5
 """Martensite fraction that a cycle loses and regains."""
 RETURNED = 0.01
@@ -73,7 +73,7 @@ class Alarm:
     worst: float
     """Value farthest beyond the limit; of the strain its change; of a supply the demand."""
     limit: float
-    """What was allowed then; of a supply what it could deliver."""
+    """Limit at that time; for a supply the largest that it could deliver."""
     excess: float
     """Distance of the two."""
     first: float
@@ -83,7 +83,7 @@ class Alarm:
     worst_time: float
     """Time of the worst value [s]."""
     sentence: str
-    """The same in words."""
+    """Alarm in words."""
     port: str = ""
     """Which of several actuators it is about."""
 
@@ -320,7 +320,7 @@ def _widen(name: str, column: Numbers) -> Numbers:
 
 
 def _describe_doubts(result: Result, columns: Columns) -> list[str]:
-    """Of laws that the stress brings near to where they are doubtful."""
+    """Return warnings for laws whose stress comes near to the range where they are doubtful."""
     found: list[str] = []
     for port, one in result.system.actuators().items():
         law, name = one.element.law, result.system.label(port, "stress")

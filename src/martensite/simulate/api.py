@@ -48,12 +48,11 @@ def simulate(
     start: Restart = HOME,
     restart_at: Sequence[float] = (),
 ) -> Result:
-    """Run a system, at home and at rest if nothing else is said, under a waveform until `duration` [s].
+    """Run a system under a waveform until `duration` [s], by default from its initial state at rest.
 
-    Drives are integrated over every step, and an error control makes every step as short as it has
-    to be (`martensite.simulate.adaptive`). The run is made at least twice, to different local
-    tolerances; `Result.accuracy` bounds what is left. A system in discrete time has steps of its
-    own: waveforms are read at their starts.
+    Drives are integrated over every step, and an error control makes every step as short as it has to be
+    (`martensite.simulate.adaptive`). The run is made at least twice, to different local tolerances; `Result.accuracy`
+    bounds the remaining error. A system in discrete time has fixed steps: waveforms are read at their starts.
 
     A run that comes to where no wire can be stops there, with the status OUT_OF_ENVELOPE. Its columns, its
     balances and its sentence end at the same time.

@@ -38,7 +38,7 @@ class OutputSensitivity:
     slopes: dict[str, Any]
     """d(output)/d(parameter) by full parameter path, of the same shape."""
     status: tuple[Status, ...] = (Status.OK,)
-    """How every run ended."""
+    """Status at the end of every run."""
 
     def of_range(self) -> dict[str, Any]:
         """Derivative of the output's range (for the position: of the stroke); of a batch, (runs,)."""
@@ -63,10 +63,9 @@ def simulate_batch(
 ) -> Result:
     """Run variants of a system that differ in the parameters named in `over`.
 
-    Every run has an error control of its own, and a bound on the error that is left, as in
-    `simulate`; what one run does changes nothing in the others. A run that leaves the envelope, or
-    fails, keeps what was computed before. With `step` given, runs are made on equal steps, and
-    nothing is estimated.
+    Every run has a separate error control and a bound on the remaining error, as in `simulate`; runs do not influence
+    each other. A run that leaves the envelope, or fails, keeps the samples computed before. With `step` given, runs use
+    equal steps, and no error is estimated.
 
     Args:
         system: the system at its nominal parameters.
@@ -129,7 +128,7 @@ def _build_result(
     controlled: bool,
     runtime: str,
 ) -> Result:
-    """What is returned of a batch, with a warning where runs did not reach their end."""
+    """Build the result of a batch, with a warning if runs did not reach their end."""
     status = [Status(one) for one in ran.status.tolist()]
     measured = (name for name in ran.columns if name in system.outputs())
     ends = {name: (ran.numbers[2 * k], ran.numbers[2 * k + 1]) for k, name in enumerate(measured)}
@@ -172,7 +171,7 @@ def compute_sensitivity(
     runtime: str = "auto",
     over: Mapping[str, Sequence[float]] | None = None,
 ) -> OutputSensitivity:
-    """Exact derivatives of an output over time with respect to parameters.
+    """Compute exact derivatives of an output over time with respect to parameters.
 
     Forward-mode differentiation through the march, latent heat and mechanism included.
 
@@ -190,7 +189,7 @@ def compute_sensitivity(
     Raises:
         InputError: unknown parameter, output or runtime, or there is no GPU for `cuda`.
         CompileError: there is no C compiler.
-        SolveError: the run failed; those of a batch have a status instead.
+        SolveError: the run failed; runs of a batch have a status instead.
     """
     if runtime not in ("auto", "c", "cuda"):
         raise InputError(f"Derivatives are computed by `c` or `cuda`, not by `{runtime}`.")

@@ -71,7 +71,7 @@ class LoopPlan:
         return [(level, length) for level, length in both if length > 0.0]
 
     def waveform(self, signals: Sequence[float]) -> AbstractWaveform:
-        """What was played, as a waveform."""
+        """Return the played signals as a waveform."""
         frequency = 1.0 / self.period
         held = Held(values=tuple(signals), frequency=frequency)
         if not self.pulses:
@@ -80,7 +80,7 @@ class LoopPlan:
 
 
 def whole_periods(duration: float, period: float) -> int:
-    """The number of periods of a run; `ParameterError` if the duration is no whole number of periods."""
+    """Return the number of periods of a run; raise `ParameterError` if it is not a whole number."""
     for name, value in (("duration", duration), ("period", period)):
         if not 0.0 < value < math.inf:
             raise ParameterError(f"Argument `{name}` must be above 0 s, but is {value}.")
@@ -116,7 +116,7 @@ class LoopResult:
     period: float
     """[s]"""
     signals: list[float]
-    """What the drive asked for in each period."""
+    """Signal of the drive in each period."""
     ends: dict[str, list[float]]
     """Outputs at the end of each signal: of the pulse, or of the period; of whole periods."""
     means: dict[str, list[float]]
@@ -246,7 +246,7 @@ class _Walk:
         return before
 
     def loop(self, found: Marched) -> LoopResult:
-        """What was found, with its alarms."""
+        """Return the result, with its alarms."""
         plan, count = self.plan, len(self.times)
         times = np.array([plan.start(k) for k in range(len(found.rows))], float)
         result = Result(

@@ -23,11 +23,11 @@ from martensite.signals.moments import Moments
 from martensite.simulate.ledger import EMPTY, Book
 
 REPORT = StepReport._fields[:2]
-"""What a step under constant signals says of itself."""
+"""Names of the reports of a step under constant signals."""
 ENVELOPE = ("hottest", "stress", "strain")
 """Outputs of an element that a run must not take beyond what can be."""
 FED = (*Moments._fields, "owed")
-"""What a march says of the drive of an element in a step."""
+"""Names of the inputs of a step for the drive of an element."""
 Functions = Mapping[str, Callable[..., tuple[float, ...]]]
 
 
@@ -43,7 +43,7 @@ class Compiled:
     drives: int
     """Number of drive signals."""
     outputs: tuple[str, ...]
-    """Those of the system, then the profile of its element: `cell_temperature[0]`, …"""
+    """Outputs of the system, then the profile of its element: `cell_temperature[0]`, …"""
     report: tuple[str, ...] = REPORT
 
     def values(self, system: AbstractSystem) -> list[float]:
@@ -57,14 +57,14 @@ def compile_system(system: AbstractSystem) -> Compiled:
 
 
 class LawPoint(NamedTuple):
-    """Where a law without rates acts."""
+    """Place of a law without rates among the outputs."""
 
     fraction: int
-    """Which of the judged outputs its martensite fraction is part of."""
+    """Index of the judged output that contains its martensite fraction."""
     weight: float
-    """What share of it."""
+    """Fraction of that output."""
     size: int
-    """Of what is known there: temperature, stress, two fractions, then kinks of the law."""
+    """Number of values at the point: temperature, stress, two fractions, then kinks of the law."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,7 @@ class CompiledMarch(Compiled):
     """
 
     widths: tuple[int, ...] = ()
-    """How many inputs of `step` each drive has: those of `FED`, or one."""
+    """Number of inputs of `step` by drive: all of `FED`, or one."""
     convergence_scales: tuple[tuple[str, float], ...] = ()
     """Outputs that are judged, and the least range that counts."""
     envelope: tuple[tuple[str, str], ...] = ()
@@ -86,15 +86,15 @@ class CompiledMarch(Compiled):
     heated: tuple[int, ...] = ()
     """The drives whose elements hold a known heat."""
     points: tuple[LawPoint, ...] = ()
-    """What `points` returns, one after the other."""
+    """Layout of the values that `points` returns, one after the other."""
     book: Book = EMPTY
-    """What `entries` returns."""
+    """Layout of the values that `entries` returns."""
     rates: tuple[int, ...] = ()
     """Places in the state of numbers that only tell a solve where to look."""
 
     @property
     def order(self) -> int:
-        """Of a step with error control: 4 where laws give rates, else 2."""
+        """Return the order of a step with error control: 4 where laws give rates, else 2."""
         return 4 if "rosenbrock" in self.program.functions else 2
 
     @property
@@ -103,11 +103,11 @@ class CompiledMarch(Compiled):
         return sum(self.widths)
 
     def signals_in_step(self) -> list[int]:
-        """Where among the inputs of `step` the signal of every drive is, or its mean."""
+        """Return the places of the signals of all drives, or of their means, among the inputs of `step`."""
         return [sum(self.widths[:k]) for k in range(self.drives)]
 
     def asks_for_signals(self, name: str, outputs: Sequence[int] | None = None) -> bool:
-        """Whether outputs of a function of state and signals, all if None, depend on signals."""
+        """Return whether outputs of a function of state and signals, all if None, depend on signals."""
         function = self.program.functions[name]
         places = range(len(function.outputs)) if outputs is None else outputs
         found = [function.outputs[i] for i in places]
@@ -115,11 +115,11 @@ class CompiledMarch(Compiled):
 
     @cached_property
     def swinging(self) -> tuple[bool, ...]:
-        """Whether each output depends on the signals."""
+        """Return whether each output depends on the signals."""
         return tuple(self.asks_for_signals("observe", [place]) for place in range(len(self.outputs)))
 
     def states_observed(self, outputs: Sequence[int]) -> list[int]:
-        """Of every number of the state, 1 if some of the outputs depend on it, else 0."""
+        """Return 1 for every number of the state that some of the outputs depend on, else 0."""
         function = self.program.functions["observe"]
         found = [function.outputs[i] for i in outputs]
         return [int(self.program.needs(found, [name])) for name in function.inputs[: self.size]]
@@ -137,7 +137,7 @@ def bind_system(system: AbstractSystem) -> tuple[Functions, int]:
 
 
 def bind_march(system: AbstractSystem) -> tuple[Functions, int]:
-    """The same for marches whose drives are integrated."""
+    """Bind the functions of a march whose drives are integrated."""
     compiled = compile_march(system)
     return compiled.program.bind_floats(*compiled.values(system)), compiled.size
 
@@ -257,7 +257,7 @@ class _Trace:
         return tuple(known)
 
     def add_entries(self) -> Book:
-        """What is known of the energy in a state under signals."""
+        """Add the function for the energies of a state under signals."""
         books: list[Book] = []
 
         def entries(xp: Any, *arguments: Any) -> list[Any]:
@@ -273,7 +273,7 @@ class _Trace:
         return books[-1]
 
     def add_points(self, judged: Sequence[tuple[str, float]]) -> tuple[LawPoint, ...]:
-        """Where laws without rates act: temperature, stress and fractions."""
+        """Add the function for the points of laws without rates: temperature, stress and fractions."""
         names, places = [name for name, _ in judged], list[LawPoint]()
 
         def points(xp: Any, *state: Any) -> list[Any]:

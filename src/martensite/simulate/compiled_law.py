@@ -30,7 +30,7 @@ from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.physics.laws.coupling import advance_memory
 
 ROW = ("martensite", "oriented", "strain", "stress", "residual")
-"""What every function returns after the memory: [-], [-], [-], [Pa], [-]."""
+"""Values that every function returns after the memory: [-], [-], [-], [Pa], [-]."""
 AUSTENITE = Fractions(0.0, 0.0)
 FORGOTTEN = 1e-6
 """Change of a fraction by forgotten loops of which nothing is said."""
@@ -132,7 +132,7 @@ def describe_forgotten_loops(
     martensite: Sequence[float],
     oriented: Sequence[float],
 ) -> list[str]:
-    """Whether a law of bounded memory forgot loops on a sampled path, in a sentence.
+    """Describe in a sentence whether a law of bounded memory forgot loops on a sampled path.
 
     It is driven again, from one turning point of the martensite fraction to the next.
 

@@ -157,7 +157,7 @@ class _ControlledWalk:
                 return
 
     def _signals(self, time: float, seen: Mapping[str, float]) -> tuple[float, ...]:
-        """What every drive says at the start of a period; controllers rest before the first."""
+        """Return the signal of every drive at the start of a period; controllers are at rest before the first."""
         found: list[float] = []
         for i, drive in enumerate(self.plan.drives):
             if isinstance(drive, AbstractWaveform):
@@ -170,7 +170,7 @@ class _ControlledWalk:
         return tuple(found)
 
     def _collect_inputs(self, time: float, dt: float) -> tuple[float, ...]:
-        """What the drives bring in a step: waveforms go on, controllers hold."""
+        """Return the inputs of a step from the drives: waveforms continue, controllers hold."""
         found: list[float] = []
         for i, (drive, held) in enumerate(zip(self.plan.drives, self.now, strict=True)):
             reader, heats = self.readers[i], self.widths[i] > 1
@@ -184,7 +184,7 @@ class _ControlledWalk:
         return tuple(found)
 
     def result(self, found: Marched) -> Result:
-        """What was found, with its alarms."""
+        """Return the result, with its alarms."""
         plan = self.plan
         times = np.array([k * plan.every * plan.period for k in range(len(found.rows))], float)
         columns = dict(zip(self.names, np.array(found.rows, float).T.copy(), strict=False))

@@ -32,7 +32,7 @@ class CycleEnergies(EnergyCourses):
 
     @property
     def kept(self) -> Numbers:
-        """Electrical less heat: what is left in the elements at the end of a cycle."""
+        """Return the electrical energy less the heat loss: the energy left in the elements at the end of a cycle."""
         return self.electrical - self.lost
 
 

@@ -18,7 +18,7 @@ Kind = TypeVar("Kind", bound=AbstractDrive)
 
 
 def by_name(system: AbstractSystem, given: Kind | Mapping[str, Kind]) -> dict[str, Kind]:
-    """What drives a system, by the name of its drive.
+    """Return the given waveforms by the name of the drive.
 
     Raises:
         InputError: there is no drive of a given name, or one for a system with many.
@@ -40,7 +40,7 @@ def by_name(system: AbstractSystem, given: Kind | Mapping[str, Kind]) -> dict[st
 
 
 def _require_drive(given: Any) -> None:
-    """Raise `InputError` if what is given as a drive is no waveform; the sentence shows how to make one of it."""
+    """Raise `InputError` if the object given as a drive is not a waveform; the sentence shows how to make one."""
     if isinstance(given, AbstractDrive):
         return
     kind, remedy = f"`{type(given).__name__}`", "write for example `ms.Step(high=0.6, at=1.0)`"
@@ -56,7 +56,7 @@ def _require_drive(given: Any) -> None:
 
 
 def arrange_waveforms(system: AbstractSystem, given: Kind | Mapping[str, Kind]) -> list[Kind | Constant]:
-    """What drives each drive of a system, in their order; what is not named gets 0.
+    """Return the waveform of each drive of a system, in their order; a drive that is not named gets 0.
 
     Raises:
         InputError: a name or a unit does not fit, or a temperature is prescribed by nothing.

@@ -35,7 +35,7 @@ class EnergyCourses:
     electrical: Numbers
     """Into all elements."""
     lost: Numbers
-    """As heat to the surroundings."""
+    """Heat loss to the surroundings."""
     work: Numbers
     """That the elements gave while they pulled."""
     returned: Numbers

@@ -49,7 +49,7 @@ TOTALLED = (Largest, Smallest, Stroke, Change, Integral, ElectricalEnergy, Mean)
 
 @dataclass(frozen=True, eq=False)
 class Ensemble:
-    """What some runs of one system did."""
+    """Results of some runs of one system."""
 
     columns: dict[str, Numbers]
     """One array (runs, samples) per output, in SI units; NaN for runs that were refused, and after
@@ -59,7 +59,7 @@ class Ensemble:
     ended: Numbers
     """Time [s] at which every run ended, (runs,); NaN where that is not known."""
     accuracy: Numbers
-    """How far what is judged may be off, as a share of its range, (runs,); NaN where nothing is
+    """Bound on the error of the judged outputs, as a fraction of their ranges, (runs,); NaN where no error is
     estimated, or a run failed otherwise than by leaving the envelope."""
     numbers: Numbers = field(default_factory=lambda: np.empty((0, 0)))
     """Measures that were asked for, (measures, runs); NaN for runs that were not made."""
@@ -125,7 +125,7 @@ class Measuring:
 
     measures: Sequence[AbstractMeasure] = ()
     columns: Sequence[Sequence[int]] = ()
-    """Of every measure, places among the outputs of the runs."""
+    """Places among the outputs of the runs, by measure."""
 
     def measure_track(self, track: Track, runs: int) -> Numbers:
         """Return all measures of all runs from their accepted steps, (measures, runs)."""
@@ -227,7 +227,7 @@ def march_in_lanes(
 
 
 def _bound_errors(compiled: CompiledMarch, apart: Numbers, made: MarchRows) -> Numbers:
-    """How far runs may be off, from what two of each differ by, (runs, samples, judged)."""
+    """Return bounds on the errors of runs, from the differences of two passes of each, (runs, samples, judged)."""
     least = np.array([least for _, least in compiled.convergence_scales])
     scales = np.maximum(made.numbers[:, RANGES:], least)
     known = np.isfinite(apart)
@@ -276,7 +276,7 @@ def march_one_by_one(
         try:
             functions = plan.compiled.program.bind_floats(*plan.compiled.values(system))
             one, accuracy = march_to(lambda p, f=functions: AdaptiveMarch(p, f).run(), own, tolerance)
-        except ArithmeticError:  # what follows from parameters alone is no number
+        except ArithmeticError:  # a value that depends on parameters alone is not a number
             continue
         rows = np.asarray(list(rows_inside(system, one.rows)))
         for name, column in found.columns.items():

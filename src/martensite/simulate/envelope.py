@@ -55,7 +55,7 @@ class Envelope:
         self.limits = envelope_of(system)
 
     def find_exit(self, row: Row, finite: bool = False) -> Exit | None:
-        """Where a row of outputs is outside; None if it is not."""
+        """Return where a row of outputs leaves the limits; None if it is inside."""
         return self.limits.find_exit([row[place] for place in self.places], finite)
 
 
@@ -82,7 +82,7 @@ def describe_exit(system: AbstractSystem, time: float, place: int, value: float)
 
 
 def describe_bound(system: AbstractSystem, place: int, value: float) -> str:
-    """Where and how far the envelope was left."""
+    """Describe the place and the value at which the envelope was left."""
     ports = list(system.actuators())
     port, name = ports[place // len(ENVELOPE)], ENVELOPE[place % len(ENVELOPE)]
     limits = envelope_of(system)

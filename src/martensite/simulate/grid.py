@@ -24,12 +24,12 @@ JUMP = 1e-6
 MOST_ROWS = 20_000
 """Steps of a run up to which its outputs are kept at the end of each."""
 MOST_PERIODS = 400_000
-"""The same of a run in discrete time."""
+"""Largest number of periods of a run in discrete time."""
 THINNED = 0.02
 """Time between samples of a longer run, as a fraction of the time since the last jump."""
 JUST_AFTER = 1e-9
-"""Where in a sample of a system in discrete time signals are read, as a share of it: after a
-jump at its start, whatever rounding does to times."""
+"""Place in a sample of a system in discrete time at which signals are read, as a fraction of the sample: after a jump
+at its start, in spite of rounding of the times."""
 Signals = tuple[float, ...]
 """One number per drive of a system, or what all of them bring in a step."""
 
@@ -46,7 +46,7 @@ class TimeGrid:
     lengths: list[float]
     """Length of every step [s]."""
     drives: list[Signals]
-    """What the drives bring in every step: the inputs of `CompiledMarch`."""
+    """Inputs of `CompiledMarch` from the drives in every step."""
     stored: Any = ...
     """Which of the samples a user asked for; the others are ends of steps, for measures."""
 
@@ -103,7 +103,7 @@ class TimeGrid:
         return max(self.lengths)
 
     def cut(self, begin: float, end: float) -> TimeGrid:
-        """The part from one sample to another.
+        """Return the part from one sample to another.
 
         Raises:
             InputError: there is no sample at one of these times [s]; the sentence names the nearest.
@@ -144,7 +144,7 @@ class LaneGrid:
     counts: Any
     """Steps in each interval, (intervals,)."""
     drives: Any
-    """What the drives bring in every step, (steps, inputs, lanes)."""
+    """Inputs from the drives in every step, (steps, inputs, lanes)."""
     lengths: Any
     """Length of every step [s], (steps, lanes); 0 where a lane has none."""
     stored: Any = ...
@@ -208,7 +208,7 @@ def require_unit(waveform: AbstractWaveform | type[AbstractWaveform], unit: str)
 
 
 def just_after(ahead: bool) -> float:
-    """Where in a sample its signal is read, as a share of it: after its start, or its end."""
+    """Return the place in a sample at which its signal is read, as a fraction: after its start, or its end."""
     return JUST_AFTER + (1.0 if ahead else 0.0)
 
 
@@ -217,7 +217,7 @@ BEFORE = 1.0 - 1e-9
 
 
 def place_signal(at_end: bool) -> float:
-    """Where in a step a signal is read that does not change in it, as a share of the step."""
+    """Return the place in a step at which a constant signal is read, as a fraction of the step."""
     return BEFORE if at_end else 0.5
 
 
@@ -230,7 +230,7 @@ class Steps(NamedTuple):
     lengths: list[float]
 
     def ends(self) -> list[float]:
-        """Where they end [s]: where the next one begins, or at the last of the times."""
+        """Return the end times [s]: the begin of the next interval, or the last of the times."""
         return [*self.begins[1:], self.times[-1]]
 
     def grid(self, waveforms: Sequence[AbstractWaveform], at_end: Sequence[bool]) -> TimeGrid:
@@ -338,6 +338,6 @@ def cut_steps(edges: Iterable[float], times: Sequence[float], step: float) -> St
 
 
 def rows_of(waveforms: Sequence[AbstractWaveform], times: Sequence[Sequence[float]], count: int) -> list[Signals]:
-    """Signals as `count` rows of one number per waveform, each read at times of its own."""
+    """Return signals as `count` rows of one number per waveform, each read at separate times."""
     columns = [wave.signals(at) for wave, at in zip(waveforms, times, strict=True)]
     return list(zip(*columns, strict=True)) if columns else [()] * count

@@ -1,4 +1,4 @@
-"""Where a run starts: coordinates, speeds, temperatures and phase states that are given.
+"""Start of a run: given coordinates, speeds, temperatures and phase states.
 
 Without numbers, a system starts at home and at rest, in equilibrium at the ambient temperature and the load. It is
 assembled so in any case, which gives the lengths of its elements there. Then its mechanism is
@@ -29,7 +29,7 @@ from martensite.simulate.envelope import describe_exit, envelope_of
 from martensite.simulate.restarts import AT, CYCLE, EQUILIBRIUM, HOME, PERIOD, WHERE, PassState, Restart
 
 OF_ELEMENT = {"temperature": "K", "martensite_fraction": "1", "oriented_fraction": "1"}
-"""What may be given of an element, with its unit."""
+"""Quantities of an element that can be given, with their units."""
 FITS = 50
 """Turns in which forces and elements are fitted."""
 NUDGE, LOST = 0.01, 0.02
@@ -37,7 +37,7 @@ NUDGE, LOST = 0.01, 0.02
 
 
 def list_initial(system: AbstractSystem) -> dict[str, str]:
-    """What may be given of where a system starts, with its units.
+    """Return the quantities that define the start of a system, with their units.
 
     Raises:
         InputError: it has other parts than a mechanism and elements.
@@ -82,7 +82,7 @@ def require_search(given: Mapping[str, Any]) -> None:
 
 
 def _suggest(system: AbstractSystem, name: str, known: Sequence[str]) -> str:
-    """The nearest name; of a machine, ports stand for what is known of their elements."""
+    """Suggest the nearest name; for a machine, a port stands for all quantities of its element."""
     port, _, own = name.rpartition(".")
     ports = [one for one in system.actuators() if system.label(one, AT) != AT]
     return suggest_name(own, OF_ELEMENT) if port in ports else suggest_name(name, {n.partition(".")[0] for n in known})
@@ -104,11 +104,11 @@ def _convert(name: str, value: Any, unit: str, with_units: bool) -> float:
 def find_start(
     system: AbstractSystem, waveform: Waveforms, initial: Mapping[str, Any], tolerance: float = 1e-4
 ) -> Restart:
-    """Where a run starts, from what is given of it, or said to be found.
+    """Return the start of a run from the given quantities, or search for it.
 
     Raises:
-        InputError: what is given does not fit the system, or it cannot be in that state.
-        SolveError: a search marched to where no run goes.
+        InputError: the given quantities do not fit the system, or it cannot be in that state.
+        SolveError: a search marched to an impossible state.
     """
     given = read_initial(system, initial)
     if AT in given:

@@ -1,8 +1,8 @@
 """Lanes: many states of one system side by side, taken forward step by step from outside.
 
-Where a march goes its way from rest to the end, lanes are pushed: each has a state of its own
-that can be read, set and copied, and in every call its own signals. A predictive controller
-tries its plans in them, a filter its sigma points, a learner its environments.
+A march goes from rest to the end by itself. Lanes are pushed step by step: each has a separate state, which can be
+read, set and copied, and separate signals in every call. A predictive controller tries its plans in them, a filter its
+sigma points, a learner its environments.
 
 In C if there is a compiler: one library per system, for any number of lanes; else on floats.
 Lanes whose step fails are named by `status`, and no error is raised, for lanes are there to try
@@ -119,7 +119,7 @@ class Lanes:
 
     @property
     def status(self) -> list[Status]:
-        """How the steps of every lane ended since the last reset."""
+        """Return the worst status of every lane since the last reset."""
         lost = [bool(np.isnan(column).any()) for column in self.state.T]
         found = [classify_step(float(r), float(s)) for r, s in self.worst.T]
         return [Status.NOT_FINITE if n else s for n, s in zip(lost, found, strict=True)]

@@ -8,12 +8,13 @@ the parabolas through start, middle and end of a step,
 exact for any two of them, and so for every straight line between force and way. A power is
 integrated by Simpson's rule. `ledger.c` does the same.
 
-What changes places in a step, whichever way, is added up, too: work that elements and the outside give or take, or half
-of the changes of what is held where that is more, as in a free oscillation. Sums of it do not cancel over a cycle.
+The energies exchanged in a step are added up as absolute values, too: work that elements and the outside give or take,
+or half of the changes of what is held where that is more, as in a free oscillation. Sums of it do not cancel over a
+cycle.
 
-From them follow two balances of a run, of its heat and of the work of its elements, each with a
-residual of its own: the heat balance that a step solves leaves mechanical work out, and a sum of both
-would be that of the heat, which is some hundred times larger.
+From them follow two balances of a run, of its heat and of the work of its elements, each with a separate residual: the
+heat balance that a step solves leaves mechanical work out, and a sum of both would be that of the heat, which is some
+hundred times larger.
 
 Source: Simpson's rule for F dx/dt, textbook.
 """
@@ -28,17 +29,17 @@ from martensite.actuators.assembly.ledger import ACCOUNTS, EXCHANGED, HEAT, HELD
 
 SIXTH = 1.0 / 6.0
 SIMPSON = (SIXTH, 2.0 * SIXTH, 2.0 * SIXTH, SIXTH)
-"""Shares of a step for what is known at both ends of its halves."""
+"""Weights over a step for values at both ends of its halves."""
 TURNED_OVER = tuple(ACCOUNTS.index(name) for name in ("work", "outside"))
 """Accounts whose work, whichever way it goes, is what is exchanged."""
 STORES = tuple(1 if name in HEAT else 2 if name in HELD[1:] else 0 for name in ACCOUNTS)
-"""Of every account 1 for a store of heat, 2 for one of mechanical energy outside of the elements, else 0."""
+"""Store of every account: 1 for a store of heat, 2 for mechanical energy outside of the elements, else 0."""
 LEAST_HEAT = 1e-9
 """Heat [J] below which there is nothing to balance."""
 LEAST_WORK = 1e-12
 """Work [J] below which there is nothing to balance."""
 ROUNDING, NONE = 1e-12, "0 J"
-"""Share of an energy that is none, and how that is said."""
+"""Fraction of an energy that counts as zero, and the text shown for it."""
 WORDS = {
     "springs": "into springs",
     "gravity": "into weight",
@@ -47,20 +48,20 @@ WORDS = {
     "dissipated": "dissipated",
     "outside": "given to the outside",
 }
-"""Where work goes, in words."""
+"""Sinks and stores of work, in words."""
 
 
 class Book(NamedTuple):
-    """What a kernel `entries` returns: energies that are held, efforts in pairs, and a loss."""
+    """Layout of the values of a kernel `entries`: stored energies, efforts in pairs, and a loss."""
 
     held: tuple[int, ...] = ()
     """Account of every energy, by its place in `ACCOUNTS`."""
     efforts: tuple[int, ...] = ()
     """Account of every effort."""
     heat: bool = False
-    """Whether there is a ledger of the heat."""
+    """True if there is a ledger of the heat."""
     work: bool = False
-    """Whether there is one of the work."""
+    """True if there is a ledger of the work."""
     unknown: tuple[str, ...] = ()
     """Why there is none, in sentences."""
 
@@ -115,7 +116,7 @@ def integrate_effort(forces: Sequence[float], ways: Sequence[float]) -> float:
 
 @dataclass(frozen=True)
 class HeatBalance:
-    """Where the heat of a run went; over all elements that are heated, in J."""
+    """Heat balance of a run, over all heated elements, in J."""
 
     put_in: float
     """By the drives."""
@@ -135,7 +136,7 @@ class HeatBalance:
 
     @property
     def residual(self) -> float | None:
-        """What is not accounted for, as a fraction of the largest of in, lost, stored and exchanged.
+        """Return the missing heat as a fraction of the largest of in, lost, stored and exchanged.
 
         None if there is less than `LEAST_HEAT`.
         """
@@ -163,22 +164,22 @@ class HeatBalance:
 
 @dataclass(frozen=True)
 class WorkBalance:
-    """Where the work of the elements of a run went, in J; what is held as it changed in the run."""
+    """Work balance of the elements of a run, in J; stored energies as their changes in the run."""
 
     work: float
-    """Of the elements on what they pull, less what they took back."""
+    """Work of the elements on the mechanism, less the work returned to them."""
     springs: float
     """Elastic energy of the mechanism: springs, end stops, beams."""
     gravity: float
     kinetic: float
     magnetic: float
-    """Of the winding of a motor."""
+    """Magnetic energy of the winding of a motor."""
     dissipated: float
     """By damping, by friction, and in the winding of a motor."""
     outside: float
     """Given to what prescribes a force, a travel or a voltage; less than 0 where that drives."""
     exchanged: float
-    """What elements, outside and stores gave and took, whichever way it went: of this is the residual."""
+    """Sum of the absolute energies exchanged by elements, outside and stores; the residual is relative to this sum."""
     elastic: float | None = None
     """Elastic energy in the elements, no part of the balance; None if one does not say."""
 
@@ -189,7 +190,7 @@ class WorkBalance:
 
     @property
     def residual(self) -> float | None:
-        """What is not accounted for, as a share of what was exchanged; None if that is nothing."""
+        """Return the missing work as a fraction of the exchanged work; None if the latter is zero."""
         held = self.springs + self.gravity + self.kinetic + self.magnetic
         missing = abs(self.work - held - self.dissipated - self.outside)
         most = max(self.exchanged, abs(held), abs(self.dissipated))

@@ -56,7 +56,7 @@ class Border:
         self.first, self.places = len(compiled.convergence_scales), compiled.signals_in_step()
 
     def find_exit(self, state: Row, inputs: Sequence[float]) -> Exit | None:
-        """Where a state under the inputs of a step is outside; None if it is not."""
+        """Return where a state under the inputs of a step leaves the limits; None if it is inside."""
         seen = self.judge(*state, *(inputs[place] for place in self.places))
         return self.limits.find_exit(seen[self.first :], finite=True)
 
@@ -86,12 +86,12 @@ class FloatWalk:
             self.worst, self.worst_step = status, self.steps
 
     def stops(self, gone: Exit | None) -> bool:
-        """Whether the envelope is left, and the walk with it."""
+        """Return whether the envelope is left, which ends the walk."""
         self.gone = gone
         return gone is not None
 
     def finish(self, rows: Sequence[Row], time_of: Callable[[int], float]) -> Marched:
-        """What the walk did, from its rows and when a step begins [s].
+        """Return the result of the walk, from its rows and the begin of a step [s].
 
         One that had failed before it left the envelope is not to be trusted either.
         """
@@ -163,7 +163,7 @@ def classify_step(residual: float, crossing: float) -> Status:
 def judge_table(
     table: Any, residual: float, crossing: float, left: float = math.inf, state: Sequence[float] = ()
 ) -> Marched:
-    """What a run did whose rows are an array (samples, outputs), from its worst reports.
+    """Return the result of a run with rows as an array (samples, outputs), from its worst reports.
 
     One that `left` the envelope at a time [s] has that status, unless it had failed before.
     """

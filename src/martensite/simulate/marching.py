@@ -21,13 +21,13 @@ SHORTEST = 1e-12
 FINEST, ROUGHNESS = 1e-4, 3e-11
 """Fraction of the first step of a motion with inertia that is the shortest step: at most, and per tolerance."""
 HAIR = 1e-9
-"""Share of a step that is none."""
+"""Fraction of a step that counts as zero."""
 START, WHOLE, FIRST, SECOND = -1, 0, 1, 2
 """Parts of a record: the start of a run, a whole step, and both halves of a step."""
 
 
 class RunLimits(NamedTuple):
-    """What no run leaves."""
+    """Limits that end a run."""
 
     low: tuple[float, ...]
     high: tuple[float, ...]
@@ -42,12 +42,12 @@ class RunLimits(NamedTuple):
 
 
 class Exit(NamedTuple):
-    """Where the envelope is left."""
+    """Place at which the envelope is left."""
 
     place: int
     """Which of its bounds is passed."""
     value: float
-    """What came there, in SI."""
+    """Value at the exit, in SI."""
 
 
 @dataclass(frozen=True)
@@ -66,14 +66,14 @@ class MarchPlan:
     ranges: tuple[float, ...] = ()
     """Ranges of the judged outputs, if they are known."""
     recorded: bool = True
-    """Whether the accepted steps are recorded (`martensite.simulate.track`)."""
+    """True if the accepted steps are recorded (`martensite.simulate.track`)."""
     totalled: bool = False
     """True if a march in C keeps the lowest and highest value and the integral of every output (`totals.c`)."""
     step: float | None = None
     """Longest step [s] of a march on equal steps between samples and edges, without control."""
     parted: bool = False
-    """Whether the last step before every edge of a drive is split: two runs whose steps are cut at
-    the same places would have their errors in common."""
+    """True if the last step before every edge of a drive is split. Two runs with steps cut at the same places would
+    have the same errors."""
     inertial: float = 0.0
     """First step [s] of what moves with inertia; 0 if nothing does."""
     skipped: int = 0
@@ -93,25 +93,25 @@ class MarchPlan:
 
     @property
     def order(self) -> int:
-        """Of one step with error control."""
+        """Return the order of one step with error control."""
         return self.compiled.order
 
 
 @dataclass
 class Marched:
-    """What an adaptive run did."""
+    """Result of an adaptive run."""
 
     rows: Any
     """Outputs at the samples that were reached: a list of rows, or an array of a run in C."""
     ranges: tuple[float, ...] = ()
-    """Of the judged outputs, over all steps."""
+    """Ranges of the judged outputs, over all steps."""
     status: Status = Status.OK
     time: float = 0.0
-    """Where it ended [s], or where the step of its status began; NaN where that was not recorded."""
+    """End of the run [s], or begin of the step of its status; NaN if it was not recorded."""
     place: int = -1
     """Which limit of the envelope was passed; -1 if none."""
     value: float = 0.0
-    """What came there, in SI."""
+    """Value at the exit, in SI."""
     steps: int = 0
     rejected: int = 0
     longest: float = 0.0
@@ -133,9 +133,10 @@ class Marched:
     extremes: tuple[Row, Row] = ((), ())
     """Lowest and highest of what is judged, since the run of which this is a part began."""
     gap: Row = ()
-    """What is judged differs by at most, from the run before of the same, until this one began; empty for none."""
+    """Largest difference of the judged outputs to the pass before, until this leg began; empty if there is no pass
+    before."""
     gaps: list[Row] = field(default_factory=list[Row])
-    """The same at every sample at which runs are compared."""
+    """Differences at every sample at which passes are compared."""
 
     @property
     def ends(self) -> list[float]:

@@ -1,4 +1,4 @@
-"""Marches in C: one run, or many in the lanes of a block, each on steps of its own.
+"""Marches in C: one run, or many in the lanes of a block, each with separate steps.
 
 The C is `marching.c` with `adaptive.c` or `fixed.c` for one run, and `lanes.c` for many. Memory
 holds what is kept, and a window of the drives: nothing grows with the steps. Lanes are at different
@@ -148,7 +148,7 @@ class Runs:
     ranges: Any = None
     """Ranges of the judged outputs, (runs, judged), if they are known."""
     limits: Any = None
-    """What no run leaves, low and high, (2, envelope, runs); as the plan says if None."""
+    """Limits that end a run, low and high, (2, envelope, runs); the limits of the plan if None."""
 
     def choose(self, places: Any, ranges: Any) -> Runs:
         """Some of them, with known ranges of their judged outputs, (runs, judged)."""
@@ -165,7 +165,7 @@ class Runs:
 
 @dataclass(frozen=True, eq=False)
 class MarchRows:
-    """What runs did."""
+    """Results of runs."""
 
     outputs: Numbers
     """(runs, samples, outputs); NaN after the end of a run that stopped."""
@@ -177,7 +177,7 @@ class MarchRows:
     totals: Numbers
     """Lowest, highest and integral of every output over all steps, (runs, 3, outputs), if they were asked for."""
     states: Numbers | None = None
-    """Where runs ended, (runs, states); None for runs in lanes."""
+    """States at the ends of runs, (runs, states); None for runs in lanes."""
     extremes: Numbers | None = None
     """Lowest and highest of what is judged, (runs, 2, judged)."""
 
@@ -225,7 +225,7 @@ def march_runs(runs: Runs, watch: Callable[[float], None] | None = None) -> Marc
 
 
 class MarchArrays:
-    """What the C of a march reads and fills; drives of runs in lanes are known as a whole if they are not too long."""
+    """Arrays that the C of a march reads and fills; drives of runs in lanes are stored completely if not too long."""
 
     def __init__(self, runs: Runs) -> None:
         plan, compiled = runs.plan, runs.plan.compiled
@@ -263,7 +263,7 @@ class MarchArrays:
                     window.extend(plan.times[0])
 
     def describe(self, locate: Callable[[NDArray[Any]], int]) -> _March:
-        """What C is told of them, and where each lies."""
+        """Return the structure that is passed to C, with the address of each array."""
         plan = self.plan
         places = ("p", "first", "times", "limits", "ranges", "rows", "numbers", "record", "states", "extremes")
         self.fill_drives(locate)
@@ -285,7 +285,7 @@ class MarchArrays:
         )
 
     def knows_all(self) -> bool:
-        """Whether all drives are known to the end."""
+        """Return whether all drives are stored up to their ends."""
         return all(window.known_until() == np.inf for row in self.windows for window in row)
 
     def fill_drives(self, locate: Callable[[NDArray[Any]], int]) -> None:
@@ -367,7 +367,7 @@ def _get_address(array: NDArray[Any]) -> int:
 def kernel_of(
     plan: MarchPlan, outputs: Sequence[int], lanes: int = 1, own: Sequence[Sequence[AbstractWaveform]] | None = None
 ) -> MarchKernel:
-    """What has to be compiled for runs of a plan; every run may have waveforms of its own."""
+    """Return the kernel for runs of a plan; every run may have separate waveforms."""
     rows = [plan.waveforms] if own is None else own
     tones = max((len(waveform.tones()) for row in rows for waveform in row), default=0)
     fixed = plan.step is not None
@@ -377,22 +377,22 @@ def kernel_of(
 
 @dataclass(frozen=True)
 class MarchKernel:
-    """What a library is compiled for."""
+    """Key of a compiled library."""
 
     compiled: CompiledMarch
     outputs: tuple[int, ...]
     lanes: int
     tones: int
-    """Most of any drive."""
+    """Largest number of tones of a drive."""
     order: int = 2
     own: bool = False
-    """Whether every run has drives of its own."""
+    """True if every run has separate drives."""
     fixed: bool = False
-    """Whether steps are given."""
+    """True if the steps are given."""
 
     @property
     def flags(self) -> tuple[str, ...]:
-        """Of the compiler, beside the usual ones."""
+        """Return additional flags of the compiler."""
         return () if self.fixed else FUSED
 
     def source(self) -> str:

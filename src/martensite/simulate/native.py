@@ -67,7 +67,7 @@ def march_lanes(
 ) -> tuple[Any, Any]:
     """March a batch of exactly `lanes` variants; scalars are repeated over the lanes.
 
-    A `LaneGrid` gives every lane signals and steps of its own.
+    A `LaneGrid` gives every lane separate signals and steps.
     Returns outputs (samples, outputs, lanes) and the worst reports (3, lanes).
     """
     return march_inside(compiled, values, grid, lanes, outputs, None)[:2]
@@ -82,12 +82,12 @@ def march_inside(
     limits: Any,
     states: Any = None,
 ) -> tuple[Any, Any, Any]:
-    """The same, with the time [s] at which each lane left the envelope, (lanes,).
+    """March a batch of lanes; return also the time [s] at which each lane left the envelope, (lanes,).
 
-    That is the end of a step, and infinite for lanes that stay inside. What is reported is that
-    until then. The limits are low and high, (2, envelope) or (2, envelope, lanes), or None where
-    nobody looks. The `states`, (states, lanes), are those in the end after it, and in the beginning
-    unless the first is no number: then it begins at rest.
+    That time is the end of a step, and infinite for lanes that stay inside. Reports cover the run until then. The
+    limits are low and high, (2, envelope) or (2, envelope, lanes), or None if there is no envelope. The `states`,
+    (states, lanes), are the initial states, and the final states after the call. If the first number is NaN, the lanes
+    begin at rest.
     """
     bounded = limits is not None and len(compiled.envelope) > 0
     library = _load_library(compiled, lanes, tuple(outputs), isinstance(grid, LaneGrid), bounded)

@@ -1,4 +1,4 @@
-"""Where a plant rests under constant signals, on the branch by which it got there.
+"""Steady states of a plant under constant signals, on a given branch.
 
 With hysteresis one signal has two positions of rest, and all between them: what was before
 decides. `heating` comes from rest without any signal, `cooling` from having rested under the
@@ -34,7 +34,7 @@ class SteadyPoint:
 
     system: AbstractSystem
     signals: tuple[float, ...]
-    """Of all drives."""
+    """Signals of all drives."""
     drive: str
     """The one that is varied."""
     state: Numbers
@@ -44,7 +44,7 @@ class SteadyPoint:
 
     @property
     def signal(self) -> float:
-        """Of the drive that is varied."""
+        """Return the signal of the drive that is varied."""
         return self.signals[[one.name for one in self.system.drives()].index(self.drive)]
 
 
@@ -57,7 +57,7 @@ def find_operating_point(
     drive: str | None = None,
     others: Mapping[str, float] | None = None,
 ) -> SteadyPoint:
-    """Where a system rests under a constant signal.
+    """Find the steady state of a system under a constant signal.
 
     Args:
         system: a plant, or a bench without a controller.
@@ -87,7 +87,7 @@ def find_operating_level(
     drive: str | None = None,
     others: Mapping[str, float] | None = None,
 ) -> SteadyPoint:
-    """Where an output of a system rests at a level, on a branch between two signals.
+    """Find the steady state with an output at a level, on a branch between two signals.
 
     Args:
         system: a plant, or a bench without a controller.
@@ -166,7 +166,7 @@ class _RestingLanes:
         return lanes
 
     def point(self, lanes: Lanes, row: Numbers, lane: int) -> SteadyPoint:
-        """What one lane has come to under the signals of a row."""
+        """Return the state of one lane under the signals of a row."""
         failed = lanes.status[lane]
         if failed.failed:
             raise SolveError(f"The plant failed on its way to rest. {failed.sentence}")

@@ -1,4 +1,4 @@
-"""What paths of a material point are laid out with: courses, choices, and what a law is asked.
+"""Layout of the paths of a material point: courses, choices, and properties of the law.
 
 What is not chosen comes from the law, found by driving it (`simulate.transformation_points`):
 transformation temperatures without load, and the stress and strain that complete a
@@ -26,7 +26,7 @@ ZERO = 273.15
 
 @dataclass(frozen=True)
 class PathRates:
-    """How fast paths go; matters for laws with rates only."""
+    """Rates along paths; they matter only for rate-dependent laws."""
 
     temperature: float = 1.0
     """[K/s]"""
@@ -38,7 +38,7 @@ class PathRates:
 
 @dataclass(frozen=True)
 class Choices:
-    """What is chosen of a path; the rest follows from the law."""
+    """Choices for a path; all other values follow from the law."""
 
     temperatures: tuple[float, ...] = ()
     """[K]"""
@@ -103,7 +103,7 @@ class Guide:
 
     @cached_property
     def cold_state(self) -> tuple[float, Fractions]:
-        """Where martensite stays without load, and the phase state to begin with there.
+        """Return a temperature at which martensite is stable without load, and the phase state at the start.
 
         Twinned martensite below M_f, if the law turns it under stress; else austenite between
         M_s and A_s.
@@ -122,7 +122,7 @@ class Guide:
         return self.choices.temperatures or tuple(self.marks.A_f + more for more in above)
 
     def top(self, temperature: float, fractions: Fractions) -> LoadingPoint:
-        """Where loading has completed the transformation."""
+        """Return the point at which loading has completed the transformation."""
         found = find_loaded(self.law, round(temperature, 6), fractions)
         if found is None or found.stress < 1e6:
             found = find_loaded(self.law, round(temperature, 6), AUSTENITE)

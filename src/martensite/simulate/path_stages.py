@@ -1,4 +1,4 @@
-"""What a path of a material point did: where each leg transformed, and what it left.
+"""Stages of a path of a material point: transformations of each leg, and the residual strain.
 
 On every leg the fraction that changes more is followed, the whole martensite or its oriented
 part. Its change is followed from 1 % over half to 99 %, between samples along straight lines.
@@ -35,7 +35,7 @@ class PathStage:
     oriented: float
     """Change of the oriented fraction [-]."""
     spots: tuple[PlanePoint, PlanePoint, PlanePoint] | None
-    """Where the transformation starts, is half done and ends."""
+    """Points at which the transformation starts, is half done and ends."""
     varies: tuple[str, ...]
     """Which of stress and temperature change on the leg."""
     end: PlanePoint
@@ -96,7 +96,7 @@ def _find_spots(
 
 
 def _find_spot(result: PointResult, fractions: list[float], first: int, last: int, share: float) -> PlanePoint:
-    """Where a share of the change on a leg is done."""
+    """Return the point at which a fraction of the change on a leg is done."""
     begin, change = fractions[first], fractions[last] - fractions[first]
     done = [(fractions[i] - begin) / change for i in range(first, last + 1)]
     k = next(i for i, value in enumerate(done) if value >= share)

@@ -59,7 +59,7 @@ def find_path(name: str) -> NamedPath:
 
 
 def named_path(name: str, law: AbstractLaw, choices: Choices | None = None) -> list[ThermomechanicalPath]:
-    """The courses of a named path, sized by a law.
+    """Return the courses of a named path, sized by a law.
 
     Args:
         name: a name from `PATHS`.

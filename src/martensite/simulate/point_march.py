@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from martensite.kernels.compiled_program import CompiledProgram
 
 SPLITS = 4
-"""How often a step that stays unsolved is halved, on floats."""
+"""Largest number of halvings of an unsolved step, on floats."""
 STRAIN, STRESS = ROW.index("strain"), ROW.index("stress")
 
 
@@ -57,7 +57,7 @@ class PathSection(NamedTuple):
 
 
 class Ridden(NamedTuple):
-    """What a march along one section returns."""
+    """Result of a march along one section."""
 
     memory: Row
     """With the row that follows it."""
@@ -72,7 +72,7 @@ class PointTrack:
     """Rows at the samples, and how the steps ended."""
 
     rows: list[Row]
-    """As `compiled_law.ROW`."""
+    """Rows in the layout of `compiled_law.ROW`."""
     status: Status
     residual: float
     leg: int

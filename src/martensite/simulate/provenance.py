@@ -1,7 +1,7 @@
-"""Parts of a run that are none of this package's, and whether their promises were tried.
+"""User-defined parts of a run, and the results of their conformance tests.
 
-What `martensite conform` finds of a part is kept in the cache of this machine, under what its file
-holds: whoever changes the file has a part that was not tried.
+The finding of `martensite conform` on a part is kept in the cache of this machine, under the hash of its file. A part
+counts as not tested again after a change of its file.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from martensite.base.files import tell_once
 from martensite.base.parameters import Parametrised
 
 OWN = "martensite."
-"""What the modules of this package begin with."""
+"""Prefix of the modules of this package."""
 NOT_TRIED = "not tried"
 
 
@@ -42,7 +42,7 @@ def _name_part(cls: type[Parametrised]) -> str:
 
 
 def find_record(cls: type[Parametrised]) -> str:
-    """What was found of a part as its file is now."""
+    """Return the finding for a part with the present content of its file."""
     path = _locate_record(cls)
     try:
         holds = path is not None and json.loads(path.read_text("utf-8"))["holds"]
@@ -66,7 +66,7 @@ def keep_record(cls: type[Parametrised], holds: bool, checks: int) -> None:
 
 
 def _locate_record(cls: type[Parametrised]) -> Path | None:
-    """Where a finding is kept; None if the class has no file, as in a notebook."""
+    """Return the path of a kept finding; None if the class has no file, as in a notebook."""
     try:
         source = Path(inspect.getsourcefile(cls) or "").read_bytes()
     except (OSError, TypeError):

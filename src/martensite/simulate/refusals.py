@@ -41,9 +41,9 @@ def _list_checking(part: Parametrised, prefix: str) -> Iterator[tuple[str, Param
 
 
 def _check_objects(part: Parametrised, values: Mapping[str, Any]) -> list[bool]:
-    """Which runs a part refuses though their numbers are in their ranges.
+    """Return which runs a part rejects although their parameters are in their ranges.
 
-    One twin, seen by nobody else, takes the numbers of one run after another.
+    One private copy of the part takes the parameters of one run after another.
     """
     twin = part.rebuilt(dict.fromkeys(values, 0.0))
     places = [(_find_holder(twin, path).__dict__, path.rpartition(".")[2]) for path in values]

@@ -1,7 +1,7 @@
 """Restarts: what a run keeps so that another one goes on from there, and runs that are made from restart to restart.
 
 A run with restarts is made in legs, one after the other, in each of its passes: a leg begins with the state and the
-ranges in which the one before ended, and with nothing else. So a run that begins with what was kept at a restart
+ranges in which the one before ended, and with nothing else. So a run that begins with the state kept at a restart
 repeats, pass by pass, the legs that follow in the run that kept it, in all bits. Decision 049 says what that is worth.
 """
 
@@ -37,7 +37,7 @@ SAME = 1e-12
 
 
 class PassState(NamedTuple):
-    """Where one of the passes of a run is."""
+    """State of one of the passes of a run."""
 
     state: Row
     """All that the system remembers."""
@@ -45,7 +45,7 @@ class PassState(NamedTuple):
     """Lowest of what is judged, until then; empty for a run that begins."""
     high: Row = ()
     gap: Row = ()
-    """What is judged differs by at most from the pass before, until then; empty for the first."""
+    """Largest difference of the judged outputs to the pass before, until then; empty for the first pass."""
     ripple: float = 0.0
     residual: float = 0.0
 
@@ -57,7 +57,7 @@ class Restart:
     time: float = 0.0
     """[s]"""
     passes: tuple[PassState, ...] = ()
-    """Of a run on given steps one, of a run to a tolerance at least two, each to a finer tolerance."""
+    """Passes: one of a run on given steps, at least two of a run to a tolerance, each to a finer tolerance."""
 
     @property
     def state(self) -> Row:
@@ -65,12 +65,12 @@ class Restart:
         return self.passes[-1].state if self.passes else ()
 
     def at_time_zero(self) -> Restart:
-        """The same state at the time 0, and nothing else that a run went through."""
+        """Return the state at the time 0, without the history of the run."""
         return Restart(0.0, tuple(PassState(one.state) for one in self.passes[-1:]))
 
 
 HOME = Restart()
-"""Where a run begins of which nothing else is said."""
+"""Default start of a run."""
 
 
 def list_samples(duration: float, samples: int, begin: float) -> list[float]:
@@ -90,7 +90,7 @@ def list_samples(duration: float, samples: int, begin: float) -> list[float]:
 
 
 def place_stops(asked: Sequence[float], times: Sequence[float]) -> list[float]:
-    """Restarts that were asked for [s], each on the sample that it is no different from; without those that are past.
+    """Return the wanted restarts [s], each moved to a sample within rounding; past restarts are removed.
 
     Raises:
         InputError: one lies outside of the run.
@@ -111,7 +111,7 @@ def place_stops(asked: Sequence[float], times: Sequence[float]) -> list[float]:
 
 
 def find_restart(known: Sequence[Restart], at: float | None = None) -> Restart:
-    """What was kept at a time [s]; by default the last.
+    """Return the restart at a time [s]; by default the last.
 
     Raises:
         InputError: nothing was kept then; the sentence names the nearest time.
@@ -197,19 +197,19 @@ class Relay:
         return whole
 
     def _begin(self, number: int) -> PassState | None:
-        """Where a pass begins, that of the finest pass before if there were not as many; None at home."""
+        """Return the start of a pass, or of the finest pass before if there were fewer; None at the default start."""
         known = self.begin.passes
         return known[min(number, len(known) - 1)] if known else None
 
     def list_restarts(self, compared: Sequence[float]) -> list[Restart]:
-        """What was kept, if passes were compared at so many times [s]; nothing of a run that stopped early."""
+        """Return the restarts, if passes were compared at the given times [s]; empty for a run that stopped early."""
         if self.made[-1][0].status.failed:
             return []
         times = [*self.stops, compared[-1]]
         return [Restart(time, tuple(self._keep(leg, time, compared))) for leg, time in enumerate(times)]
 
     def _keep(self, leg: int, time: float, compared: Sequence[float]) -> list[PassState]:
-        """Where every pass was at the end of a leg [s], but those that stopped early."""
+        """Return the states of the passes at the end of a leg [s], without passes that stopped early."""
         found = list[PassState]()
         for number, (whole, legs) in enumerate(self.made):
             if whole.status.failed:

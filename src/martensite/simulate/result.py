@@ -46,9 +46,9 @@ class Variants:
     ended: NDArray[np.float64]
     """Time [s] at which each ended, (variants,); NaN where that is not known."""
     accuracy: NDArray[np.float64] | None = None
-    """How far temperatures, martensite fractions, stresses and coordinates of each may be off, as a
-    share of their ranges, (variants,); NaN for runs that failed otherwise than by leaving the
-    envelope. None for runs on given steps. One above the tolerance was not reached."""
+    """Bound on the errors of temperatures, martensite fractions, stresses and coordinates of each variant, as a
+    fraction of their ranges, (variants,); NaN for runs that failed otherwise than by leaving the envelope. None for
+    runs on given steps. A value above the tolerance means that the tolerance was not reached."""
     extremes: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]] = field(
         default_factory=dict[str, "tuple[NDArray[np.float64], NDArray[np.float64]]"]
     )
@@ -58,7 +58,7 @@ class Variants:
         return len(self.status)
 
     def count_endings(self) -> str:
-        """How many runs ended how, such as `63 ok, 1 out of envelope`."""
+        """Return the number of runs by status, such as `63 ok, 1 out of envelope`."""
         names = Counter(one.name.lower().replace("_", " ") for one in self.status)
         return ", ".join(f"{count} {name}" for name, count in names.most_common())
 
@@ -72,7 +72,7 @@ class Result:
     """
 
     system: Any
-    """What was run: a `System` of one element, or a `Machine` of several."""
+    """System that was run: a `System` of one element, or a `Machine` of several."""
     waveform: Any
     """The waveform that drove it, or waveforms by name."""
     times: NDArray[np.float64]
@@ -87,8 +87,8 @@ class Result:
     step: float
     """Longest step taken [s]."""
     accuracy: float | None = None
-    """How far temperatures, martensite fractions, stresses and coordinates may be off, as a share
-    of the range of each; None if only one run was made, and for a batch (see `variants.accuracy`)."""
+    """Bound on the errors of temperatures, martensite fractions, stresses and coordinates, as a fraction of the range
+    of each; None if only one run was made, and for a batch (see `variants.accuracy`)."""
     warnings: list[str] = field(default_factory=list[str])
     """Sentences on exceeded limits, slack, a saturated supply, coarse steps."""
     alarms: list[Alarm] = field(default_factory=list[Alarm])
@@ -101,20 +101,21 @@ class Result:
     beside: dict[str, Output] = field(default_factory=dict[str, Output])
     """Columns that are no outputs of the system, such as what a controller outside of it wanted."""
     runtime: str = ""
-    """What it was computed on: floats, C or CUDA; empty if that is not said."""
+    """Runtime of the run: floats, C or CUDA; empty if unknown."""
     rejected: int = 0
     """Steps that were made again, shorter."""
     heat: HeatBalance | None = None
-    """Of a run with an error control; None where a temperature is prescribed or an element does not
-    say what it holds (`unbalanced` tells), or steps are given."""
+    """Heat balance of a run with an error control; None where a temperature is prescribed or an element does not give
+    its stored heat (see `unbalanced`), or steps are given."""
     work: WorkBalance | None = None
-    """Likewise; None where a mechanism does not say what it holds, or steps are given."""
+    """Work balance of a run with an error control; None where a mechanism does not give its stored energy, or steps are
+    given."""
     unbalanced: list[str] = field(default_factory=list[str])
-    """Why there is no balance of heat or work in a run with an error control, in sentences."""
+    """Reasons for a missing balance of heat or work in a run with an error control, in sentences."""
     ripple: float = 0.0
     """Temperature [K] that the mean of a drive over a step leaves out, at most."""
     variants: Variants | None = None
-    """Of a batch; None for a single run."""
+    """Variants of a batch; None for a single run."""
     trace: AbstractTrace | None = None
     """Computes `track`; None where only samples are known."""
     seed: int | None = None
@@ -122,7 +123,8 @@ class Result:
     begin: Callable[[Result], str] | str = ""
     """Returns `start`, or is `start` itself in a result from a file."""
     restarts: list[Restart] = field(default_factory=list["Restart"])
-    """Where another run can go on: at the end, and at times that were asked for; none of a run that stopped early."""
+    """States from which another run can continue: at the end, and at the requested times; empty if the run stopped
+    early."""
 
     @cached_property
     def start(self) -> str:
@@ -130,10 +132,10 @@ class Result:
         return self.begin if isinstance(self.begin, str) else self.begin(self)
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
-        """A column by name, or the times, in SI units: (samples,), of a batch (variants, samples).
+        """Return a column by name, or the times, in SI units: (samples,), of a batch (variants, samples).
 
         Raises:
-            UnknownNameError: there is no such column.
+            UnknownNameError: the column does not exist.
         """
         if name == "time":
             return self.times
@@ -197,7 +199,7 @@ class Result:
         return table
 
     def summary(self) -> Summary:
-        """How the run went, ranges of all columns, balances, remarks and warnings."""
+        """Summarise the run: ranges of all columns, balances, remarks and warnings."""
         rows = [(self.outputs[name].long_name, *self._write_ends(name)) for name in self.outputs]
         told = [Sentence(one) for one in (self.start, *self.balances(), *self.remarks()) if one]
         warned = [Sentence(one, "caution") for one in self.warnings]
@@ -352,7 +354,7 @@ class Result:
 
     @cached_property
     def outputs(self) -> dict[str, Output]:
-        """How every column is called, with its unit; of a batch, those that were asked for."""
+        """Return the label and unit of every column; of a batch, only the requested columns."""
         known = self.system.outputs() | self.beside
         return known if self.variants is None else {name: known[name] for name in self.columns}
 
@@ -401,7 +403,7 @@ class Result:
         return "\n".join([*lines, *own, *self.remarks(), *self.warnings])
 
     def _lead(self) -> str:
-        """How far it went, in which steps, how accurate, in a line."""
+        """Return one line with the end, the steps and the accuracy of the run."""
         if self.variants is not None:
             return self._describe_variants(self.variants)
         accuracy = "not estimated" if self.accuracy is None else f"{self.accuracy:.1e} of range"
@@ -412,14 +414,14 @@ class Result:
 
     @property
     def conformance(self) -> dict[str, str]:
-        """Parts that are none of this package's -> whether they keep what is promised of them.
+        """Return user-defined parts -> the result of their conformance tests.
 
         `conforms`, `does not conform`, or `not tried` (`martensite conform FILE` does).
         """
         return tell_conformance([self.system, self.waveform])
 
     def remarks(self) -> list[str]:
-        """What is to be known of parts that are none of this package's, in sentences."""
+        """Return remarks on user-defined parts, in sentences."""
         remedies = {"conforms": ".", NOT_TRIED: "; `martensite conform FILE` does."}
         return [
             f"Part `{name}` is none of this package's; its promises: {found}"
@@ -428,7 +430,7 @@ class Result:
         ]
 
     def _describe_variants(self, variants: Variants) -> str:
-        """How the runs of a batch ended, and how accurate they are."""
+        """Return the endings of the runs of a batch, and their accuracy."""
         bounds: list[float] = []
         if variants.accuracy is not None:
             bounds = variants.accuracy.tolist()
@@ -440,7 +442,7 @@ class Result:
         )
 
     def balances(self) -> list[str]:
-        """Those of heat and work, in a line each, and why one is missing."""
+        """Return the balances of heat and work, one line each, and the reasons for missing ones."""
         known = [str(one) for one in (self.heat, self.work) if one is not None]
         return known + self.unbalanced
 
@@ -453,7 +455,7 @@ class Result:
 
 
 LINES = 6
-"""Of the summary in `repr`."""
+"""Lines of the summary in `repr`."""
 ROUNDING = 1e-9
 """Fraction of the largest value of a column that is 0."""
 

@@ -1,4 +1,4 @@
-"""Where a run starts, found by marching: at rest, or in a cycle that closes.
+"""Search for the start of a run by marching: at rest, or in a cycle that closes.
 
 `equilibrium` is where the system comes to rest under the first values of its drives, `settled cycle` where it begins a
 period of its drives that ends as it began. Both are marched to, with no guess of the answer.
@@ -31,7 +31,7 @@ LOOKED = 65
 
 
 def find_settled(system: AbstractSystem, waveform: Waveforms, given: Mapping[str, Any], tolerance: float) -> Restart:
-    """What a table says is to be found.
+    """Find the start that a table asks for.
 
     Raises:
         InputError: it is not found, or the drives have no period.
@@ -50,7 +50,7 @@ class _Search:
     tolerance: float
 
     def find_equilibrium(self) -> Restart:
-        """Where nothing moves under the first values of the drives."""
+        """Find the state that is constant under the first values of the drives."""
         waves = by_name(self.system, self.waveform)
         held = {name: Constant(level=one.value(0.0)) for name, one in waves.items()}
         step = longest_step(self.system)
@@ -75,7 +75,7 @@ class _Search:
         )
 
     def find_cycle(self, period: float | None) -> Restart:
-        """Where a period [s] begins that ends as it began."""
+        """Find the begin of a period [s] that ends in its initial state."""
         waves = by_name(self.system, self.waveform)
         period = self._find_period(waves) if period is None else period
         for name, one in waves.items():

@@ -1,4 +1,4 @@
-"""How a result computes its track when it is asked for a measure, and bounds the error of the measure.
+"""Track of a result, computed when a measure asks for it, and error bounds of measures.
 
 A run to a tolerance is made at least twice. The bound of a measure is twice the difference of the
 measure between the last run and the run before, which is made again for this. It is not less than
@@ -98,7 +98,7 @@ class RunTrace(AbstractTrace):
     plan: MarchPlan
     found: Marched
     relay: Relay
-    """It made the passes of the run."""
+    """Relay that made the passes of the run."""
     used: str
     """Runtime of the last pass, `C` or `floats`; its records differ."""
 

@@ -119,9 +119,9 @@ class StepRows:
     rows: Places
     """(steps, 3)"""
     joined: Flags
-    """Whether the step before it is joined without a jump, (steps,)."""
+    """True if the step is joined to the one before without a jump, (steps,)."""
     plain: Flags
-    """Whether no drive jumps or swings within it, (steps,)."""
+    """True if no drive jumps or swings within the step, (steps,)."""
 
 
 class Peaks(NamedTuple):
@@ -131,7 +131,7 @@ class Peaks(NamedTuple):
     column: Places
     step: Places
     share: Numbers
-    """Where in the step, from 0 to 1."""
+    """Place in the step, from 0 to 1."""
     value: Numbers
 
 
@@ -149,7 +149,7 @@ class Track:
     """Weight of every row in an integral over time [s], (rows,)."""
     steps: StepRows
     swinging: Flags
-    """Whether an output depends on the signals, (outputs,)."""
+    """True if an output depends on the signals, (outputs,)."""
     tolerance: float = TOLERANCE
     """Accepted error of the run, as a fraction of the range of a column."""
 

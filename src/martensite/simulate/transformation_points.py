@@ -1,4 +1,4 @@
-"""Where a law transforms, found by driving it: along isobars, and by loading at a temperature.
+"""Transformation points of a law, found by driving it: along isobars, and by loading at a temperature.
 
 Nothing is asked of the law but its kinetics, so this holds for every law. A sweep goes in
 coarse steps; the step in which a fraction passes a level is taken again in ten smaller ones,
@@ -24,7 +24,7 @@ PIECES, SMALLER, DEPTH = 70, 10, 3
 HEATING, LOADING = 1.0, 10e6
 """Rates of the sweeps [K/s], [Pa/s]; they matter for laws with rates only."""
 LEVEL = 0.01
-"""Share of the transformation at which it counts as begun; as much is left at its end."""
+"""Fraction of the transformation at its start, and remaining fraction at its end."""
 MARTENSITE, ORIENTED, STRAIN = (ROW.index(n) for n in ("martensite", "oriented", "strain"))
 
 State = tuple[float, ...]
@@ -60,7 +60,7 @@ class PlanePoint(NamedTuple):
 
 @dataclass(frozen=True)
 class Passed:
-    """Where a sweep first passed a test, as a share of its way, and the row there."""
+    """Place at which a sweep first passed a test, as a fraction of its way, and the row there."""
 
     share: float
     row: State
@@ -86,7 +86,7 @@ class Explorer:
     def sweep(
         self, state: State, begin: PlanePoint, end: PlanePoint, duration: float, tests: Sequence[Test]
     ) -> tuple[list[Passed | None], State]:
-        """Where the tests are first passed on the way, and the memory at its end."""
+        """Return the places where the tests are first passed on the way, and the memory at its end."""
         found: list[Passed | None] = [None] * len(tests)
         for k in range(PIECES):
             shares = k / PIECES, (k + 1) / PIECES
@@ -115,7 +115,7 @@ class Explorer:
         test: Test,
         depth: int,
     ) -> Passed:
-        """The same within a piece of the way, in smaller steps."""
+        """Search within a piece of the way, in smaller steps."""
         low, high = shares
         pieces = [(low + (high - low) * k / SMALLER, low + (high - low) * (k + 1) / SMALLER) for k in range(SMALLER)]
         row: State = ()
@@ -131,7 +131,7 @@ class Explorer:
 
 @lru_cache(maxsize=256)
 def find_isobar(law: AbstractLaw, stress: float = 0.0, level: float = LEVEL) -> Marks:
-    """Temperatures at which the transformation, at a constant stress [Pa], counts as begun by a share `level`."""
+    """Find the start and end temperatures, at a constant stress [Pa], by a transformed fraction `level`."""
     explorer = Explorer(law)
     hot, cold = PlanePoint(stress, HOTTEST), PlanePoint(stress, COLDEST)
     duration = (HOTTEST - COLDEST) / HEATING
@@ -161,7 +161,7 @@ def find_isobar(law: AbstractLaw, stress: float = 0.0, level: float = LEVEL) -> 
 def find_loaded(
     law: AbstractLaw, temperature: float, fractions: Fractions = AUSTENITE, share: float = 1.0 - LEVEL
 ) -> LoadingPoint | None:
-    """Where loading at a temperature [K] has oriented (or formed) a share of martensite.
+    """Find the point at which loading at a temperature [K] has oriented (or formed) a fraction of martensite.
 
     None if that takes more than 3 GPa. What counts is martensite if there is none at the start,
     else its orientation.

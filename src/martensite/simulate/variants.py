@@ -1,10 +1,10 @@
 """Variants of one system, many at a time: parameters and waveforms that differ from run to run.
 
-Runs are made to a tolerance, with an error control in every step and a bound on what is left of
-the error of each (`martensite.simulate.ensembles`), in lanes of C, on a GPU or, without a compiler, one
-after another on floats. On given steps and in discrete time they march on steps that are laid out
-before: in blocks of lanes in C (`martensite.simulate.native`), on a GPU, or one after another on floats.
-A run does not depend on which others march beside it.
+Runs are made to a tolerance, with an error control in every step and a bound on the remaining error of each
+(`martensite.simulate.ensembles`), in lanes of C, on a GPU or, without a compiler, one after another on floats. On
+given steps and in discrete time they march on steps that are laid out before: in blocks of lanes in C
+(`martensite.simulate.native`), on a GPU, or one after another on floats. A run does not depend on which others march
+beside it.
 
 Failures are data: every run has a status, and those that a check of the system refuses are not
 marched.
@@ -47,15 +47,15 @@ OnSteps: TypeAlias = tuple[list[Numbers], Numbers, Numbers]
 """Columns (runs, samples), reports (3, runs), and when runs left the envelope [s], (runs,)."""
 RUNTIMES = ("c", "cuda", "floats")
 SOLVED_TO = {"float64": SOLVED, "float32": 2e-3}
-"""Residual of a step that is none, by precision."""
+"""Residual of a solved step, by precision."""
 NAMES = {"cuda": "CUDA", "c": "C"}
-"""As a reader knows them."""
+"""Names of the runtimes for users."""
 LANES = {"c": 64, "floats": 16}
 """Runs that march together on given steps, at most."""
 HELD = 1024
 """Numbers of the state of all lanes, which the fastest cache holds beside what a step makes of them."""
 TOGETHER = 256
-"""Runs with an error control that are made before others are begun: samples are held twice."""
+"""Number of runs with an error control in one batch; samples are held twice."""
 CLOCKS = 64
 """Sets of edges whose steps are kept."""
 REPORTS = {
@@ -70,12 +70,12 @@ BROKEN = (np.inf, 0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class VariantSetup:
-    """What all variants have in common."""
+    """Common settings of all variants."""
 
     system: AbstractSystem
-    """At its nominal parameters."""
+    """System at its nominal parameters."""
     waveforms: Mapping[str, AbstractWaveform]
-    """By name of what they drive, at their nominal parameters."""
+    """Waveforms by drive, at their nominal parameters."""
     duration: float
     """[s]"""
     samples: int
@@ -181,7 +181,7 @@ class VariantSetup:
 
     @cached_property
     def plan(self) -> MarchPlan:
-        """What runs with an error control have in common."""
+        """Return the common plan of runs with an error control."""
         return MarchPlan(
             self.compiled,
             arrange_waveforms(self.system, self.waveforms),
@@ -201,7 +201,7 @@ class VariantSetup:
         return arrange_waveforms(self.system, self._waveforms(signals, row))
 
     def find_limits(self, values: Values, count: int) -> Any:
-        """What no run leaves, (2, envelope, runs), if that varies."""
+        """Return the limits that end a run, (2, envelope, runs), if they vary."""
         varied = varied_stops(values)
         if not varied:
             return None
@@ -241,7 +241,7 @@ class VariantSetup:
 
     @property
     def controlled(self) -> bool:
-        """Whether runs are made to a tolerance."""
+        """Return whether runs are made to a tolerance."""
         return self.step is None and not self.system.sample_time()
 
     @property
@@ -263,7 +263,7 @@ class VariantSetup:
 
     @cached_property
     def places(self) -> tuple[int, ...]:
-        """Where the wanted outputs are."""
+        """Return the places of the wanted outputs."""
         return tuple(self.compiled.outputs.index(name) for name in self.outputs)
 
     def table(self, values: Values) -> list[Any]:
@@ -273,7 +273,7 @@ class VariantSetup:
 
     @cached_property
     def engine(self) -> Callable[[Values, TimeGrid | LaneGrid, int], OnSteps]:
-        """What marches on given steps, from (values, grid, runs)."""
+        """Return the function that marches on given steps, from (values, grid, runs)."""
         if self.runtime == "cuda":
             return partial(_load_cuda().march_on_cuda, self)
         return self._march_c if self.runtime == "c" else self._march_floats
@@ -294,7 +294,7 @@ class VariantSetup:
                 functions, size = bind_march(system)
                 border = Border(self.compiled, functions, envelope_of(system))
                 found = march_floats(functions, size, grid if isinstance(grid, TimeGrid) else grid.lane(run), border)
-            except ArithmeticError:  # what follows from parameters alone is no number
+            except ArithmeticError:  # a value that depends on parameters alone is not a number
                 reports[:, run] = BROKEN
                 continue
             reports[:, run] = REPORTS.get(found.status, BROKEN)
@@ -324,7 +324,7 @@ class VariantSetup:
 
     @property
     def keeps_steps(self) -> bool:
-        """Whether measures of runs on given steps are taken at the ends of all steps, not at samples."""
+        """Return whether measures of runs on given steps use the ends of all steps, not samples."""
         return bool(self.measures) and self.runtime != "cuda"
 
     def _make_grid(self, waveforms: Mapping[str, AbstractWaveform]) -> TimeGrid:

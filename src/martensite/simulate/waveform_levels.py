@@ -47,7 +47,7 @@ class Level:
     name: str
     """`peak`, or the path of a level that the waveform declares."""
     value: float
-    """Where it is in the scenario, in the SI unit of the drive."""
+    """Value in the scenario, in the SI unit of the drive."""
 
 
 class Levels(Parametrised):
@@ -72,7 +72,7 @@ class Combined(AbstractWaveform):
         return math.fsum(factor * wave.value(time) for factor, wave in self.terms)
 
     def edges(self, duration: float) -> list[float]:
-        """Those of all its terms."""
+        """Return the edges of all its terms."""
         return sorted({edge for _, wave in self.terms for edge in wave.edges(duration)})
 
     def segments(self, begin: float) -> Iterator[Segment]:
@@ -80,7 +80,7 @@ class Combined(AbstractWaveform):
         return add_segments([(factor, wave.segments(begin)) for factor, wave in self.terms])
 
     def tones(self) -> tuple[Tone, ...]:
-        """Those of all its terms."""
+        """Return the tones of all its terms."""
         return tuple(
             tone._replace(amplitude=factor * tone.amplitude) for factor, wave in self.terms for tone in wave.tones()
         )
@@ -128,7 +128,7 @@ class WaveformLevelSystem(AbstractSystem, init=False):
     profile = hand_on("profile")
 
     def drives(self) -> list[DriveSignal]:
-        """Those of the system, for what does not move, one for each level, and one for pairs."""
+        """Return the drives of the system, of the constant part, of each level, and of pairs."""
         own = self.system.drives()
         levels = zip(self.levels.declarations, self.layout(), strict=True)
         # The drive of every pair.
@@ -158,7 +158,7 @@ class WaveformLevelSystem(AbstractSystem, init=False):
         return self.system.step(xp, state, *fed, dt=dt)
 
     def heat_contents(self, xp: Namespace, state: Any) -> list[Scalar | None]:
-        """As of the system; levels have no heat."""
+        """Return the heat contents of the system; levels have no heat."""
         known = self.system.heat_contents(xp, state)
         return known + [None] * (len(self.drives()) - len(known))
 
@@ -176,7 +176,7 @@ class WaveformLevelSystem(AbstractSystem, init=False):
         return found
 
     def _sum_drives(self, xp: Namespace, place: int, drives: Sequence[Any]) -> Scalar | Feed:
-        """What a drive of the system brings, put together.
+        """Return the input of a drive of the system, as the sum of its parts.
 
         ⟨u²⟩ = ⟨u_0²⟩ + Σ q_k² ⟨φ_k²⟩ + 2 Σ q_j q_k ⟨φ_j φ_k⟩, where ⟨φ_j φ_k⟩ follows from the
         mean square of φ_j + φ_k, and φ_0 = u_0 with q_0 = 1.
@@ -211,7 +211,7 @@ class WaveformLevels:
     system: AbstractSystem
     waveforms: Waveforms
     duration: float
-    """Of a run [s]."""
+    """Duration of a run [s]."""
     levels: tuple[Level, ...] = ()
 
     @cached_property
@@ -250,7 +250,7 @@ class WaveformLevels:
 
     @cached_property
     def whole(self) -> AbstractSystem:
-        """What is compiled: the system, or the steered one around it."""
+        """Return the compiled system: the system, or the steered one around it."""
         if not self.levels:
             return self.system
         numbers = {f"q{k}": level.value for k, level in enumerate(self.levels)}
@@ -336,5 +336,5 @@ class WaveformLevels:
 
 
 def _choose_reach(level: Level) -> float:
-    """How far a level is moved to see what it does."""
+    """Return the change of a level for its slope."""
     return abs(level.value) or 1.0

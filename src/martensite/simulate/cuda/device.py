@@ -23,7 +23,7 @@ ELSE = "use the runtime `c` (or `floats`)"
 FLAGS = ("--std=c++17", "--fmad=true", "-diag-suppress=550")
 """Products and sums are fused; all else is to the last bit what IEEE 754 asks for."""
 SHARE = 0.8
-"""Of the free memory, for arrays."""
+"""Fraction of the free memory that is used for arrays."""
 
 
 class DeviceError(MartensiteError, RuntimeError):
@@ -73,7 +73,7 @@ def open_device() -> Device:
 
 
 def take_answer(answer: tuple[Any, ...]) -> Any:
-    """What a function of the driver or of NVRTC returns.
+    """Return the results of a function of the driver or of NVRTC; raise an error for a bad status.
 
     Raises:
         DeviceError: it failed.
@@ -93,7 +93,7 @@ def list_architectures() -> list[int]:
 
 
 def choose_target(capability: int, known: Iterable[int]) -> str:
-    """What NVRTC compiles for: machine code of the device, or what a newer device makes its own of.
+    """Return the target of NVRTC: machine code of the device, or code that a newer device translates.
 
     Raises:
         InputError: the device is older than all that NVRTC knows.
@@ -108,7 +108,7 @@ def choose_target(capability: int, known: Iterable[int]) -> str:
 
 
 def compile_source(text: str, target: str, more: Sequence[str] = ()) -> bytes:
-    """What a driver loads: machine code, or PTX for a target `compute_*`.
+    """Compile a source to machine code, or to PTX for a target `compute_*`.
 
     Raises:
         CompileError: NVRTC failed.
@@ -142,7 +142,7 @@ def _load_nvrtc() -> Any:
 
 
 def _compile_once(text: str, target: str, more: tuple[str, ...]) -> bytes:
-    """The same, kept in the cache folder, where it can be written."""
+    """Compile a source, and keep the result in the cache folder, if the folder is writable."""
     said = repr((text, target, FLAGS, more, take_answer(_load_nvrtc().nvrtcVersion())))
     path: Path | None = None
     with suppress(OSError):
@@ -163,10 +163,10 @@ def _compile_once(text: str, target: str, more: tuple[str, ...]) -> bytes:
 
 
 class Resources(NamedTuple):
-    """What a kernel takes of the device."""
+    """Resources that a kernel uses on the device."""
 
     registers: int
-    """Of a thread."""
+    """Registers of a thread."""
     stack: int
     """Memory of a thread for what has no register [bytes]."""
     threads: int
@@ -185,7 +185,7 @@ class DeviceProgram:
         self._module = take_answer(driver.cuModuleLoadData(code))
         self._clock = take_answer(driver.cuEventCreate(0)), take_answer(driver.cuEventCreate(0))
         self.seconds = 0.0
-        """Of the last launch, without what was copied."""
+        """Duration of the last launch, without copies."""
 
     def locate(self, name: str) -> int:
         """Address of a variable."""
@@ -204,7 +204,7 @@ class DeviceProgram:
         self.seconds = 1e-3 * take_answer(driver.cuEventElapsedTime(*self._clock))
 
     def measure(self, name: str) -> Resources:
-        """What a thread of a kernel takes."""
+        """Return the resources of a thread of a kernel."""
         driver, kinds, kernel = self.device.driver, self.device.driver.CUfunction_attribute, self._find(name)
         registers = take_answer(driver.cuFuncGetAttribute(kinds.CU_FUNC_ATTRIBUTE_NUM_REGS, kernel))
         stack = take_answer(driver.cuFuncGetAttribute(kinds.CU_FUNC_ATTRIBUTE_LOCAL_SIZE_BYTES, kernel))

@@ -26,13 +26,13 @@ if TYPE_CHECKING:
 __all__ = ["count_together", "march_batch", "march_on_cuda", "march_to_ends"]
 Rows: TypeAlias = "tuple[Numbers, Numbers, Numbers]"
 OWN_SIGNALS = 1 << 28
-"""Bytes of signals in a block of runs that have signals of their own."""
+"""Bytes of signals in a block of runs with different signals."""
 OWN_ROWS = 1 << 29
 """Bytes of samples in a block of runs to a tolerance, which are held twice."""
 
 
 def count_together(course: VariantSetup, own: bool, count: int) -> int:
-    """Runs that march together: all, or as many as have room where each has signals of its own.
+    """Return how many runs march together: all, or as many as fit in memory if each has different signals.
 
     Raises:
         InputError: there is no device, or more devices are asked for than one.
@@ -102,7 +102,7 @@ class GivenStepsMarch:
         self.source, self.program = source, device.DeviceProgram(source.text)
 
     def count_fitting(self, free: int, samples: int, steps: int, runs: int) -> int:
-        """How many of some runs have room in so many bytes at a time.
+        """Return how many of some runs fit in the given number of bytes at a time.
 
         Raises:
             InputError: not one has.
@@ -120,7 +120,7 @@ class GivenStepsMarch:
         return min(runs, fitting)
 
     def run(self, nominal: Any, given: Sequence[Any], shapes: Sequence[tuple[int, ...]], intervals: int) -> list[Any]:
-        """What some runs make: rows, reports, and times, of so many numbers a run."""
+        """Run some runs; return rows, reports, and times, with the given numbers per run."""
         kind, runs = self.source.kind, given[0].shape[1]
         kinds = kind, kind, np.dtype(float)
         made = [np.empty((*shape, runs), k) for shape, k in zip(shapes, kinds, strict=True)]
@@ -140,5 +140,5 @@ class GivenStepsMarch:
 
 @lru_cache(maxsize=32)
 def load_march(source: MarchSource) -> GivenStepsMarch:
-    """What a source was compiled to, kept for the next call."""
+    """Return the compiled source, cached for the next call."""
     return GivenStepsMarch(source)

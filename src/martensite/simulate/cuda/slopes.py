@@ -55,7 +55,7 @@ def march_slopes(
 def print_slopes(
     compiled: CompiledMarch, wrt: tuple[int, ...], outputs: tuple[int, ...], varied: tuple[int, ...]
 ) -> MarchSource:
-    """What is compiled for them."""
+    """Return the source to be compiled for derivatives."""
     twin = add_slopes(compiled, wrt, outputs)
     return MarchSource(twin, tuple(range(len(twin.outputs))), varied)
 

@@ -45,7 +45,7 @@ WORDS = """#ifdef __cplusplus
 #define HUGE_VAL __longlong_as_double(0x7ff0000000000000LL)
 #endif
 """
-"""What stands before all CUDA C of this package."""
+"""Text before all CUDA C of this package."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class NumberType:
     name: str
     number: str
     suffix: str
-    """Of literals, and of functions of the library."""
+    """Suffix of literals and of functions of the library."""
     largest: float
     """Value of an exponential, and of a power."""
     highest: float
@@ -124,7 +124,7 @@ NUMBER_TYPES = {
 
 @dataclass(frozen=True)
 class MarchSource:
-    """What is compiled for runs of a system: a changed number changes nothing in it."""
+    """Source that is compiled for runs of a system; changed parameter values do not change it."""
 
     compiled: CompiledMarch
     outputs: tuple[int, ...]
@@ -132,9 +132,9 @@ class MarchSource:
     """Places of the parameters that differ from run to run."""
     precision: str = "float64"
     own_steps: bool = False
-    """Whether every run has signals and steps of its own."""
+    """True if every run has separate signals and steps."""
     own_limits: bool = False
-    """Whether every run has an envelope of its own."""
+    """True if every run has a separate envelope."""
 
     @property
     def kind(self) -> np.dtype[Any]:
@@ -173,7 +173,7 @@ class MarchSource:
 
     @cached_property
     def _functions(self) -> list[Function]:
-        """Those of the march, with what is wanted of them."""
+        """Return the functions of the march, with the wanted outputs."""
         traced, judged = self.compiled.program.functions, len(self.compiled.convergence_scales)
         end = judged + len(self.compiled.envelope)
         outputs = {
@@ -196,12 +196,12 @@ class MarchSource:
 
     @cached_property
     def _own(self) -> list[Expr]:
-        """What follows from parameters, a varied one among them."""
+        """Return the values that depend on a varied parameter."""
         return [node for node in self._prepared if node.index in self._varying]
 
     @cached_property
     def _common(self) -> list[Expr]:
-        """What follows from parameters that all runs share, and is wanted by the march or by what varies."""
+        """Return the values that depend on shared parameters only, and are used by the march or by varied values."""
         graph, varying = self.compiled.program.graph, self._varying
         reached = graph.walk([n.index for n in self._prepared], lambda i: graph.children(i) if i in varying else ())
         shared = sorted(i for i in reached if i not in varying and graph.depends[i] & PARAMETER)

@@ -1,7 +1,7 @@
 """Runs with an error control on a GPU: the very C of `martensite.simulate.marching_native`, one run a thread.
 
-NVRTC compiles it as it stands, for the device by default. A thread keeps its run in memory of its own, which the
-compiler lays out so that neighbours are neighbours.
+NVRTC compiles it as it stands, for the device by default. A thread keeps its run in local memory, which the compiler
+interleaves so that threads access neighbouring addresses.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ from martensite.simulate.ledger import EMPTY
 from martensite.simulate.marching_native import MarchArrays, MarchKernel, MarchRows, Runs, kernel_of
 
 FLAGS = ("-default-device", "-diag-suppress=177")
-"""What says nothing of it is for the device; functions that this march has no use for."""
+"""Options of NVRTC: code without a mark is for the device; suppress warnings on functions that this march does not use.
+"""
 NAMES = """
 #ifdef __CUDACC__
 #define restrict __restrict__
@@ -34,7 +35,7 @@ NAMES = """
 
 
 def march_to_ends(runs: Runs) -> MarchRows:
-    """March runs to their ends, each with an error control of its own.
+    """March runs to their ends, each with a separate error control.
 
     Raises:
         ParameterError: a drive has too many segments.
@@ -78,7 +79,7 @@ def _read_kernel() -> str:
 
 @lru_cache(maxsize=32)
 def load_program(kernel: MarchKernel) -> Any:
-    """What was compiled, kept for the next call."""
+    """Return the compiled program, cached for the next call."""
     return device.DeviceProgram(print_source(kernel), FLAGS)
 
 

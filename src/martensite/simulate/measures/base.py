@@ -31,9 +31,9 @@ class AbstractMeasure(Parametrised):
     """One number per run."""
 
     averages: ClassVar[bool] = False
-    """Whether it is an integral over time."""
+    """True if the measure is an integral over time."""
     follows_curve: ClassVar[bool] = False
-    """Whether it asks for the course between steps, not only for extremes and integrals."""
+    """True if it needs the curve between steps, not only extremes and integrals."""
 
     of: str = text("output that is looked at; none for the first coordinate", default=FIRST)
 
@@ -67,7 +67,7 @@ class AbstractMeasure(Parametrised):
         """Names of the outputs that are looked at.
 
         Raises:
-            ParameterError: there is no such output.
+            ParameterError: the output does not exist.
         """
         names = system.outputs()
         wanted = self.of or next(iter(system.mechanism.outputs()))
@@ -102,7 +102,7 @@ def parse_measure(words: str) -> AbstractMeasure:
 
 
 def _parse_options(words: str) -> dict[str, Any]:
-    """What stands in the brackets: an output first, then options by name."""
+    """Parse the text in the brackets: an output first, then options by name."""
     given: dict[str, Any] = {}
     for place, piece in enumerate(filter(None, (p.strip() for p in words.split(",")))):
         name, equals, value = (part.strip() for part in piece.partition("="))

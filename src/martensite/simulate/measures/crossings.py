@@ -124,7 +124,7 @@ class PeakTime(AbstractMeasure):
         return "s"
 
     def value(self, table: RunTable) -> Numbers:
-        """Where the slope is zero; of several outputs the longest time."""
+        """Return the time at which the slope is zero; for several outputs the longest time."""
         return (self._find_peaks(table)[0] - table.times[0]).max(axis=0)
 
     def derivatives(self, table: RunTable) -> Numbers:
@@ -222,12 +222,12 @@ class ColumnCrossings:
         furthest = _take_sample(gone, self.turn)
         least: Numbers = LEAST[0] + LEAST[1] * np.abs(seen).max(axis=1)
         self.none: Flags = np.abs(furthest) <= least
-        """Whether it leads nowhere."""
+        """True if the path leads nowhere."""
         self.sign = np.where(furthest >= 0.0, 1.0, -1.0)
         self.beyond = (gone - share * furthest[:, None]) * self.sign[:, None]
         intervals = np.arange(seen.shape[1] - 1, dtype=np.intp)[None, :, None]
         self.out: Flags = intervals < self.turn[:, None, :]
-        """Whether an interval is before the turn."""
+        """True if an interval is before the turn."""
 
     def find_turns(self, off: Numbers) -> tuple[Places, Places]:
         """Return the first and the last row that are not nearer than the turn by more than `off`, (columns, runs)."""

@@ -1,4 +1,4 @@
-"""What measures read: the rows of many runs side by side, from tracks or from stored samples."""
+"""Input of measures: the rows of many runs in one table, from tracks or from stored samples."""
 
 from __future__ import annotations
 

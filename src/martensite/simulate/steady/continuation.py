@@ -4,10 +4,10 @@ From a point z on the curve with the unit tangent t, the next one solves
 
     F(z') = 0,        t · (z' - z) = h
 
-with Newton steps, so that the curve is followed around its folds, where the last unknown, the
-parameter, turns back. Unknowns count in units of `sizes`, anew at every point: h is about the relative
-change of all of them. Directions along which nothing changes (what a state remembers and does not use) are
-left out of every step: the shortest of all solutions is taken.
+with Newton steps, so that the curve is followed around its folds, where the last unknown, the parameter, turns back.
+Unknowns count in units of `sizes`, which are updated at every point: h is about the relative change of all of them.
+Directions without effect (unused memory of a state) are left out of every step: the shortest of all solutions is
+taken.
 
 A fold is where the parameter stands still along the curve. Where its component of the tangent changes
 sign between two points, the length h at which it is 0 is found between them by Brent's method, each trial
@@ -31,7 +31,7 @@ from martensite.simulate.steady.roots import find_root
 ITERATIONS = 12
 """Newton steps of a correction."""
 QUICK = 5
-"""Those after which the next step of the curve is not longer."""
+"""Newton steps from which on the next step of the curve is not longer."""
 SETTLED, GOOD = 1e-11, 1e-6
 """Length of a Newton step that ends a correction, and below which one may end that no longer gets shorter."""
 RANK = 1e-10
@@ -50,11 +50,11 @@ class Linearised(NamedTuple):
     jacobian: Numbers
     """d(residual)/d(unknown), (equations, unknowns)."""
     sizes: Numbers
-    """What counts as a change of each unknown, (unknowns,)."""
+    """Scale of each unknown, (unknowns,)."""
 
 
 class Equations(Protocol):
-    """What is continued; the last unknown is the parameter."""
+    """Equations to be continued; the last unknown is the parameter."""
 
     def linearise(self, point: Numbers) -> Linearised:
         """Residual and its derivatives at a point."""
@@ -68,7 +68,7 @@ class CurvePoint:
     unknowns: Numbers
     """The last one is the parameter."""
     tangent: Numbers
-    """Of unit length, in units of `sizes`."""
+    """Tangent of unit length, in units of `sizes`."""
     sizes: Numbers
     fold: bool = False
 
@@ -79,17 +79,17 @@ class CurvePoint:
 
     @property
     def turn(self) -> float:
-        """How the parameter changes along the curve; 0 at a fold."""
+        """Return the rate of the parameter along the curve; 0 at a fold."""
         return float(self.tangent[-1])
 
 
 @dataclass(frozen=True)
 class CurveSteps:
-    """How a curve is followed."""
+    """Settings of the steps along a curve."""
 
     first: float = 0.05
     longest: float = 0.3
-    """As a share of the sizes of the unknowns."""
+    """Longest step, as a fraction of the sizes of the unknowns."""
     most: int = 600
     """Points, at most."""
 
@@ -211,7 +211,7 @@ class Curve:
         )
 
     def _end_at(self, bound: float, here: CurvePoint, there: CurvePoint) -> CurvePoint:
-        """Where the curve goes through a bound of the parameter, which it then is exactly."""
+        """Return the point at which the curve reaches a bound of the parameter, exactly."""
         near = self.locate(here, there, lambda one: one.parameter - bound, length_of(here, there))
         guess, normal = near.unknowns.copy(), np.zeros(len(near.unknowns))
         guess[-1], normal[-1] = bound, 1.0
@@ -241,11 +241,11 @@ class Curve:
 
 
 def length_of(here: CurvePoint, there: CurvePoint) -> float:
-    """How long the step from one point to the other was."""
+    """Return the length of the step between two points."""
     return float(here.tangent @ ((there.unknowns - here.unknowns) / here.sizes))
 
 
 def _agree(here: CurvePoint, there: CurvePoint) -> bool:
-    """Whether the curve goes on in about the same direction."""
+    """Return whether the curve continues in about the same direction."""
     along = here.tangent * here.sizes / there.sizes
     return float(along @ there.tangent) > 0.9 * float(np.linalg.norm(along))

@@ -1,4 +1,4 @@
-"""Curves of solutions of equations of one's own, with their folds, and the curves of these in a second parameter."""
+"""Solution curves of user-defined equations, with their folds, and fold curves in a second parameter."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from martensite.simulate.steady.rotations import ResponseCurve, require_same_hea
 
 Residual = Callable[[Numbers], Sequence[float] | Numbers | float]
 Sizes = Sequence[float] | Callable[[Numbers], Sequence[float] | Numbers] | None
-"""What counts as a change of each unknown, or a function of the unknowns that says so."""
+"""Scale of each unknown, or a function of the unknowns that returns the scales."""
 LEAST = 1e-3
 """Size of an unknown near 0, where none is given."""
 NUDGE = 1e-6
@@ -30,11 +30,11 @@ class SolutionCurve:
     unknowns: Numbers
     """(points, unknowns); the last column is the parameter."""
     fold: Numbers
-    """Where the parameter turns back, (points,)."""
+    """True where the parameter turns back, (points,)."""
 
     @property
     def parameter(self) -> Numbers:
-        """What is followed, (points,)."""
+        """Return the continued parameter, (points,)."""
         return self.unknowns[:, -1]
 
     @property
@@ -44,7 +44,7 @@ class SolutionCurve:
 
     @classmethod
     def collect(cls, points: Sequence[CurvePoint]) -> SolutionCurve:
-        """Of points in their order."""
+        """Build a curve from points in their order."""
         return cls(np.array([one.unknowns for one in points]), np.array([one.fold for one in points]))
 
 
@@ -162,14 +162,14 @@ class FoldCurve:
     """A fold of a response curve in a second parameter; arrays of shape (points,)."""
 
     names: tuple[str, str]
-    """What is varied: along the response curve, and besides."""
+    """Names of the varied parameters: along the response curve, and the second one."""
     units: tuple[str, str]
     first: Numbers
-    """Where the fold is, in SI."""
+    """First parameter at the fold, in SI."""
     second: Numbers
     """For which value of the second parameter, in SI."""
     cusp: Numbers
-    """Where two folds meet."""
+    """Points at which two folds meet."""
 
 
 def trace_folds(

@@ -38,9 +38,9 @@ if TYPE_CHECKING:
 LEAD, MOST = 4, 20_000
 """Periods that are run before the first Newton step, and in all."""
 ROUNDING = 1e-14
-"""Part of a Newton step that is none, in sizes of the states."""
+"""Part of a Newton step that counts as zero, in sizes of the states."""
 QUIET = 1e-9
-"""Change of a martensite fraction that is none."""
+"""Change of a martensite fraction that counts as zero."""
 FEWEST = 200
 """Steps in a period."""
 
@@ -60,9 +60,9 @@ class PeriodicOrbit:
     """All state variables at the begin of the period, flat."""
     stability: Stability
     residual: float
-    """What still changes over a period, as a share of what counts."""
+    """Remaining change over a period, as a fraction of the sizes."""
     periods: int
-    """How many were marched to find it."""
+    """Number of periods marched to find it."""
 
     @cached_property
     def judgement(self) -> Judgement:
@@ -72,7 +72,7 @@ class PeriodicOrbit:
 
     @property
     def stable(self) -> bool:
-        """Whether every change that is not neutral dies out."""
+        """Return whether every change that is not neutral decays."""
         return self.stability.stable
 
     def amplitude(self, name: str) -> float:
@@ -87,7 +87,7 @@ def find_cycle(
     step: float | None = None,
     state: Numbers | None = None,
 ) -> PeriodicOrbit:
-    """The motion that a system comes to under drives that repeat themselves.
+    """Find the periodic motion of a system under periodic drives.
 
     Args:
         subject: a scenario, or a system.
@@ -183,7 +183,7 @@ class Shooting:
         return {name: float(one[0]) for name, one in self.motion.stretch.observe(state[None], signals[None]).items()}
 
     def _changed(self, before: Mapping[str, float], after: Mapping[str, float]) -> bool:
-        """Whether a fraction is another one."""
+        """Return whether a fraction has changed."""
         return any(abs(after[name] - before[name]) > QUIET for name in self.fractions)
 
 

@@ -45,7 +45,7 @@ class SteadyState:
 
     system: AbstractSystem
     signals: dict[str, float]
-    """Of all drives, in SI."""
+    """Signals of all drives, in SI."""
     start: str
     """`cold`, `hot` or `state`: where it came from."""
     outputs: dict[str, float]
@@ -53,7 +53,7 @@ class SteadyState:
     state: Numbers
     """All state variables, flat."""
     stability: Stability
-    """Of one step."""
+    """Stability over one step."""
     step: float
     """Its length [s]."""
     before: dict[str, float]
@@ -66,12 +66,12 @@ class SteadyState:
 
     @property
     def stable(self) -> bool:
-        """Whether every change that is not neutral dies out."""
+        """Return whether every change that is not neutral decays."""
         return self.stability.stable
 
     @property
     def time_constant(self) -> float:
-        """Of the change that dies out last [s]; 0 if none takes longer than a step, infinite if one grows."""
+        """Return the longest time constant of decay [s]: 0 if all are below a step, infinite if a change grows."""
         largest = self.stability.largest
         if largest >= 1.0:
             return np.inf
@@ -85,7 +85,7 @@ def find_steady_state(
     start: str | SteadyState = "cold",
     high: Mapping[str, float] | float | None = None,
 ) -> SteadyState:
-    """Where a system rests under drives that are held.
+    """Find the steady state of a system under constant drives.
 
     Args:
         subject: a scenario, or a system.

@@ -25,19 +25,19 @@ if TYPE_CHECKING:
 Subject: TypeAlias = "Scenario | AbstractSystem | Actuator | Cylinder"
 
 HOTTEST = 1e5
-"""Where the search for a temperature is given up, above ambient [K]."""
+"""Upper end of the search for a temperature, above ambient [K]."""
 
 
 def find_steady_temperature(
     subject: Subject, power: float, *, environment: Environment | None = None, port: str | None = None
 ) -> float:
-    """Temperature [K] at which an element loses a power [W], with all that its surroundings and its ends take.
+    """Return the temperature [K] at which an element loses a power [W], including losses at its ends.
 
     Args:
         subject: a scenario, a system, an actuator, or a bare cylinder (`ms.thermal.Cylinder`).
-        power: heating power [W]; below 0 what is taken out of it.
-        environment: of a bare cylinder; of all others in place of their own.
-        port: which element of a system with several; the first if not named.
+        power: heating power [W]; below 0 for cooling.
+        environment: environment of a bare cylinder; for all others it replaces their environment.
+        port: port of the element in a system with several; the first if not named.
 
     Raises:
         InputError: there is no element, none at that port, or no environment.
@@ -69,14 +69,14 @@ def find_film_coefficient(
     environment: Environment | None = None,
     port: str | None = None,
 ) -> float:
-    """Film coefficient [W/(m² K)] of an element at its steady temperature under a power, or at a temperature.
+    """Return the film coefficient [W/(m² K)] of an element at its steady temperature, or at a given temperature.
 
     Args:
         subject: a scenario, a system, an actuator, or a bare cylinder (`ms.thermal.Cylinder`).
         power: heating power [W].
-        temperature: of the element [K], in place of the power.
-        environment: of a bare cylinder; of all others in place of their own.
-        port: which element of a system with several; the first if not named.
+        temperature: temperature of the element [K], in place of the power.
+        environment: environment of a bare cylinder; for all others it replaces their environment.
+        port: port of the element in a system with several; the first if not named.
 
     Raises:
         InputError: not exactly one of power and temperature is given, or there is no such element.
@@ -92,7 +92,7 @@ def find_film_coefficient(
 
 @dataclass(frozen=True)
 class _HeatedPart:
-    """What loses heat, and where it is."""
+    """Part that loses heat, and its environment."""
 
     element: Any
     """None for a bare cylinder."""

@@ -31,9 +31,9 @@ from martensite.simulate.steady.stretch import Stretch
 
 TURN = 2.0 * math.pi
 INERT = 1e-13
-"""How close to the unit matrix a row or column must be to count as one, as a share of the largest entry."""
+"""Largest distance of a neutral row or column from the unit matrix, as a fraction of the largest entry."""
 NEUTRAL = 1e-6
-"""How close to the unit circle a Floquet multiplier must be to count as on it."""
+"""Largest distance of a neutral Floquet multiplier from the unit circle."""
 LEAST = 0.02
 """Size of a parameter near 0, as a share of how far it is varied."""
 
@@ -50,29 +50,29 @@ class VariedNumber:
     drive: int = -1
     """Its place among the drives."""
     span: float = 1.0
-    """How far it is varied."""
+    """Range of the variation."""
 
 
 @dataclass(frozen=True, eq=False)
 class PeriodGrid:
-    """What drives bring in the steps of a period that is known."""
+    """Inputs from the drives in the steps of a period."""
 
     given: Numbers
-    """(steps, inputs): what the drives bring, and the length of the step."""
+    """Inputs from the drives, and the length of the step, (steps, inputs)."""
     times: Numbers
-    """At the begin of every step and the end of the last [s]."""
+    """Times at the begin of every step and the end of the last [s]."""
     signals: Numbers
     """At these times, (steps + 1, drives)."""
 
 
 @dataclass(frozen=True)
 class Stability:
-    """What becomes of a small change of a periodic motion, from period to period."""
+    """Growth of a small change of a periodic motion, from period to period."""
 
     multipliers: Numbers
-    """Floquet multipliers: by what a change is multiplied in a period; without those that are neutral."""
+    """Floquet multipliers: factors of changes in a period, without the neutral directions."""
     neutral: int
-    """Directions in which a change stays as it is: what only counts up, what is remembered and not changed."""
+    """Number of directions in which a change stays constant, such as counters and unused memory."""
 
     @property
     def largest(self) -> float:
@@ -81,7 +81,7 @@ class Stability:
 
     @property
     def stable(self) -> bool:
-        """Whether every change that is not neutral dies out."""
+        """Return whether every change that is not neutral decays."""
         return self.largest < 1.0
 
 
@@ -116,13 +116,13 @@ class PeriodicMotion:
         self.stretch = Stretch(system, [one.path for one in varied if one.path is not None])
         self.size = self.stretch.size
         self.angle = 0.0
-        """Of the rotor at the begin of the period [rad]."""
+        """Angle of the rotor at the begin of the period [rad]."""
         self._known: tuple[Numbers, Numbers, Numbers] | None = None
         """The last point at which it was marched, and what came of it."""
 
     @property
     def times(self) -> int:
-        """How many unknown times there are: one for a rotor."""
+        """Return the number of unknown times: one for a rotor."""
         return 0 if self.rotor is None else 1
 
     def period(self, point: Numbers) -> float:
@@ -203,7 +203,7 @@ class PeriodicMotion:
         return Linearised(residual, jacobian, sizes)
 
     def _choose_sizes(self, states: Numbers, point: Numbers) -> Numbers:
-        """How large states are in the period, the time, and the parameters."""
+        """Return the sizes of the states in the period, of the time, and of the parameters."""
         largest = np.maximum(np.abs(states).max(axis=0), 1e-12)
         if self.rotor is not None:
             largest[self.rotor] = 1.0

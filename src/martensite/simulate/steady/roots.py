@@ -7,7 +7,7 @@ from typing import Any
 
 
 def find_root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Where a function that has another sign at each bound is 0, to rounding."""
+    """Find the root of a function with different signs at the bounds, to rounding."""
     from scipy import optimize
 
     brent: Any = optimize.brentq  # its stubs ask for types of NumPy

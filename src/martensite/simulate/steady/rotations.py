@@ -49,29 +49,29 @@ class ResponseCurve:
 
     varied: VariedNumber
     parameter: Numbers
-    """What is varied, in SI."""
+    """Varied parameter, in SI."""
     speed: Numbers
     """Mean speed of the rotor [rad/s]."""
     mean: dict[str, Numbers]
-    """Of every output over a turn, in SI."""
+    """Means of all outputs over a turn, in SI."""
     amplitude: dict[str, Numbers]
     """Half of the way from its smallest to its largest value in a turn."""
     multiplier: Numbers
     """Size of the largest Floquet multiplier."""
     neutral: Numbers
-    """How many directions are neutral."""
+    """Number of neutral directions."""
     fold: Numbers
-    """Where the parameter turns back."""
+    """True where the parameter turns back."""
     points: tuple[CurvePoint, ...]
     motion: PeriodicMotion
     units: dict[str, str]
     """SI unit of every output."""
     subject: Subject
-    """What it is the curve of."""
+    """Subject of the curve."""
 
     @property
     def stable(self) -> Numbers:
-        """Where every change that is not neutral dies out; a fold ends a stable piece."""
+        """Return where every change that is not neutral decays; a fold ends a stable piece."""
         return (self.multiplier < 1.0) & ~self.fold
 
     @property
@@ -162,7 +162,7 @@ def continue_response(
         The curve from where it meets a bound, through the point, to where it meets one on the other side.
 
     Raises:
-        ParameterError: there is no such point or number, or bounds that do not enclose what it is now.
+        ParameterError: the point or parameter does not exist, or the bounds do not enclose the present value.
         SolveError: the curve cannot be followed, or an element that remembers is heated or cooled along it.
     """
     if not 0 <= place < len(curve.points):
@@ -298,13 +298,13 @@ def require_same_heat(motion: PeriodicMotion, mean: Mapping[str, Numbers]) -> No
 
 @dataclass(frozen=True, eq=False)
 class ResponseSweep:
-    """What a run meets whose parameter goes in steps and is held; arrays of shape (levels,)."""
+    """Result of a run whose parameter goes in held steps; arrays of shape (levels,)."""
 
     parameter: Numbers
     speed: Numbers
     """Mean speed of the rotor [rad/s]."""
     amplitude: dict[str, Numbers]
-    """Of every output, half of the way from its smallest to its largest value."""
+    """Amplitude of every output: half of its range."""
 
     def cut(self, begin: int, end: int) -> ResponseSweep:
         """Some of the levels."""

@@ -29,12 +29,12 @@ from martensite.simulate.march import classify_step
 
 
 class StretchEnd(NamedTuple):
-    """What a stretch leads to."""
+    """Result of a stretch."""
 
     states: Numbers
-    """Before every step and after the last, (steps + 1, states)."""
+    """States before every step and after the last, (steps + 1, states)."""
     slopes: Numbers
-    """Of the last state, (states, directions)."""
+    """Derivatives of the last state, (states, directions)."""
 
 
 class Stretch:
@@ -58,7 +58,7 @@ class Stretch:
 
     @property
     def inputs(self) -> int:
-        """Of a step, behind the state: what drives bring, and the length of the step."""
+        """Return the number of inputs of a step behind the state: inputs from drives, and the length of the step."""
         return self.compiled.inputs + 1
 
     def rest(self, signals: Sequence[float]) -> Numbers:
@@ -70,7 +70,7 @@ class Stretch:
         return self.compiled.program.bind_floats(*self.values)
 
     def place(self, pick: Any) -> list[int]:
-        """Where in the flat state stand the numbers that `pick` takes from the nested one."""
+        """Return the places in the flat state of the numbers that `pick` takes from the nested state."""
         drives = [0.0] * self.compiled.drives
         shape = NestedShape(self.system.init(floats, *drives))
         return [int(i) for i in pick(shape.rebuild([float(i) for i in range(self.size)]))]
@@ -139,7 +139,7 @@ class Stretch:
         return found
 
     def hold(self, signals: Numbers) -> tuple[Numbers, Numbers]:
-        """What held signals bring in a step, and its derivatives by each signal, (inputs - 1, drives)."""
+        """Return the inputs of a step from held signals, and their derivatives by each signal, (inputs - 1, drives)."""
         row, slopes = np.zeros(self.inputs - 1), np.zeros((self.inputs - 1, len(signals)))
         for k, (places, u) in enumerate(zip(self.signal_inputs(), signals, strict=True)):
             level = [u, u * u, u, u, *[0.0] * (len(FED) - 4)] if len(places) > 1 else [u]

@@ -1,4 +1,4 @@
-"""What steady states are asked of: a scenario or a system, its drives as they are held, and what is varied."""
+"""Subjects of steady states: a scenario or a system, its held drives, and the varied parameter."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Subject:
         return cls(given, by_name(given, waveform or {}), given.description())
 
     def names(self) -> list[str]:
-        """Of the drives."""
+        """Return the names of the drives."""
         return [one.name for one in self.system.drives()]
 
     def hold(self, levels: Mapping[str, float] | float | None) -> Numbers:
@@ -104,7 +104,7 @@ class Subject:
         return None if self.scenario is None else self.scenario.find_target(name)
 
     def value(self, varied: VariedNumber, signals: Numbers) -> float:
-        """Where a varied number is now."""
+        """Return the present value of a varied parameter."""
         if varied.path is None:
             return float(signals[varied.drive])
         return float(next(one.value for one in self.system.leaves() if one.path == varied.path))
