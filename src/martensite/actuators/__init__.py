@@ -1,1 +1,1 @@
-"""What moves: elements, mechanisms, and the system they make up."""
+"""Actuators: elements, mechanisms, and the systems they form."""

@@ -21,10 +21,10 @@ class Members(Parametrised, Generic[Kind]):
     """Components of one kind by name, in the order in which they were given."""
 
     noun: ClassVar[str] = "component"
-    """What one of them is called."""
+    """Noun for a component of this kind."""
     kind: ClassVar[type[Any]] = Parametrised
     registry: ClassVar[Registry[Any] | None] = None
-    """Where files choose one by its name, if there are several kinds."""
+    """Registry from which files choose a component by its name, if there are several kinds."""
 
     def __init__(self, **members: Kind) -> None:
         for name, member in members.items():
@@ -47,10 +47,10 @@ class Members(Parametrised, Generic[Kind]):
 
 
 class Feed(NamedTuple):
-    """What drives an element during a step of a march."""
+    """Input of an element during a step of a march."""
 
     moments: Moments
-    """Of its drive signal."""
+    """Moments of its drive signal."""
     owed: Scalar
     """Heat that the step before should have brought as well [J]."""
 
@@ -87,12 +87,12 @@ class Actuator(Parametrised):
         return {name: OBSERVABLES[name].compute(seen) for name in self.own_outputs()}
 
     def own_outputs(self) -> dict[str, Output]:
-        """What can be observed on the element, and what drives it."""
-        rphase = getattr(self.element.law, "rphase", False)  # an element of one's own may have no law
+        """Return the outputs of the element and of its drive."""
+        rphase = getattr(self.element.law, "rphase", False)  # a user-defined element may have no law
         return {name: one.output for name, one in OBSERVABLES.items() if rphase or not one.of_rphase}
 
     def profile(self, state: Any) -> CellProfile:
-        """What differs along the element; described in `PROFILES`."""
+        """Return the quantities that vary along the element; described in `PROFILES`."""
         return self.element.profile(state)
 
 

@@ -1,4 +1,4 @@
-"""What every system does: it takes elements and mechanism through a step together.
+"""Common base of all systems: it advances elements and mechanism through a step together.
 
 One step solves laws, heat and mechanism together, second order in the step. The mechanism
 does so: it knows how its elements depend on each other.
@@ -47,7 +47,7 @@ class AbstractSystem(Parametrised, init=False):
     """Interface of everything that is simulated: elements, what they pull on, what drives them."""
 
     mechanism: AbstractMechanism
-    """What the elements pull on."""
+    """Mechanism that the elements pull on."""
 
     @abstractmethod
     def actuators(self) -> dict[str, Actuator]:
@@ -63,26 +63,26 @@ class AbstractSystem(Parametrised, init=False):
 
     @abstractmethod
     def label(self, port: str, name: str) -> str:
-        """What an output of the actuator at a port is called."""
+        """Return the name of an output of the actuator at a port."""
 
     @abstractmethod
     def drive_at(self, port: str) -> str:
-        """What the drive of the actuator at a port is called."""
+        """Return the name of the drive of the actuator at a port."""
 
     @abstractmethod
     def outputs(self) -> dict[str, Output]:
-        """What can be observed, by name; rows of `observe` come in this order."""
+        """Return the outputs, by name; rows of `observe` come in this order."""
 
     @abstractmethod
     def description(self) -> str:
-        """What it is made of, in words."""
+        """Describe its parts in words."""
 
     def sample_time(self) -> float:
         """Time from sample to sample [s] of a system in discrete time; else 0."""
         return self.mechanism.sample_time()
 
     def profile(self, state: Any) -> list[Column]:
-        """What differs along the element of a system that has but one."""
+        """Return the quantities that vary along the element, for a system with one element."""
         return []
 
     @abstractmethod
@@ -98,7 +98,7 @@ class AbstractSystem(Parametrised, init=False):
         """Advance by `dt` [s] under constant drive signals, or what they bring in that time."""
 
     def exchanges(self) -> bool:
-        """Whether it offers `step_rosenbrock`."""
+        """Return whether it offers `step_rosenbrock`."""
         return False
 
     def step_rosenbrock(self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar) -> tuple[Any, Any, Any]:
@@ -122,7 +122,7 @@ class AbstractSystem(Parametrised, init=False):
         return None
 
     def entries(self, xp: Namespace, state: Any, *drives: Scalar) -> Entries:
-        """What is known of its energy in a state under drive signals; by default nothing."""
+        """Return the energy accounts of a state under drive signals; by default empty."""
         return Entries()
 
     def points(self, xp: Namespace, state: Any) -> list[list[MaterialPoint]]:
@@ -145,27 +145,27 @@ class AbstractSystemAround(AbstractSystem, init=False):
         return self.plant.mechanism
 
     def actuators(self) -> dict[str, Actuator]:
-        """Those of the plant."""
+        """Return the actuators of the plant."""
         return self.plant.actuators()
 
     def signals(self) -> dict[str, str]:
-        """Those of the plant."""
+        """Return the signals of the plant."""
         return self.plant.signals()
 
     def label(self, port: str, name: str) -> str:
-        """As on the plant."""
+        """Return the name as on the plant."""
         return self.plant.label(port, name)
 
     def drive_at(self, port: str) -> str:
-        """As on the plant."""
+        """Return the name as on the plant."""
         return self.plant.drive_at(port)
 
     def outputs(self) -> dict[str, Output]:
-        """Those of the plant."""
+        """Return the outputs of the plant."""
         return self.plant.outputs()
 
     def convergence_scales(self) -> dict[str, float]:
-        """As on the plant."""
+        """Return the scales of the plant."""
         return self.plant.convergence_scales()
 
 
@@ -184,20 +184,20 @@ class AbstractAssembly(AbstractSystem):
         return own + [DriveSignal(name, unit, name in ends) for name, unit in self.signals().items()]
 
     def signals(self) -> dict[str, str]:
-        """Those of the mechanism, then those of what cools the elements."""
+        """Return the signals of the mechanism, then those of the cooling of the elements."""
         return self.mechanism.signals() | self._cooling_signals()
 
     def _cooling_signals(self) -> dict[str, str]:
         return {n: unit for one in self._actuators() for n, unit in one.environment.cooling.signals().items()}
 
     def of_mechanism(self) -> dict[str, Output]:
-        """What can be observed on the mechanism, with the signals that drive it."""
+        """Return the outputs of the mechanism, with its drive signals."""
         driven = {name: Output(unit, f"signal {name}", "u") for name, unit in self.signals().items()}
         return self.mechanism.outputs() | driven
 
     @abstractmethod
     def arrange_outputs(self, seen: list[dict[str, Scalar]], mechanism: dict[str, Scalar]) -> dict[str, Scalar]:
-        """Those of the actuators and of the mechanism, by name, in the order of `outputs`."""
+        """Merge the outputs of the actuators and of the mechanism, by name, in the order of `outputs`."""
 
     def convergence_scales(self) -> dict[str, float]:
         """Temperatures, fractions, and what the mechanism names."""
@@ -223,7 +223,7 @@ class AbstractAssembly(AbstractSystem):
         return State(tuple(states), own), report
 
     def exchanges(self) -> bool:
-        """Whether it is one element whose law gives rates, on a load line."""
+        """Return whether it is one element with a rate-dependent law on a load line."""
         return self.mechanism.static and self._actuators()[0].element.exchanges
 
     def step_rosenbrock(
@@ -270,7 +270,7 @@ class AbstractAssembly(AbstractSystem):
         return lost
 
     def entries(self, xp: Namespace, state: State, *drives: Scalar) -> Entries:
-        """What is known of its energy in a state under drive signals."""
+        """Return the energy accounts of a state under drive signals."""
         found, loads = Entries(), self._loads(xp, state, drives)
         self._enter_heat(xp, found, loads)
         signals = self.mechanism_signals(drives)
@@ -339,7 +339,7 @@ class AbstractAssembly(AbstractSystem):
         return [one.load(element, drive) for one, element, drive in rows]
 
     def _observe_rig(self, xp: Namespace, state: State, drives: Sequence[Scalar]) -> Column:
-        """What is observed on all actuators together."""
+        """Observe all actuators together."""
         return []
 
     def _driven_actuators(self, xp: Namespace, state: State, drives: Sequence[Scalar | Feed]) -> list[Actuator]:
@@ -368,12 +368,12 @@ class AbstractAssembly(AbstractSystem):
 
 
 def _is_balanced(xp: Namespace, element: AbstractElement, state: Any, heating: Heating) -> bool:
-    """Whether the heat of an element is known, and not prescribed with its temperature."""
+    """Return whether the heat of an element is known, and its temperature is not prescribed."""
     return heating.temperature is None and element.stored_heat(xp, state) is not None
 
 
 def _say_unknown(rows: Sequence[tuple[Load, StoredHeat | None]]) -> tuple[str, ...]:
-    """Why there is no ledger of the heat, if there is none."""
+    """Return the reasons for a missing ledger of the heat."""
     if not rows:
         return ("heat: not balanced, since the temperature is prescribed",)
     names = {load.element.registered_name for load, stored in rows if stored is None}

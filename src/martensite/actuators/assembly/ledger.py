@@ -1,4 +1,4 @@
-"""What is entered of the energy of a system in a state: the heat, and the mechanical energy.
+"""Energy accounts of a system in a state: the heat, and the mechanical energy.
 
 Two ledgers, since the heat balance of an element leaves mechanical work out:
 
@@ -28,17 +28,17 @@ ACCOUNTS: tuple[str, ...] = (*HEAT, *HELD, *FLOWING, *EXCHANGED)
 
 @dataclass
 class Entries:
-    """What is known in a state; an account that is missing holds nothing."""
+    """Energy accounts of a state; a missing account is empty."""
 
     held: dict[str, Scalar] = field(default_factory=dict[str, Scalar])
     """Energies [J] that are functions of the state, but for constants, by account."""
     efforts: list[tuple[str, Effort]] = field(default_factory=list[tuple[str, Effort]])
-    """What works along a way, with its account."""
+    """Efforts along ways, with their accounts."""
     lost: Scalar = 0.0
     """Power [W] that elements whose heat is known lose to the surroundings."""
     heat: bool = False
-    """Whether there is a ledger of the heat."""
+    """True if there is a ledger of the heat."""
     work: bool = False
-    """Whether there is one of the work."""
+    """True if there is a ledger of the work."""
     unknown: tuple[str, ...] = ()
     """Why there is none, in sentences."""

@@ -50,7 +50,7 @@ def _list_elongations(system: AbstractSystem, columns: Mapping[str, Sequence[flo
 
 
 def _find_natural_length(element: AbstractElement) -> float:
-    """Length from which elongation counts [m]; 0.1 m if it has none of its own."""
+    """Return the length from which elongation counts [m]; 0.1 m if the element has no length."""
     one = getattr(element, "one", None)
     if isinstance(one, AbstractElement):
         return _find_natural_length(one) * getattr(element, "behind", lambda: 1.0)()

@@ -1,4 +1,4 @@
-"""What can be observed on an element and what drives it: every output is declared once.
+"""Outputs of an element and of its drive: every output is declared once.
 
 Another output of every actuator is one more entry of `OBSERVABLES`; runs, files, figures, exports
 and the bench list it by itself.
@@ -14,7 +14,7 @@ from martensite.kernels.namespace import Scalar
 
 
 class Observation(NamedTuple):
-    """What outputs are computed of."""
+    """Values that outputs are computed from."""
 
     drive: Scalar
     """Signal of the source, in its unit."""
@@ -23,7 +23,7 @@ class Observation(NamedTuple):
     current: Scalar
     """[A]"""
     condition: Condition
-    """What can be measured on the element."""
+    """Measurable condition of the element."""
 
 
 @dataclass(frozen=True)
@@ -34,9 +34,9 @@ class Observable:
     compute: Callable[[Observation], Scalar]
     """A kernel."""
     after_mechanism: bool = False
-    """Whether it comes after the outputs of the mechanism in a system of one element."""
+    """True if it comes after the outputs of the mechanism in a system of one element."""
     of_rphase: bool = False
-    """Whether only elements have it whose law knows an R-phase; `OUTPUTS` are those of all."""
+    """True if only elements whose law knows an R-phase have it; `OUTPUTS` are the outputs of all elements."""
 
 
 OBSERVABLES: dict[str, Observable] = {

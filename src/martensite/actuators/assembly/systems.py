@@ -21,7 +21,7 @@ SUPPLIED = {
     "supply_current": Output("A", "current of the supply", "I"),
     "supply_demand": Output("A", "current that the sources ask of the supply", "I_d"),
 }
-"""What is observed on a supply, as `SharedSupply.observe` answers."""
+"""Outputs of a supply, in the order of `SharedSupply.observe`."""
 
 
 class System(Actuator, AbstractAssembly):
@@ -50,7 +50,7 @@ class System(Actuator, AbstractAssembly):
         return "drive"
 
     def outputs(self) -> dict[str, Output]:
-        """Those of the element, and after the force those of the mechanism."""
+        """Return the outputs of the element, and after the force the outputs of the mechanism."""
         own = self.own_outputs()
         found = _insert_mechanism(own, self.of_mechanism())
         return found | {"drive": own["drive"]._replace(unit=self.source.unit)}
@@ -62,12 +62,12 @@ class System(Actuator, AbstractAssembly):
         return f"{names} on {load}, driven by {self.source.registered_name}"
 
     def arrange_outputs(self, seen: list[dict[str, Scalar]], mechanism: dict[str, Scalar]) -> dict[str, Scalar]:
-        """Those of the element, and after the force those of the mechanism."""
+        """Merge the outputs of the element, and after the force the outputs of the mechanism."""
         (one,) = seen
         return _insert_mechanism(one, mechanism)
 
     def profile(self, state: State) -> list[Column]:  # type: ignore[override]
-        """What differs along the element; described in `PROFILES`."""
+        """Return the quantities that vary along the element; described in `PROFILES`."""
         return list(self.element.profile(state.elements[0]))
 
 
@@ -132,7 +132,7 @@ class Machine(AbstractAssembly):
         return State(tuple(states), own), report
 
     def of_mechanism(self) -> dict[str, Output]:
-        """Those of the mechanism, its signals, and those of a supply that is shared."""
+        """Return the outputs of the mechanism, its signals, and the outputs of a shared supply."""
         return super().of_mechanism() | (SUPPLIED if self.supply is not None else {})
 
     def _observe_rig(self, xp: Namespace, state: State, drives: Sequence[Scalar]) -> Column:
@@ -158,7 +158,7 @@ class Machine(AbstractAssembly):
         return [one.condition(xp, own, one.force(own), around).resistance for one, around, own in rows]
 
     def outputs(self) -> dict[str, Output]:
-        """Those of the mechanism, then those of every actuator."""
+        """Return the outputs of the mechanism, then the outputs of every actuator."""
         found = self.of_mechanism()
         for port, one in self.actuators().items():
             for name, (unit, words, symbol) in one.own_outputs().items():
@@ -175,7 +175,7 @@ class Machine(AbstractAssembly):
         return f"{self.mechanism.registered_name} with {words or 'no elements'}"
 
     def arrange_outputs(self, seen: list[dict[str, Scalar]], mechanism: dict[str, Scalar]) -> dict[str, Scalar]:
-        """Those of the mechanism, then those of every actuator."""
+        """Merge the outputs of the mechanism, then the outputs of every actuator."""
         rows = zip(self.actuators(), seen, strict=True)
         own = {self.label(port, name): value for port, one in rows for name, value in one.items()}
         return mechanism | own

@@ -86,7 +86,7 @@ class BendingBeam(AbstractArm):
         return self.diameter * self.width if self.shape == "ribbon" else super().section()
 
     def cylinder(self) -> Cylinder:
-        """What loses heat; of a ribbon a cylinder of its perimeter."""
+        """Return the cylinder that loses heat; for a ribbon a cylinder of equal perimeter."""
         around = (2.0 / math.pi) * (self.diameter + self.width) if self.shape == "ribbon" else self.diameter
         return Cylinder(around, self.length)
 

@@ -1,4 +1,4 @@
-"""What every element answers to the system that couples it.
+"""Interface of an element to the system that couples it.
 
 An element advances through a step on its own, given what heats it and the force that the mechanism puts on a spring of
 its kind: at frozen phase fractions and temperature an element is a spring, and its tangent
@@ -43,7 +43,7 @@ class Spring(NamedTuple):
 
 
 class Effort(NamedTuple):
-    """What works along a way: ∫ force d(way) is an energy [J]."""
+    """Force along a way: ∫ force d(way) is an energy [J]."""
 
     force: Scalar
     """[N], [N m], [V], or heat [J]."""
@@ -57,8 +57,8 @@ class StoredHeat(NamedTuple):
     sensible: Scalar
     """[J], but for a constant."""
     latent: tuple[Effort, ...]
-    """What a forward transformation takes out of it: heat [J] along the martensite fraction, less
-    than 0, for every part of the element."""
+    """Latent heat absorbed by a forward transformation [J] along the martensite fraction, negative, for every part of
+    the element."""
 
 
 Pull = Callable[[Namespace, Spring], Scalar]
@@ -67,7 +67,7 @@ Pull = Callable[[Namespace, Spring], Scalar]
 
 @dataclass(frozen=True)
 class Heating:
-    """What heats and cools an element during a step."""
+    """Heating and cooling of an element during a step."""
 
     environment: Environment
     source: AbstractSource
@@ -100,7 +100,7 @@ class Heating:
 
 
 class Condition(NamedTuple):
-    """What can be measured on an element in a state."""
+    """Measurable condition of an element in a state."""
 
     temperature: Scalar
     """Mean [K]."""
@@ -116,11 +116,11 @@ class Condition(NamedTuple):
     heat_loss: Scalar
     """[W]"""
     rphase_fraction: Scalar = 0.0
-    """Of a law that has one."""
+    """R-phase fraction, for a law that has one."""
 
 
 class CellProfile(NamedTuple):
-    """What differs along or across an element, one number per cell."""
+    """Quantities that vary along or across an element, one number per cell."""
 
     cell_temperature: Sequence[Scalar]
     """[K]"""
@@ -129,7 +129,7 @@ class CellProfile(NamedTuple):
 
 
 class MaterialPoint(NamedTuple):
-    """What decides on the phase state at a place in an element, and that state."""
+    """Load and phase state at a place in an element."""
 
     temperature: Scalar
     """[K]"""
@@ -138,11 +138,11 @@ class MaterialPoint(NamedTuple):
     martensite_fraction: Scalar
     oriented_fraction: Scalar
     kinks: tuple[Scalar, ...]
-    """Of the law, see `AbstractLaw.kinks`."""
+    """Kinks of the law, see `AbstractLaw.kinks`."""
 
 
 class AbstractElement(Parametrised):
-    """Interface of an element: its `law`, its safety `limits`, and a state of its own making."""
+    """Interface of an element: its `law`, its safety `limits`, and a state of its type."""
 
     straight: ClassVar[bool] = True
     """False if its strain is not that of a straight wire, which tears."""
@@ -152,7 +152,7 @@ class AbstractElement(Parametrised):
     law: Given[AbstractLaw] = NotImplemented
     """The stress–strain–temperature law."""
     limits: ElementLimits = NotImplemented
-    """What a run warns about."""
+    """Limits that a run warns about."""
 
     material: InitVar[Material | str | Path | None] = None
     """Argument of every element, not a field of it: numbers that are left out are those of the material."""
@@ -233,7 +233,7 @@ class AbstractElement(Parametrised):
         return CellProfile((), ())
 
     def places(self) -> list[float]:
-        """Where the points of the profile lie [m]."""
+        """Return the places of the points of the profile [m]."""
         return []
 
     def points(self, xp: Namespace, state: Any) -> list[MaterialPoint]:
@@ -241,7 +241,7 @@ class AbstractElement(Parametrised):
         return []
 
     def heat_content(self, xp: Namespace, state: Any) -> Scalar | None:
-        """Heat [J] that it holds, but for a constant; None if that is no function of its state."""
+        """Return the stored heat [J], up to a constant; None if it is not a function of the state."""
         return None
 
     def stored_heat(self, xp: Namespace, state: Any) -> StoredHeat | None:

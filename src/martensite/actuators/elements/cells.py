@@ -32,7 +32,7 @@ SWEEPS, HALF_SWEEPS, LAST_SWEEPS = 4, 20, 4
 """Sweeps of a step; where they do not settle it, sweeps that take half of every change, for where
 all cells cross a kink together sweeps go to and fro over it; and the last ones."""
 SETTLED = 1e-11
-"""Change of a fraction in a sweep [-] that is none."""
+"""Change of a fraction in a sweep [-] that counts as zero."""
 
 
 class AbstractCut(AbstractElement):
@@ -73,7 +73,7 @@ class AbstractCut(AbstractElement):
         return self.wire.limits
 
     def copies(self) -> Scalar:
-        """How many equal rows of cells the element has, end to end."""
+        """Return the number of equal rows of cells in the element, end to end."""
         return 1.0
 
     @abstractmethod
@@ -82,7 +82,7 @@ class AbstractCut(AbstractElement):
 
     @abstractmethod
     def links(self, xp: Namespace, fractions: Column) -> Links:
-        """What conducts heat at given martensite fractions."""
+        """Return the conductances between cells at given martensite fractions."""
 
     def cell(self, length: Scalar) -> Wire:
         """A piece of the wire."""
@@ -93,7 +93,7 @@ class AbstractCut(AbstractElement):
         return [1.0 for _ in self.lengths(xp)]
 
     def linkage(self) -> Linkage:
-        """How the cells share force and elongation."""
+        """Return how the cells share force and elongation."""
         return EndToEnd(self.copies())
 
     def force_on_cells(self, state: Cells) -> Column:
@@ -125,7 +125,7 @@ class AbstractCut(AbstractElement):
         return force, self.force_share(xp, free, soft, force)
 
     def force_share(self, xp: Namespace, free: Column, soft: Column, force: Scalar) -> Column:
-        """What each cell carries of a force [N]."""
+        """Return the part of a force [N] that each cell carries."""
         linkage = self.linkage()
         whole = linkage.whole(xp, free, soft, force)
         own = [Spring(*pair) for pair in zip(free, soft, strict=True)]

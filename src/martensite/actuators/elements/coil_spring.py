@@ -181,7 +181,7 @@ class CoilSpring(AbstractSection):
             phase: `austenite`, or `martensite` whose variants do not change.
 
         Raises:
-            ParameterError: there is no such phase.
+            ParameterError: the phase does not exist.
         """
         require_known("phase", phase, PHASES)
         share = float(PHASES.index(phase))

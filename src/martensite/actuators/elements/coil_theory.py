@@ -26,7 +26,7 @@ LEAST_INDEX = 3.0
 """Smallest spring index for which the exact factors hold."""
 
 STIFFNESS_TERMS = (0.18749990704070718, 0.17092513673011378, 0.10753576375627583, 0.09930535360839417)
-"""Of 1/C², 1/C⁴, … in the exact stiffness factor."""
+"""Coefficients of 1/C², 1/C⁴, … in the exact stiffness factor."""
 
 STRESS_TERMS = (
     1.2500001253962632,
@@ -37,7 +37,7 @@ STRESS_TERMS = (
     -0.332299240590914,
     2.2937079620869074,
 )
-"""Of 1/C, 1/C², … in the exact stress factor."""
+"""Coefficients of 1/C, 1/C², … in the exact stress factor."""
 
 
 def spring_index(wire: Scalar, coil: Scalar) -> Scalar:

@@ -1,4 +1,4 @@
-"""What elements of many cells, and of many fibres, keep: one column per quantity."""
+"""State of elements of many cells, and of many fibres: one column per quantity."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.kernels.nested import choose_tuple
 
 LARGE = 1e300
-"""Where nothing is."""
+"""Bound that stands for infinity."""
 
 
 class Cells(NamedTuple):
@@ -84,7 +84,7 @@ class HeatBalanceColumns(NamedTuple):
 
 
 class Point(NamedTuple):
-    """What all fibres share [m, K]."""
+    """Elongation and temperature that all fibres share [m, K]."""
 
     elongation: Scalar
     temperature: Scalar
@@ -104,7 +104,7 @@ class SectionHeat(NamedTuple):
 
 
 class Bracket(NamedTuple):
-    """Where a number that is sought lies, and how far off it was at the last step within."""
+    """Bracket of a root, and the mismatch at the last step inside."""
 
     low: Scalar = -LARGE
     high: Scalar = LARGE
@@ -116,7 +116,7 @@ class Bracket(NamedTuple):
         return Bracket(xp.maximum(self.low, low), xp.minimum(self.high, high), self.last)
 
     def limit(self, xp: Namespace, wanted: Scalar, off: Scalar) -> Scalar:
-        """What is wanted; the middle where that lies outside, or `off` is above half of the last."""
+        """Return the wanted value; the middle if that is outside, or `off` is above half of the last mismatch."""
         good = xp.both(xp.both(self.low < wanted, wanted < self.high), off <= 0.5 * self.last)
         closed = xp.both(self.low > -LARGE, self.high < LARGE)
         return xp.where(xp.either(good, xp.negate(closed)), wanted, 0.5 * self.low + 0.5 * self.high)

@@ -1,8 +1,8 @@
 """The numbers of an element from a material: `Wire(material="flexinol-90", diameter="0.25 mm", …)`.
 
-What is given wins. Numbers that are left out are those of the material under the same name; the law
-is the one that the material's numbers hold for, else the typical one; the resistance is that of the
-mixture. Whatever a material does not hold has to be given, and the class says so.
+Given arguments take precedence. Omitted parameters come from the material under the same name; the law is the one that
+the material's parameters hold for, else the typical one; the resistance is that of the mixture. Parameters that the
+material does not hold must be given; otherwise the class raises an error.
 """
 
 from collections.abc import Mapping
@@ -20,10 +20,10 @@ ASSUMED_KINDS = {"resistance": "mixture"}
 def complete_from_material(
     cls: type[Parametrised], material: Material | str | Path, given: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Arguments of a class: what is given, and the rest from a material.
+    """Return the arguments of a class: the given ones, and the rest from a material.
 
     Raises:
-        InputError: there is no such material, or no component of a name that is given.
+        InputError: the material or a named component does not exist.
     """
     known = material if isinstance(material, Material) else load_material(material)
     found = dict(given)

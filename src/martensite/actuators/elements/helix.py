@@ -1,9 +1,9 @@
 r"""Helical spring at large deflection: Kirchhoff's and Love's rod, ends held against rotation.
 
-A helix of wire length l keeps its N turns, so that the angle per length κ₀ = 2πN/l stays too.
-With pitch angle a, length H = l sin a and subscript 0 for the unloaded helix of the reference
-phase, the changes of curvature and twist are κ₀ (cos a - cos a₀) and κ₀ (sin a - sin a₀). A
-transformation strain twists the wire of its own, dt_tr = 2 γ_tr/d; it enters as natural twist:
+A helix of wire length l keeps its N turns, so that the angle per length κ₀ = 2πN/l stays too. With pitch angle a,
+length H = l sin a and subscript 0 for the unloaded helix of the reference phase, the changes of curvature and twist
+are κ₀ (cos a - cos a₀) and κ₀ (sin a - sin a₀). A transformation strain twists the wire by itself, dt_tr = 2 γ_tr/d;
+it enters as natural twist:
 
     U = (l/2) { E I κ₀² (cos a - cos a₀)² + G J [κ₀ (sin a - sin a₀) - dt_tr]² }
 
@@ -33,11 +33,11 @@ class Helix(NamedTuple):
     """A helix of one phase mixture."""
 
     length: Scalar
-    """Of the wire [m]."""
+    """Length of the wire [m]."""
     angle: Scalar
     """Angle about the axis per wire length, κ₀ [rad/m]."""
     sine: Scalar
-    """Of the unloaded pitch angle."""
+    """Sine of the unloaded pitch angle."""
     bending: Scalar
     """E I [N m²]."""
     poisson: Scalar
@@ -50,11 +50,11 @@ class Helix(NamedTuple):
         return self.angle * self.angle * self.bending
 
     def cosine(self, xp: Namespace) -> Scalar:
-        """Of the unloaded pitch angle."""
+        """Return the cosine of the unloaded pitch angle."""
         return xp.sqrt(1.0 - self.sine * self.sine)
 
     def natural(self) -> Scalar:
-        """What unloaded pitch and natural twist put against the force [-]."""
+        """Return the resistance of unloaded pitch and natural twist against the force [-]."""
         return (self.sine + self.twist / self.angle) / (1.0 + self.poisson)
 
     def slenderness(self) -> Scalar:

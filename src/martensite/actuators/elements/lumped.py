@@ -11,7 +11,7 @@ in its middle, to first order, and a wire that only relaxes does so by
 
     ΔT = [Δt (P - Q) + Δt² P' (½ coth(z/2) - 1/z)]/(C g),   g = z/(1 - exp(-z)),   z = Δt Q'/C,
 
-so that a rest is one step, and a power that rises or falls is no error. An element that is not
+so that a rest is one step, and a rising or falling power causes no error. An element that is not
 linear in force is linearised at the force before, and again at the one found.
 
 Under a law of rates the whole system is one of ordinary differential equations, which a march with
@@ -53,13 +53,13 @@ class Lumped(NamedTuple):
     """State of a lumped element."""
 
     memory: Any
-    """Of the law."""
+    """Memory of the law."""
     force: Scalar
     """[N]"""
     rate: Scalar
-    """Of the martensite fraction in the last step [1/s]: where the next solve begins to look."""
+    """Rate of the martensite fraction in the last step [1/s]: the first guess of the next solve."""
     worn: Any = ()
-    """What cycles have done to it (`laws.wear`)."""
+    """State of wear by cycles (`laws.wear`)."""
 
 
 class HeatLine(NamedTuple):
@@ -72,14 +72,14 @@ class HeatLine(NamedTuple):
     share: Scalar
     """Temperature per heat [K/J]."""
     heat: Scalar
-    """What comes in and stays if nothing transforms [J]."""
+    """Heat that remains if nothing transforms [J]."""
     by_martensite: Scalar
     """More of it per martensite [J]: latent heat, and what another resistance takes up."""
     by_oriented: Scalar
     by_rphase: Scalar
     """Per R-phase as a share of what is not martensite, by its resistance."""
     latent: Scalar
-    """Of the whole transformation [J]."""
+    """Latent heat of the whole transformation [J]."""
     released: Callable[[Fractions], Scalar]
     """Share of it released in a phase state [-]."""
     bend_martensite: Scalar
@@ -129,11 +129,11 @@ class AbstractLumped(AbstractElement):
     """An element that is the same all over; a subclass answers for its shape."""
 
     wear: Wear | None = None
-    """What cycles change in it."""
+    """Wear of the element by cycles."""
 
     @property
     def uniform(self) -> bool:
-        """Whether one phase state stands for all of it."""
+        """Return whether one phase state holds for the whole element."""
         return True
 
     def apply_wear(self, xp: Namespace, worn: Any) -> Self:
@@ -247,7 +247,7 @@ class AbstractLumped(AbstractElement):
     ) -> tuple[Lumped, Lumped, Lumped]:
         """States after a step of dt [s], in its middle, and after it to a lower order.
 
-        What is owed is not asked for. The law must be an exchange of layers.
+        The heat error of the step before (`owed`) is not used. The law must be an exchange of layers.
         """
         law = cast(AbstractExchange, self.law)
         coupling, lumped = self._couple(xp, state, heating, pull, dt)
@@ -255,7 +255,7 @@ class AbstractLumped(AbstractElement):
         return lumped(after), lumped(middle), lumped(coarse)
 
     def differentiate(self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull) -> tuple[Lumped, Column]:
-        """As `advance_rosenbrock` has it: the state that follows from populations and temperature, and their rates."""
+        """Return the state at given populations and temperature, and their rates, for `advance_rosenbrock`."""
         law, imposed = cast(AbstractExchange, self.law), heating.temperature
         coupling, lumped = self._couple(xp, state, heating, pull, 1.0)
         temperature = state.memory.temperature if imposed is None else imposed
@@ -265,7 +265,7 @@ class AbstractLumped(AbstractElement):
     def _couple(
         self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar
     ) -> tuple[Coupling, Callable[[Any], Lumped]]:
-        """What a law of rates is coupled with in a step of dt [s], and the element with a memory of it."""
+        """Return the coupling of a law of rates in a step of dt [s], and the element with a memory of it."""
         law = cast(AbstractExchange, self.law)
         start, imposed = state.memory.temperature, heating.temperature
 
@@ -397,7 +397,7 @@ class AbstractLumped(AbstractElement):
     def elastic_energy_at(
         self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
     ) -> Scalar | None:
-        """The same under a force [N]: ½ compliance · force², if the element is linear in force."""
+        """Return the elastic energy under a force [N]: ½ compliance · force², if the element is linear in force."""
         if self.passes > 1:
             return None
         spring = self.spring(xp, fractions, temperature, force)

@@ -55,7 +55,7 @@ def solve_tridiagonal(diagonal: Column, right: Column, links: Column) -> list[Sc
 
 
 def _eliminate_before(diagonal: Column, right: Column, links: Column) -> Others:
-    """What every cell sees of those before it."""
+    """Return the effect on every cell of the cells before it."""
     slope, source = [0.0], [0.0]
     for d, r, g in zip(diagonal[:-1], right[:-1], links, strict=True):
         share = g / (d + slope[-1] + g)
@@ -69,7 +69,7 @@ HAIR = 1e-12
 
 
 class Rest(NamedTuple):
-    """What all cells but one add up to: elongation and compliance, or force and stiffness."""
+    """Sum over all cells but one: elongation and compliance, or force and stiffness."""
 
     offset: Scalar
     slope: Scalar
@@ -86,7 +86,7 @@ class EndToEnd:
         return Spring(self.copies * sum_column(free), self.copies * sum_column(compliance))
 
     def rests(self, xp: Namespace, free: Column, compliance: Column, force: Column) -> tuple[Column, Column]:
-        """What every cell sees of the others, given what each carries [N]: the sums less one."""
+        """Return the sums over all other cells, for every cell, at the force that each carries [N]."""
         long, soft = sum_column(free), sum_column(compliance)
         return [long - f for f in free], [soft - c for c in compliance]
 
@@ -104,7 +104,7 @@ class ParallelCells:
     """Cells with a common elongation, none of which can push."""
 
     def whole(self, xp: Namespace, free: Column, compliance: Column, force: Scalar) -> Spring:
-        """Those that are taut. Newton's method from the slack side is exact for lines."""
+        """Return the spring of the taut cells. Newton's method from the slack side is exact for lines."""
         alone = [f + c * force for f, c in zip(free, compliance, strict=True)]
         e = alone[0]
         for other in alone[1:]:
@@ -133,13 +133,13 @@ class ParallelCells:
         return Spring(soft * (rest.offset + stiffness * own.free), soft)
 
     def force_share(self, xp: Namespace, own: Spring, whole: Spring, force: Scalar) -> Scalar:
-        """What the cell carries at the elongation of the whole; nothing if that is short."""
+        """Return the force of the cell at the elongation of the whole; 0 if the cell is slack."""
         elongation = whole.free + whole.compliance * force
         return xp.maximum((elongation - own.free) / own.compliance, 0.0)
 
 
 Linkage = EndToEnd | ParallelCells
-"""How the cells of an element are linked."""
+"""Linkage of the cells of an element."""
 
 
 def _sum_others(column: Column) -> list[Scalar]:

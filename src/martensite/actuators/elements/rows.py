@@ -31,11 +31,11 @@ class AbstractRow(AbstractLumped):
         """One of them."""
 
     def beside(self) -> Scalar:
-        """How many share the force."""
+        """Return the number of elements that share the force."""
         return 1.0
 
     def behind(self) -> Scalar:
-        """How many share the elongation."""
+        """Return the number of elements that share the elongation."""
         return 1.0
 
     def check(self) -> None:
@@ -77,7 +77,7 @@ class AbstractRow(AbstractLumped):
 
     @property
     def straight(self) -> bool:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """Whether one is a straight wire."""
+        """Return whether one element is a straight wire."""
         return self.one.straight
 
     @property

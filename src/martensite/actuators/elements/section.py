@@ -46,7 +46,7 @@ from martensite.physics.thermal.base import Environment
 ROOT3 = math.sqrt(3.0)
 """Equivalent stress per shear stress."""
 LOST = 1e-9
-"""Martensite fraction that a section loses at least if it is no longer as trained."""
+"""Smallest lost martensite fraction of a section that is no longer as trained."""
 
 
 class Section(NamedTuple):
@@ -84,7 +84,7 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         """Strain per elongation [1/m] and volume [m³] of every fibre, the surface last."""
 
     def cut_rings(self, inner: Scalar, per_radius: Scalar) -> tuple[Column, Column]:
-        """Those of rings outside of an inner diameter [m], at a strain per elongation and radius [1/m²]."""
+        """Return levers and volumes of rings outside a diameter [m], at a strain per elongation and radius [1/m²]."""
         wall, length = 0.5 * (self.diameter - inner), self.wire_length()
         rings = [(0.5 * inner + wall * s, wall * w) for s, w in find_section_points(int(self.fibres))]
         return [per_radius * r for r, _ in rings], [2.0 * math.pi * length * r * w for r, w in rings]
@@ -95,7 +95,7 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
 
     @property
     def uniform(self) -> bool:
-        """Whether one phase state stands for all of it."""
+        """Return whether one phase state holds for the whole section."""
         return self.section_model == "surface"
 
     def check(self) -> None:

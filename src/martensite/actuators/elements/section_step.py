@@ -44,7 +44,7 @@ smaller, as rounding leaves it where strips are as narrow as lines."""
 MOVED = 1e-13
 """Change of a fraction [-] from which on it is one."""
 WIDER = 1.01
-"""Of what bounds a root, which may lie on it."""
+"""Factor that widens the bounds of a root, because the root may lie on a bound."""
 LEAST = 1e-300
 
 
@@ -116,7 +116,7 @@ class SectionStep:
     start: Point
     heat: SectionHeat
     move: NestedShape
-    """What the law's process looks like."""
+    """Example of the law's process, as its shape."""
     levers: Column
     volumes: Column
 
@@ -174,7 +174,7 @@ class SectionStep:
     def linearise_fibres(
         self, xp: Namespace, point: Point, stresses: Column, moves: Sequence[Column]
     ) -> tuple[Column, list[Column]]:
-        """What the law answers: sums over the section; per fibre strain, slopes, compliance, change and fractions.
+        """Return the law's answer: sums over the section; per fibre strain, slopes, compliance, change and fractions.
 
         The sums are ∂F/∂e, F at no elongation, and -∂F/∂T, and the same of the heat of transformation but with its own
         sign; and that heat as it is.

@@ -56,7 +56,7 @@ class SweepStep:
         return NestedShape(self.state.memories[0]).rebuild(flat)
 
     def start(self, xp: Namespace) -> StepStart:
-        """Where all cells stand."""
+        """Return the state of all cells at the start."""
         law = self.law
 
         def one(length: Scalar, *flat: Scalar) -> tuple[Scalar, ...]:

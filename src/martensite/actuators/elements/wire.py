@@ -86,7 +86,7 @@ class AbstractRoundWire(AbstractElement):
         return 0.25 * math.pi * self.diameter * self.diameter
 
     def cylinder(self) -> Cylinder:
-        """What loses heat through its lateral surface."""
+        """Return the cylinder that loses heat through its lateral surface."""
         return Cylinder(self.diameter, self.wire_length())
 
     def surface(self) -> Scalar:

@@ -1,4 +1,4 @@
-"""How the motor on a beam is drawn: the beam along x, its tip moving along z.
+"""Drawing of the motor on a beam: the beam along x, its tip moving along z.
 
 The tip, the rotor, and the way of the wire are those of `martensite.actuators.mechanisms.beam_motor`. How long the beam
 is, it does not know: it is drawn as long as the way of the wire along it, or without one fifteen eccentricities. It

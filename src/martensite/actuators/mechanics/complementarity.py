@@ -9,14 +9,14 @@ W = G A⁻¹Gᵀ make this a linear complementarity problem in few unknowns,
 
     w = c + W λ ≥ 0  ⊥  λ ≥ 0,        c = g + G δ° - W λ°
 
-It says which constraints touch; principal pivoting solves it exactly in a bounded number of turns: the first sign that
-is wrong is turned, until none is (K. G. Murty, Linear Complementarity, Linear and Nonlinear Programming, 1988). What
-touches is then held by Newton's method, G δ = -g, with the turning of its slopes under λ°. That may leave A without
-stiffness where the motion along the constraints has it, so A + ρ GᵀG is eliminated, and -ρ Gᵀg added to the side: the
-same equations, whatever ρ.
+Its solution determines which constraints touch. Principal pivoting solves it exactly in a bounded number of turns: the
+first wrong sign is flipped, until all signs are right (K. G. Murty, Linear Complementarity, Linear and Nonlinear
+Programming, 1988). Newton's method then holds the touching constraints, G δ = -g, with the turning of its slopes under
+λ°. That may leave A without stiffness where the motion along the constraints has it, so A + ρ GᵀG is eliminated, and
+-ρ Gᵀg added to the side: the same equations, whatever ρ.
 
 Nothing gives way: there is no stiffness of a contact. A share of 1e-10 of W on its diagonal, about λ° and so without
-any part in what is found, keeps W regular where more constraints act than there are coordinates.
+any effect on the solution, keeps W regular where more constraints act than there are coordinates.
 
 A stop gives λ in N m for a gap in rad, a contact in N for one in m.
 """
@@ -36,7 +36,7 @@ TURNS = 40
 NEARBY = 1e-10
 """Share of the compliance by which reactions are kept near those before."""
 NONE = 1e-15
-"""Gap [m] or [rad] that is none."""
+"""Gap [m] or [rad] that counts as zero."""
 HELD = 1e3
 """ρ, times the stiffness in the direction of a constraint."""
 FARTHEST = 0.3

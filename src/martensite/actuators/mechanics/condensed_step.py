@@ -17,8 +17,8 @@ part of the residual of the step. K_i only sets the speed of convergence, not th
 H holds stiffness, damping and inertia of the mechanism, with the turning of its levers under
 tension; all slopes are exact.
 
-Where a mechanism has unilateral constraints (`complementarity`), those that push in a trial hold the line on which the
-elements answer, and which of them push is found anew with every correction.
+Where a mechanism has unilateral constraints (`complementarity`), the constraints that push in a trial hold the load
+line of the elements. The set of pushing constraints is determined again with every correction.
 """
 
 from __future__ import annotations
@@ -50,15 +50,15 @@ if TYPE_CHECKING:
 PASSES = 24
 """Passes after which a step counts as not solved."""
 SETTLED = 1e-11
-"""Correction of a coordinate, in its size, that is none."""
+"""Correction of a coordinate, in its size, that counts as zero."""
 FLOOR = 1e-9
 """Stiffness of a slack element as a share of that of a taut one, lest nothing holds."""
 STILL = 1e-13
-"""Change of elongation [m] from which no tangent can be read, and gap that is none."""
+"""Smallest change of elongation [m] that gives a tangent, and gap that counts as zero."""
 
 
 class Tangent(NamedTuple):
-    """How an element answers: force at an elongation, and force per elongation."""
+    """Response of an element: force at an elongation, and force per elongation."""
 
     force: Scalar
     elongation: Scalar
@@ -78,16 +78,16 @@ class CondensedSystem(NamedTuple):
     missing: Column
     """Demand less what the tangents supply."""
     forces: Column
-    """Of the tangents [N]."""
+    """Forces of the tangents [N]."""
     constraints: Constraints | None
-    """What may touch, if anything may."""
+    """Constraints that may touch, if there are any."""
 
 
 class _Turn(NamedTuple):
-    """What one pass hands to the next."""
+    """State passed from one pass to the next."""
 
     offsets: Numbers
-    """Of the position from its prediction."""
+    """Offsets of the position from its prediction."""
     tangents: tuple[Tangent, ...]
     turned: Scalar
     """0 before the first pass, then 1."""
@@ -96,7 +96,7 @@ class _Turn(NamedTuple):
     relocate: Scalar
     """Largest correction of a coordinate, in its size."""
     reactions: Numbers
-    """Of unilateral constraints [N] or [N m]."""
+    """Reactions of unilateral constraints [N] or [N m]."""
 
 
 @dataclass(frozen=True)
@@ -212,7 +212,7 @@ class CondensedStep:
     def _answers(
         self, xp: Namespace, lines: Sequence[LoadLineEquation], before: Sequence[Any]
     ) -> tuple[list[Tangent], list[Any], StepReport]:
-        """What every element finds on its line: its tangent at frozen fractions, and its state."""
+        """Return the response of every element on its load line: its tangent at frozen fractions, and its state."""
         if not lines:
             return [], [], StepReport(0.0, 0.0)
         found: list[Tangent] = []
@@ -237,7 +237,7 @@ def _build_stiffness(linear: CondensedSystem, tangents: Sequence[Tangent]) -> li
 
 
 def _build_lines(xp: Namespace, linear: CondensedSystem, tangents: Sequence[Tangent]) -> list[LoadLineEquation]:
-    """What every element sees of the mechanism and the others."""
+    """Return the load line of every element: the mechanism with the other elements."""
     if not tangents:
         return []
     stiffness, touched = _build_stiffness(linear, tangents), linear.constraints

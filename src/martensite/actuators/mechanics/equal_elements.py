@@ -39,7 +39,7 @@ class LoadLineEquation(NamedTuple):
 
 
 class ElementResponse(NamedTuple):
-    """What an element finds on its line."""
+    """Response of an element on its load line."""
 
     state: Any
     force: Scalar

@@ -1,9 +1,10 @@
-"""How the hand is drawn: fingers that hang from a palm, the thumb opposite to the two others.
+"""Drawing of the hand: fingers that hang from a palm, the thumb opposite to the two others.
 
-Every finger is drawn in a plane of its own: `along` it as it hangs straight, and `inwards`, where it bends to. Holes of
-flexors at (∓g, r) from a hinge and knuckles of radius ρ, as in `martensite.actuators.mechanisms.hand`. What does not
-bend the proximal joint runs through its axis. Where the fingers stand on the palm, and how tendons run on into the
-forearm, the mechanism leaves open. Once brackets have met, a flexor is drawn through the point where they did.
+Every finger is drawn in a separate plane: `along` it as it hangs straight, and `inwards`, the direction in which it
+bends. Holes of flexors at (∓g, r) from a hinge and knuckles of radius ρ, as in `martensite.actuators.mechanisms.hand`.
+Tendons that do not bend the proximal joint run through its axis. The mechanism does not define the places of the
+fingers on the palm, nor the tendons in the forearm. Once brackets have met, a flexor is drawn through the point where
+they did.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ LEAST_WRAP, MOST_WRAP = 0.15, 0.6
 
 
 class FingerPlace(NamedTuple):
-    """Where a finger hangs."""
+    """Place of a finger on the palm."""
 
     x: float
     y: float
@@ -88,7 +89,7 @@ def _draw_plate(half: float, wide: float, above: float) -> tuple[Point, ...]:
 
 
 def _locate_plates(hand: Hand, reading: DrawingState) -> tuple[float, float]:
-    """How far above the hinges the palm is, and the plate that tendons are tied to [m]."""
+    """Return the height of the palm above the hinges, and of the plate that tendons are tied to [m]."""
     above = reduce(xp.maximum, hand.sizes()) * (xp.maximum(hand.bracket, 0.6 * hand.distal_length) + 2.0 * hand.offset)
     return above, reduce(xp.maximum, reading.lengths.values(), 2.0 * above) - 0.25 * hand.proximal_length
 
@@ -134,7 +135,7 @@ def _draw_finger(
 
 
 def _find_height(point: Flat, lift: float, leaning: float) -> Flat:
-    """Where a line through a point, leaning inwards by an angle, is so far above the hinges."""
+    """Return the point at a height above the hinges on a line through a point, leaning inwards by an angle."""
     return -lift, point[1] + xp.tan(leaning) * (lift + point[0])
 
 

@@ -33,7 +33,7 @@ SHORTEST = 1e-12
 
 
 class Motion(NamedTuple):
-    """Where a mechanism is and how it moves, one number per coordinate."""
+    """Position and motion of a mechanism, one number per coordinate."""
 
     position: Numbers
     velocity: Numbers
@@ -41,7 +41,7 @@ class Motion(NamedTuple):
 
 
 class MotionHistory(NamedTuple):
-    """What a mechanism remembers of its motion; a quasi-static one has no acceleration."""
+    """Memory of the motion of a mechanism; a quasi-static one has no acceleration."""
 
     position: Numbers
     velocity: Numbers

@@ -14,8 +14,8 @@ base. The leg from vertex i of the base to vertex i of the plate is
 A positive α lowers vertex 0 and shortens leg 0; a positive β lowers vertex 1. The legs' pulls
 F_i turn the plate with Q = -Jᵀ F, J = ∂L/∂(α, β).
 
-Three lengths determine two angles by least squares; what is left over tells lengths that belong
-to no posture, such as three equal contractions.
+Three lengths determine two angles by least squares; a residual indicates lengths without a posture, such as three
+equal contractions.
 
 Source: Ranjith Pillai, Murali and Gopal (2018), eqs. 1 to 3, with what eq. 2 leaves out: the
 plates' distance h, and that the length of a leg is the norm of its vector. The order of the
@@ -47,11 +47,11 @@ class Plates(NamedTuple):
     """Two equal triangular plates, and the joint between them."""
 
     side: Scalar
-    """Of the triangles, s [m]."""
+    """Side of the triangles, s [m]."""
     height: Scalar
     """Distance of the plates at home, h [m]."""
     pivot: Scalar
-    """Of the universal joint above the base, z_p [m]; `height` if it is in the top plate."""
+    """Height of the universal joint above the base, z_p [m]; `height` if it is in the top plate."""
 
 
 class Tilt(NamedTuple):

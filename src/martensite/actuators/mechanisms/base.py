@@ -1,8 +1,8 @@
-"""What every mechanism answers: it takes its elements through a step together with itself.
+"""Interface of a mechanism: it advances its elements through a step together with itself.
 
-A mechanism pulls on one or several elements, each at a port of its own, and may have signals of its own, such as the
-voltage of a motor. To it an element is a `Load`: something that advances when it is told which force a spring of its
-kind meets (`martensite.actuators.elements.base`).
+A mechanism pulls on one or several elements, each at a separate port, and may have drive signals, such as the voltage
+of a motor. It treats an element as a `Load`, which advances on the load line of a spring
+(`martensite.actuators.elements.base`).
 
 Two families: a load line (`load_line`) answers in closed form for one element; a multibody
 mechanism (`multibody`) has coordinates, any number of elements, and inertia if it is wanted.
@@ -34,7 +34,7 @@ Readout = tuple[list[Scalar], Column]
 
 
 class Output(NamedTuple):
-    """How a quantity that can be observed is called."""
+    """Label of an observable quantity."""
 
     unit: str
     """In SI."""
@@ -66,20 +66,20 @@ class MechanicalEnergy(NamedTuple):
     gravity: Scalar = 0.0
     kinetic: Scalar = 0.0
     magnetic: Scalar = 0.0
-    """Of the winding of a motor."""
+    """Magnetic energy of the winding of a motor."""
 
 
 class Mechanics(NamedTuple):
-    """What becomes of the work of the elements."""
+    """Destinations of the work of the elements."""
 
     energy: MechanicalEnergy
     ways: tuple[Scalar, ...]
-    """How far each element has drawn what it pulls since assembly [m]: where it is taut by its own
-    elongation; where it hangs slack, and has an end of its own, by its path."""
+    """Displacement of the attachment of each element since assembly [m]: by its elongation where it is taut; by its
+    path where it hangs slack and has a free end."""
     dissipated: tuple[Effort, ...] = ()
     """Friction, damping and losses of a motor, each along its way."""
     outside: tuple[Effort, ...] = ()
-    """What works against what is outside, such as the drive of a crosshead or a voltage."""
+    """Efforts against the outside, such as the drive of a crosshead or a voltage."""
 
 
 class AbstractMechanism(Parametrised):
@@ -95,12 +95,12 @@ class AbstractMechanism(Parametrised):
         return ("element",)
 
     def signals(self) -> dict[str, str]:
-        """Names of its own drive signals, with their units."""
+        """Return the names of its drive signals, with their units."""
         return {}
 
     @abstractmethod
     def outputs(self) -> dict[str, Output]:
-        """What can be observed on the mechanism itself; the first is its stroke."""
+        """Return the outputs of the mechanism itself; the first is its stroke."""
 
     @abstractmethod
     def convergence_scales(self) -> dict[str, float]:
@@ -119,7 +119,7 @@ class AbstractMechanism(Parametrised):
         """Force [N] on each element when it is assembled."""
 
     def first_forces(self, xp: Namespace, signals: Column) -> Column:
-        """The same under the first signals, where these prescribe forces."""
+        """Return the forces at assembly under the first signals, if these prescribe forces."""
         return self.start_forces(xp)
 
     @abstractmethod
@@ -144,7 +144,7 @@ class AbstractMechanism(Parametrised):
 
     @require_where("static")
     def load_line(self, memory: Any) -> Pull:
-        """What the element of a `static` mechanism meets, at any time."""
+        """Return the load line of the element of a `static` mechanism, at any time."""
         raise make_missing_error(type(self), ["load_line"])
 
     @abstractmethod
@@ -152,11 +152,11 @@ class AbstractMechanism(Parametrised):
         """Force [N] in each element, and the `outputs` in order."""
 
     def mechanics(self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column) -> Mechanics | None:
-        """What it holds, dissipates and gives to the outside; None if it does not say."""
+        """Return stored, dissipated and delivered energies; None if they are not known."""
         return None
 
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """What it looks like (`.drawing`), by the same shapes at every time.
+        """Draw the mechanism (`.drawing`), with the same shapes at every time.
 
         One that says nothing is drawn as elements that hang, moved or turned by its first output;
         without elements, as a ball on a thread.

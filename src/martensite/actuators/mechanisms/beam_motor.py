@@ -23,7 +23,7 @@ s), or just taut where that would stretch it.
 The mechanical energy of the isolated system is constant. With `coupling = "printed"` it is not:
 that is equation (3.15) of the thesis, +φ'' cos φ in the first line, for comparison only.
 
-Source: Kossoski (2018), chapter 4 and section 5.2.1, derived anew with Lagrange's equations.
+Source: Kossoski (2018), chapter 4 and section 5.2.1, derived again with Lagrange's equations.
 """
 
 import math
@@ -199,7 +199,7 @@ class BeamMotor(AbstractMultibody):
         return [torque, volts - voltage]
 
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
-        """Of the beam that is bent, of all that moves, and of the coil."""
+        """Return the energies of the bent beam, of all moving masses, and of the coil."""
         n, moment = self.count, self.unbalance * self.eccentricity
         speed, current = motion.velocity[n], motion.velocity[n + 1]
         rows = list(zip(self._beam(xp), motion.position[:n], motion.velocity[:n], strict=True))

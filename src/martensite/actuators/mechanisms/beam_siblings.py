@@ -80,7 +80,7 @@ class BeamMotors(BeamMotor):
         return {"motor": "V", "motor_2": "V"}
 
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """Those of the first motor, then angle and charge of the second."""
+        """Return the coordinates of the first motor, then angle and charge of the second."""
         return (
             *super().coordinates(),
             Coordinate("rotor_angle_2", "rad", "angle of the second rotor", "φ_2", 1.0),
@@ -88,11 +88,11 @@ class BeamMotors(BeamMotor):
         )
 
     def rate_names(self) -> tuple[str, ...]:
-        """Those of the first motor, then speed and current of the second."""
+        """Return the rates of the first motor, then speed and current of the second."""
         return *super().rate_names(), "rotor_speed_2", "motor_current_2"
 
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """As with one motor, and what the second takes."""
+        """Return the demand as with one motor, and the demand of the second."""
         found, second, other = (
             super().demand(xp, motion, signals[:1]),
             self.as_second_motor(),
@@ -122,7 +122,7 @@ class BeamMotors(BeamMotor):
         return [*super().external_forces(xp, motion, signals[:1]), 0.0, signals[1]]
 
     def outputs(self) -> dict[str, Output]:
-        """Those of one motor, then of the second."""
+        """Return the outputs of one motor, then of the second."""
         return super().outputs() | {
             "rotor_angle_2": Output("rad", "angle of the second rotor", "φ_2"),
             "rotor_speed_2": Output("rad/s", "speed of the second rotor", "ω_2"),
@@ -134,7 +134,7 @@ class BeamMotors(BeamMotor):
         return super().convergence_scales() | {"rotor_speed_2": 0.1}
 
     def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
-        """As with one motor, and the second."""
+        """Observe as with one motor, and the second."""
         forces, found = super().observe(xp, memory, loads, signals)
         n, (position, velocity, *_) = self.count, memory.course
         return forces, [*found, position[n + 2], velocity[n + 2], velocity[n + 3]]
@@ -158,15 +158,15 @@ class BeamHarvester(BeamMotor):
     load_resistance: Number = param("ohm", "resistance R_l that it feeds", above=0.0, high=1e12, typical="100 kohm")
 
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """Those of the beam with its motor, and the flux of the patch."""
+        """Return the coordinates of the beam with its motor, and the flux of the patch."""
         return (*super().coordinates(), Coordinate("flux", "V*s", "flux of the piezoelectric patch", "λ", 0.01))
 
     def rate_names(self) -> tuple[str, ...]:
-        """Those of the beam with its motor, and the voltage of the patch."""
+        """Return the rates of the beam with its motor, and the voltage of the patch."""
         return *super().rate_names(), "piezo_voltage"
 
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """As without a patch, and the current [A] of that."""
+        """Return the demand as without a patch, and the current [A] of the patch."""
         first, *rest = super().demand(xp, motion, signals)
         voltage, change = motion.velocity[-1], motion.acceleration[-1]
         moved = self.piezo_coupling * motion.velocity[0]
@@ -198,7 +198,7 @@ class BeamHarvester(BeamMotor):
         return super().convergence_scales() | {"piezo_voltage": 0.01}
 
     def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
-        """As without a patch, with its voltage and power."""
+        """Observe as without a patch, with its voltage and power."""
         forces, found = super().observe(xp, memory, loads, signals)
         voltage = memory.course.velocity[-1]
         return forces, [*found, voltage, voltage * voltage * (1.0 / self.load_resistance)]

@@ -1,4 +1,4 @@
-r"""How a mechanism is drawn: named shapes of a kind, with points in space, at one time.
+r"""Drawing of a mechanism: named shapes of a kind, with points in space, at one time.
 
 A mechanism answers `draw_shapes(reading)`, once for every picture, by the functions of `xp`, which take floats and what
 stands for numbers in the browser. All pictures of a run have the same shapes with the same numbers of points; only
@@ -52,7 +52,7 @@ ARC = 8
 THREAD = 0.1
 """Length of the thread that a load without an element hangs on [m]."""
 DENSITY = 7850.0
-"""Of the steel that a weight is drawn of [kg/m³]."""
+"""Density of the steel of a drawn weight [kg/m³]."""
 NEWTON = 5e-3
 """Length that a contact force is drawn with [m/N]."""
 
@@ -73,11 +73,11 @@ class DrawingShape(NamedTuple):
     turn: float = 0.0
     """Angle of a disc or rotor about its axis, right-handed [rad]; may pass a full turn."""
     mass: float = 0.0
-    """Of a weight [kg]; 0 where it is not said."""
+    """Mass of a weight [kg]; 0 if unknown."""
 
 
 class DrawingState(NamedTuple):
-    """What a mechanism is drawn from."""
+    """Input of a drawing."""
 
     outputs: Mapping[str, float]
     """Its outputs at one time, in SI."""
@@ -86,12 +86,12 @@ class DrawingState(NamedTuple):
 
 
 def measure_length(points: Sequence[Point]) -> float:
-    """Of the line through points [m]."""
+    """Return the length of the line through points [m]."""
     return sum(map(measure_distance, points, points[1:]))
 
 
 def measure_distance(first: Sequence[float], second: Sequence[float]) -> float:
-    """Of two points [m]."""
+    """Return the distance of two points [m]."""
     return xp.sqrt(sum((a - b) * (a - b) for a, b in zip(first, second, strict=True)))
 
 
@@ -174,7 +174,7 @@ def draw_lifted(by: float) -> list[DrawingShape]:
 def draw_hanging(
     ports: Sequence[str], shortened: Sequence[float], turned: Sequence[float], reading: DrawingState
 ) -> list[DrawingShape]:
-    """What is drawn of a mechanism that says nothing: elements side by side, `shortened` [m], discs `turned` [rad]."""
+    """Draw a mechanism without a drawing: elements side by side, `shortened` [m], discs `turned` [rad]."""
     longest = reduce(xp.maximum, reading.lengths.values()) if reading.lengths else 0.1
     apart = 0.3 * longest
     wide = 0.5 * apart * max(len(ports), len(turned), 1)

@@ -179,7 +179,7 @@ class Finger(grasp.AbstractGrasp):
         return [held + self.damping * rate + self.inertia * acceleration]
 
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
-        """Of the return spring, of what stops, and of the phalanx that moves."""
+        """Return the energies of the return spring, of the stops, and of the moving phalanx."""
         (angle,), (rate,), _ = motion
         by = self.arm * angle
         if self.spring == "fixed":
@@ -202,7 +202,7 @@ class Finger(grasp.AbstractGrasp):
         return grasp.find_touches(xp, axis, reach, [self.phalanx_length], [angle])[0]
 
     def locate_contacts(self, xp: Namespace, position: Column) -> list[grasp.Touch]:
-        """How the far phalanx stands to the cylinder."""
+        """Return the touch of the far phalanx with the cylinder."""
         return [self._touch_cylinder(xp, self.cylinder_along, position[0])]
 
     def stop_gap(self, xp: Namespace, angle: Scalar) -> Scalar:
@@ -213,7 +213,7 @@ class Finger(grasp.AbstractGrasp):
         return xp.minimum(super().stop_gap(xp, angle), met)
 
     def _stop_energy(self, xp: Namespace, angle: Scalar) -> Scalar:
-        """Of end stops and brackets [J]: ∫ 2 tan(θ/2 - φ) dθ = -4 ln cos(θ/2 - φ)."""
+        """Return the energy of end stops and brackets [J]: ∫ 2 tan(θ/2 - φ) dθ = -4 ln cos(θ/2 - φ)."""
         if self.contact != "springs":
             return 0.0
         bent = xp.clip(angle, 0.0, 3.1)

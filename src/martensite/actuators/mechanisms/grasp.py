@@ -31,11 +31,11 @@ THICKNESS = param("m", "thickness of the phalanges", low=0.0, high=1.0, default=
 
 
 class Touch(NamedTuple):
-    """How a phalanx stands to a cylinder [m]."""
+    """Position of a phalanx relative to a cylinder [m]."""
 
     gap: Scalar
     place: Scalar
-    """How far from its hinge it is nearest."""
+    """Distance from its hinge of the nearest point."""
 
 
 TOUCH = {
@@ -47,7 +47,7 @@ TOUCH = {
 
 
 def find_touches(xp: Namespace, axis: Column, reach: Scalar, lengths: Column, angles: Column) -> list[Touch]:
-    """How phalanges at relative angles [rad] stand to a cylinder, by its axis (along, inwards) and R + w [m]."""
+    """Return how phalanges at relative angles [rad] touch a cylinder, by its axis (along, inwards) and R + w [m]."""
     (along, inwards), angle = axis, 0.0 * angles[0]
     found: list[Touch] = []
     for length, turned in zip(lengths, angles, strict=True):
@@ -72,7 +72,7 @@ class AbstractGrasp(AbstractMultibody, init=False):
 
     @abstractmethod
     def locate_contacts(self, xp: Namespace, position: Column) -> list[Touch]:
-        """How every phalanx that moves stands to the cylinder."""
+        """Return the touch of every moving phalanx with the cylinder."""
 
     def stop_gap(self, xp: Namespace, angle: Scalar) -> Scalar:
         """Gap [rad] of a joint to the nearer of its end stops."""
@@ -89,7 +89,7 @@ class AbstractGrasp(AbstractMultibody, init=False):
                 check_clearance(f"the phalanx of `{name}` that `{coordinate.name}` turns", touch)
 
     def gaps(self, xp: Namespace, position: Column) -> Column:
-        """Of every joint to its nearer end stop [rad], and of every phalanx to the cylinder [m]."""
+        """Return the gaps of every joint to its nearer end stop [rad], and of every phalanx to the cylinder [m]."""
         if self.contact == "springs":
             return []
         found = [self.stop_gap(xp, angle) for angle in position]

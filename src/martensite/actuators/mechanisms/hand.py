@@ -1,9 +1,8 @@
 r"""Hand: three fingers of two joints, and at every joint a flexor against an extensor.
 
-The fingers `thumb`, `index` and `middle` are alike but for their sizes; each has a `proximal`
-and a `distal` joint with the angles θ₁ and θ₂. A port is called after finger, joint and what
-stands there, as `index_distal_flexor`: twelve elements, such as bundles of wires, each with a
-drive of its own.
+The fingers `thumb`, `index` and `middle` are alike but for their sizes; each has a `proximal` and a `distal` joint
+with the angles θ₁ and θ₂. A port is named after finger, joint and tendon, such as `index_distal_flexor`: twelve
+elements, such as bundles of wires, each with a separate drive.
 
 Flexors are led through brackets on the inner side (bowstring, at r and g from the hinge),
 extensors over round knuckles of radius ρ on the outer side, where a straight path would soon pass
@@ -148,7 +147,7 @@ class Hand(grasp.AbstractGrasp):
         )
 
     def contraction(self, xp: Namespace, position: Column) -> Column:
-        """Of flexor and extensor of every joint [m]."""
+        """Return the contraction of flexor and extensor of every joint [m]."""
         found: list[Scalar] = []
         for i, size in enumerate(self.sizes()):
             bent = [
@@ -173,7 +172,7 @@ class Hand(grasp.AbstractGrasp):
         return found
 
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
-        """Of springs and stops of all joints, weight, and phalanges that move."""
+        """Return the energies of springs and stops of all joints, weight, and moving phalanges."""
         springs = sum_column([self._spring_energy(xp, angle) for angle in motion.position])
         lifted, moved = list[Scalar](), list[Scalar]()
         for i, size in enumerate(self.sizes()):
@@ -199,7 +198,7 @@ class Hand(grasp.AbstractGrasp):
         return drawn_hand(self, reading)
 
     def locate_contacts(self, xp: Namespace, position: Column) -> list[grasp.Touch]:
-        """How every phalanx stands to the cylinder."""
+        """Return the touch of every phalanx with the cylinder."""
         found: list[grasp.Touch] = []
         for i, size in enumerate(self.sizes()):
             inwards = 0.5 * self.span + (-self.cylinder_aside if i == 0 else self.cylinder_aside)
@@ -233,7 +232,7 @@ class Hand(grasp.AbstractGrasp):
         return self.torque + self.stiffness * angle + stop + self.damping * rate
 
     def _spring_energy(self, xp: Namespace, angle: Scalar) -> Scalar:
-        """Of spring and stops of a joint [J]."""
+        """Return the energy of spring and stops of a joint [J]."""
         rigid = self.contact != "springs"
         stop = 0.0 if rigid else find_stop_energy(xp, angle, self.lowest, self.highest, self.stop)
         return (self.torque + 0.5 * self.stiffness * angle) * angle + stop

@@ -121,7 +121,7 @@ class Lever(AbstractMultibody):
         return [self.holding_torque(xp, angle) + stop + moved]
 
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
-        """Of spring and stops, weight and inertia."""
+        """Return the energies of spring and stops, weight and inertia."""
         (angle,), (rate,), _ = motion
         rise = xp.sin(self.weight_angle + angle) - xp.sin(self.weight_angle)
         stop = find_stop_energy(xp, angle, self.lowest, self.highest, self.stop)

@@ -27,7 +27,7 @@ from martensite.physics.laws.coupling import StepReport
 
 
 class LoadLineReference(NamedTuple):
-    """What a load line remembers of being assembled."""
+    """Memory of a load line from its assembly."""
 
     elongation: Scalar
     """Elongation of the element at position zero [m]."""
@@ -51,7 +51,7 @@ class AbstractLoadLine(AbstractMechanism):
         """Coordinate of the mechanism [m]; zero at assembly, growing with contraction."""
 
     def energy(self, xp: Namespace, shortening: Scalar) -> MechanicalEnergy | None:
-        """What it holds if the path of the element is shorter by so much than at assembly [m].
+        """Return the energy if the path of the element is shorter than at assembly by a length [m].
 
         None, and no balance of the work, if the mechanism does not say.
         """

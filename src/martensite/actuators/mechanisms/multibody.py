@@ -58,15 +58,15 @@ class Coordinate(NamedTuple):
 
 
 class Assembled(NamedTuple):
-    """What a multibody mechanism remembers."""
+    """Memory of a multibody mechanism."""
 
     home: tuple[Scalar, ...]
     """Elongation of each element at home [m]."""
     course: MotionHistory
     stiffness: tuple[Scalar, ...]
-    """Of each element over the last step, transformation included [N/m]."""
+    """Stiffness of each element over the last step, transformation included [N/m]."""
     reactions: tuple[Scalar, ...] = ()
-    """Of its unilateral constraints [N] or [N m]."""
+    """Reactions of its unilateral constraints [N] or [N m]."""
 
 
 def find_balance(
@@ -130,7 +130,7 @@ class AbstractMultibody(AbstractMechanism):
         return []
 
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy | None:
-        """What it holds in a motion; without inertia, its kinetic energy does not count.
+        """Return the energy in a motion; without inertia, its kinetic energy does not count.
 
         With `dissipative` and `imposed` it must answer for all of `demand`. None, and no balance
         of the work, if the mechanism does not say.
@@ -184,18 +184,18 @@ class AbstractMultibody(AbstractMechanism):
         return found | {n: f"{c.unit}/s" for c, n in zip(self.coordinates(), self.rate_names(), strict=self.moves)}
 
     def rate_names(self) -> tuple[str, ...]:
-        """What the rates of the coordinates are called; none without inertia."""
+        """Return the names of the rates of the coordinates; empty without inertia."""
         return tuple(f"{c.name}_rate" for c in self.coordinates()) if self.moves else ()
 
     def set_initial(
         self, memory: Assembled, given: Mapping[str, float], loads: Sequence[Load], signals: Column
     ) -> tuple[Assembled, list[float]]:
-        """It at given coordinates and rates, and the tensions there; elements that are too long hang slack.
+        """Return the memory at given coordinates and rates, and the tensions there; too long elements are slack.
 
         A coordinate without inertia and damping is where the forces are in balance.
 
         Raises:
-            ParameterError: such a coordinate is given, there is no balance, or something would overlap there.
+            ParameterError: a given coordinate follows from the elements, there is no balance, or bodies would overlap.
         """
         rest = (0.0,) * len(self.coordinates())
         rows = list(zip(self.coordinates(), self.home(floats), strict=True))
@@ -267,7 +267,7 @@ class AbstractMultibody(AbstractMechanism):
         return [multiply_inner(arriving, column) for column in zip(*lever, strict=True)]
 
     def scheme(self, xp: Namespace, course: MotionHistory, dt: Scalar) -> Scheme:
-        """How velocity and acceleration follow from the position at the end of a step."""
+        """Return the scheme that gives velocity and acceleration from the position at the end of a step."""
         if self.moves:
             return move_dynamically(xp, course, dt, self.rho_inf)
         return quasi_static(xp, course, dt)
@@ -309,7 +309,7 @@ class AbstractMultibody(AbstractMechanism):
         return Mechanics(held, tuple(ways), (*dissipated, *rubbed), outside)
 
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """Its elements, as they get shorter, and its angles, unless it has a shape of its own."""
+        """Draw the elements, as they get shorter, and the angles, unless a subclass draws itself."""
         home = self.home(xp)
         place = [reading.outputs.get(c.name, h) for c, h in zip(self.coordinates(), home, strict=True)]
         turned = [q for c, q in zip(self.coordinates(), place, strict=True) if c.unit == "rad"]

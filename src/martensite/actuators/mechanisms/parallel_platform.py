@@ -120,7 +120,7 @@ class ParallelPlatform(AbstractMultibody):
         return [inertia + self.damping * rate - pull for inertia, rate, pull in zip(moving, rates, weight, strict=True)]
 
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
-        """Of the weight and of the plate that moves."""
+        """Return the energies of the weight and of the moving plate."""
         (alpha, beta), plate = motion.position, self.top_plate(xp)
         lifted = weight_energy(xp, plate, self.gravity, alpha, beta)
         moved = kinetic_energy(xp, plate, alpha, AngleRates(*motion.velocity))
@@ -177,7 +177,7 @@ class TopPlate(NamedTuple):
     inertia: Scalar
     """Moment of inertia about an axis in the plate through its centroid, I [kg m²]."""
     above: Scalar
-    """Of the centroid over the joint, e [m]; negative below it."""
+    """Height of the centroid above the joint, e [m]; negative below it."""
 
 
 class AngleRates(NamedTuple):
@@ -188,7 +188,7 @@ class AngleRates(NamedTuple):
 
 
 class Torques(NamedTuple):
-    """What belongs to the two angles [N m]."""
+    """Torques for the two angles [N m]."""
 
     alpha: Scalar
     beta: Scalar

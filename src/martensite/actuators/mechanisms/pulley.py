@@ -65,7 +65,7 @@ class AntagonisticPulley(AbstractMultibody):
         return [held + self.damping * rate + self.inertia * acceleration]
 
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
-        """Of joint, lever and inertia."""
+        """Return the energies of joint, lever and inertia."""
         (angle,), (rate,), _ = motion
         lifted = self.moment * (1.0 - xp.cos(angle))
         moved = 0.5 * self.inertia * rate * rate

@@ -1,4 +1,4 @@
-"""Independent rails on one bench: on each a wire lifts a weight of its own.
+"""Independent rails on one bench: on each a wire lifts a separate weight.
 
 The rails share nothing but the bench: surroundings, a supply, and the controller's time. Each weight hangs on its wire
 by its force m g, so that every wire is never slack; inertia and friction of the carriages are left out. Positions

@@ -98,7 +98,7 @@ class TensileTestingMachine(AbstractMechanism):
         return {"command": UNITS[self.control]}
 
     def outputs(self) -> dict[str, Output]:
-        """Where the grip is, and the travel of the crosshead."""
+        """Return the position of the grip, and the travel of the crosshead."""
         return {
             "position": Output("m", "position of the mechanism", "x"),
             "crosshead": Output("m", "travel of the crosshead, frame and grips included", "x_c"),
