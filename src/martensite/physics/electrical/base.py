@@ -1,4 +1,4 @@
-"""What a resistance model and a source answer.
+"""Interfaces of resistance models and sources.
 
 A source turns the drive signal u (volt, ampere, watt, kelvin, or a share of the time that a switch is closed) and the
 resistance of the element into a current. Only I²R of the element heats it; leads and series resistance do not.
@@ -21,7 +21,7 @@ RESISTANCES: Registry[AbstractResistance] = Registry(
 )
 SOURCES: Registry[AbstractSource] = Registry("drive", "martensite.physics.electrical", typical="current")
 STRAIGHT = 1e-9
-"""Departure of a current or a power from a straight line that is none, as a share of it."""
+"""Departure of a current or a power from a straight line that counts as zero, as a fraction of it."""
 
 
 class Conductor(NamedTuple):
@@ -45,17 +45,17 @@ class Heat(NamedTuple):
 
     mean: Scalar
     doubt: Scalar
-    """How far the mean may be off, since the source follows the drive in a part of it only."""
+    """Bound on the error of the mean, because the source follows the drive in a part of its range only."""
     peak: Scalar
     slope: Scalar = 0.0
-    """Of the straight line that is nearest to the power [W/s]."""
+    """Slope of the straight line that is nearest to the power [W/s]."""
 
 
 class AbstractResistance(Parametrised):
     """Interface of a resistance model."""
 
     three_phases: ClassVar[bool] = False
-    """True if the R-phase has a resistivity of its own."""
+    """True if the R-phase has a separate resistivity."""
 
     @abstractmethod
     def resistance(
@@ -66,7 +66,7 @@ class AbstractResistance(Parametrised):
     def mix_phases(
         self, xp: Namespace, fraction: Scalar, rphase: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
     ) -> Scalar:
-        """The same with an R-phase fraction, which counts as austenite unless the model knows it."""
+        """Return the resistance with an R-phase fraction, which counts as austenite unless the model knows it."""
         return self.resistance(xp, fraction, strain, temperature, shape)
 
 
@@ -79,7 +79,7 @@ class AbstractSource(Parametrised):
     supplied_by: ClassVar[tuple[str, ...]] = ()
     """Parameters that are the voltage of its supply: those that fall when the supply does."""
     linear: ClassVar[str] = "current"
-    """What goes straight with the drive, within limits: `current` or `power`."""
+    """Quantity that is linear in the drive, within limits: `current` or `power`."""
 
     @abstractmethod
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
@@ -127,7 +127,7 @@ class AbstractSource(Parametrised):
         return Heat(mean, xp.where(bent, most - least, 0.0), most, change)
 
     def reach(self, resistance: float) -> SignalRange:
-        """What can be delivered to an element of `resistance` [ohm]; unlimited by default."""
+        """Return the range that can be delivered to an element of `resistance` [ohm]; unlimited by default."""
         return SignalRange(-math.inf, math.inf)
 
 

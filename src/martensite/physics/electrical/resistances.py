@@ -9,7 +9,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import RESISTANCES, AbstractResistance, Conductor
 
 RESISTIVITY = 8.4e-7
-"""Of NiTi [ohm m], measured on Flexinol; wires of this package's sources have 0.8 to 2 times that."""
+"""Resistivity of NiTi [ohm m], measured on Flexinol; wires of this package's sources have 0.8 to 2 times this value."""
 CONTRADICTION = 2.0
 """Factor beyond which a resistance contradicts length and section."""
 
@@ -105,7 +105,7 @@ class FurstSeeleckeResistance(MixtureResistance):
 
 @RESISTANCES.register("three-phase")
 class ThreePhaseResistance(FurstSeeleckeResistance):
-    """As `furst-seelecke`, with a resistivity of the R-phase.
+    """Model `furst-seelecke` with a resistivity of the R-phase.
 
         ρ = ξ ρ_M [1 + a_M (T - T_ρ)] + ξ_R ρ_R [1 + a_R (T - T_ρ)] + (1 - ξ - ξ_R) ρ_A [1 + a_A (T - T_ρ)]
 

@@ -23,17 +23,17 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import AbstractSource
 
 LEAST = 1e-30
-"""Current [A] that is none."""
+"""Current [A] that counts as zero."""
 
 
 class Consumer(NamedTuple):
-    """What hangs on a supply."""
+    """Load on a supply."""
 
     source: AbstractSource
     drive: Scalar
     """Its signal."""
     resistance: Scalar
-    """Of its element [ohm]."""
+    """Resistance of its element [ohm]."""
 
     def limit_voltage(self, xp: Namespace, voltage: Scalar) -> AbstractSource:
         """The source where its supply has a voltage [V]."""

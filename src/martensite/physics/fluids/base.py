@@ -1,4 +1,4 @@
-"""What every fluid answers: its properties at the film temperature.
+"""Interface of a fluid: its properties at the film temperature.
 
 The film temperature is the mean of the surface's and the ambient temperature. Properties are known over the span of the
 fluid; beyond it they are held at the nearer end, so that a solver may try any temperature.
@@ -19,7 +19,7 @@ FLUIDS: Registry[AbstractFluid] = Registry("fluid", "martensite.physics.fluids",
 
 
 class FluidProperties(NamedTuple):
-    """What a correlation needs to know of a fluid at one temperature."""
+    """Properties of a fluid at one temperature, for correlations."""
 
     conductivity: Scalar
     """Thermal conductivity k [W/(m K)]"""

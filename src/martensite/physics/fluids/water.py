@@ -19,7 +19,7 @@ from martensite.physics.fluids.base import FLUIDS, AbstractFluid, FluidPropertie
 Terms = tuple[tuple[float, float], ...]
 """(factor, exponent) of each term of a sum of powers."""
 Series = tuple[tuple[float, int], ...]
-"""The same with whole exponents."""
+"""Terms of a series with integer exponents."""
 
 GAS_CONSTANT = 461.51805
 """[J/(kg K)]"""

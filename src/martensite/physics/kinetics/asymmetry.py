@@ -1,4 +1,4 @@
-"""Tension and compression: a law of tension on either side of zero stress, with numbers of its own on each.
+"""Tension and compression: a law of tension on either side of zero stress, with separate parameters for each.
 
 On a leg of one sign s the law sees the size sσ of stress and the net share n = s·oriented, -ξ ≤ n ≤ ξ, of martensite
 oriented along it; what is oriented neither way has no strain. Only ratios of its answer count: r_S of what is not
@@ -7,11 +7,11 @@ oriented along the stress, r of austenite, b of martensite,
     forward   1 - n → (1 - n) r_S,    1 - ξ → (1 - ξ) r
     reverse   n → n b, ξ → ξ b,       but of martensite that is oriented along the stress or neither way.
 
-Martensite oriented against it goes back by the reverse strip of its own side at -sσ; the austenite of that transforms
-at once as far as cooling to this point would have it. One-fraction laws orient what they form by H(σ) = ε_L -
-(ε_L - s H_min) exp(-H_k |σ|) in the middle of the part of the strip that a leg passes. Interrupted transformations are
-forgotten where load drives martensite back, and where its sign changes, but for the forward one of one-fraction laws.
-Source: this package's own.
+Martensite oriented against it goes back by the reverse strip of the opposite side at -sσ; the austenite of that
+transforms at once as far as cooling to this point would have it. One-fraction laws orient what they form by H(σ) = ε_L
+- (ε_L - s H_min) exp(-H_k |σ|) in the middle of the part of the strip that a leg passes. Interrupted transformations
+are forgotten where load drives martensite back, and where its sign changes, but for the forward one of one-fraction
+laws. Source: this package.
 """
 
 from collections.abc import Callable
@@ -34,11 +34,11 @@ class SidedMemory(NamedTuple):
     """All that a law remembers that knows compression."""
 
     inner: Any
-    """Of the law of tension, at the size of the stress; its fractions count by their ratios only."""
+    """Memory of the law of tension, at the size of the stress; its fractions count by their ratios only."""
     present: Fractions
     """ξ and n."""
     against: Scalar
-    """What is oriented against the side [-]; 0 of a law that knows either orientation itself."""
+    """Fraction oriented against the side [-]; 0 for a law with both orientations."""
     side: Scalar
     """s: +1 in tension, -1 in compression."""
     reach: Scalar
@@ -91,7 +91,7 @@ def _relocate(law: Any, xp: Namespace, memory: SidedMemory, fractions: Fractions
 
 
 def limit_against(xp: Namespace, present: Fractions, against: Scalar) -> Scalar:
-    """What is oriented against a side, so that nothing is less than 0."""
+    """Limit the fraction that is oriented against a side, so that no fraction is negative."""
     return xp.clip(against, xp.maximum(-present.oriented, 0.0), 0.5 * (present.martensite - present.oriented))
 
 

@@ -73,7 +73,7 @@ class Process(NamedTuple):
 
 
 class RateStart(NamedTuple):
-    """What the mean rate of a step needs of its start."""
+    """State at the start of a step that the mean rate needs."""
 
     y: Scalar
     tail: Scalar
@@ -170,7 +170,7 @@ def compute_rate(xp: Namespace, process: Process, time: Scalar) -> Scalar:
 
 
 def keep_process(xp: Namespace, process: Process) -> RateStart:
-    """What to keep of a process at the start of a step."""
+    """Return the state to keep of a process at the start of a step."""
     a = xp.maximum(process.y, 0.0)
     return RateStart(process.y, xp.exp(-a * a) * (0.5 * ROOT_PI) * xp.erfcx(a))
 

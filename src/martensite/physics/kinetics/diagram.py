@@ -77,9 +77,9 @@ class AbstractSidedLaw(AbstractTwoPhaseLaw):
     sided: ClassVar[tuple[str, ...]] = ("C_A", "C_M")
     """Parameters that may differ in compression; others of their names end in `_compression`."""
     by_ratios: ClassVar[bool] = True
-    """Whether only ratios of the law of tension count in compression; else it knows either orientation itself."""
+    """True if only ratios of the law of tension count in compression; False if it knows both orientations."""
     keeps_forward: ClassVar[bool] = False
-    """Whether a forward transformation waits through a change of sign of stress."""
+    """True if a forward transformation waits through a change of sign of stress."""
 
     def __init_subclass__(cls, *, init: bool = True) -> None:
         """Let methods of a law of tension go by the side of zero stress, if it knows compression."""

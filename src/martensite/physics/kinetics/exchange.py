@@ -30,7 +30,7 @@ class AbstractExchange(AbstractLayers):
     rate_dependent = True
 
     def quantiles(self) -> tuple[float, ...]:
-        """What tells the groups from each other."""
+        """Return the quantiles that distinguish the groups."""
         return (0.0,)
 
     @abstractmethod
@@ -49,7 +49,7 @@ class AbstractExchange(AbstractLayers):
 
 
 class Flows(NamedTuple):
-    """Of A → M+, M+ → A, A → M-, M- → A: rates, or rates times the step."""
+    """Flows A → M+, M+ → A, A → M-, M- → A: rates, or rates times the step."""
 
     to_plus: Scalar
     from_plus: Scalar

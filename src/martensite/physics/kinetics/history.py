@@ -1,8 +1,8 @@
 """History of transformations with two strips: who acts, from where, and what is remembered.
 
-A process multiplies what is left to transform by left(v₁)/left(v₀), where v is the distance to its finish line as a
-share of the strip (1 at the start line, 0 at the finish line) of the coordinate T - σ/C. Forward (austenite →
-martensite) works on y = 1 - ξ, reverse on y = ξ. Three rules say what is remembered; the first two differ in v₀ alone:
+A process multiplies the remaining fraction by left(v₁)/left(v₀), where v is the distance to its finish line as a
+fraction of the strip (1 at the start line, 0 at the finish line) of the coordinate T - σ/C. Forward (austenite →
+martensite) works on y = 1 - ξ, reverse on y = ξ. Three rules define the memory; the first two differ in v₀ alone:
 
 - resume: the v at which the branch was opened, and y never grows on it; an interrupted
   transformation waits until the path passes the point where it stopped. Opening the opposite
@@ -47,22 +47,22 @@ FARTHEST = 60.0
 
 
 class BranchedLeft(NamedTuple):
-    """What a process leaves, asked also whether it is the forward one."""
+    """Remaining fraction of a process, which depends on the direction of the process."""
 
     find: Callable[[Namespace, Scalar, Flag], Scalar]
 
 
 Left: TypeAlias = Callable[[Namespace, Scalar], Scalar] | BranchedLeft
-"""What a process leaves at a distance from its finish line."""
+"""Fraction that a process leaves at a distance from its finish line."""
 
 
 def find_left(left: Left, xp: Namespace, distance: Scalar, ahead: Flag) -> Scalar:
-    """What the forward process leaves where `ahead`, else the reverse one."""
+    """Return the fraction that the forward process leaves where `ahead`, else the reverse one."""
     return left.find(xp, distance, ahead) if isinstance(left, BranchedLeft) else left(xp, distance)
 
 
 LegStart: TypeAlias = Any
-"""Where a leg starts, a memory or a place on the way: it has a `stress` [Pa] and a `temperature` [K]."""
+"""Start of a leg, a memory or a place on the way: it has a `stress` [Pa] and a `temperature` [K]."""
 
 
 class PathPoint(NamedTuple):
@@ -95,7 +95,7 @@ class Strip(NamedTuple):
     endless: bool = False
     """The process goes on beyond its finish line; a word of the law, not a value."""
     curve: StripCurve | tuple[()] = ()
-    """Where lines are not straight."""
+    """Curve of the lines, if they are not straight."""
 
     def distance(self, stress: Scalar, temperature: Scalar, xp: Namespace = floats) -> Scalar:
         """Distance to the finish line in widths of the strip [-]; unlimited. The namespace is that of curved lines."""
@@ -149,7 +149,7 @@ class OneFractionMemory(NamedTuple):
     branch: Scalar
     """+1 forward, -1 reverse in progress, 0 none yet."""
     scale: Scalar
-    """What would be left to transform at the start line of this branch [-].
+    """Remaining fraction at the start line of this branch [-].
 
     Of an endless process: the lowest distance it has reached on this branch.
     """
@@ -165,14 +165,14 @@ class OneFractionProcess(NamedTuple):
     direction: Scalar
     scale: Scalar
     remaining: Scalar
-    """What is left to transform before the move [-]."""
+    """Remaining fraction before the move [-]."""
     finish: Scalar
     per_width: Scalar
     per_slope: Scalar
     course: BranchCourse | tuple[()] = ()
     """Under the rule return-point."""
     curve: StripCurve | tuple[()] = ()
-    """Where lines are not straight."""
+    """Curve of the lines, if they are not straight."""
 
     def distance(self, stress: Scalar, temperature: Scalar, xp: Namespace = floats) -> Scalar:
         """Distance to the finish line of the process in widths of its strip [-]; unlimited."""
@@ -181,7 +181,7 @@ class OneFractionProcess(NamedTuple):
 
 
 def compute_cosine_rest(xp: Namespace, distance: Scalar) -> Scalar:
-    """What a cosine process leaves to transform at a distance from its finish line."""
+    """Return the fraction that a cosine process leaves at a distance from its finish line."""
     sine = xp.quarter_sine(distance)
     return sine * sine
 
@@ -196,7 +196,7 @@ class StripLeg(NamedTuple):
     passes: Flag
     """The leg moves towards the finish line inside the strip, from a point not on that line."""
     acts: Flag
-    """It does, and there is something left to transform."""
+    """True if the process acts, and some fraction remains."""
     enters: Scalar
     """Share of the leg after which the strip is entered."""
     leaves: Scalar
@@ -204,7 +204,7 @@ class StripLeg(NamedTuple):
 
 
 def round_off(xp: Namespace, strip: Strip, start: LegStart, stress: Scalar, temperature: Scalar) -> Scalar:
-    """What rounding alone may make of the distance [-] travelled on a leg."""
+    """Return the rounding error of the distance [-] travelled on a leg."""
     size = xp.abs(start.temperature) + xp.abs(temperature)
     size = size + (xp.abs(start.stress) + xp.abs(stress)) * strip.per_slope
     if strip.curve:
@@ -255,7 +255,7 @@ def follow_both_strips(
 
 
 def endless_turns(xp: Namespace, f: StripLeg, r: StripLeg, branch: Scalar) -> tuple[StripLeg, StripLeg, Flag]:
-    """The same for endless processes.
+    """Decide the turns of endless processes.
 
     One in progress has always something left to transform, though rounding may hide it. From
     where both could act, one that is past its finish line waits for the other.
@@ -391,10 +391,10 @@ def relocate_memory(
     stress: Scalar,
     temperature: Scalar,
 ) -> OneFractionMemory:
-    """The memory put at another fraction and another point, on the same branch.
+    """Return the memory at another fraction and another point, on the same branch.
 
-    Its scale is such that what is left to transform, y ≤ scale · left(v), stays the same share
-    of what it may be: a process that was going on goes on, one that waited waits as far.
+    Its scale keeps the ratio of the remaining fraction y to its bound, y ≤ scale · left(v): an active process
+    continues, and a waiting process keeps its distance.
     """
     ahead = memory.branch > 0.0
     before, after = (
@@ -425,7 +425,7 @@ def compare_parts(xp: Namespace, before: Scalar, now: Scalar, least: float) -> S
 def relocate_points(
     xp: Namespace, left: Left, strips: tuple[Strip, Strip], memory: OneFractionMemory, after: OneFractionMemory
 ) -> OneFractionMemory:
-    """The same under the rule return-point: of both directions L and what is left stay the same shares."""
+    """Relocate a memory under the rule return-point: L and remaining fractions of both directions keep their ratios."""
     if not memory.points:
         return after
 
@@ -445,7 +445,7 @@ def relocate_points(
 def find_point_kinks(
     xp: Namespace, left: Left, endless: bool, memory: OneFractionMemory, ahead: Scalar, back: Scalar
 ) -> list[Scalar]:
-    """What falls through 0 where an interrupted branch goes on and where the next loop of either direction closes.
+    """Return numbers that cross 0 where an interrupted branch continues and where the next loop of a direction closes.
 
     The two distances to the finish lines are those at the point of the memory.
     """

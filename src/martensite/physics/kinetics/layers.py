@@ -1,4 +1,4 @@
-"""What the laws of layers in energy wells share: parameters, strain, heat, free energy.
+"""Common base of the laws of layers in energy wells: parameters, strain, heat, free energy.
 
 Austenite and the martensite variants M+ and M- sit in parabolic wells of the free energy,
 joined by concave parabolas so that its slope is continuous:
@@ -49,7 +49,7 @@ class Pull(NamedTuple):
     offset: Scalar
 
     def drive(self, stress: Scalar, threshold: Scalar) -> Scalar:
-        """How far beyond its threshold the process would end [Pa]."""
+        """Return the stress by which the process would end beyond its threshold [Pa]."""
         return self.by_stress * stress + self.by_threshold * threshold + self.offset
 
 
@@ -162,7 +162,7 @@ class AbstractLayers(AbstractLaw):
         return chosen
 
     def overshoot(self, xp: Namespace, pull: Pull, stress: Scalar, temperature: Scalar) -> Scalar:
-        """How far beyond its threshold the pulled process would end [Pa]."""
+        """Return the stress by which the pulled process would end beyond its threshold [Pa]."""
         return pull.drive(stress, self.transition_stress(xp, temperature))
 
     def crossing(self, xp: Namespace, memory: Any, move: Any, stress: Scalar, temperature: Scalar) -> Scalar:

@@ -1,6 +1,6 @@
 """Return points: where branches were interrupted, so that loops close within loops.
 
-Let y be what is left to transform of a direction (forward 1 - ξ, reverse ξ), and L = left(v) what its curve leaves at
+Let y be the remaining fraction of a direction (forward 1 - ξ, reverse ξ), and L = left(v) the value of its curve at
 the distance v from its finish line: 1 on the start line, 0 on the finish line. A branch is straight in L,
 
     y = y_t + s (L - L_t),     s = (y_b - y_t)/(L_b - L_t),
@@ -10,9 +10,10 @@ or completion, L_t = y_t = 0, if none is remembered. At its target it goes over 
 is wiped out. For strips that do not overlap this is a Preisach operator whose weight is a product of two functions,
 one of each coordinate: all of it follows from the major loop.
 
-A target is passed where L or what is left is no more than there. All targets are given up, as under the rule resume,
-where more is left than the branch to close on ever left, or where the way back to it would be `STEEPEST` times as
-steep as it is; that needs overlapping strips, different slopes C_A and C_M, or a start in the middle of a loop.
+A target is passed where L or the remaining fraction is not larger than there. All targets are given up, as under the
+rule resume, where the remaining fraction is larger than on the whole branch to close on, or where the way back to it
+would be `STEEPEST` times as steep as it is; that needs overlapping strips, different slopes C_A and C_M, or a start in
+the middle of a loop.
 
 The memory is bounded. Where `DEPTH` branches of each direction are remembered already, the innermost loop is forgotten
 for a new one, and how far a branch moved by that is kept.
@@ -29,24 +30,24 @@ from martensite.kernels.nested import NestedShape, flatten_numbers
 DEPTH = 8
 """Interrupted branches that are remembered of each direction."""
 HAIR = 1e-12
-"""Difference of two L or of two fractions that is none."""
+"""Difference of two L or of two fractions that counts as zero."""
 STEEPEST = 10.0
-"""How much steeper than a branch the way back to it may be."""
+"""Largest ratio of the slope of the way back to a branch to the slope of the branch."""
 NOWHERE = 2.0 * DEPTH
 NONE, PASSED = -1.0, 2.0
 """An L below and one above all others."""
 GONE = 1e-15
-"""What is left of a transformation that is complete."""
+"""Remaining fraction of a transformation that counts as complete."""
 
 
 class BranchLine(NamedTuple):
-    """What is left of one fraction on a branch: offset + scale · L."""
+    """Remaining fraction on a branch: offset + scale · L."""
 
     scale: Scalar
     offset: Scalar
 
     def at(self, share: Scalar) -> Scalar:
-        """What is left at L = share [-]."""
+        """Return the remaining fraction at L = share [-]."""
         return self.offset + self.scale * share
 
 
@@ -67,7 +68,7 @@ class ReturnPoints(NamedTuple):
     forward: tuple[Branch, ...]
     reverse: tuple[Branch, ...]
     forwards: Scalar
-    """How many of the interrupted ones count."""
+    """Number of interrupted forward branches that count."""
     reverses: Scalar
     forgotten: Scalar
     """Largest change of a fraction, anywhere on a branch, by what was forgotten [-]."""
@@ -79,11 +80,11 @@ class BranchCourse(NamedTuple):
     branch: Branch
     outer: tuple[Branch, ...]
     met: Scalar
-    """How many of these there are."""
+    """Number of them."""
 
 
 FallTest = Callable[[Sequence[Scalar]], Flag]
-"""Whether fractions may change by so much on the way to a target."""
+"""Test of whether fractions may change by given amounts on the way to a target."""
 
 
 def start_branch(fractions: int) -> Branch:
@@ -136,14 +137,14 @@ def select_course(
 
 
 def count_places(xp: Namespace, points: ReturnPoints, ahead: Flag, turns: Flag) -> Scalar:
-    """How many branches of a direction count, less the one that is forgotten for the branch interrupted by a turn."""
+    """Count the branches of a direction, less the one that is dropped for a branch interrupted by a turn."""
     own, other = (points.forwards, points.reverses), (points.reverses, points.forwards)
     full = xp.both(turns, xp.where(ahead, *other) >= DEPTH)
     return xp.where(ahead, *own) - xp.where(full, 1.0, 0.0)
 
 
 def find_closing(xp: Namespace, target: Branch, share: Scalar, rest: Sequence[Scalar], admits: FallTest | None) -> Flag:
-    """Whether a branch from (share, rest) may lead back to its target."""
+    """Return whether a branch from (share, rest) may lead back to its target."""
     falls = [a - line.at(target.share) for a, line in zip(rest, target.lines, strict=True)]
     line = target.lines[0]
     gentle = falls[0] <= STEEPEST * line.scale * (share - target.share)
@@ -152,7 +153,7 @@ def find_closing(xp: Namespace, target: Branch, share: Scalar, rest: Sequence[Sc
 
 
 def compute_rests(xp: Namespace, course: BranchCourse, share: Scalar, rest: Sequence[Scalar]) -> list[Scalar]:
-    """What is left of every fraction at L = share, of a `rest` before."""
+    """Return the remainder of every fraction at L = share, from a `rest` before."""
     lines = follow_lines(xp, course, share)
     return [xp.minimum(line.at(share), one) for line, one in zip(lines, rest, strict=True)]
 
@@ -174,16 +175,16 @@ def commit_course(
     share: Scalar,
     left: Scalar,
 ) -> ReturnPoints:
-    """What is remembered after a move.
+    """Return the memory after a move.
 
     Args:
         xp: the namespace.
-        points: what was remembered before.
+        points: the memory before.
         course: the one that was followed.
         direction: +1 if forward acted, -1 if reverse did, 0 if neither.
         interrupts: it interrupted a branch of the other direction that was not complete.
         share: L at the end of the move [-].
-        left: what is left to transform there [-].
+        left: the remaining fraction there [-].
     """
     ahead, back = direction > 0.0, direction < 0.0
     low = xp.minimum(course.branch.share, share)
@@ -237,7 +238,7 @@ def forget_loop(xp: Namespace, points: ReturnPoints, course: BranchCourse, ahead
 def scale_points(
     xp: Namespace, points: ReturnPoints, ahead: Flag, forward: Sequence[Scalar], reverse: Sequence[Scalar]
 ) -> ReturnPoints:
-    """All branches with L and what is left of every fraction multiplied by the numbers of their direction."""
+    """Multiply L and the remaining fractions of all branches by the factors of their direction."""
 
     def scale_branch(one: Branch, factors: Sequence[Scalar]) -> Branch:
         share, *rests = factors

@@ -1,4 +1,4 @@
-"""What laws with one martensite fraction and two transformation strips have in common.
+"""Common base of laws with one martensite fraction and two transformation strips.
 
 With u = T - σ/C_M and w = T - σ/C_A, forward (austenite → martensite) runs in M_f < u < M_s for du < 0 and reverse in
 A_s < w < A_f for dw > 0. A law says what a process leaves to transform at a distance from its finish line, and Young's
@@ -42,18 +42,18 @@ class AbstractStripLaw(AbstractSidedDiagram):
 
     @abstractmethod
     def left(self, xp: Namespace, distance: Scalar) -> Scalar:
-        """What a process leaves at a distance from its finish line, as a share of all [-].
+        """Return the fraction that a process leaves at a distance from its finish line [-].
 
         The distance is 1 on the start line and 0 on the finish line. Endless processes are
         asked below 0 too and must fulfil left(a)/left(b) = left(1 - (b - a)).
         """
 
     def left_of(self, xp: Namespace, distance: Scalar, ahead: Flag) -> Scalar:
-        """The same, of the forward process where `ahead`; a law whose branches differ says more."""
+        """Return the fraction left by the forward process where `ahead`; laws with different branches override it."""
         return self.left(xp, distance)
 
     def curves(self) -> tuple[StripCurve | tuple[()], StripCurve | tuple[()]]:
-        """How tension bends both strips; nothing of straight ones."""
+        """Return the bending of both strips by tension; empty for straight strips."""
         return (), ()
 
     def cautions(self) -> list[str]:
@@ -64,7 +64,7 @@ class AbstractStripLaw(AbstractSidedDiagram):
         return found
 
     def doubt(self) -> Doubt | None:
-        """Where the strips overlap."""
+        """Return a doubt where the strips overlap."""
         forward, reverse = (curve or STRAIGHT for curve in self.curves())
         gap, bend = self.A_s - self.M_s, reverse.bend - forward.bend
         slope = 1.0 / self.C_A - 1.0 / self.C_M - 2.0 * bend * forward.calm - 0.5 * (forward.growth - reverse.growth)
@@ -94,20 +94,20 @@ class AbstractStripLaw(AbstractSidedDiagram):
         return self.strips()[1]
 
     def find_stop(self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar) -> Point:
-        """Where one process may follow another on a leg, or a line turns it; its end if nowhere."""
+        """Return the point of a leg where a process may follow another or a line turns it; its end if there is none."""
         end = stress, temperature
         if self.curves()[0]:
             end = history.find_turn(xp, self.strips(), memory, *end)
         return history.find_handover(xp, *self.strips(), memory, *end)
 
     def compare_rests(self, xp: Namespace, distance: Scalar, reach: Scalar) -> Scalar:
-        """What reverse transformation leaves as it comes from one distance to another, as a share."""
+        """Return the fraction that reverse transformation leaves between two distances."""
         if self.endless:
             return self.left_of(xp, 1.0 - (reach - distance), False)
         return compare_parts_left(xp, *(self.left_of(xp, xp.clip(v, 0.0, 1.0), False) for v in (distance, reach)))
 
     def find_rests(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> tuple[Scalar, Scalar]:
-        """What cooling to a point leaves of all that is not oriented, and of austenite [-]."""
+        """Return the fractions of unoriented material and of austenite that cooling to a point leaves [-]."""
         distance = self.strips()[0].distance(stress, temperature, xp)
         rest = self.left_of(xp, history.limit_distance(xp, distance, self.endless), True)
         return rest, rest

@@ -66,7 +66,7 @@ MEETING, PEAK = 6, 8
 
 
 class Constants(NamedTuple):
-    """What calibration gives, in the symbols of the module's equations."""
+    """Constants from calibration, in the symbols of the module's equations."""
 
     rho_Delta_s0: Scalar
     """Difference of entropy per volume, martensite less austenite [J/m³/K]; negative."""
@@ -83,7 +83,7 @@ class Constants(NamedTuple):
 
 
 class WorkScale(NamedTuple):
-    """What turns work into shifts of temperature."""
+    """Factors that turn work into shifts of temperature."""
 
     forward: Scalar
     """(1 - D)/(-ρΔs₀) [m³ K/J]."""
@@ -107,12 +107,12 @@ class StraightPath(NamedTuple):
 
 
 class TransformationRange(NamedTuple):
-    """Where a surface lies under a stress."""
+    """Temperatures of a surface under a stress."""
 
     start: Scalar
     """Warmest temperature without stress [K]."""
     shift: Scalar
-    """What the stress adds to it [K]."""
+    """Shift by the stress [K]."""
     width: Scalar
     """From the coolest to the warmest temperature [K]."""
 
@@ -151,7 +151,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         default="work",
     )
 
-    # These laws name no kinks. In a trial of 12 runs, kinks saved half of the rejected steps, but the error of one
+    # These laws have no kinks. In a trial of 12 runs, kinks saved half of the rejected steps, but the error of one
     # sample next to the start of a reverse transformation was 1.2 times its bound.
     sided = (*AbstractSidedLaw.sided, "H_sat")
     by_ratios = False
@@ -229,7 +229,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         return None
 
     def doubt(self) -> Doubt | None:
-        """Where the surfaces meet under stress."""
+        """Return a doubt where the surfaces meet under stress."""
         if self.surfaces == "curved":
             stresses = [k * SOUGHT for k in range(1, STEPS + 1)]
             pairs = zip(stresses, self._find_gaps(*stresses), strict=True)
@@ -271,7 +271,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         )
 
     def scale(self, xp: Namespace) -> WorkScale:
-        """What the surfaces need of the constants."""
+        """Return the factors of the surfaces from the constants."""
         constants = self.constants(xp)
         per_entropy = -1.0 / constants.rho_Delta_s0
         return WorkScale(

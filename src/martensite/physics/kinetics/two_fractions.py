@@ -10,11 +10,11 @@ act together and do not depend on their order (product law): with r = (1 - P₁)
 
 The memory holds how near its finish line each process has come since the branch was opened.
 
-Under the rule return-point (`return_points`) both fractions are straight in L of the process that acts, 1 - ξ and
-1 - ξ_S forward, ξ and ξ_S in reverse, from where a branch begins to its target. Forward the points remembered are those
-of one process, S or T, the first one to act (S if both do). While there are any the other one goes by resume: it
-multiplies what is left, also at these points. A target is given up as well if on the way to it reverse would make more
-of a fraction, or S more twins.
+Under the rule return-point (`return_points`) both fractions are straight in L of the process that acts, 1 - ξ and 1 -
+ξ_S forward, ξ and ξ_S in reverse, from where a branch begins to its target. Forward the points remembered are those of
+one process, S or T, the first one to act (S if both do). While there are such points the other process follows the
+rule resume: it multiplies the remaining fraction, also at these points. A target is given up as well if on the way to
+it reverse would make more of a fraction, or S more twins.
 """
 
 from collections.abc import Sequence
@@ -104,7 +104,8 @@ class TwoFractionDirection(NamedTuple):
     """At the start of the leg [Pa]."""
     temperature: Scalar
     finish: Scalar
-    """Of the strip of S or of the reverse process, whichever acts; like the next two."""
+    """Place of the finish line of the strip of S or of the reverse process, whichever acts; so are the next two fields.
+    """
     per_width: Scalar
     per_slope: Scalar
     bend: Scalar
@@ -112,7 +113,7 @@ class TwoFractionDirection(NamedTuple):
     reach: Scalar
     """Distance that S or reverse has to fall below before anything transforms."""
     cooling: Scalar
-    """The same for T."""
+    """Strip values of T."""
     course: BranchCourse | tuple[()] = ()
     """Under the rule return-point."""
     twinned: Scalar = 0.0
@@ -203,7 +204,7 @@ def list_kinks(xp: Namespace, rule: str, diagram: Diagram, memory: TwoFractionMe
 def find_kink(
     xp: Namespace, bend: Scalar, start: PathPoint, stress: Scalar, temperature: Scalar
 ) -> tuple[Flag, Scalar, Scalar]:
-    """Whether a leg crosses the bend, after which share of it, and the stress there."""
+    """Return whether a leg crosses the bend, after which fraction of it, and the stress there."""
     before, after = start.temperature - bend, temperature - bend
     crosses = before * after < 0.0
     share = xp.where(crosses, before / xp.where(crosses, before - after, 1.0), 1.0)
@@ -237,7 +238,7 @@ def bent_course(
 def follow_all_strips(
     xp: Namespace, diagram: Diagram, memory: TwoFractionMemory, stress: Scalar, temperature: Scalar
 ) -> Courses:
-    """What each process meets on a leg, and who acts first.
+    """Return the course of each process on a leg, and which one acts first.
 
     Where reverse may act too, S acts above the bend or while the wire is heated, T only below
     the bend while it is cooled: then T never comes before S.
@@ -301,7 +302,7 @@ def select_direction(
 def turn_points(
     xp: Namespace, memory: TwoFractionMemory, recalled: TwinPoints, direction: Scalar
 ) -> tuple[ReturnPoints, Flag]:
-    """What is remembered as a move begins, nothing after a complete branch; and whether it interrupts one.
+    """Return the memory as a move begins, empty after a complete branch; and whether it interrupts one.
 
     S is complete where all is detwinned, T where no austenite is left.
     """
@@ -455,7 +456,7 @@ def remember_points(
 
 
 def scale_martensite(branch: Branch, ratio: Scalar) -> Branch:
-    """The branch with what is left of all martensite multiplied by a ratio."""
+    """Return the branch with the remaining fraction of all martensite multiplied by a ratio."""
     whole, oriented = branch.lines
     return branch._replace(lines=(BranchLine(whole.scale * ratio, whole.offset * ratio), oriented))
 

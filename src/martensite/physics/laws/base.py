@@ -71,7 +71,7 @@ class RPhaseFractions(Fractions):
 
 
 class Doubt(NamedTuple):
-    """Where a law is not to be relied on."""
+    """Range in which a law is not reliable."""
 
     stress: float
     """From this stress on [Pa]."""
@@ -97,7 +97,7 @@ class AbstractLaw(Parametrised):
     rate_dependent: ClassVar[bool] = False
     """True if time acts, not only the path of stress and temperature."""
     grouped: ClassVar[bool] = False
-    """True if the law divides the material into groups, each with a phase state of its own."""
+    """True if the law divides the material into groups, each with a separate phase state."""
 
     @property
     def tension_only(self) -> bool:
@@ -155,10 +155,10 @@ class AbstractLaw(Parametrised):
         """The phase state stored in a memory."""
 
     def relocate(self, xp: Namespace, memory: Any, fractions: Fractions, stress: Scalar, temperature: Scalar) -> Any:
-        """A memory put elsewhere, as an observer corrects it; the same point changes nothing.
+        """Return a memory moved to another point, as an observer corrects it; the same point changes nothing.
 
-        What it remembers of its history goes along: a transformation that was going on goes on from there, for belief
-        is corrected and nothing happens to the wire. By default there is no history.
+        The history moves along: an active transformation continues from there, because only the estimate is corrected
+        and the wire does not change. By default there is no history.
         """
         return self.init(xp, fractions, stress, temperature)
 
@@ -219,7 +219,7 @@ class AbstractLaw(Parametrised):
         return fractions.martensite
 
     def drive(self, xp: Namespace, move: Any, stress: Scalar, temperature: Scalar, dt: Scalar) -> Scalar:
-        """How far beyond balance the selected process would end, on any scale.
+        """Return the distance of the selected process beyond balance at the end, on any scale.
 
         Nearly linear in (stress, temperature), 0 where it would come to rest: from it the solve
         of a `steep` law, whose answer changes within a small part of a move, guesses its start.

@@ -7,7 +7,7 @@ from austenite, heating takes both back in proportion. With s = σ - C_M max(T -
     T  dT < 0   1 - p = sin²(ψ/2),  ψ = π (T - M_f)/(M_s - M_f)
     R  dw > 0   1 - p = cos²(θ/2),  θ = π (w - A_s)/(A_f - A_s),   w = T - σ/C_A
 
-Each process multiplies what is left to transform by its (1 - P₁)/(1 - P₀); S and T together by
+Each process multiplies the remaining fraction by its (1 - P₁)/(1 - P₀); S and T together by
 the product (see `two_fractions`), which keeps ξ ≤ 1 where the published sum does not. Integrated
 constitutive equation:
 
@@ -72,7 +72,7 @@ class Brinson(AbstractSidedDiagram):
         return found
 
     def doubt(self) -> Doubt | None:
-        """Where the strips overlap."""
+        """Return a doubt where the strips overlap."""
         if not self.C_A > self.C_M:
             return None
         return Doubt(
@@ -109,16 +109,16 @@ class Brinson(AbstractSidedDiagram):
     def find_stop(
         self, xp: Namespace, memory: TwoFractionMemory, stress: Scalar, temperature: Scalar
     ) -> tuple[Scalar, Scalar]:
-        """Where one direction may follow another on a leg; its end if nowhere."""
+        """Return the point of a leg where one direction may follow another; its end if there is none."""
         found = two_fractions.follow_all_strips(xp, self.diagram(), memory, stress, temperature)
         return two_fractions.find_handover(xp, found, memory, stress, temperature)
 
     def compare_rests(self, xp: Namespace, distance: Scalar, reach: Scalar) -> Scalar:
-        """What reverse transformation leaves as it comes from one distance to another, as a share."""
+        """Return the fraction that reverse transformation leaves between two distances."""
         return two_fractions.compute_rest_ratio(xp, reach, distance)
 
     def find_rests(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> tuple[Scalar, Scalar]:
-        """What S, and S and T, leave at a point of what comes to it from above [-]."""
+        """Return the fractions that S, and S and T, leave at a point of material that comes from above [-]."""
         diagram = self.diagram()
         places = (diagram.loading, xp.maximum(temperature, diagram.bend)), (diagram.cooling, temperature)
         distances = (xp.clip(strip.distance(stress, kelvin), 0.0, 1.0) for strip, kelvin in places)

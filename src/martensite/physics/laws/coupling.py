@@ -34,13 +34,13 @@ NEAR = 1e-3
 WHOLE = 4.0
 """So many roundings from the whole chord are the whole chord."""
 POLISHED = 1e-13
-"""Mismatch of the fractions [-] that is none."""
+"""Mismatch of the fractions [-] that counts as zero."""
 MOST = 24
 """Steps of Newton's method in both fractions."""
 
 
 class StepReport(NamedTuple):
-    """What a step says about itself: the basis of its status."""
+    """Report of a step: the basis of its status."""
 
     residual: Scalar
     """Largest mismatch |z - f| of a fraction at the end of the step."""
@@ -87,7 +87,7 @@ def _blend_fractions(start: Fractions, aim: Fractions, q: Scalar) -> Fractions:
 
 
 def _guess_place(xp: Namespace, drive: Callable[[Namespace, Scalar], Scalar]) -> Scalar:
-    """Where on the chord the drive of a steep law vanishes: the secant, then Newton's method."""
+    """Find the zero of the drive of a steep law on the chord: the secant, then Newton's method."""
     first, last = drive(xp, 0.0), drive(xp, 1.0)
     falls = first > last
     q = xp.clip(first / xp.where(falls, first - last, 1.0), 0.0, 1.0)
@@ -98,7 +98,7 @@ def _guess_place(xp: Namespace, drive: Callable[[Namespace, Scalar], Scalar]) ->
 
 
 def _expect_place(xp: Namespace, start: Fractions, aim: Fractions, change: Scalar) -> Scalar:
-    """Where on the chord the martensite fraction has changed by so much; its start if nowhere."""
+    """Return the place on the chord with a given change of martensite; its start if there is none."""
     way = aim.martensite - start.martensite
     there = xp.both(xp.abs(way) > xp.abs(change), way * change > 0.0)
     return xp.where(there, change / xp.where(there, way, 1.0), 0.0)

@@ -98,7 +98,7 @@ class Lagoudas(AbstractSurfaceLaw):
     def relocate(
         self, xp: Namespace, memory: LagoudasMemory, fractions: Fractions, stress: Scalar, temperature: Scalar
     ) -> LagoudasMemory:
-        """As if it began there; where no martensite is left, its ratio stays."""
+        """Return the memory as if the path began there; without martensite, the ratio is kept."""
         found = self.init(xp, fractions, stress, temperature)
         some = fractions.martensite > 0.0
         return found._replace(ratio=xp.where(some, found.ratio, memory.ratio))
@@ -108,7 +108,7 @@ class Lagoudas(AbstractSurfaceLaw):
         return Fractions(memory.fraction, memory.ratio * memory.fraction)
 
     def select(self, xp: Namespace, memory: LagoudasMemory, stress: Scalar, temperature: Scalar) -> LagoudasProcess:
-        """Where on a straight way to (stress [Pa], temperature [K]) the martensite grows."""
+        """Find the part of a straight way to (stress [Pa], temperature [K]) in which the martensite grows."""
         scale = self.scale(xp)
         move = LagoudasProcess(*memory, grows_from=0.0, grows_to=1.0)
         way = move.way(stress, temperature)

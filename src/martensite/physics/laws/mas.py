@@ -87,7 +87,7 @@ class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
         return join_variants(exchange_fractions(xp, move.present, flows))
 
     def drive(self, xp: Namespace, move: MasStep, stress: Scalar, temperature: Scalar, dt: Scalar) -> Scalar:
-        """How far the pulled process would end beyond where it rests in a step of dt [Pa]."""
+        """Return the stress by which the pulled process would end beyond its rest in a step of dt [Pa]."""
         pull = move.pull
         at = build_wells(xp, self.material(), self.linear_transition_stress(temperature), temperature, self.form)
         scale = compute_scales(xp, self.material(), at, self.form)
@@ -101,6 +101,6 @@ class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
         return Flows(*(compute_rate(xp, process, self.layer_time) for process in found))
 
     def jumps(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Callable[[Scalar], Flows]:
-        """The same, whatever the quantile."""
+        """Return the rates of the jumps, which do not depend on the quantile."""
         rates = self.jump_rates(xp, stress, temperature)
         return lambda quantile: rates

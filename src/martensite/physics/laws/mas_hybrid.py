@@ -53,7 +53,7 @@ class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
     ramp: Number = param("Pa", "stress over which a transformation runs", low=1e3, high=1e8, default=1e5)
 
     def inside(self, xp: Namespace) -> Rests:
-        """How far inside σ_A and σ_M transformations rest [Pa], from the wells at T_L."""
+        """Return the distances inside σ_A and σ_M at which transformations rest [Pa], from the wells at T_L."""
         constants = self.material()
         at = build_wells(xp, constants, self.sigma_L, self.T_L, self.form)
         scale = compute_scales(xp, constants, at, self.form)
@@ -79,7 +79,7 @@ class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
     def balance(
         self, xp: Namespace, present: VariantFractions, stress: Scalar, temperature: Scalar
     ) -> VariantFractions:
-        """What is left and what is made of the variants at a point."""
+        """Return the remaining and the newly formed fractions of the variants at a point."""
         rests = self.rests(xp, temperature)
 
         def reached(stress: Scalar, rest: Scalar) -> Scalar:
@@ -109,7 +109,7 @@ class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
         return super().kinetics(xp, halfway, stress, temperature, dt)
 
     def drive(self, xp: Namespace, move: HybridStep, stress: Scalar, temperature: Scalar, dt: Scalar) -> Scalar:
-        """Distance beyond the middle of what is left of the ramp, for the pulled process [Pa]."""
+        """Return the distance beyond the middle of the remaining ramp, for the pulled process [Pa]."""
         rests, pull, now = self.rests(xp, temperature), move.pull, move.present
         present = xp.where(pull.by_stress * pull.by_threshold < 0.0, now.plus, now.minus)
         by_A = pull.by_threshold * rests.A - 0.5 * present * self.ramp

@@ -28,20 +28,20 @@ from martensite.physics.laws.base import LAWS, Doubt, Fractions, RPhaseFractions
 
 
 class RPhaseMemory(NamedTuple):
-    """What both transformations remember."""
+    """Memory of both transformations."""
 
     martensite: OneFractionMemory
     rphase: OneFractionMemory
-    """Of the share of R in what is not martensite."""
+    """Memory of the fraction of R in the material that is not martensite."""
 
     @property
     def stress(self) -> Scalar:
-        """Of the last accepted point [Pa]."""
+        """Return the stress of the last accepted point [Pa]."""
         return self.martensite.stress
 
     @property
     def temperature(self) -> Scalar:
-        """Of the last accepted point [K]."""
+        """Return the temperature of the last accepted point [K]."""
         return self.martensite.temperature
 
 
@@ -92,7 +92,7 @@ class RPhase(AbstractPhaseDiagram):
             raise ParameterError(f"Parameter `eps_R` of `{self.registered_name}` {words}")
 
     def cautions(self) -> list[str]:
-        """Those of the martensite, and an R-phase that is hardly seen on cooling."""
+        """Return the cautions of the martensite, and a caution if the R-phase is hardly visible on cooling."""
         found = self.whole().cautions()
         if self.M_s >= self.R_s:
             found.append("M_s is not below R_s: martensite forms first, and little R-phase or none is seen on cooling.")
@@ -198,7 +198,7 @@ class RPhase(AbstractPhaseDiagram):
         return fractions.martensite + self.latent_R * fractions.rphase_fraction
 
     def kinks(self, xp: Namespace, memory: RPhaseMemory) -> list[Scalar]:
-        """Those of both transformations."""
+        """Return the kinks of both transformations."""
         return [*self.whole().kinks(xp, memory.martensite), *self.parent().kinks(xp, memory.rphase)]
 
     def crossing(

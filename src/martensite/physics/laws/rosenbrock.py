@@ -39,7 +39,7 @@ POINTS = (
     (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950),
     (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 1.0),
 )
-"""Where each stage asks for rates, by the ones before."""
+"""Coefficients of the points at which each stage evaluates the rates, by the stages before."""
 CARRIED = (
     (),
     (-5.6688,),
@@ -48,20 +48,20 @@ CARRIED = (
     (7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160),
     (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054),
 )
-"""What each stage takes over of the ones before, per step."""
+"""Coefficients of the stages before in each stage, per step."""
 TIMES = (0.0, 0.386, 0.21, 0.63, 1.0, 1.0)
 SLOPES = (0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0)
 """Share of the rate of change with time alone."""
 INNER = (10.12623508344586, -7.487995877610167, -34.80091861555747, -7.992771707568823, 1.025137723295662)
 OUTER = (-0.6762803392801253, 6.087714651680015, 16.43084320892478, 24.76722511418386, -6.594389125716872)
-"""Of the continuous output."""
+"""Coefficients of the continuous output."""
 
 
 class Coupling(NamedTuple):
-    """What a law of rates is coupled with; `at` is (ξ, oriented fraction, temperature [K])."""
+    """Coupling of a law of rates; `at` is (ξ, oriented fraction, temperature [K])."""
 
     stress: Callable[[Namespace, Column], Scalar]
-    """On the load line [Pa]."""
+    """Stress on the load line [Pa]."""
     power: Callable[[Namespace, Column], Column]
     """Net heat flow in the middle of the step [W], and its change in time [W/s]."""
     latent: Callable[[Namespace, Scalar, Scalar], Scalar]
@@ -82,9 +82,9 @@ class _Linear(NamedTuple):
 
     rates: _Columns
     inverse: tuple[Column, Column, Column, Column]
-    """Of I/(γ Δt) - J within a group."""
+    """Inverse of I/(γ Δt) - J within a group."""
     by_stress: _Columns
-    """What a change of stress brings, through that inverse."""
+    """Effect of a change of stress, through that inverse."""
     by_temperature: _Columns
 
 
@@ -95,7 +95,7 @@ class _Columns(NamedTuple):
     minus: Column
 
     def mean(self) -> tuple[Scalar, Scalar]:
-        """Of martensite and oriented fraction over the groups."""
+        """Return means of martensite and oriented fraction over the groups."""
         share = 1.0 / len(self.plus)
         a, b = share * sum_column(self.plus), share * sum_column(self.minus)
         return a + b, a - b
@@ -110,7 +110,7 @@ class _Stage(NamedTuple):
     temperature: Scalar
 
     def scalars(self) -> list[Scalar]:
-        """What is not of single groups."""
+        """Return the values that do not belong to single groups."""
         return [self.martensite, self.oriented, self.temperature]
 
 
@@ -212,7 +212,7 @@ class _Stages:
         return _Linear(rates, (a, b, c, d), by_stress, by_temperature)
 
     def _close(self, at: Sequence[Scalar]) -> None:
-        """What stress and temperature answer to a change within the groups."""
+        """Compute the response of stress and temperature to a change within the groups."""
         xp, coupling, moved = self.xp, self.coupling, self.relocate
 
         def balance(xp: Namespace, at: Column) -> Column:
@@ -269,7 +269,7 @@ class _Stages:
     def _ask_groups(
         self, k: int, stress: Scalar, temperature: Scalar, before: Sequence[_Stage]
     ) -> tuple[_Columns, Scalar, Scalar]:
-        """What the groups answer at frozen stress and temperature, their gain and rate of ξ."""
+        """Return the response of the groups at frozen stress and temperature, their gain and rate of ξ."""
         xp, law, begin = self.xp, self.law, self.begin.groups
         per_step, count = self.per_step, len(before)
         jumps = law.jumps(xp, stress, temperature)
@@ -300,7 +300,7 @@ class _Stages:
 
 
 def _sum_flows(flows: Flows, at: _Group) -> _Group:
-    """What flows between the phases of a group."""
+    """Return the net flows between the phases of a group."""
     austenite = 1.0 - at.plus - at.minus
     return _Group(
         flows.to_plus * austenite - flows.from_plus * at.plus, flows.to_minus * austenite - flows.from_minus * at.minus
@@ -320,7 +320,7 @@ def _weigh_numbers(weights: Sequence[float], numbers: Sequence[Scalar]) -> Scala
 
 
 def _map_rows(xp: Namespace, body: Callable[..., Sequence[Scalar]], *columns: Column) -> tuple[Column, ...]:
-    """Columns of results; a single row is no loop."""
+    """Return columns of results; a single row needs no loop."""
     if len(columns[0]) > 1:
         return tuple(xp.each(body, *columns))
     return tuple((x,) for x in body(*(column[0] for column in columns)))

@@ -87,7 +87,7 @@ class LiangRogers(AbstractCosineLaw, AbstractShapes):
         )
 
     def cautions(self) -> list[str]:
-        """Those of its strips, and numbers that no option calls for."""
+        """Return the cautions of its strips, and cautions for parameters that no option uses."""
         found = super().cautions() + self.describe_unused(self.hardening, self.surfaces)
         for name, slope, curve in zip(("M_f", "A_s"), (self.C_M, self.C_A), self.curves(), strict=True):
             falls = _find_fall(slope, curve) if curve else None

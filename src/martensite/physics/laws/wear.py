@@ -24,7 +24,7 @@ STRAINS = ("eps_L", "eps_T", "H_sat", "H_min", "eps_L_compression", "H_sat_compr
 
 
 class Worn(NamedTuple):
-    """What cycles have done to an element: residual strain [-]; fraction and stress [Pa] when it was so."""
+    """State of wear of an element: residual strain [-]; fraction and stress [Pa] at that time."""
 
     cycles: Scalar
     residual: Scalar
@@ -33,7 +33,7 @@ class Worn(NamedTuple):
 
 
 class Wear(Parametrised):
-    """How residual strain, transformation strain and temperatures of an element drift with its cycles."""
+    """Drift of residual strain, transformation strain and temperatures of an element with its cycles."""
 
     cites = ("tanaka1995", "zaki2007")
 
@@ -49,7 +49,7 @@ class Wear(Parametrised):
     overheat_rate: Number = param("1/K/s", "cycles done in a second, per kelvin above it", low=0.0, default=0.0)
 
     def cautions(self) -> list[str]:
-        """That nobody vouches for it."""
+        """Return a caution that the parameters have no known source."""
         return ["Wear follows numbers of no known source: it predicts nothing beyond the cycles they were fitted to."]
 
     def check_law(self, law: AbstractLaw) -> None:
@@ -68,14 +68,14 @@ class Wear(Parametrised):
             )
 
     def begin(self, xp: Namespace, fractions: Fractions, stress: Scalar) -> Worn:
-        """What the cycles before the start have done, under the stress [Pa] there."""
+        """Return the wear by the cycles before the start, under the stress [Pa] there."""
         new = Worn(0.0, 0.0, fractions.martensite, stress)
         return Worn(self.cycles, self._grow(xp, new, self.cycles), *new[2:])
 
     def advance(
         self, xp: Namespace, worn: Worn, fractions: Fractions, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Worn:
-        """What has been done after a step of dt [s] that ends at stress [Pa] and temperature [K]."""
+        """Return the wear after a step of dt [s] that ends at stress [Pa] and temperature [K]."""
         hot = xp.maximum(temperature - self.overheat_temperature, 0.0) * dt
         more = self._turn(xp, worn, fractions) + self.overheat_rate * hot
         return Worn(worn.cycles + more, self._grow(xp, worn, more), fractions.martensite, stress)

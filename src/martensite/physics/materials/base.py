@@ -32,7 +32,7 @@ _FIELDS = ("value", "kind", "source", "where", "note")
 
 @dataclass(frozen=True)
 class Source:
-    """Where numbers come from."""
+    """Source of parameters."""
 
     cite: str
     """Key in the bibliography."""
@@ -46,7 +46,7 @@ class MaterialNumber:
     value: float
     """In the SI `unit`."""
     text: str
-    """As written in the file, with its unit."""
+    """Text in the file, with its unit."""
     unit: str
     kind: str
     source: str
@@ -63,14 +63,14 @@ class Material:
     title: str
     summary: str
     limits: str
-    """What the numbers do not cover."""
+    """Limits of validity of the parameters."""
     sources: dict[str, Source]
     values: dict[str, MaterialNumber]
     law: dict[str, Any] | None = None
     """The law that the numbers hold for, as a scenario would write it: `kind` and options; None
     if they belong to no law in particular."""
     fit: dict[str, Any] | None = None
-    """What the fitted numbers rest on: records with their hashes, bounds, errors; None if nothing was fitted here."""
+    """Basis of the fitted parameters: records with their hashes, bounds, errors; None if nothing was fitted here."""
 
     def __repr__(self) -> str:
         """Return name, law and number of parameters."""
@@ -89,14 +89,14 @@ def material_names() -> list[str]:
 
 
 def load_material(name: str | Path, folder: Path | None = None) -> Material:
-    """Read a material by its name, or from a file of one's own.
+    """Read a material by its name, or from a user's file.
 
     Args:
         name: a name from `material_names()`, or the path of a TOML file.
         folder: where a relative path starts; the current folder if not given.
 
     Raises:
-        InputError: there is no such material, or its file is malformed.
+        InputError: the material does not exist, or its file is malformed.
     """
     if not isinstance(cast("Any", name), str | Path):
         raise InputError(f"A material must be a name or the path of a file, but is {name!r}.")

@@ -130,13 +130,13 @@ def wire_catalogues() -> list[str]:
 
 
 def load_wires(name: str | Path = "flexinol") -> WireCatalogue:
-    """Read a wire catalogue by its name, or from a file of one's own.
+    """Read a wire catalogue by its name, or from a user's file.
 
     Args:
         name: a name from `wire_catalogues()`, or the path of a TOML file.
 
     Raises:
-        InputError: there is no such catalogue, or its file is malformed.
+        InputError: the catalogue does not exist, or its file is malformed.
     """
     if isinstance(name, Path) or name.endswith(".toml"):
         path = Path(name)

@@ -1,8 +1,8 @@
 """Cooling that is driven: a fan that blows across the element, a Peltier module that pumps heat out of it.
 
-The signal stands beside that of the source, has a waveform of its own under [signals.NAME], and may be a controller's.
-At an instant the model is that at the level of the signal. Over a step its heat flow is averaged over the signal: at
-the bounds u₁, u₂ and the mean m of the signal, with weights that give its mean and its variance v,
+The signal stands beside the signal of the source, has a separate waveform under [signals.NAME], and may come from a
+controller. At an instant the model is evaluated at the level of the signal. Over a step its heat flow is averaged over
+the signal: at the bounds u₁, u₂ and the mean m of the signal, with weights that give its mean and its variance v,
 
     ⟨f(u)⟩ = w₁ f(u₁) + w₂ f(u₂) + (1 - w₁ - w₂) f(m),   w₁ = v/[(m - u₁)(u₂ - u₁)],   w₂ = v/[(u₂ - m)(u₂ - u₁)]
 
@@ -26,7 +26,7 @@ from martensite.physics.thermal.convection import STILL_NUSSELT, ChurchillChu, c
 from martensite.signals.moments import Moments
 
 LEAST_REYNOLDS = 1e-24
-"""Re below which there is no stream."""
+"""Re that counts as no stream."""
 
 
 class AbstractActiveCooling(AbstractCooling):
@@ -151,7 +151,7 @@ class Fan(AbstractActiveCooling):
     def pump_heat_at(
         self, xp: Namespace, level: Scalar, temperature: Scalar, ambient: Scalar, shape: Cylinder
     ) -> Scalar | None:
-        """What the model without a stream pumps [W]."""
+        """Return the heat that the model without a stream pumps [W]."""
         return self.still.pump_heat(xp, temperature, ambient, shape)
 
 

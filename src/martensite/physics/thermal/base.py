@@ -1,7 +1,7 @@
-"""What every heat-loss model answers: the film coefficient h(T) over the lateral surface.
+"""Interface of a heat-loss model: the film coefficient h(T) over the lateral surface.
 
-A model may have a signal of its own, such as the speed of the air of a fan (`active_cooling`): a system drives it
-beside its sources. One that pumps heat whatever the temperature of the surroundings says so apart (`pump_heat`).
+A model may have a drive signal, such as the air speed of a fan (`active_cooling`): a system drives it beside its
+sources. A model that pumps heat at any ambient temperature reports this separately (`pump_heat`).
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class AbstractCooling(Parametrised):
         """Film coefficient h [W/(m² K)] of a cylinder at `temperature` in `ambient` [K]."""
 
     def pump_heat(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
-        """Heat flow [W] out of a cylinder that its film does not carry; None if there is no such thing."""
+        """Return the heat flow [W] out of a cylinder that its film does not carry; None without such a flow."""
         return None
 
     def signals(self) -> dict[str, str]:
@@ -55,7 +55,7 @@ class AbstractCooling(Parametrised):
 
 
 class Environment(Parametrised):
-    """What surrounds the element."""
+    """Environment of the element."""
 
     temperature: Number = param("K", "ambient temperature", low=100.0, high=1000.0, default=293.15)
     cooling: AbstractCooling = part("heat-loss model", COOLING)

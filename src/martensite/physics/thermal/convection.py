@@ -170,7 +170,7 @@ STILL_NUSSELT = 0.3
 
 
 def correlate_stream(xp: Namespace, reynolds: Scalar, prandtl: Scalar) -> Scalar:
-    """What a stream adds to the mean Nusselt number of a wire across it [-]."""
+    """Return the part of the mean Nusselt number of a wire that a cross stream adds [-]."""
     damping = raise_constant(xp, 1.0 + raise_constant(xp, 0.4 / prandtl, 2.0 / 3.0), 0.25)
     laminar = 0.62 * xp.sqrt(reynolds) * raise_constant(xp, prandtl, 1.0 / 3.0) / damping
     turbulent = raise_constant(xp, 1.0 + raise_constant(xp, reynolds * (1.0 / 282000.0), 5.0 / 8.0), 0.8)

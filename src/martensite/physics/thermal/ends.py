@@ -1,4 +1,4 @@
-"""What the ends of an element lose: as lumped, by the exact fin between two clamps.
+"""Heat loss at the ends of an element: as lumped, by the exact fin between two clamps.
 
 A wire of length l with a uniform source and ends clamped at ambient temperature is cooler near
 the clamps. With b = m l/2, m = √(4 h/(k d)), and G_c the contact conductance of one clamp, its

@@ -77,6 +77,6 @@ class CombinedCooling(AbstractCooling):
         return self.convection.film(xp, *given) + self.radiation.film(xp, *given)
 
     def pump_heat(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
-        """What either pumps [W]."""
+        """Return the heat that both parts pump [W]."""
         first, other = (one.pump_heat(xp, temperature, ambient, shape) for one in (self.convection, self.radiation))
         return other if first is None else first if other is None else first + other
