@@ -1,13 +1,12 @@
 """Bracketed Newton iteration: compiles, batches and differentiates.
 
-For a strictly increasing function. An iterate on an end of the bracket is refused, else flat
-sides make plain clipping cycle between the ends for ever; so is a step across the bracket that
-halves neither it nor the last step. A correction at round-off level is always accepted, since a
-comparison near the root may round differently in its several uses. It ends with the first step
-that is small, or after which the next would be: Newton's method squares the error, so the next is
-the cube of a step over the square of the one before. Nothing is known after a halving, which is
-remembered as a negative step. The slope is exact (dual numbers), so the
-function needs no derivative of its own.
+For a strictly increasing function. An iterate on an end of the bracket is rejected, else flat sides make plain
+clipping cycle between the ends without end; so is a step across the bracket that halves neither it nor the last step.
+A correction at round-off level is always accepted, since a comparison near the root may round differently in its
+several uses. It ends with the first step that is small, or after which the next would be: Newton's method squares the
+error, so the next is the cube of a step over the square of the one before. After a halving there is no estimate of the
+next step; it is stored as a negative step. The slope is exact (dual numbers), so the function need not return a
+derivative.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ ROUND_OFF = 32.0
 SMALL = 1e-13
 """A step after which the root is found."""
 SURE = 10.0
-"""How many times larger the next step may be than expected."""
+"""Largest ratio of the next step to the expected step."""
 FIRST = 1e30
 """The step before the first."""
 NONE = 1e-30

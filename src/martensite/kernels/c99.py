@@ -74,18 +74,18 @@ def _declare_kind(kind: str, types: Mapping[str, str]) -> str:
 
 @dataclass(frozen=True)
 class LoopCondition:
-    """How a loop asks whether it goes on, and keeps the state of lanes that do not."""
+    """Test that continues a loop, and expression that keeps the state of finished lanes."""
 
     test: str = "{} > 0.0"
-    """Whether the first number of the state is above 0, in any lane."""
+    """Test whether the first number of the state is above 0, in any lane."""
     keep: str = "{new}"
-    """What a variable becomes, from its `old` and `new` value and the first number, `going`."""
+    """New value of a variable, from its `old` and `new` value and the first number, `going`."""
 
 
 def _print_repetition(
     loop: RepeatText, types: Mapping[str, str] = _TYPES, going: LoopCondition = LoopCondition()
 ) -> list[str]:
-    """A loop over variables of its own block."""
+    """Print a loop over variables of a separate block."""
     name, first = loop.name, loop.state[0]
     test = f" && {going.test.format(first)}" if loop.stops else ""
     keep = going.keep if loop.stops else LoopCondition.keep
@@ -199,7 +199,7 @@ def _print_function(name: str, constants: str, inputs: Sequence[str], made: Stat
 
 
 def write_prelude() -> str:
-    """What every source begins with."""
+    """Return the begin of every source."""
     return (
         f"{read_source('kernels', 'vector_math.c', {})}\n"
         "static inline double power_of(double base, double exponent) {\n"

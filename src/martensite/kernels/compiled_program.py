@@ -1,7 +1,7 @@
 """Traced programs in C, called from Python: constants once, then arrays in and arrays out.
 
-Arrays are laid out [variable][lane], one lane for a single run. Whoever marches adds C of its own,
-which finds the functions of the program as `k_NAME(n, c, x, y)`.
+Arrays are laid out [variable][lane], one lane for a single run. Marches add more C, which calls the functions of the
+program as `k_NAME(n, c, x, y)`.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class CompiledProgram:
         self.lanes = table.shape[1]
         self.library = _load_program(program, names, added, self.lanes >= BLOCK)
         self.constants = np.empty((program.constants, self.lanes))
-        """What follows from the parameters alone."""
+        """Values that depend on the parameters alone."""
         self.set_table(table)
 
     def set_table(self, table: Any) -> None:
@@ -46,7 +46,7 @@ class CompiledProgram:
         self.library.call_prepare(ctypes.c_long(lanes), values, constants, constants)
 
     def bind(self, name: str, x: Any, y: Any) -> Callable[[], None]:
-        """What computes results y, (results, lanes), from the inputs x that are there then."""
+        """Return a function that computes results y, (results, lanes), from the present inputs x."""
         function = getattr(self.library, f"call_{name}")
         arrays = map(get_address, (self.constants, x, y))
         return partial(function, ctypes.c_long(self.lanes), *arrays)

@@ -1,7 +1,7 @@
 """The C compiler of the machine: C in, functions out, kept in a cache.
 
-Every compiled program of this package comes from here: one folder of libraries, one sentence where
-there is no compiler, one way to hand over numbers and arrays.
+Every compiled program of this package comes from here: one folder of libraries, one message if no compiler is found,
+one way to pass numbers and arrays.
 """
 
 from __future__ import annotations
@@ -86,13 +86,13 @@ def read_source(room: str, name: str, constants: Mapping[str, Any]) -> str:
 def load_library(source: str, more: tuple[str, ...] = ()) -> Any:
     """Compile C source, with more flags, to a shared library in the cache (by hash) and load it.
 
-    One that is there already is loaded if it is whole, and of this machine; else it is made anew. Where the cache
-    cannot be written, a folder of this process takes its place.
+    An existing library is loaded if it is complete and built on this machine; else it is compiled again. If the cache
+    is not writable, a folder of this process is used.
 
     The environment variable `MARTENSITE_CFLAGS` has the last word on the flags of the compiler.
 
     Raises:
-        CompileError: there is no compiler, it failed, or there is no folder for what it makes.
+        CompileError: no compiler was found, it failed, or no folder is writable for its output.
     """
     command = _build_command(more)
     name, reasons = _name_library(command, source), list[str]()
@@ -113,7 +113,7 @@ def load_library(source: str, more: tuple[str, ...] = ()) -> Any:
 
 
 def is_compiled(source: str, more: tuple[str, ...] = ()) -> bool:
-    """Whether `load_library` would find what it needs, so that nothing is compiled."""
+    """Return whether `load_library` would find the library, so that nothing is compiled."""
     if find_compiler() is None:
         return False
     with suppress(OSError):
@@ -156,7 +156,7 @@ def _make_own_folder() -> Path:
 
 
 def _describe_machine() -> str:
-    """What -march=native depends on, so that a shared cache folder never misleads."""
+    """Describe the features that -march=native depends on, so that a shared cache folder works on several machines."""
     try:
         text = Path("/proc/cpuinfo").read_text()
     except OSError:

@@ -284,7 +284,7 @@ def value_and_slope(xp: Namespace, function: Callable[[Namespace, Scalar], Scala
 def values_and_slopes(
     xp: Namespace, function: Callable[[Namespace, Scalar], Sequence[Scalar]], x: Scalar
 ) -> tuple[list[Scalar], list[Scalar]]:
-    """The same for a function with several results."""
+    """Return values and slopes of a function with several results."""
     dual: Any = DualNamespace(xp)
     pairs = [dual.parts(result) for result in function(dual, dual.pair(x, 1.0))]
     return [v for v, _ in pairs], [0.0 if t is None else t for _, t in pairs]

@@ -18,18 +18,18 @@ from martensite.kernels.namespace import OPERATIONS
 from martensite.kernels.traced_numbers import TracedNumber, make_kernel_error, make_operation_error
 
 PARAMETER, VARYING, LOOP = 1, 2, 4
-"""What a node may depend on. The nodes inside the body of a loop have its bit: LOOP, or
-LOOP << 1 in a loop inside another, and so on."""
+"""Bits of the dependencies of a node. The nodes inside the body of a loop have the bit LOOP, or LOOP << 1 in a loop
+inside another, and so on."""
 SLOPE = 1 << 32
-"""What a derivative depends on besides (`martensite.kernels.slopes`)."""
+"""Additional dependency of a derivative (`martensite.kernels.slopes`)."""
 
 
 FLAGS = frozenset({"lt", "le", "gt", "ge", "both", "either", "negate"})
 """Operations whose results are true or false."""
 CONDITIONS = {"where": 1, "both": 2, "either": 2, "negate": 1}
-"""How many of the first arguments of an operation are true or false; others are numbers."""
+"""Number of leading arguments of an operation that are true or false; the others are numbers."""
 UNTYPED = frozenset({"input", "constant", "each", "item", "repeat", "result"})
-"""What has no arguments, or takes numbers and conditions alike."""
+"""Operations without arguments, or with arguments of both types."""
 CONDITION = "a condition is no number to compute with"
 COMMUTATIVE = ("add", "mul", "both", "either")
 """Operations whose two arguments may change places without a change of a single bit."""
@@ -60,7 +60,7 @@ class GraphLoop(NamedTuple):
     """The inputs of the body, one per column."""
     outputs: tuple[int, ...]
     bit: int
-    """What the nodes of the body depend on."""
+    """Dependency bit of the nodes of the body."""
 
 
 class Repeat(NamedTuple):
@@ -74,7 +74,7 @@ class Repeat(NamedTuple):
     """The inputs of the body."""
     outputs: tuple[int, ...]
     bit: int
-    """What the nodes of the body depend on."""
+    """Dependency bit of the nodes of the body."""
 
 
 class Graph:
@@ -180,7 +180,7 @@ class Graph:
         return bit, results, tuple(i.index for i in inputs)
 
     def _loop_depends(self, needed: Sequence[int]) -> int:
-        """What a loop depends on that takes these nodes: the loops around it, and VARYING."""
+        """Return the dependencies of a loop that takes these nodes: the loops around it, and VARYING."""
         return VARYING | (self._join_dependencies(needed) & ~PARAMETER)
 
     def _outside(self, outputs: Sequence[int], bit: int) -> list[int]:
@@ -238,7 +238,7 @@ class Graph:
         return Expr(self, index)
 
     def _is_flag(self, operation: str, args: tuple[Any, ...]) -> bool:
-        """Whether a new node is true or false.
+        """Return whether a new node is true or false.
 
         Raises:
             KernelError: there is a condition among numbers, or a number among conditions. Floats
@@ -253,7 +253,7 @@ class Graph:
         return operation in FLAGS
 
     def _is_choice_of_flags(self, operation: str, args: tuple[Any, ...]) -> bool:
-        """The same for operations that take conditions."""
+        """Return whether a new node is true or false, for operations that take conditions."""
         count = CONDITIONS[operation]
         chosen = self.flags.intersection(args[count:])
         if not self.flags.issuperset(args[:count]):
@@ -291,7 +291,7 @@ class Graph:
         return a + last if operation == "sub" and last is not None else None
 
     def _find_negated(self, node: Expr) -> Expr | None:
-        """What a node is the negative of, if it is made so."""
+        """Return the node whose negative a node is; None if it is not a negative."""
         if self.operations[node.index] != "neg":
             return None
         return Expr(self, self.arguments[node.index][0])
@@ -365,7 +365,7 @@ class GraphNamespace:
     """The kernel operations as nodes of one graph."""
 
     level = 0
-    """Of its numbers, which are no dual ones."""
+    """Level of its numbers, which are not dual."""
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph

@@ -58,7 +58,7 @@ class KernelPrinter:
         self.printer.share(slopes, lambda k: place.format("dp", k))
         hoisted = program.hoisted_nodes
         self.prepare = self._print(hoisted)
-        """What computes the constants; its results go where `list_places` says."""
+        """Code that computes the constants; `list_places` gives the places of its results."""
         texts = [place.format(*one) for one in self.list_places("c", hoisted)]
         tests = [test.format(t) if f else t for t, f in zip(texts, self.prepare.flags, strict=True)]
         self.printer.share(hoisted, lambda i: tests[i])

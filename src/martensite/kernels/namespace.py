@@ -17,7 +17,7 @@ Flag: TypeAlias = bool
 
 # pyright: reportReturnType=false
 class Namespace(Protocol):
-    """What a runtime must offer; arithmetic and comparisons are operators."""
+    """Functions that a runtime must offer; arithmetic and comparisons are operators."""
 
     def where(self, flag: Flag, yes: Scalar, no: Scalar, /) -> Scalar:
         """`yes` where the flag holds, else `no`; both are evaluated."""

@@ -18,7 +18,7 @@ FLAG, NUMBER, SLOPES = "flag", "number", "slopes"
 
 @dataclass(frozen=True)
 class Dialect:
-    """How one language writes expressions and assignments."""
+    """Rules of a language for expressions and assignments."""
 
     templates: Mapping[str, str]
     wants_names: frozenset[str]
@@ -28,7 +28,7 @@ class Dialect:
     loop: Callable[[LoopText], list[str]]
     repeat: Callable[[RepeatText], list[str]]
     shares_inverses: bool = False
-    """Whether divisions by the same number are products with its inverse, made once."""
+    """True if divisions by the same number become products with its inverse, computed once."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class RepeatText:
     name: str
     count: int
     stops: bool
-    """Whether it ends where the first number of the state is not above 0."""
+    """True if the loop ends where the first number of the state is not above 0."""
     state: Sequence[str]
     """Names of the inputs of the body."""
     begin: Sequence[str]
@@ -130,7 +130,7 @@ class Printer:
         return {index: group[0] for group in groups for index in group}
 
     def _loop(self, index: int, text: Mapping[int, str]) -> list[str]:
-        """A loop over rows, its body printed with names of its own."""
+        """Print a loop over rows; its body uses separate names."""
         loop, inner = self.graph.loops[index], dict(text)
         uses = self._uses(loop.outputs, loop.bit)
         body = self._lines(uses, inner, "b")
@@ -146,7 +146,7 @@ class Printer:
         return self.dialect.loop(named)
 
     def _repeat(self, index: int, text: Mapping[int, str], uses: Mapping[int, int]) -> list[str]:
-        """A loop over a state, its body printed with names of its own."""
+        """Print a loop over a state; its body uses separate names."""
         loop, inner = self.graph.repeats[index], dict(text)
         body = self._lines(self._uses(loop.outputs, loop.bit), inner, "t")
         taken = {self.graph.details[i] for i in uses if self.graph.arguments[i] == (index,)}
@@ -184,7 +184,7 @@ class Printer:
         return self.graph.children(index)
 
     def _uses(self, wanted: Sequence[int], inside: int = 0) -> dict[int, int]:
-        """How often each needed node is used; names wanted by an operation count double.
+        """Count the uses of each needed node; names wanted by an operation count double.
 
         Inside the body of a loop only nodes with its bit count: the others have names.
         """

@@ -67,11 +67,11 @@ class Program:
         self.functions[name] = Function(name, tuple(f"{name}_{i}" for i in inputs), outputs)
 
     def as_node(self, result: Any) -> Expr:
-        """What a kernel returned, as a node: it may be a number that is known."""
+        """Return the result of a kernel as a node; it may be a constant number."""
         return result if isinstance(result, Expr) else self.graph.constant(result)
 
     def needs(self, outputs: Sequence[Expr], inputs: Iterable[str]) -> bool:
-        """Whether outputs depend on any of some inputs, by their full names."""
+        """Return whether outputs depend on any of some inputs, by their full names."""
         wanted = {self.graph.input(name, VARYING).index for name in inputs}
         start = [node.index for node in outputs]
         return any(index in wanted for index in self.graph.walk(start, self.graph.children))
@@ -88,7 +88,7 @@ class Program:
 
     @property
     def constant_slopes(self) -> int:
-        """The same of their derivatives."""
+        """Return the number of constants of the derivatives."""
         return max(1, self._count_slopes())
 
     def _count_slopes(self) -> int:

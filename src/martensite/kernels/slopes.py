@@ -73,7 +73,7 @@ def differentiate_results(
 def differentiate_along(
     program: Program, name: str, places: Sequence[int], moving: Mapping[str, Expr | float]
 ) -> list[Expr]:
-    """The same in one direction, in which some inputs or parameters (`p3`) move: each by a node or a number."""
+    """Differentiate in one direction, in which some inputs or parameters (`p3`) move: each by a node or a number."""
     graph = program.graph
     duals = _Slopes(program.xp, graph.constant(0.0))
     nodes = [graph.input(one, VARYING) for one in moving]
@@ -121,7 +121,7 @@ class _Slopes(DualNamespace):
 
 
 class _Level:
-    """What is known inside one body of a loop, or outside of all."""
+    """Known derivatives inside one body of a loop, or outside of all."""
 
     def __init__(self, bit: int, known: dict[int, Any]) -> None:
         self.bit = bit
@@ -135,7 +135,7 @@ class TangentWalk:
     ends = frozenset({"input", "constant", "detach"})
     """Operations that are taken as they are."""
     follows_roots = False
-    """Whether a root is read again; its derivatives are those of its Newton step anyway."""
+    """True if a root is read again; its derivatives always come from its Newton step."""
 
     def __init__(self, graph: Graph, duals: _Slopes, moving: Mapping[int, Any]) -> None:
         """Take a graph, the dual numbers made of it, and of its nodes those that have derivatives."""
@@ -265,7 +265,7 @@ class TangentWalk:
         return [[self._duals.pair(value, next(rest) if m else None)] for value, m in zip(results, moving, strict=False)]
 
     def _part(self, values: list[Any], slopes: list[Any]) -> tuple[list[Any], list[Any]]:
-        """What a loop takes: derivatives stand apart unless they are plain numbers."""
+        """Return the parts that a loop takes: derivatives are separate unless they are plain numbers."""
         zero: Any = self._duals.zero
         return (values, slopes) if self._graph.depends[zero.index] & SLOPE else ([*values, *slopes], [])
 
@@ -329,7 +329,7 @@ class _Choosing(GraphNamespace):
 
 
 class _PartialsWalk(TangentWalk):
-    """The same with tangents that are rows; loops over what has one are written out."""
+    """Walk with rows as tangents; loops over values with tangents are unrolled."""
 
     ends = frozenset({"input", "constant"})
     follows_roots = True
@@ -388,7 +388,7 @@ def compute_partials(values: Sequence[Expr], variables: Sequence[Expr]) -> tuple
 
 
 def compute_gradient(value: Expr, variables: Sequence[Expr]) -> dict[int, Expr] | None:
-    """The same row for one value, backwards; None if there is a loop on the way."""
+    """Compute the gradient of one value backwards; None if there is a loop on the way."""
     graph, places = value.graph, {v.index: i for i, v in enumerate(variables)}
     order = _list_dependent(graph, value.index, frozenset(places))
     if order is None:
@@ -412,7 +412,7 @@ def compute_gradient(value: Expr, variables: Sequence[Expr]) -> dict[int, Expr] 
 
 
 def _list_dependent(graph: Graph, value: int, variables: frozenset[int]) -> list[int] | None:
-    """What the value is computed from and depends on the variables, in the order of computation.
+    """Return the nodes between value and variables that depend on the variables, in the order of computation.
 
     None if there are loops among it.
     """
@@ -426,7 +426,7 @@ def _list_dependent(graph: Graph, value: int, variables: frozenset[int]) -> list
 
 
 def _list_arguments(graph: Graph, index: int) -> tuple[int, ...]:
-    """What derivatives follow: no flags, nothing detached, of a root its Newton step."""
+    """Return the arguments that derivatives follow: no flags, nothing detached, for a root its Newton step."""
     operation, arguments = graph.operations[index], graph.arguments[index]
     if operation in ("input", "constant", "detach") or operation in FLAGS:
         return ()

@@ -1,4 +1,4 @@
-"""What numbers in a trace refuse: everything that would need their value, which they have not got.
+"""Operations that numbers in a trace reject, because they need values that do not exist yet.
 
 Nodes of a graph and dual numbers stand for numbers that come later. Python and NumPy would ask them
 for a value, take them for true, or compare them as objects; each such question is answered by a
@@ -91,7 +91,7 @@ def make_operation_error(name: str) -> UnknownOperationError:
 
 
 def _find_place() -> tuple[str, str]:
-    """Where the kernel is that runs, and what is written there."""
+    """Return the running kernel with its place, and the source line there."""
     frame: FrameType = sys._getframe(2)  # pyright: ignore[reportPrivateUsage]
     while frame.f_back and not _is_kernel(frame):
         frame = frame.f_back
@@ -102,7 +102,7 @@ def _find_place() -> tuple[str, str]:
 
 
 def _is_kernel(frame: FrameType) -> bool:
-    """Whether what runs is neither a runtime nor a library that the kernel calls."""
+    """Return whether a frame belongs to a kernel, not to a runtime or a library that it calls."""
     file = frame.f_code.co_filename
     is_library = file.startswith(_STANDARD) and "site-packages" not in file
     module = str(frame.f_globals.get("__name__"))
@@ -133,7 +133,7 @@ class TracedNumber:
 
     __slots__ = ()
     takes_arrays: ClassVar[bool] = False
-    """Whether arrays may be numbers beside it."""
+    """True if arrays may be operands."""
 
     __bool__ = refuse(BRANCH, CHOICES)
     __float__ = __complex__ = refuse(VALUE)
@@ -167,7 +167,7 @@ class TracedNumber:
         raise make_kernel_error(VALUE, "`{x}` without a format")
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
-        """What NumPy's numbers, on the left of an operator, or its functions make of it."""
+        """Apply an operator with a NumPy number on the left, or a function of NumPy."""
         reflected = _REFLECTED.get(ufunc.__name__)
         if reflected is None or method != "__call__" or options:
             raise make_kernel_error(ARRAYS, called=ufunc.__name__)
