@@ -19,6 +19,6 @@ class Ahead(AbstractWaveform):
         return self.waveform.value(time + self.lead + HAIR)
 
     def edges(self, duration: float) -> list[float]:
-        """Those of the waveform, earlier [s]."""
+        """Return the edges of the waveform, shifted to earlier times [s]."""
         found = self.waveform.edges(duration + self.lead)
         return select_inside((edge - self.lead for edge in found if edge > self.lead), duration)

@@ -67,10 +67,9 @@ class AbstractWaveform(AbstractDrive):
         return 0.0
 
     def segments(self, begin: float) -> Iterator[Segment]:
-        """What it is besides its tones, from the segment that holds at `begin` [s] on, ascending.
+        """Yield the segments without the tones, ascending, from the segment at `begin` [s] on.
 
-        The last one holds for ever. By default parabolas are put through its values between
-        its edges, as many as it takes.
+        The last segment never ends. By default parabolas are fitted to the values between edges, as many as necessary.
         """
         first, last = 0.0, 1.0
         while True:
@@ -81,7 +80,7 @@ class AbstractWaveform(AbstractDrive):
             first, last = last, 2.0 * last
 
     def tones(self) -> tuple[Tone, ...]:
-        """What it swings by at all times, beside its segments."""
+        """Return the tones that are added at all times to the segments."""
         return ()
 
     def shape(self, begin: float, end: float) -> SignalShape:

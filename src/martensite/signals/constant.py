@@ -12,7 +12,7 @@ from martensite.signals.moments import Segment
 
 @WAVEFORMS.register("constant")
 class Constant(AbstractWaveform):
-    """The same level all the time."""
+    """Constant level."""
 
     level: Number = param(DRIVE, "level", typical=HIGH)
 

@@ -1,4 +1,4 @@
-"""What waveforms share: lists of edges, numbering of intervals, blending of two levels.
+"""Common functions of waveforms: lists of edges, numbering of intervals, blending of two levels.
 
 The times at which a signal jumps are written once, as a function of their number, and both
 the list of edges and the value at a time go by that function. So an edge and the value
@@ -16,7 +16,7 @@ MOST_EDGES = 5_000_000
 
 
 def select_inside(times: Iterable[float], duration: float) -> list[float]:
-    """Of ascending times, those in (0, duration), each once [s]."""
+    """Return the ascending times in (0, duration), each once [s]."""
     kept: list[float] = []
     last = 0.0
     for time in times:

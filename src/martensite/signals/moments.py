@@ -1,4 +1,4 @@
-r"""What a signal brings in an interval: mean, mean square and range, in closed form.
+r"""Moments of a signal in an interval: mean, mean square and range, in closed form.
 
 A signal is a parabola from segment to segment, and tones that go on all the time,
 
@@ -28,7 +28,7 @@ FITTED = 1e-9
 FINEST = 1e-7
 """The shortest of them, as a share of the interval."""
 LOOKED_AT = tuple((k * 0.6180339887498949) % 1.0 for k in range(1, 14))
-"""Where in an interval a parabola is compared with the signal: at no regular distance."""
+"""Places in an interval at which a parabola is compared with the signal, at irregular distances."""
 MANY = 1000
 """Intervals from which on arrays are quicker than numbers one by one."""
 RESOLVED = 0.5
@@ -70,7 +70,7 @@ class Tone(NamedTuple):
 
 
 class Moments(NamedTuple):
-    """What a signal brings in an interval."""
+    """Moments of a signal in an interval."""
 
     mean: float
     square: float
@@ -79,16 +79,16 @@ class Moments(NamedTuple):
     high: float
     """Bounds of the signal."""
     lapse: float = 0.0
-    """How far the signal is ahead of a straight line, at most: [s] of its largest size. 0 if it
-    neither jumps nor bends nor swings within the interval: a step then sees what it does."""
+    """Largest lead of the signal over a straight line: [s] of its largest size. 0 if it neither jumps nor bends nor
+    swings within the interval: then a step represents the signal exactly."""
     slope: float = 0.0
-    """Of the straight line that is nearest to the signal [1/s]."""
+    """Slope of the straight line that is nearest to the signal [1/s]."""
     square_slope: float = 0.0
-    """The same of its square."""
+    """Slope of the straight line that is nearest to the square of the signal."""
 
     @classmethod
     def constant(cls, level: float) -> Moments:
-        """Of a level that does not change."""
+        """Return the moments of a constant level."""
         return cls(level, level * level, level, level)
 
 
@@ -96,7 +96,7 @@ class SignalShape(NamedTuple):
     """A signal as segments and tones, as far as it is known."""
 
     segments: Sequence[Segment]
-    """Ascending; each goes on to the start of the next, the last one for ever."""
+    """Segments, ascending; each continues to the start of the next, the last one without end."""
     tones: Sequence[Tone] = ()
 
     def value(self, time: float) -> float:
@@ -193,7 +193,7 @@ class _Sum:
         return Moments(mean, square, low, high, lapse, slope, second)
 
     def _lapse(self, size: float, slope: float, second: float) -> float:
-        """How far the integrals of u and u² are from those of straight lines, over its size."""
+        """Return the difference of the integrals of u and u² from those of straight lines, over its size."""
         if not size > 0.0:
             return 0.0
         found = sum(swing.lapse for swing in self.swings) / size

@@ -1,4 +1,4 @@
-"""What waveforms made of pulses share: one pulse from the start of every period.
+"""Common base of waveforms made of pulses: one pulse from the start of every period.
 
 On for k/f ≤ t < (k + D_k)/f, k = 0, 1, …, with f the frequency and D_k the share of period k.
 """
@@ -29,7 +29,7 @@ class AbstractPulses(AbstractWaveform):
         return 1.0, 0.0
 
     def is_on(self, time: float) -> bool:
-        """Whether a pulse is on at `time` [s]; it is at its start and is not at its end."""
+        """Return whether a pulse is on at `time` [s]; it is on at its start and off at its end."""
         return time < self._end(find_interval(time, time * self.frequency, self._start))
 
     def edges(self, duration: float) -> list[float]:

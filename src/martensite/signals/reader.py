@@ -14,7 +14,7 @@ AHEAD = 512
 
 
 class Reader:
-    """What a waveform does in a window of time that moves on."""
+    """Reader of a waveform in a moving window of time."""
 
     def __init__(self, waveform: AbstractWaveform) -> None:
         self._coming: Iterator[Segment] = waveform.segments(0.0)
@@ -54,14 +54,14 @@ class Reader:
         return self._known[place].value(time)
 
     def edges(self, begin: float, end: float) -> list[float]:
-        """Where it jumps or bends in (begin, end) [s]."""
+        """Return the times of jumps and bends in (begin, end) [s]."""
         self._need(end)
         first = bisect_right(self._starts, begin)
         last = self._place(end) + 1
         return [start for start in self._starts[first:last] if start < end]
 
     def forget(self, time: float) -> None:
-        """What lies before `time` [s] will not be asked for again."""
+        """Forget the part before `time` [s], which must not be read again."""
         place = self._place(time) - 1
         if place > AHEAD:
             del self._known[:place], self._starts[:place]

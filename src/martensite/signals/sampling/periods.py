@@ -43,7 +43,7 @@ class Periods:
 
 
 def average_periods(record: Sampled, period: float, skip: float = 0.0) -> Periods:
-    """Mean over periods and the level of the noise.
+    """Compute the mean over periods and the level of the noise.
 
     Args:
         record: two whole periods at least.

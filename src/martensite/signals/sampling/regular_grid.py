@@ -22,7 +22,7 @@ from martensite.signals.sampling.resampling import resample_record
 from martensite.signals.sampling.sampled import Numbers, Sampled
 
 CLOSE = 0.25
-"""How far, in intervals, a row may be from its place on a grid."""
+"""Largest distance of a row from its place on a grid, in intervals."""
 SAME = 1e-4
 """Relative difference of intervals that is one of printed times."""
 FEWEST = 20
@@ -89,7 +89,7 @@ def pieces_of_record(
     interval: float | None = None,
     units: Mapping[str, str] | None = None,
 ) -> tuple[Sampled, ...]:
-    """The same, cut where inputs are missing or rows are apart for longer than some time [s].
+    """Return pieces of a record, cut where inputs are missing or rows are apart for longer than some time [s].
 
     Pieces of one row are left out.
 
@@ -121,10 +121,10 @@ def split_at_gaps(
     interval: float | None = None,
     units: Mapping[str, str] | None = None,
 ) -> tuple[Sampled, ...]:
-    """A table as records without gaps in their inputs, as a model cannot be run over what is not known.
+    """Split a table into records without gaps in their inputs, because a model cannot run over unknown inputs.
 
-    A gap is longer than three usual distances of rows, and what is between two of them a record of its own, with
-    an initial state of its own. Tables of irregular times, whose inputs are held from row to row, stay whole.
+    A gap is longer than three usual distances of rows. The rows between two gaps form a separate record with a
+    separate initial state. Tables of irregular times, whose inputs are held from row to row, stay whole.
 
     Raises:
         DataError: as `from_record`.
@@ -202,7 +202,7 @@ def _fill_held_inputs(
 
 @dataclass(frozen=True)
 class _Grid:
-    """Where rows belong on a grid."""
+    """Places of rows on a grid."""
 
     interval: float
     places: Numbers | None

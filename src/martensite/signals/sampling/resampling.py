@@ -108,7 +108,7 @@ def split_record(record: Sampled, *, share: float | None = None, time: float | N
 
 
 def collect_experiments(*records: Sampled) -> tuple[Sampled, ...]:
-    """Records of one system for one estimation, checked, each with a name of its own.
+    """Return records of one system for one estimation, checked, each with a unique name.
 
     Raises:
         DataError: they differ in sample time, signals or units.

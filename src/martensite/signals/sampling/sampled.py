@@ -40,7 +40,7 @@ class Sampled:
     start: float = 0.0
     """Time of the first sample [s]."""
     remarks: tuple[str, ...] = ()
-    """What was done to the measured table to make this of it, one sentence each."""
+    """Changes to the measured table, one sentence each."""
 
     def __post_init__(self) -> None:
         for name in ("inputs", "outputs"):
@@ -92,7 +92,7 @@ class Sampled:
         return total.hexdigest()
 
     def rows(self, first: int, last: int | None = None, name: str | None = None) -> Sampled:
-        """Some consecutive samples as a record of their own."""
+        """Return some consecutive samples as a separate record."""
         kept = slice(first, last)
         begin = range(len(self))[kept].start
         return replace(
@@ -104,5 +104,5 @@ class Sampled:
         )
 
     def with_outputs(self, outputs: Numbers, names: tuple[str, ...] | None = None) -> Sampled:
-        """The same inputs with other outputs."""
+        """Return a record with the same inputs and other outputs."""
         return replace(self, outputs=outputs, output_names=names or self.output_names)

@@ -17,7 +17,7 @@ from martensite.base.errors import DataError, suggest_name
 from martensite.signals.sampling.sampled import Numbers, Sampled
 
 KINDS = ("mean", "line", "rest")
-"""What can be taken off."""
+"""Kinds of trends."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,12 +48,12 @@ class Trend:
 
 
 def find_trend(record: Sampled, kind: str = "mean", rest: float | None = None) -> Trend:
-    """The trend of a record, of the kind `mean`, `line` or `rest`.
+    """Find the trend of a record, of the kind `mean`, `line` or `rest`.
 
     For the last, `rest` says how long [s] the record is at rest at its beginning; by default until an input changes.
 
     Raises:
-        DataError: there is no such kind, or a signal is not known where its level is sought.
+        DataError: the kind does not exist, or a signal is unknown where its level is needed.
     """
     if kind not in KINDS:
         raise DataError(f"There is no trend `{kind}`. {suggest_name(kind, KINDS)}")
