@@ -1,1 +1,1 @@
-"""What everything stands on: parameters, names, units, errors, files."""
+"""Base of the package: parameters, names, units, errors, files."""

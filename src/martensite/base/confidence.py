@@ -23,7 +23,7 @@ EVERYTHING: Interval = (-math.inf, math.inf)
 
 
 def student_quantile(level: float, freedom: int) -> float:
-    """The t within which the share `level` of Student's distribution lies.
+    """Return the t that bounds the fraction `level` of Student's distribution on both sides.
 
     Raises:
         ParameterError: the level is not between 0 and 1, or there is no degree of freedom.
@@ -37,7 +37,7 @@ def student_quantile(level: float, freedom: int) -> float:
 
 
 def two_sided_probability(t: float, freedom: int) -> float:
-    """Probability of a value at least as far from zero as t; `ParameterError` if there is no degree of freedom."""
+    """Return the probability of a value at least as far from zero as t; `ParameterError` for 0 degrees of freedom."""
     stdtr: Any = import_module("scipy.special").stdtr
 
     _check_freedom(freedom)
@@ -45,7 +45,7 @@ def two_sided_probability(t: float, freedom: int) -> float:
 
 
 def interval_contains(interval: Interval, value: float = 0.0) -> bool:
-    """Whether a value lies in an interval."""
+    """Return whether a value lies in an interval."""
     return interval[0] <= value <= interval[1]
 
 

@@ -1,8 +1,7 @@
 """Errors: every one is a sentence a user can act on.
 
-Form: what was given, what is allowed, the nearest valid name. `InputError` and its
-children mean bad input (exit code 2 on the command line); `SolveError` means that a run
-was started and failed (exit code 1).
+Form: what was given, what is allowed, the nearest valid name. `InputError` and its children mean bad input (exit code
+2 on the command line); `SolveError` means that a run started and failed (exit code 1).
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from collections.abc import Collection, Iterable
 from difflib import get_close_matches
 
 LONG_WORD = re.compile(r"[^\s`]{500,}")
-"""What no sentence repeats as a whole."""
+"""Words that a sentence does not repeat in full."""
 
 
 class MartensiteError(Exception):

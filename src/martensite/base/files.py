@@ -20,7 +20,7 @@ from martensite.base.interrupts import hold_interrupts, rescue_answer
 _unfinished: dict[Path, int] = {}
 """Files that have not taken their places yet -> the process that writes them."""
 _held: ContextVar[dict[Path, Path] | None] = ContextVar("_held", default=None)
-"""Of files that are written together, those that are complete -> their places."""
+"""Completed files of a group that is written together -> their places."""
 
 
 @contextmanager
@@ -111,9 +111,9 @@ def _remove_part(part: Path) -> None:
 
 @contextmanager
 def _catch_termination() -> Generator[None]:
-    """A block in which SIGTERM removes unfinished files before it ends the process.
+    """Remove unfinished files on SIGTERM inside a block, before the process ends.
 
-    Where a program answers the signal in a way of its own it stays so: an exception removes them too.
+    If a program handles the signal itself, its handler stays: an exception removes the files too.
     """
     import signal
     import threading
@@ -144,10 +144,10 @@ MOST_LOG = 2**31
 
 
 def check_ordinary(path: Path, most: int) -> int:
-    """Size [bytes] of an ordinary file, of at most so many.
+    """Return the size [bytes] of an ordinary file, and check its upper limit.
 
     Raises:
-        OSError: there is no such file.
+        OSError: the file does not exist.
         DataError: it is larger, a name that no file can have, or a device or a pipe, which may never end.
     """
     try:

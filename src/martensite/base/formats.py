@@ -15,7 +15,7 @@ _SLOPE = re.compile(r"^d([a-z]+)_d([A-Z])$")
 
 
 def write_quantity(value: float, unit: str, digits: int = 6) -> str:
-    """A number given in the SI `unit`, in a readable one; `none` for a limit that is none."""
+    """Write a quantity given in the SI `unit` in a readable unit; `none` for an infinite limit."""
     if math.isinf(value):
         return "none"
     shown = units.choose_readable_unit(unit)

@@ -1,9 +1,8 @@
-"""What a class must define to be one of its kind, and the sentence for what it lacks.
+"""Check that a class defines all methods of its kind, and build the message for missing ones.
 
-A base marks a method by `abc.abstractmethod`, or by `require_where` if only classes with some flag
-need it. A part is looked at when it is registered, and at the latest when it is made: a method that
-is missing shows where the class is written, not in the middle of a run. There is no metaclass: one
-would slow down every `isinstance`.
+A base marks a method by `abc.abstractmethod`, or by `require_where` if only classes with some flag need it. A part is
+checked when it is registered, and at the latest when it is created: a missing method is reported where the class is
+written, not in the middle of a run. There is no metaclass: one would slow down every `isinstance`.
 """
 
 from __future__ import annotations
@@ -56,7 +55,7 @@ def _find_missing(cls: type[Any]) -> list[str]:
 
 
 def _is_required(value: Any, cls: type[Any]) -> bool:
-    """Whether a base leaves an attribute to a class."""
+    """Return whether a base requires a class to define an attribute."""
     flag = getattr(value, "require_where", None)
     return bool(getattr(value, "__isabstractmethod__", False) or (flag and getattr(cls, flag)))
 

@@ -23,24 +23,24 @@ from types import FrameType
 from martensite.base.errors import StoppedError
 
 GRACE = 0.6
-"""How long a process may take to come to its end by itself [s]."""
+"""Time for a process to end by itself [s]."""
 SAVING = 5.0
-"""How long what is kept may take to be written [s]."""
+"""Time to write the results to be kept [s]."""
 TWICE = 0.3
 """Signals that follow so soon are one [s]: `timeout` sends its signal to the process and to its group."""
 CLEAR_LINE = "\r\x1b[K"
-"""What takes a progress bar from a terminal."""
+"""Sequence that removes a progress bar from a terminal."""
 SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 
 class InterruptError(StoppedError):
-    """A command was interrupted; the sentence says what is kept."""
+    """Error for an interrupted command; the sentence names the kept results."""
 
     exit_code = 130
 
 
 class _Rescue:
-    """What keeps an answer: done once, by whoever comes first."""
+    """Function that saves a result: called once, by the first thread."""
 
     def __init__(self, save: Callable[[], str]) -> None:
         self._save = save
@@ -61,7 +61,7 @@ class _Rescue:
 
 
 class _State:
-    """What is known of interrupts in this process."""
+    """State of interrupts in this process."""
 
     def __init__(self) -> None:
         self.rescues: list[_Rescue] = []
@@ -70,9 +70,9 @@ class _State:
         """When the signal came that the main thread is ending for; 0 without."""
         self.accepted = 0.0
         self.waiting = False
-        """Whether a signal came in a block that holds it."""
+        """True if a signal came in a block that holds it."""
         self.told = False
-        """Whether the sentence is on its way by the main thread."""
+        """True if the main thread prints the sentence."""
 
 
 _state = _State()

@@ -126,7 +126,7 @@ def attach_names(package: str) -> tuple[Callable[[str], Any], Callable[[], list[
 
 
 def guard_arguments(function: Function) -> Function:
-    """The same function, which says which argument is of the wrong kind where that made it fail."""
+    """Wrap a function so that it names the argument of the wrong kind that made it fail."""
 
     @wraps(function)
     def guarded(*values: Any, **named: Any) -> Any:

@@ -39,7 +39,7 @@ class ByUnit(dict[str, Any]):
 
 @dataclass(frozen=True)
 class Declared:
-    """What is declared about one field; `kind` is parameter, option, text or part."""
+    """Declaration of one field; `kind` is parameter, option, text or part."""
 
     kind: str
     doc: str
@@ -109,7 +109,7 @@ class Declared:
         return f"above {low} and at most {high}" if self.open_low else f"between {low} and {high}"
 
     def _sort(self) -> str:
-        """What is taken, in words."""
+        """Describe the accepted values in words."""
         if self.unit == units.DRIVE:
             return "a plain number in the SI unit of what it drives"
         if self.unit in units.OF_LOOPS:
@@ -120,7 +120,7 @@ class Declared:
 
     @staticmethod
     def _label(unit: str) -> str:
-        """What is written behind a number; nothing where the unit depends on the place."""
+        """Return the text behind a number; empty where the unit depends on the place."""
         return "" if unit in ("1", *units.OF_PLACE) else f" {unit}"
 
     def _readable(self) -> str:
@@ -208,8 +208,8 @@ class Parametrised:
     cites: ClassVar[tuple[str, ...]] = ()
     declarations: ClassVar[dict[str, Declared]] = {}
     names_reading: ClassVar[tuple[str, ...]] = ()
-    """Texts of its own that may name a reading; in the unit of the first that does, its levels and
-    differences of a reading are given, and those of its components."""
+    """Names of text fields that may name a reading. The unit of the first named reading applies to its levels and
+    differences, and to those of its components."""
     unit_of_signal: ClassVar[str] = ""
     """SI unit of the signal in what belongs to it, where that is not the one of the drive."""
     unit_of_reading: ClassVar[str] = ""
@@ -310,7 +310,7 @@ class Parametrised:
         return self._with_paths({_resolve_path(name, paths): value for name, value in values.items()})
 
     def with_parts(self, **parts: Any) -> Self:
-        """A checked copy with whole components (or numbers) of its own exchanged."""
+        """Return a checked copy with some components (or numbers) exchanged."""
         return type(self)(**{**self.arguments(), **parts})
 
     def arguments(self) -> dict[str, Any]:

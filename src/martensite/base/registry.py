@@ -130,7 +130,7 @@ class Registry(Generic[T]):
         return cls.__module__.partition(".")[0] == self.package.partition(".")[0]
 
     def _is_redefined(self, old: type[Any], new: type[Any]) -> bool:
-        """Whether a class of a user is the same one again: its cell or its file is executed anew."""
+        """Return whether a user's class is defined again: its cell or its file is executed again."""
         same_place = old.__module__ == new.__module__ or _find_file(old) == _find_file(new) is not None
         return same_place and old.__qualname__ == new.__qualname__ and not self._is_own(new)
 

@@ -9,7 +9,7 @@ from enum import IntEnum
 
 
 class Status(IntEnum):
-    """How a step ended; larger is worse."""
+    """End of a step; larger is worse."""
 
     OK = 0
     LONG_STEP = 1
@@ -22,7 +22,7 @@ class Status(IntEnum):
 
     @property
     def sentence(self) -> str:
-        """What happened and what to try."""
+        """Return the sentence with the cause and the remedy."""
         return _SENTENCES[self]
 
     @property

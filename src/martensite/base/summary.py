@@ -1,4 +1,4 @@
-"""What a result says of itself, once: sentences, tables and pictures, and its numbers for programs.
+"""Summary of a result: sentences, tables and pictures, and its numbers for programs.
 
 A terminal, Markdown, HTML, JSON and the web bench render the same `Summary`.
 """
@@ -26,7 +26,7 @@ class Heading:
 
     title: str
     detail: bool = False
-    """Whether what follows is for pages alone, too long for a terminal."""
+    """True if the following parts are for pages alone, too long for a terminal."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class BulletList:
 
     items: Sequence[str]
     detail: bool = False
-    """Whether it is for pages alone."""
+    """True if it is for pages alone."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class DataTable:
     right: Sequence[int] = ()
     """Columns of numbers, aligned to the right."""
     note: str = ""
-    """How to read it."""
+    """Note on how to read it."""
     detail: Sequence[int] = ()
     """Columns for pages alone."""
     tags: Mapping[int, str] = field(default_factory=dict[int, str])
@@ -94,7 +94,7 @@ class Picture:
     """A figure."""
 
     name: str
-    """Of its file, without an ending."""
+    """Name of its file, without an ending."""
     draw: Callable[[], Figure]
     caption: str
 
@@ -112,7 +112,7 @@ class Summary:
     data: Any = None
     """All numbers by name in SI, ready for JSON."""
     lead: str = ""
-    """What it is about, in one line."""
+    """Subject, in one line."""
 
     def __str__(self) -> str:
         """Plain text that fits a page."""

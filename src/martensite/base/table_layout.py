@@ -22,7 +22,7 @@ class _Column:
 
     @property
     def width(self) -> int:
-        """Of its longest line."""
+        """Return the width of its longest line."""
         return max(len(line) for text in (self.head, *self.cells) for line in text.split("\n"))
 
     @property

@@ -159,7 +159,7 @@ def convert_number(value: Numeric, unit: str) -> float:
     Raises:
         UnitError: the text is no number with a unit, or the unit has another dimension.
         TypeError: the value is of another kind.
-        ValueError: likewise.
+        ValueError: the text is not a number.
     """
     if is_quantity(value):
         value = write_pint(value)
@@ -243,10 +243,10 @@ _BASES = {
 
 @cache
 def find_dimensions(unit: str) -> dict[str, float]:
-    """Exponents of the base units of SI, and of rad, in a declared unit: `{"kg": 1, "s": -3}`.
+    """Return the exponents of the base units of SI, and of rad, in a declared unit: `{"kg": 1, "s": -3}`.
 
     Raises:
-        UnitError: the unit is not known, or is no coherent unit of SI, such as `mm`.
+        UnitError: the unit is not known, or is not a coherent unit of SI, such as `mm`.
     """
     import pint
 
@@ -283,7 +283,7 @@ _SAME = {
     "lbf/in": "lb/in lbs/in",
 }
 MEANT = {other: name for name, others in _SAME.items() for other in others.split()}
-"""What people write, in small letters -> a spelling of it that is known."""
+"""Common spellings, in small letters -> a known spelling."""
 
 
 def _suggest_unit(spelling: str, unit: str) -> str:
@@ -299,7 +299,7 @@ def _suggest_unit(spelling: str, unit: str) -> str:
 
 
 def _is_turning(spelling: str) -> bool:
-    """Whether there is an angle in a unit: 1 rad/s is no Hz, though both are 1/s."""
+    """Return whether a unit contains an angle: 1 rad/s is not 1 Hz, though both are 1/s."""
     return "radian" in {name for name, _ in _pint_registry().Quantity(1.0, spelling).to_base_units().unit_items()}
 
 
