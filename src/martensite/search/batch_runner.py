@@ -54,13 +54,13 @@ class BatchRunner:
         self._places = [self.compiled.outputs.index(name) for name in self.outputs]
 
     def with_grid(self, grid: TimeGrid) -> BatchRunner:
-        """The same on other steps, or with other signals."""
+        """Return a runner with other steps, or with other signals."""
         found = copy(self)
         found.grid = grid
         return found
 
     def place(self, path: str) -> int:
-        """Where a parameter is in a row of numbers."""
+        """Return the place of a parameter in a row of numbers."""
         return self.paths.index(path)
 
     def table(self, values: Mapping[str, Any], count: int) -> Numbers:
@@ -99,7 +99,7 @@ class BatchRunner:
         return np.stack([failed if rows is None else rows for rows in found])
 
     def run_lanes(self, table: Numbers, grid: LaneGrid) -> Numbers:
-        """Outputs (lanes, samples, outputs) of a table (lanes, parameters), each lane with signals of its own, in C."""
+        """Compute outputs (lanes, samples, outputs) of a table (lanes, parameters) in C; signals differ by lane."""
         return self._judge_lanes(list(table.T), grid)
 
     def run_slopes(self, values: Numbers, seeds: Numbers) -> tuple[Numbers, Numbers] | None:

@@ -1,11 +1,10 @@
 """The search of a box for the least goal under constraints: descents from starts, a look around.
 
-From every start SLSQP (Kraft (1988); SciPy) descends with exact derivatives, or L-BFGS-B (Byrd, Lu,
-Nocedal and Zhu (1995); SciPy) where nothing is constrained. Where it ends without keeping all
-constraints, the sum of squares of what they miss is followed downhill first (L-BFGS-B), and then
-it is tried again. An end that misses a constraint by a hair, as on a kink, is put onto it by
-Newton's method. Last, clouds of points around the best end are judged: on kinks and jumps of what
-is judged a descent may stop early.
+From every start SLSQP (Kraft (1988); SciPy) descends with exact derivatives, or L-BFGS-B (Byrd, Lu, Nocedal and Zhu
+(1995); SciPy) where nothing is constrained. If it ends with violated constraints, the sum of squares of the violations
+is minimised first (L-BFGS-B), and then the descent is tried again. An end that violates a constraint slightly, as on a
+kink, is put onto it by Newton's method. Last, clouds of points around the best end are evaluated: on kinks and jumps
+of the goal a descent may stop early.
 
 Without derivatives the method is that of Nelder and Mead.
 """
@@ -37,7 +36,7 @@ CLOUD_POINTS = 16
 STUCK_RUNS = 20
 """For how many runs one counts from which no way leads towards the constraints it misses."""
 PROJECTIONS, PROJECTION_MARGIN = 3, 1e-6
-"""How often a point that misses constraints by little is put onto them, and how far beyond."""
+"""Largest number of projections of a point with small violations onto constraints, and distance beyond them."""
 GOAL_TOLERANCE = 1e-6
 """Change of the goal at which a descent ends."""
 
@@ -48,7 +47,7 @@ class JudgedPoints(NamedTuple):
     goal: Numbers
     """(points,)"""
     slack: Numbers
-    """How far constraints are from their limits, below 0 where violated, (points, constraints)."""
+    """Distance of constraints from their limits, below 0 where violated, (points, constraints)."""
 
     @property
     def violation(self) -> Numbers:
@@ -57,7 +56,7 @@ class JudgedPoints(NamedTuple):
 
     @property
     def kept(self) -> NDArray[np.bool_]:
-        """Whether all constraints are kept, (points,)."""
+        """Return whether all constraints are satisfied, (points,)."""
         return (self.slack >= -FEASIBLE_VIOLATION).all(axis=1) & (self.goal < FAILED_GOAL)
 
     def order(self) -> list[int]:
@@ -86,24 +85,24 @@ class BoxPoint(NamedTuple):
     kept: bool
 
     def is_better_than(self, other: BoxPoint) -> bool:
-        """Whether it is better than another."""
+        """Return whether it is better than another point."""
         if self.kept and other.kept:
             return self.goal < other.goal
         return self.kept or (not other.kept and self.violation < other.violation)
 
 
 class SearchMark(NamedTuple):
-    """How far a search was at some time."""
+    """Progress of a search at some time."""
 
     runs: int
     """Runs so far, with derivatives and without."""
     goal: float
-    """Of the best point so far; of the one that misses least while none keeps all."""
+    """Goal of the best point so far; of the point with the smallest violation while no point is feasible."""
     violation: float
 
 
 class BoxObjective(Protocol):
-    """What is searched: places z of free numbers, each from 0 to its width."""
+    """Objective of a search: places z of free parameters, each from 0 to its width."""
 
     @property
     def widths(self) -> Numbers:
@@ -122,12 +121,12 @@ class BoxObjective(Protocol):
 
     @property
     def differentiable(self) -> bool:
-        """Whether there are derivatives."""
+        """Return whether there are derivatives."""
         ...
 
     @property
     def partial(self) -> bool:
-        """Whether derivatives are those of a part of what is judged, such as of some plants."""
+        """Return whether derivatives belong to a part of the objective, such as to some plants."""
         ...
 
     def judge(self, z: Numbers) -> JudgedPoints:
@@ -232,7 +231,7 @@ class BoxSearch:
         return found is not None and bool((found.slack >= -NEARLY_FEASIBLE).all())
 
     def _follow_slopes(self, begin: Numbers, fixed: NDArray[np.bool_]) -> Numbers:
-        """Where SLSQP, or without constraints L-BFGS-B, ends."""
+        """Return the end of SLSQP, or without constraints of L-BFGS-B."""
         first = self.differentiate(begin)
         if first is None or fixed.all():
             return begin
@@ -251,7 +250,7 @@ class BoxSearch:
         return _MovingPart(begin, fixed, self).minimise(missed, given)
 
     def _project(self, z: Numbers, fixed: NDArray[np.bool_]) -> Numbers:
-        """A point that nearly keeps all constraints, put onto those that it misses by a hair."""
+        """Project a point with small violations onto the violated constraints."""
         for _ in range(PROJECTIONS):
             one = self.differentiate(z)
             lost = np.zeros(0, np.bool_) if one is None else one.slack < 0.0
@@ -285,13 +284,13 @@ class _SpentError(Exception):
 
 
 class _MovingPart:
-    """What a descent sees while some numbers are fixed; a failed run is far from everything."""
+    """View of a descent while some parameters are fixed; a failed run counts as far from everything."""
 
     def __init__(self, begin: Numbers, fixed: NDArray[np.bool_], search: BoxSearch) -> None:
         self._begin, self._moving, self._search = begin, ~fixed, search
         self.bounds = [(0.0, width) for width in search.objective.widths[~fixed]]
         self.last: Numbers = begin
-        """Where it was last."""
+        """Last point."""
         self._left = 2 * search.iterations
 
     def whole(self, u: Numbers) -> Numbers:
@@ -301,7 +300,7 @@ class _MovingPart:
         return np.clip(found, 0.0, self._search.objective.widths)
 
     def minimise(self, cost: Callable[[PointSlopes], tuple[float, Numbers]], given: dict[str, Any]) -> Numbers:
-        """Where a method of SciPy ends that follows a cost downhill."""
+        """Minimise a cost by a method of SciPy, and return its end."""
 
         def value(u: Numbers) -> tuple[float, Numbers]:
             found, slope = cost(self(u))

@@ -47,7 +47,7 @@ class CoordinateSearch:
         return "stalled"
 
     def _advance(self, place: int) -> bool:
-        """Whether a step up or down along one axis was an improvement."""
+        """Return whether a step up or down along one axis was an improvement."""
         at = self.best[place]
         for moved in (min(at + self.step, 1.0), max(at - self.step, 0.0)):
             if self.evaluations >= self.limit:

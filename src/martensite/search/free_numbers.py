@@ -63,11 +63,11 @@ class Target:
     """In the scenario [SI]."""
     doc: str = ""
     drive: str | None = None
-    """What the waveform drives that has it; None for a number of the system."""
+    """Drive of the waveform that has it; None for a parameter of the system."""
     bounds: tuple[float, float] = (-math.inf, math.inf)
-    """What its declaration allows [SI]."""
+    """Bounds of its declaration [SI]."""
     allowed: str = "finite"
-    """The same in words."""
+    """Bounds in words."""
     level: Level | None = None
     """The level of a waveform that it is."""
 
@@ -95,15 +95,15 @@ class SearchRange:
     """Lower bound [SI]."""
     high: float | None = None
     start: float | None = None
-    """Where to begin [SI]; None for the value in the scenario."""
+    """Start value [SI]; None for the value in the scenario."""
     scale: str | None = None
     """linear, log or whole."""
     spread: float = 0.0
     """Standard deviation about the centre that several have in common: [SI], or a share of it; 0 for none."""
     relative: bool = False
-    """Whether the spread is a share."""
+    """True if the spread is a fraction."""
     by: str = ""
-    """What has it for itself: a kind of group of records; every record if empty."""
+    """Kind of group of records that have separate values; every record if empty."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ class FreeNumber:
     """A number to be found."""
 
     name: str
-    """As asked for, unique in a problem; of several that move together what they share."""
+    """Name as requested, unique in a problem; for several that move together their common part."""
     path: str
     """Path, or ending of the paths of all parameters that take its value."""
     unit: str
@@ -125,11 +125,11 @@ class FreeNumber:
     """The one experiment, or group of them, that has it for itself; None if it is common to all."""
     doc: str = ""
     targets: tuple[Target, ...] = ()
-    """What takes its value."""
+    """Parameters that take its value."""
     spread: float = 0.0
     """Standard deviation about the centre that several have in common: [SI], or a share of it; 0 for none."""
     relative: bool = False
-    """Whether the spread is a share."""
+    """True if the spread is a fraction."""
     base: str = ""
     """Path of the number from which this one is counted, so that order holds by construction; empty for none."""
 
@@ -170,7 +170,7 @@ class FreeNumber:
         return "upper" if share >= 1.0 - BOUND_SHARE else None
 
     def moves(self, path: str) -> bool:
-        """Whether a parameter of this path takes the value."""
+        """Return whether a parameter of this path takes the value."""
         return path == self.path or path.endswith("." + self.path)
 
 
@@ -185,7 +185,7 @@ def find_targets(name: str, known: Iterable[Target]) -> list[Target]:
 
 
 def parse_free(text: str) -> tuple[str, str | None, str | None, str | None]:
-    """Name, bounds, start and scale of a free number, as they are written.
+    """Parse name, bounds, start and scale of a free parameter, as texts.
 
     Raises:
         ParameterError: the text is no free number.
@@ -201,11 +201,11 @@ def parse_free(text: str) -> tuple[str, str | None, str | None, str | None]:
 
 
 def read_free(text: str, unit: str, read: Callable[[str], float]) -> SearchRange:
-    """A free number in an SI unit from its text, written as above; `read` makes a number [SI] of a quantity.
+    """Read a free parameter in an SI unit from its text, as written above; `read` converts a quantity to a number [SI].
 
     Raises:
-        ParameterError: the text is no free number.
-        UnitError: a bound or the start is no quantity in the unit of the number.
+        ParameterError: the text is not a free parameter.
+        UnitError: a bound or the start is not a quantity in the unit of the parameter.
     """
     name, bounds, start, scale = parse_free(text)
     try:
@@ -218,12 +218,12 @@ def read_free(text: str, unit: str, read: Callable[[str], float]) -> SearchRange
 def parse_range(
     text: str, unit: str, read: Callable[[str], float]
 ) -> tuple[float | None, float | None, int | None, str | None]:
-    """Bounds, count and scale of a range such as `20..200 W/m^2/K:5 log`.
+    """Parse bounds, count and scale of a range such as `20..200 W/m^2/K:5 log`.
 
     A unit behind the second bound holds for both.
 
     Raises:
-        UnitError: it is no range, or a bound is no quantity in the unit.
+        UnitError: the text is not a range, or a bound is not a quantity in the unit.
     """
     match = _RANGE.match(text)
     if match is None or not (match[1] or match[2]):
@@ -238,7 +238,7 @@ def parse_range(
 
 
 def is_bare(text: str) -> bool:
-    """Whether a text is a number without a unit."""
+    """Return whether a text is a number without a unit."""
     match = _NUMBER.match(text)
     return match is not None and match.end() == len(text)
 

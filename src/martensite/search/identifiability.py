@@ -1,4 +1,4 @@
-"""What data determine of the parameters of a model, and what they leave open, in words.
+"""Identifiability: the parameters of a model that data determine, and those they do not, in words.
 
 The residuals r of a fit change by J dz when the parameters z, each scaled so that its search
 range is 1, change by dz. With J = U Σ Vᵀ and independent noise s in every residual the standard
@@ -7,10 +7,9 @@ error along the direction v_k is s/σ_k search ranges:
     σ_k = 0    redundant: no data of this kind determine the direction
     σ_k ≤ s    weak: uncertain by more than the whole search range
 
-What counts as 0 is judged by the precision of J with all columns scaled to equal norm.
-Directions of both kinds are told by the smallest sets of parameters that move in them
-(`weak_direction_sets`), to first order about the fitted values. Singular values as a test of
-identifiability: Brun, Reichert and Künsch (2001), Water Resources Research 37.
+The threshold for 0 follows from the precision of J with all columns scaled to equal norm. Directions of both kinds are
+named by the smallest sets of parameters that move in them (`weak_direction_sets`), to first order about the fitted
+values. Singular values as a test of identifiability: Brun, Reichert and Künsch (2001), Water Resources Research 37.
 """
 
 from __future__ import annotations
@@ -41,13 +40,13 @@ _TENTH = 0.1
 
 @dataclass(frozen=True)
 class Identifiability:
-    """What the data determine of the free parameters."""
+    """Identifiability of the free parameters."""
 
     names: tuple[str, ...]
     sensitivities: tuple[float, ...]
     """Root-mean-square change of the error over each search range, in units of its noise."""
     singular_values: tuple[float, ...]
-    """Of the Jacobian per search range, falling."""
+    """Singular values of the Jacobian per search range, falling."""
     uncertainties: tuple[float, ...]
     """Standard error along each singular direction, in search ranges; infinite for 0."""
     condition: float
@@ -59,7 +58,7 @@ class Identifiability:
 
     @property
     def determined(self) -> bool:
-        """Whether every direction is determined to better than the search range, and no parameter refused."""
+        """Return whether every direction is determined better than the search range, with no parameter rejected."""
         return not self.weak and not self.refused
 
     @property
@@ -69,7 +68,7 @@ class Identifiability:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """What is not determined, one sentence for each direction; else that all are."""
+        """Return one sentence for each undetermined direction; otherwise that all are determined."""
         if self.weak:
             return tuple(one.sentence for one in self.weak)
         names = [name for name in self.names if name not in self.refused]

@@ -35,7 +35,7 @@ class Residuals(Protocol):
 
 
 class Descended(NamedTuple):
-    """Where a descent ended."""
+    """End of a descent."""
 
     shares: Numbers
     cost: float

@@ -31,20 +31,20 @@ class Normal(NamedTuple):
 
 
 class LeastSquaresCost(Protocol):
-    """What is minimised."""
+    """Cost to be minimised."""
 
     def value(self, theta: Numbers) -> float:
         """The sum of squares; not finite where there is none."""
         ...
 
     def normal(self, theta: Numbers) -> Normal:
-        """The same with its derivatives."""
+        """Return the sum of squares with its derivatives."""
         ...
 
 
 @dataclass(frozen=True)
 class Found:
-    """Where a search ended."""
+    """End of a search."""
 
     theta: Numbers
     value: float

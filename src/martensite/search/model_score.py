@@ -1,4 +1,4 @@
-"""How well a model meets a measured record: size, place and sign of the error.
+"""Agreement of a model with a measured record: size, place and sign of the error.
 
 With e = modelled - measured
 
@@ -27,7 +27,7 @@ class Score:
     record: str
     output: str
     part: str
-    """What the record was used for: `training`, or `held-out`."""
+    """Use of the record: `training`, or `held-out`."""
     unit: str
     """SI unit of the output."""
     rms: float
@@ -42,7 +42,7 @@ class Score:
     """Mean of modelled less measured [unit]."""
     samples: int
     place: str = ""
-    """Where it occurs, where that is no time."""
+    """Place at which it occurs, if this is not a time."""
 
     @property
     def sentence(self) -> str:

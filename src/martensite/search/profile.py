@@ -54,7 +54,7 @@ class ProfilePoint:
 
 @dataclass(frozen=True)
 class ProfileEnd:
-    """Where the walk to one side ended."""
+    """End of the walk to one side."""
 
     at: float
     """Last value within the limit [SI]."""

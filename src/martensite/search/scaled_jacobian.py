@@ -79,7 +79,7 @@ def scale_parameters(
 
 
 def is_gauge(relative: Sequence[float]) -> bool:
-    """Whether relative changes of two or more parameters are all equal up to sign."""
+    """Return whether relative changes of two or more parameters are all equal up to sign."""
     sizes = [abs(one) for one in relative]
     return len(sizes) > 1 and all(abs(s - sizes[0]) <= _PROPORTIONAL * sizes[0] for s in sizes)
 

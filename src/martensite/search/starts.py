@@ -1,4 +1,4 @@
-"""Where to start a descent: the best of many points spread over the box, or a rough global search.
+"""Start points of a descent: the best of many points spread over the box, or a rough global search.
 
 Points are of a scrambled Sobol' sequence (Owen (1998); SciPy), which leaves no large part of the
 box without one. Starts that lie apart do not all lead to the same minimum. Differential evolution

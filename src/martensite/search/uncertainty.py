@@ -1,4 +1,4 @@
-"""How well data determine the parameters of a fit: intervals, correlations, fewer samples.
+"""Uncertainty of the parameters of a fit: intervals, correlations, fewer samples.
 
 With residuals r, their Jacobian J and n samples, near the optimum
 
@@ -98,7 +98,7 @@ class Uncertainty:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """What limits the errors: undetermined, confounded, too few independent samples."""
+        """Return the limits of the errors: undetermined, confounded, too few independent samples."""
         found: list[str] = []
         if lost := [n for n, e in zip(self.names, self.errors, strict=True) if e == math.inf]:
             found.append(f"The data do not determine {list_names(lost)}.")

@@ -46,22 +46,22 @@ class WeakDirection:
     """Changes that make up for each other, to first order, each in its SI unit; of a single
     parameter its whole range."""
     relative: tuple[float, ...]
-    """The same as shares of the values themselves; NaN where the value is 0."""
+    """Changes as fractions of the values themselves; NaN where the value is 0."""
     uncertainty: float
     """Standard error along the direction in search ranges; infinite if `exact`."""
     effect: float
     """Root-mean-square change of the error under `changes`, in units of its noise."""
     exact: bool
-    """Whether nothing at all is seen: data of this kind, however exact, would not help."""
+    """True if nothing at all is seen: data of this kind, however exact, would not help."""
 
     @property
     def gauge(self) -> bool:
-        """Whether two or more parameters all move in proportion to their own values."""
+        """Return whether two or more parameters all move in proportion to their values."""
         return is_gauge(self.relative)
 
     @property
     def sentence(self) -> str:
-        """What is not determined, with amounts in everyday units."""
+        """Return a sentence on the undetermined parameters, with amounts in everyday units."""
         if len(self.names) == 1:
             return self._single()
         return f"{self._determined()}: {self._moves()} {self._outcome()}."

@@ -1,4 +1,4 @@
-"""Whether anything is left in the residuals of a record that a model could still explain.
+"""Test for structure in the residuals of a record that a model could still explain.
 
 White residuals of n samples have autocorrelations ρ_k that lie within ±z/√n in the share
 `level` of all lags, z being the quantile of the normal distribution, and
@@ -7,7 +7,7 @@ White residuals of n samples have autocorrelations ρ_k that lie within ±z/√n
 
 is distributed as χ² with L degrees of freedom (Ljung and Box (1978), Biometrika 65).
 
-How far the residuals of neighbouring samples are alike, and how many count as independent.
+The correlation ρ_k of residuals k samples apart, and the number n_eff of independent samples, are
 
     ρ_k = Σ r_t r_{t+k} / Σ r_t²,    τ = -1 + 2 Σ_m (ρ_{2m} + ρ_{2m+1}),    n_eff = n/τ
 
@@ -58,7 +58,7 @@ class Whiteness:
 
     @property
     def white(self) -> bool:
-        """Whether the test finds nothing at its level."""
+        """Return whether the test finds nothing at its level."""
         return self.p_value >= 1.0 - self.level
 
     @property
@@ -134,7 +134,7 @@ def compute_autocorrelation(residuals: Any, lengths: Sequence[int] | None = None
         lengths: samples of each record; products across their ends do not count.
 
     Returns:
-        (longest record,); zeros, without the 1, if there is no residual at all.
+        (longest record,); zeros, without the 1, if all residuals are 0.
 
     Raises:
         DataError: the residuals are none or not finite, or not as many as `lengths` say.
