@@ -1,4 +1,4 @@
-"""What every part promises, as suites that anybody can run on a part of his own.
+"""Conformance suites for every kind of part, which users can run on their parts.
 
     from martensite import testing
     print(testing.check_conformance(MyLaw, "law"))

@@ -1,4 +1,4 @@
-"""What every block of a model promises: sizes, exact slopes, rest, any numbers of a fit.
+"""Suite for blocks of a model: sizes, exact slopes, rest, any numbers of a fit.
 
 Sources of truth: central differences of the simulation, and what the interface declares.
 """
@@ -69,7 +69,7 @@ def list_unusual(block: AbstractBlock) -> set[str]:
 
 
 def check_sizes(block: AbstractBlock) -> None:
-    """It has as many outputs, states and numbers as it says."""
+    """A block has as many outputs, states and numbers as it declares."""
     theta, x = draw_numbers(block).tolist(), [0.2] * block.inputs
     state = block.rest(floats, theta, x, DT)
     y, after = block.step(floats, theta, state, x, DT)
@@ -137,7 +137,7 @@ def check_wild_numbers(block: AbstractBlock) -> None:
 
 
 def check_start(block: AbstractBlock) -> None:
-    """It starts on any range of its input, and draws the same numbers from the same seed."""
+    """A block starts on any range of its input, and draws the same numbers from the same seed."""
     for factor, level in RANGES:
         u = level + factor * make_record(block.inputs)[:10]
         adapted = block.adapt_to(u, DT)

@@ -1,4 +1,4 @@
-"""Whether a part keeps what its interface promises: suites of checks, one for every kind of part.
+"""Conformance of parts to their interfaces: suites of checks, one for every kind of part.
 
 A check is a function of a part, or of a material, that raises `ConformanceError` with a sentence.
 Parts are tried as made of their typical values, once for every choice of every option.
@@ -56,21 +56,21 @@ def require_condition(condition: object, sentence: str) -> None:
 
 @dataclass(frozen=True)
 class Finding:
-    """What one check said of one part."""
+    """Result of one check on one part."""
 
     part: str
     """Name and options."""
     check: str
     """Name of the check."""
     promise: str
-    """What is promised, in words."""
+    """Promise in words."""
     fault: str = ""
-    """What is wrong, in a sentence; empty if nothing is."""
+    """Fault, in a sentence; empty without a fault."""
 
 
 @dataclass(frozen=True)
 class Conformance:
-    """What a suite found of a part."""
+    """Results of a suite on a part."""
 
     name: str
     kind: str
@@ -78,12 +78,12 @@ class Conformance:
 
     @property
     def holds(self) -> bool:
-        """Whether checks were made, and all of them passed."""
+        """Return whether checks were made, and all of them passed."""
         return bool(self.findings) and not self.faults
 
     @property
     def faults(self) -> list[Finding]:
-        """What did not pass."""
+        """Return the findings with a fault."""
         return [one for one in self.findings if one.fault]
 
     def __str__(self) -> str:
@@ -111,13 +111,13 @@ def find_checks(kind: str, cls: type[Any]) -> list[Check]:
 
 
 def check_conformance(cls: type[Parametrised], kind: str, parts: Iterable[Parametrised] = ()) -> Conformance:
-    """Run the suite of a kind on a part, and keep what is found for the results of later runs.
+    """Run the suite of a kind on a part, and keep the result for the remarks of later runs.
 
     Examples of it are by default made of typical values, one for every choice of options.
 
     Raises:
         InputError: there is no suite for this kind.
-        ParameterError: no example can be made of what it declares.
+        ParameterError: no example can be built from its declarations.
     """
     if kind not in SUITES:
         raise InputError(f"There is no suite for the kind `{kind}` of `{cls.registered_name}`.")
@@ -129,10 +129,10 @@ def check_conformance(cls: type[Parametrised], kind: str, parts: Iterable[Parame
 
 
 def check_material(name: str | Path) -> Conformance:
-    """Run the suite of materials on one, by its name or its file.
+    """Run the suite of materials on one material, by its name or its file.
 
     Raises:
-        InputError: there is no such material, or its file is malformed.
+        InputError: the material does not exist, or its file is malformed.
     """
     material = load_material(name)
     found = [check_part(material, check) for check in find_checks("material", Material)]
@@ -154,7 +154,7 @@ def check_target(target: str) -> list[Conformance]:
     """Run the suites on all that a name, a `.py` file or the `.toml` file of a material stands for.
 
     Raises:
-        InputError: there is no such part, the file registers none, or it cannot be read.
+        InputError: the part does not exist, the file registers no part, or it cannot be read.
     """
     if target.endswith(".toml") or target in material_names():
         return [check_material(target)]
@@ -167,10 +167,10 @@ def check_target(target: str) -> list[Conformance]:
 
 
 def find_parts(target: str) -> list[tuple[str, type[Parametrised]]]:
-    """Kind and class of the parts that a name stands for, or that a file registers.
+    """Find kind and class of the parts that a name stands for, or that a file registers.
 
     Raises:
-        InputError: there is no such part, the file registers none, or it cannot be imported.
+        InputError: the part does not exist, the file registers no part, or it cannot be imported.
     """
     known = list_registries(blocks=True)
     if target.endswith(".py"):

@@ -1,4 +1,4 @@
-"""What every controller promises: a memory that keeps its shape, rest, the same on a bench."""
+"""Suite for controllers: a memory that keeps its shape, rest, the same on a bench."""
 
 import math
 from typing import Any
@@ -21,7 +21,7 @@ from martensite.testing.examples import build_plant
 from martensite.testing.readings import PERIOD, find_range, observe_rest
 
 SAMPLES = 40
-"""Of a run on a bench."""
+"""Number of samples of a run on a bench."""
 
 
 def list_readings(controller: AbstractController) -> dict[str, float]:
@@ -39,7 +39,7 @@ def find_target(controller: AbstractController) -> float:
 
 
 def check_reads(controller: AbstractController) -> None:
-    """What it reads and what is missing is said by name, with the nearest that there is."""
+    """A missing reading is reported by name, with the nearest existing name."""
     readings = list_readings(controller)
     for name in controller.reads():
         known = {f"{n}s" if n == name else n: value for n, value in readings.items()}
@@ -53,7 +53,7 @@ def check_reads(controller: AbstractController) -> None:
 
 
 def check_memory(controller: AbstractController) -> None:
-    """What it remembers are numbers, as many at every sample."""
+    """The memory of a controller consists of numbers, equally many at every sample."""
     readings, target = list_readings(controller), find_target(controller)
     memory = tuple(flatten_numbers(tuple(controller.rest(floats, target, readings))))
     count = len(memory)

@@ -1,4 +1,4 @@
-"""What every element, heat loss, end, fluid, resistance and source promises: heat to the colder side, capacities."""
+"""Suite for elements, heat losses, ends, fluids, resistances and sources: heat to the colder side, capacities."""
 
 import math
 
@@ -37,7 +37,7 @@ def check_capacity(element: AbstractElement) -> None:
 
 
 def check_stiffness(element: AbstractElement) -> None:
-    """It gets longer under more force, and holds the force with which it is assembled."""
+    """An element gets longer under more force, and holds the force with which it is assembled."""
     state = element.init(floats, 2.0, 300.0)
     held = element.force(state)
     require_condition(abs(held - 2.0) < 1e-9, f"Assembled with 2 N, it holds {held:.6g} N.")
@@ -71,7 +71,7 @@ def check_unit(source: AbstractSource) -> None:
 
 
 def check_current(source: AbstractSource) -> None:
-    """Without a signal there is no current, and never less for more."""
+    """A source gives no current without a signal, and never less current for a larger signal."""
     for ohms in OHMS:
         currents = [source.current(floats, u, ohms) for u in SIGNALS]
         require_condition(currents[0] == 0.0, f"At a signal of 0 there are {currents[0]:.4g} A.")
@@ -81,7 +81,7 @@ def check_current(source: AbstractSource) -> None:
 
 
 def check_limits(source: AbstractSource) -> None:
-    """Where a source has limits of current and voltage, it keeps to them."""
+    """A source with limits of current and voltage keeps to them."""
     for ohms in OHMS:
         most = max(source.current(floats, u, ohms) for u in SIGNALS)
         limit = getattr(source, "current_limit", np.inf)

@@ -1,4 +1,4 @@
-"""What every fault promises: it is there from its start to its end, and leaves no trace besides."""
+"""Suite for faults: present from start to end, and without effect otherwise."""
 
 import math
 from functools import cache
@@ -47,7 +47,7 @@ def list_effects(
 
 
 def find_healthy(u: float, reading: float, held: float) -> list[float]:
-    """The same without a fault."""
+    """Return the effects without a fault."""
     plant: System = build_switched_plant()
     loss = plant.element.heat_loss(floats, 350.0, plant.environment)
     return [
@@ -76,7 +76,7 @@ def find_moments(fault: AbstractFault) -> tuple[list[float], list[float]]:
 
 
 def check_times(fault: AbstractFault) -> None:
-    """It is there from its start on, and no more at its end."""
+    """A fault is present from its start on, and absent at its end."""
     outside, inside = find_moments(fault)
     for time, expected in [(t, False) for t in outside] + [(t, True) for t in inside]:
         found = bool(fault.active(floats, time))
@@ -103,7 +103,7 @@ def check_effect(fault: AbstractFault) -> None:
 
 
 def check_traced(fault: AbstractFault) -> None:
-    """What it does is a straight-line kernel."""
+    """The effects of a fault are a straight-line kernel."""
 
     def show(one: AbstractFault, xp: Namespace, *inputs: Scalar) -> tuple[Scalar, ...]:
         return tuple(list_effects(one, xp, *inputs))

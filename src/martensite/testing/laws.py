@@ -1,4 +1,4 @@
-"""What every law promises: bounds, independence of cuts, monotony, dissipation, finite answers."""
+"""Suite for laws: bounds, independence of cuts, monotony, dissipation, finite answers."""
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
@@ -20,7 +20,7 @@ Point = tuple[float, float]
 PATHS = 40
 CELSIUS = 273.15
 AROUND = 40.0
-"""How far beyond its own temperatures a law is heated and cooled [K]."""
+"""Range beyond its temperatures in which a law is heated and cooled [K]."""
 TAIL = 0.01
 """Martensite [-] that laws with exponential kinetics keep at their nominal finish line."""
 
@@ -169,7 +169,7 @@ def check_clock(law: AbstractLaw) -> None:
 
 
 def check_cuts(law: AbstractLaw) -> None:
-    """How a path is cut into steps changes nothing, where time does not matter."""
+    """A law without rates gives the same result for any cuts of a path into steps."""
     if depends_on_time(law):
         return
     for number, (points, start) in enumerate(_draw_paths()):

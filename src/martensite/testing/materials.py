@@ -1,4 +1,4 @@
-"""What every material promises: ordered temperatures, allowed numbers, a law that holds."""
+"""Suite for materials: ordered temperatures, allowed numbers, a law that holds."""
 
 from typing import Any
 
@@ -59,7 +59,7 @@ def _require_allowed(part: str, declared: Any, name: str, value: float) -> None:
 
 
 def check_sources(material: Material) -> None:
-    """It says what it is and does not cover, and every source is in the bibliography."""
+    """A material describes its contents and its limits, and every source is in the bibliography."""
     require_condition(material.summary.strip(), "It has no `summary`.")
     require_condition(material.limits.strip(), "It does not say its `limits`.")
     known = read_bibliography()

@@ -1,4 +1,4 @@
-"""What every mechanism promises, at one moment: equilibrium, levers, an energy, an inertia.
+"""Suite for mechanisms, at one moment: equilibrium, levers, an energy, an inertia.
 
 A load line is asked for its force and position, a mechanism with coordinates for what a motion
 demands. Sources of truth are differences of what it says itself, and mechanics.
@@ -29,7 +29,7 @@ FREE = np.linspace(-0.05, 0.05, 101).tolist()
 
 
 def is_consistent(mechanism: AbstractMultibody) -> bool:
-    """False for what is kept for comparison though it is known to be wrong."""
+    """Return False for a mechanism that is kept for comparison though it is known to be wrong."""
     return getattr(mechanism, "coupling", "lagrange") == "lagrange"
 
 
@@ -191,7 +191,7 @@ def check_inertia(mechanism: AbstractMultibody) -> None:
 
 
 def check_gyration(mechanism: AbstractMultibody) -> None:
-    """What grows with the square of a velocity moves energy only: v·c = ½ v·(dM/dt) v."""
+    """Forces that grow with the square of a velocity move energy only: v·c = ½ v·(dM/dt) v."""
     if not is_consistent(mechanism):
         return
     rows = zip(choose_places(mechanism), choose_rates(mechanism), strict=True)
@@ -212,7 +212,7 @@ def check_gyration(mechanism: AbstractMultibody) -> None:
 
 
 def check_damping(mechanism: AbstractMultibody) -> None:
-    """What changes its sign with the velocity never drives the motion."""
+    """Forces that change their sign with the velocity never drive the motion."""
     rows = zip(choose_places(mechanism), choose_rates(mechanism), strict=True)
     for place, rate in rows:
         back = [-v for v in rate]
@@ -223,7 +223,7 @@ def check_damping(mechanism: AbstractMultibody) -> None:
 
 
 def check_power(mechanism: AbstractMultibody) -> None:
-    """What a motion demands changes its energy, is dissipated, or comes from outside."""
+    """The forces of a motion change its energy, are dissipated, or come from outside."""
     if not is_consistent(mechanism):
         return
     signals = [3.0 + k for k in range(len(mechanism.signals()))]

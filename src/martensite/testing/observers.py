@@ -1,4 +1,4 @@
-"""What every observer promises: estimates by name, always numbers, rest with the plant."""
+"""Suite for observers: estimates by name, always numbers, rest with the plant."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -33,18 +33,18 @@ def find_readings(observer: AbstractObserver, xp: Namespace, signal: Scalar) -> 
 
 
 def set_drives(observer: AbstractObserver, signal: Scalar) -> dict[str, Scalar]:
-    """The same signal on every drive of the model."""
+    """Return the same signal for every drive of the model."""
     return {drive.name: signal for drive in observer.model.drives()}
 
 
 def check_reads(observer: AbstractObserver) -> None:
-    """What it reads can be read of its model."""
+    """The model of an observer has all outputs that the observer reads."""
     unknown = set(observer.reads()) - set(observer.model.outputs())
     require_condition(not unknown, f"It reads {', '.join(sorted(unknown))}, which its model does not have.")
 
 
 def check_memory(observer: AbstractObserver) -> None:
-    """It says as many numbers as it has names, and remembers as many at every sample."""
+    """An observer gives one number per name, and its memory has the same size at every sample."""
     readings, names = find_readings(observer, floats, 0.0), list(observer.estimates())
     guess, memory = observer.rest(floats, readings, set_drives(observer, 0.0))
     count = len(memory)

@@ -1,4 +1,4 @@
-"""What parts of a loop are tried with: ordinary readings, and a traced twin."""
+"""Common inputs of suites for parts of a loop: ordinary readings, and a traced twin."""
 
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
@@ -29,20 +29,20 @@ RANGES: dict[str, tuple[float, float]] = {
     "resistance": (3.0, 6.0),
     "martensite_fraction": (0.0, 1.0),
 }
-"""Where true signals and readings usually are [SI]."""
+"""Usual ranges of true signals and readings [SI]."""
 USUAL = (0.1, 1.0)
-"""Where any other is."""
+"""Usual range of any other signal."""
 
 
 def observe_rest() -> dict[str, float]:
-    """What can be read of the plant at rest, by name, in SI."""
+    """Return the outputs of the plant at rest, by name, in SI."""
     plant = build_plant()
     seen = plant.observe(floats, plant.init(floats, 0.0), 0.0)
     return dict(zip(plant.outputs(), seen, strict=True))
 
 
 def find_range(name: str) -> tuple[float, float]:
-    """Where a signal usually is; `NAME.age` and names with a prefix such as `estimated.` too."""
+    """Return the usual range of a signal; also for `NAME.age` and names with a prefix such as `estimated.`."""
     if name.endswith(".age"):
         return 0.0, 1.0
     return RANGES.get(name.rpartition(".")[2], USUAL)

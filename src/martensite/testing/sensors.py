@@ -1,4 +1,4 @@
-"""What every sensor promises: rest, a lag in any steps, whole steps in its range, its noise."""
+"""Suite for sensors: rest, a lag in any steps, whole steps in its range, its noise."""
 
 import math
 
@@ -16,7 +16,7 @@ MANY = 4000
 """Readings of which the noise is judged."""
 WILD = (0.0, -0.0, 1e-300, 1e-3, -1e-3, 0.7, 1.2345, -0.3, 3.3, 300.0, 1e12, -1e12)
 OWN_UNIT = ("noise", "resolution", "offset", "bias", "lowest", "highest", "range", "first")
-"""What a sensor declares in the unit of its readings."""
+"""Parameters of a sensor in the unit of its readings."""
 
 
 def change_sensor(sensor: AbstractSensor, **numbers: float) -> AbstractSensor:
@@ -63,14 +63,14 @@ def check_units(sensor: AbstractSensor) -> None:
 
 
 def check_rest(sensor: AbstractSensor) -> None:
-    """Of what does not change it says the same, from the first reading on."""
+    """A sensor gives a constant reading for a constant input, from the first reading on."""
     found = record_readings(silence_sensor(sensor), choose_truth(sensor), 50)
     near = np.allclose(found, found[0], rtol=1e-13, atol=1e-15)
     require_condition(near, f"Its readings of the same go from {found[0]:.6g} to {found[-1]:.6g}.")
 
 
 def check_memory(sensor: AbstractSensor) -> None:
-    """What it remembers are numbers, as many at every time."""
+    """The memory of a sensor consists of numbers, equally many at every time."""
     state = sensor.rest(floats, choose_truth(sensor))
     count = len(state)
     for k in range(5):

@@ -1,4 +1,4 @@
-"""What every supervisor and every check promises: numbers, alarms, and no cut without one."""
+"""Suite for supervisors and checks: numbers, alarms, and no cut without an alarm."""
 
 import math
 from typing import Any
@@ -17,7 +17,7 @@ COUNT = 400
 DRIVE = "drive"
 ABSURD = (math.nan, math.inf, -math.inf, 1e300)
 WIDE = 3.0
-"""How much further than usual readings of a supervisor go."""
+"""Factor by which readings of a supervisor exceed the usual ones."""
 
 
 def name_drives(part: AbstractSupervisor | AbstractCheck) -> list[str]:
@@ -42,7 +42,7 @@ def check_alarm(check: AbstractCheck) -> None:
 
 
 def check_size(check: AbstractCheck) -> None:
-    """It remembers `size` numbers, at every sample."""
+    """The memory of a check has `size` numbers, at every sample."""
     rng = np.random.default_rng(3)
     memory = check.rest(floats, draw_readings(check.reads(), rng))
     for _ in range(20):
@@ -75,7 +75,7 @@ def check_trips(check: AbstractCheck) -> None:
 
 
 def check_traced_check(check: AbstractCheck) -> None:
-    """What it finds is a straight-line kernel."""
+    """The findings of a check are a straight-line kernel."""
 
     def look(one: AbstractCheck, xp: Namespace, u: Scalar, *shares: Scalar) -> Any:
         wanted, found = dict.fromkeys(name_drives(one), u), list[Scalar]()
@@ -100,7 +100,7 @@ def place_readings(names: tuple[str, ...], shares: tuple[Scalar, ...]) -> dict[s
 
 
 def check_verdict(supervisor: AbstractSupervisor) -> None:
-    """It answers with a signal for every drive, a whole alarm, and as many numbers as before."""
+    """A supervisor gives a signal for every drive, a whole alarm, and a memory of constant size."""
     rng = np.random.default_rng(6)
     memory = supervisor.rest(floats, draw_readings(supervisor.reads(), rng))
     count = len(memory)

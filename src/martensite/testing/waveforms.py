@@ -1,4 +1,4 @@
-"""What every waveform promises, edges and its own mean, and every measure: one number per run, with its slopes."""
+"""Suite for waveforms, edges and means, and for measures: one number per run, with its slopes."""
 
 from itertools import pairwise
 
@@ -14,7 +14,7 @@ from martensite.testing.conformance import require_condition
 from martensite.testing.examples import build_plant
 
 DURATION = 6.0
-"""Of the time that is looked at [s]."""
+"""Duration of the tested signals [s]."""
 CUTS = 60
 """Intervals between two edges of which the mean is compared."""
 
@@ -77,7 +77,7 @@ def check_means(wave: AbstractWaveform) -> None:
 
 RUNS = 7
 TIMES = np.cumsum(np.append(0.0, np.random.default_rng(1).uniform(0.05, 0.2, 40)))
-"""Of the samples [s]."""
+"""Times of the samples [s]."""
 Array = NDArray[np.float64]
 
 
@@ -114,7 +114,7 @@ def check_unit(measure: AbstractMeasure) -> None:
 
 
 def check_runs(measure: AbstractMeasure) -> None:
-    """It is one number per run, the same whatever runs are beside it, broken ones too."""
+    """A measure gives one number per run, whatever runs are beside it, broken ones too."""
     samples = make_samples()
     together = _value(measure, samples)
     require_condition(together.shape == (RUNS,), f"Of {RUNS} runs it gives numbers of shape {together.shape}.")
