@@ -26,7 +26,7 @@ def student_quantile(level: float, freedom: int) -> float:
     """Return the t that bounds the fraction `level` of Student's distribution on both sides.
 
     Raises:
-        ParameterError: the level is not between 0 and 1, or there is no degree of freedom.
+        ParameterError: the level is not between 0 and 1, or the degrees of freedom are 0.
     """
     stdtrit: Any = import_module("scipy.special").stdtrit
 

@@ -2,7 +2,7 @@
 
 A base marks a method by `abc.abstractmethod`, or by `require_where` if only classes with some flag need it. A part is
 checked when it is registered, and at the latest when it is created: a missing method is reported where the class is
-written, not in the middle of a run. There is no metaclass: one would slow down every `isinstance`.
+written, not in the middle of a run. The package uses no metaclass, because it would slow down every `isinstance`.
 """
 
 from __future__ import annotations

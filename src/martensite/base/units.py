@@ -103,7 +103,7 @@ def parse_quantity(text: str, unit: str) -> float:
     """Read a quantity such as `"0.381 mm"` as a float in the SI `unit`.
 
     Raises:
-        UnitError: the text is no number with a unit, or the unit has another dimension.
+        UnitError: the text is not a number with a unit, or the unit has another dimension.
     """
     if unit == "m" and (gauge := _GAUGE.match(text)):
         diameter = 0.127 * 92.0 ** ((36 - int(gauge[1] or gauge[2])) / 39.0)
@@ -144,7 +144,7 @@ def write_pint(value: AbstractQuantity) -> str:
     """Return a quantity of pint as text, such as `22.0 degC`.
 
     Raises:
-        UnitError: it is an array, which is no single value.
+        UnitError: the quantity is an array, not a single value.
     """
     try:
         number = float(value.magnitude)
@@ -157,7 +157,7 @@ def convert_number(value: Numeric, unit: str) -> float:
     """Return a number in SI, a text with a unit or a quantity of pint as a float in the SI `unit`.
 
     Raises:
-        UnitError: the text is no number with a unit, or the unit has another dimension.
+        UnitError: the text is not a number with a unit, or the unit has another dimension.
         TypeError: the value is of another kind.
         ValueError: the text is not a number.
     """

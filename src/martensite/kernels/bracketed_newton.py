@@ -4,9 +4,9 @@ For a strictly increasing function. An iterate on an end of the bracket is rejec
 clipping cycle between the ends without end; so is a step across the bracket that halves neither it nor the last step.
 A correction at round-off level is always accepted, since a comparison near the root may round differently in its
 several uses. It ends with the first step that is small, or after which the next would be: Newton's method squares the
-error, so the next is the cube of a step over the square of the one before. After a halving there is no estimate of the
-next step; it is stored as a negative step. The slope is exact (dual numbers), so the function need not return a
-derivative.
+error, so the next is the cube of a step over the square of the one before. After a halving the next step cannot be
+estimated; the halving is stored as a negative step. The slope is exact (dual numbers), so the function need not return
+a derivative.
 """
 
 from __future__ import annotations

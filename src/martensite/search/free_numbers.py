@@ -188,7 +188,7 @@ def parse_free(text: str) -> tuple[str, str | None, str | None, str | None]:
     """Parse name, bounds, start and scale of a free parameter, as texts.
 
     Raises:
-        ParameterError: the text is no free number.
+        ParameterError: the text is not a free parameter.
     """
     match = _FREE.match(text)
     if match is None or ".." in match[1]:

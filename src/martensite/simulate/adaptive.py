@@ -384,8 +384,8 @@ class AdaptiveMarch(AbstractMarch):
     def _keep_ledger(self, trial: StepTrial) -> None:
         """Add the heat and the work of a step to the ledger; inputs are means over both ends of a half.
 
-        It asks the laws of heating and cooling at the states that were found, and so is no part
-        of the step, which linearises them.
+        It evaluates the laws of heating and cooling at the computed states. It is separate from the step, which
+        linearises these laws.
         """
         flows, entries = self.functions["flows"], self.functions["entries"]
         one, two = trial.halves

@@ -187,8 +187,8 @@ def compute_sensitivity(
         over: parameter path (or unique ending) -> one value per run of a batch, in SI.
 
     Raises:
-        InputError: unknown parameter, output or runtime, or there is no GPU for `cuda`.
-        CompileError: there is no C compiler.
+        InputError: unknown parameter, output or runtime, or no GPU was found for `cuda`.
+        CompileError: no C compiler was found.
         SolveError: the run failed; runs of a batch have a status instead.
     """
     if runtime not in ("auto", "c", "cuda"):

@@ -37,7 +37,7 @@ class CycleEnergies(EnergyCourses):
 
 
 def compute_cycle_energies(result: Result, period: float, *, pairs: Sequence[Pair] | None = None) -> CycleEnergies:
-    """Energies of all whole cycles of a run.
+    """Compute the energies of all whole cycles of a run.
 
     Args:
         result: a run, of a plant or of a bench.
@@ -46,7 +46,7 @@ def compute_cycle_energies(result: Result, period: float, *, pairs: Sequence[Pai
             an angle; by default force and position of a mechanism with one element on a line.
 
     Raises:
-        InputError: there is no whole cycle, a column is missing, or the mechanism needs `pairs`.
+        InputError: the run has no whole cycle, a column is missing, or the mechanism needs `pairs`.
     """
     result = add_step_rows(result)
     times = np.asarray(result.times)

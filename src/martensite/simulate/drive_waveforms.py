@@ -21,7 +21,7 @@ def by_name(system: AbstractSystem, given: Kind | Mapping[str, Kind]) -> dict[st
     """Return the given waveforms by the name of the drive.
 
     Raises:
-        InputError: there is no drive of a given name, or one for a system with many.
+        InputError: a named drive does not exist, or one waveform is given for several drives.
     """
     names = [drive.name for drive in system.drives()]
     if not isinstance(given, Mapping):

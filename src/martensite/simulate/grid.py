@@ -106,7 +106,7 @@ class TimeGrid:
         """Return the part from one sample to another.
 
         Raises:
-            InputError: there is no sample at one of these times [s]; the sentence names the nearest.
+            InputError: no sample lies at one of these times [s]; the sentence names the nearest.
         """
         near = [bisect_left(self.times, time) for time in (begin, end)]
         places = [

@@ -67,7 +67,7 @@ class Lanes:
         return self._engine.worst
 
     def set_values(self, values: Mapping[str, Any]) -> None:
-        """Other parameters from now on, as if the lanes had been made with them.
+        """Set other parameters from now on, as if the lanes had been made with them.
 
         States and worst reports stay: `reset` puts the lanes at the rest of their new parameters.
 
@@ -76,7 +76,7 @@ class Lanes:
                 stays as it is.
 
         Raises:
-            InputError: there is no such parameter, or it has another shape.
+            InputError: the parameter does not exist, or it has another shape.
         """
         table = self._engine.table.copy()
         self._fill(table, values)

@@ -133,8 +133,7 @@ class Marched:
     extremes: tuple[Row, Row] = ((), ())
     """Lowest and highest of what is judged, since the run of which this is a part began."""
     gap: Row = ()
-    """Largest difference of the judged outputs to the pass before, until this leg began; empty if there is no pass
-    before."""
+    """Largest difference of the judged outputs to the pass before, until this leg began; empty for the first pass."""
     gaps: list[Row] = field(default_factory=list[Row])
     """Differences at every sample at which passes are compared."""
 

@@ -1,8 +1,8 @@
 """Marches in C: one run, or many in the lanes of a block, each with separate steps.
 
-The C is `marching.c` with `adaptive.c` or `fixed.c` for one run, and `lanes.c` for many. Memory
-holds what is kept, and a window of the drives: nothing grows with the steps. Lanes are at different
-times, and know their drives as a whole; runs whose drives are too long for that go one by one.
+The C is `marching.c` with `adaptive.c` or `fixed.c` for one run, and `lanes.c` for many. Memory holds the results, and
+a window of the drives: it does not grow with the number of steps. Lanes are at different times, and hold their
+complete drives; runs with too long drives are made one by one.
 """
 
 from __future__ import annotations

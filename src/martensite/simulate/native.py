@@ -85,7 +85,7 @@ def march_inside(
     """March a batch of lanes; return also the time [s] at which each lane left the envelope, (lanes,).
 
     That time is the end of a step, and infinite for lanes that stay inside. Reports cover the run until then. The
-    limits are low and high, (2, envelope) or (2, envelope, lanes), or None if there is no envelope. The `states`,
+    limits are low and high, (2, envelope) or (2, envelope, lanes), or None without an envelope. The `states`,
     (states, lanes), are the initial states, and the final states after the call. If the first number is NaN, the lanes
     begin at rest.
     """

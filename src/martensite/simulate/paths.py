@@ -67,7 +67,7 @@ def named_path(name: str, law: AbstractLaw, choices: Choices | None = None) -> l
         choices: what is not to be taken from the law.
 
     Raises:
-        UnknownNameError: there is no path of that name.
+        UnknownNameError: no path has that name.
         ParameterError: the law does not transform where the path needs it to.
     """
     found = find_path(name)

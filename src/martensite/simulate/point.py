@@ -111,10 +111,10 @@ class PointResult:
     warnings: list[str] = field(default_factory=list[str])
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
-        """A column by name, in SI units, (samples,).
+        """Return a column by name, in SI units, (samples,).
 
         Raises:
-            UnknownNameError: there is no such column.
+            UnknownNameError: the column does not exist.
         """
         if name not in COLUMNS:
             raise UnknownNameError("column", name, COLUMNS)

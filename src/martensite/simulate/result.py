@@ -322,7 +322,7 @@ class Result:
         It comes from the accepted steps; of a result that was read from a file, from its samples.
 
         Raises:
-            ParameterError: there is no such measure, or no such output.
+            ParameterError: the measure or the output does not exist.
         """
         one = parse_measure(words)
         names = one.columns(self.system)
@@ -339,7 +339,7 @@ class Result:
         run, to a larger tolerance.
 
         Raises:
-            ParameterError: there is no such measure, or no such output.
+            ParameterError: the measure or the output does not exist.
         """
         one = parse_measure(words)
         one.columns(self.system)

@@ -116,7 +116,7 @@ def check_conformance(cls: type[Parametrised], kind: str, parts: Iterable[Parame
     Examples of it are by default made of typical values, one for every choice of options.
 
     Raises:
-        InputError: there is no suite for this kind.
+        InputError: no suite exists for this kind.
         ParameterError: no example can be built from its declarations.
     """
     if kind not in SUITES:

@@ -245,9 +245,9 @@ class AbstractLumped(AbstractElement):
     def advance_rosenbrock(
         self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar
     ) -> tuple[Lumped, Lumped, Lumped]:
-        """States after a step of dt [s], in its middle, and after it to a lower order.
+        """Return states after a step of dt [s], in its middle, and after it to a lower order.
 
-        The heat error of the step before (`owed`) is not used. The law must be an exchange of layers.
+        The field `owed` of the heating is not used. The law must be an exchange of layers.
         """
         law = cast(AbstractExchange, self.law)
         coupling, lumped = self._couple(xp, state, heating, pull, dt)

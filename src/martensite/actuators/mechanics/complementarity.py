@@ -15,7 +15,7 @@ Programming, 1988). Newton's method then holds the touching constraints, G δ = 
 λ°. That may leave A without stiffness where the motion along the constraints has it, so A + ρ GᵀG is eliminated, and
 -ρ Gᵀg added to the side: the same equations, whatever ρ.
 
-Nothing gives way: there is no stiffness of a contact. A share of 1e-10 of W on its diagonal, about λ° and so without
+Contacts are rigid, without a stiffness. A share of 1e-10 of W on its diagonal, about λ° and so without
 any effect on the solution, keeps W regular where more constraints act than there are coordinates.
 
 A stop gives λ in N m for a gap in rad, a contact in N for one in m.

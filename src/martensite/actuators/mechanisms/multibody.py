@@ -195,7 +195,7 @@ class AbstractMultibody(AbstractMechanism):
         A coordinate without inertia and damping is where the forces are in balance.
 
         Raises:
-            ParameterError: a given coordinate follows from the elements, there is no balance, or bodies would overlap.
+            ParameterError: a coordinate follows from the elements, forces do not balance, or bodies would overlap.
         """
         rest = (0.0,) * len(self.coordinates())
         rows = list(zip(self.coordinates(), self.home(floats), strict=True))

@@ -104,7 +104,7 @@ class AbstractController(AbstractDrive):
         return readings[self.measured]
 
     def describe(self, period: float) -> str:
-        """What `check` and a summary say of it, such as its anti-windup; sampled with a period [s]."""
+        """Describe features such as the anti-windup, for `check` and summaries; the sample period is in seconds."""
         return ""
 
     def list_previews(self) -> dict[str, tuple[float, ...]]:

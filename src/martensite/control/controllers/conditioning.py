@@ -1,4 +1,4 @@
-r"""What stands around any controller: filters before it, a mode, a shaped reference, a slew limit behind it.
+r"""Conditioning around any controller: filters before it, a mode, a shaped reference, a slew limit behind it.
 
     readings → filter → controller, which follows the shaped reference → by hand or safe → slew → signal
 

@@ -1,8 +1,7 @@
 """Feed-forward by a model run beside the plant and inverted in every sample.
 
-The controller carries a model and a state of its own for it. In a sample it takes the model on
-under the signal it gave before, and finds the signal u_f, held for a time L, under which the
-output of the model will have got to where the reference will be:
+The controller carries a model and its state. In a sample it advances the model under the signal of the sample before.
+Then it finds the signal u_f, held for a time L, under which the output of the model reaches the future reference:
 
     y(t + L; x(t), u_f) = r(t) + c ṙ(t) L,      low ≤ u_f ≤ high
 

@@ -1,4 +1,4 @@
-"""Model predictive control: plans are tried on the model, and the best one is begun.
+"""Model predictive control: plans are tried on the model, and the best plan is started.
 
 In every period:
 

@@ -1,4 +1,4 @@
-r"""What a controller learns along a task that repeats: a memory of one repetition.
+r"""Memory of a controller that learns along a repeated task: one repetition.
 
     w_j(k) = v_j(k) + g e_j(k + λ)
     v_j+1(k) = (1 - φ) Σ_i c_i w_j(k + i),       c_i = C(2 h, h + i)/4^h,   i = -h … h
@@ -12,8 +12,8 @@ The memory is a line that moves on by one place at every point: values to come, 
 that wait for their neighbours to be smoothed. One repetition follows the other without a gap.
 
 It stops learning when it diverges: when the rms error of a repetition has risen by more than 2 % `PATIENCE` times in a
-row, and by more than the factor `growth` in all. What was learned is used no more then. A plant that changes does not
-do that: its error jumps once and is learned away.
+row, and by more than the factor `growth` in all. Then the learned signal is used no more. A plant that changes does
+not do that: its error jumps once and is learned away.
 """
 
 from __future__ import annotations

@@ -86,7 +86,7 @@ def check_consistency(
         waveforms: those of drives of the plant that no controller has, the same in all runs.
 
     Raises:
-        InputError: there is no filter of that name.
+        InputError: no filter has that name.
     """
     chosen, unknown = _find_filter(bench, observer), hidden_states.list_names(bench.plant)
     found = [

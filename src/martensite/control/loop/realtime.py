@@ -1,11 +1,11 @@
-"""`RealtimeStep`: the controllers, observers and supervisor of a bench without its plant.
+"""Real-time loop: a controller that was tuned on the bench runs on real sensors and sources.
 
-What was tuned on the bench goes to the laboratory: readings of real sensors in, signals of real sources out, once per
-period, by the same kernels, traced into one function and compiled. In every sample, as on the bench:
+The loop reads real sensors and sets signals of real sources, once per period, by the same kernels as the bench, traced
+into one function and compiled. In every sample, as on the bench:
 
     readings → observers, with the signals since the last sample → controllers → supervisor
 
-The caller keeps the time and calls it once per `period`. On floats where there is no compiler.
+The caller keeps the time and calls it once per `period`. Without a compiler it runs on floats.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ class RealtimeStep:
             drive: whose controller; needed if there are several.
 
         Raises:
-            ParameterError: the controller of the drive has no manual mode, or there is no last signal.
+            ParameterError: the controller of the drive has no manual mode, or no last signal.
         """
         name = self._find_mode(drive)
         if value is None:

@@ -71,9 +71,9 @@ def simulate_bench(
 
     Args:
         bench: plant, sensors, observers, controllers, supervisor and faults.
-        duration: end of the run [s], counted from 0, at least a period; a warning says if the run ends at another
-            time, for it is no whole number of periods.
-        outside: drives by name of what they drive that run outside of the kernel, called once per period.
+        duration: end of the run [s], counted from 0, at least a period; a warning reports another end
+            if this is not a whole number of periods.
+        outside: drives that run outside of the kernel, by name of the driven signal, called once per period.
         waveforms: signals of plant drives without a controller, by drive; a drive that is not named gets 0.
         seed: seed of noise and jitter; None for a run without them. The result keeps it as `seed`.
         runtime: floats or c; by default c if there is a compiler.

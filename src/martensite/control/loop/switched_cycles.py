@@ -74,7 +74,7 @@ class SwitchedCycle(PeriodicOrbit):
 def find_switched_cycle(
     subject: Scenario | AbstractSystem, switch: Switch | None = None, *, step: float | None = None
 ) -> SwitchedCycle:
-    """The limit cycle of a plant that is switched on and off.
+    """Find the limit cycle of a plant that is switched on and off.
 
     Args:
         subject: a scenario with one `on-off` controller of a constant reference; or a plant.
@@ -82,8 +82,8 @@ def find_switched_cycle(
         step: longest step [s]; by default the longest that the plant takes.
 
     Raises:
-        InputError: there is no such controller, or a name is unknown.
-        CompileError: there is no C compiler.
+        InputError: the scenario has no such controller, or a name is unknown.
+        CompileError: no C compiler was found.
         SolveError: a threshold is not reached, or the cycle does not repeat itself.
     """
     system = subject if isinstance(subject, AbstractSystem) else subject.system

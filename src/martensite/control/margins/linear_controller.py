@@ -86,7 +86,7 @@ def settle_controller(
         dt: period [s].
 
     Raises:
-        InputError: there is no such steady state, because the controller only switches or does not respond.
+        InputError: no such steady state exists, because the controller only switches or does not respond.
     """
     value = known[controller.measured]
     aside = 1e-9 * max(abs(value), 1e-6) * (1.0 if rising else -1.0)

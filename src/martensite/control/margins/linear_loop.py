@@ -70,7 +70,7 @@ class LinearLoop:
 def linearise_loops(
     bench: Bench, drive: str, points: Sequence[SteadyPoint], turn: SteadyPoint | None = None
 ) -> list[LinearLoop]:
-    """A loop around points of rest of the plant.
+    """Linearise a loop around points of rest of the plant.
 
     Args:
         bench: with the controller; its supervisor and faults are left out, other loops are open.
@@ -79,7 +79,7 @@ def linearise_loops(
         turn: where points of the cooling branch were heated to; needed if there are observers.
 
     Raises:
-        InputError: there is no controller, or it does not come to rest.
+        InputError: the bench has no controller, or the controller does not come to rest.
     """
     alone = _isolate_loop(bench, drive)
     states = _settle_bench(alone, drive, points, turn)

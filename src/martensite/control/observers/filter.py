@@ -4,7 +4,7 @@
     x⁻ = f(x) over a period under the signals applied,   + noise of variance Q T
     y = h(x⁻): outputs of the model;  those named in `measured` are compared with readings
 
-f is the step of the model and h its `observe`: there is no second physics. Readings correct x
+f is the step of the model and h its `observe`, so filter and plant share their physics. Readings correct x
 and everything else in proportion to how it is correlated with them (`covariance`); a fraction that
 would leave [0, 1] is put at the end of it, and the rest follows. The whole state of the model
 goes along and keeps its history (`hidden`). A reading that is older than `oldest` is not used.

@@ -37,7 +37,7 @@ class LoopTests(NamedTuple):
     holding: HoldingSignals
     step: StepTest
     cycle: LimitCycle | None
-    """Limit cycle of the relay; None if there is no limit cycle."""
+    """Limit cycle of the relay; None without a limit cycle."""
 
 
 def find_pid(bench: Bench, drive: str | None = None) -> tuple[str, Pid]:

@@ -50,7 +50,7 @@ class AbstractSensor(Parametrised):
         return None
 
     def valid(self, xp: Namespace, truth: Column) -> Flag:
-        """Return whether there is a valid input; otherwise there is no new reading."""
+        """Return whether there is a valid input; without a valid input, the last reading is held."""
         return True
 
     def rest(self, xp: Namespace, truth: Column) -> Column:

@@ -45,7 +45,7 @@ class AbstractChannel(AbstractSensor):
 
 
 def follow_lag(xp: Namespace, felt: Scalar, truth: Scalar, lag: Scalar, dt: Scalar) -> Scalar:
-    """Return the lagged value of a truth that has been constant for `dt` [s]; the truth if there is no lag."""
+    """Return the lagged value of a truth that has been constant for `dt` [s]; the truth without a lag."""
     some = lag > 0.0
     share = 1.0 - xp.exp(-dt / xp.where(some, lag, 1.0))
     return xp.where(some, felt + share * (truth - felt), truth)

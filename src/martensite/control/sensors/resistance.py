@@ -3,9 +3,9 @@
     R = U/I,    reading = R + √(ρ² R² + σ²) n    if |I| ≥ I_min,    else as before
 
 U is the voltage across the element, I the current through it, with four wires: R excludes the leads. Where the current
-is below I_min nothing can be measured, and there is no new reading: on a bench, the last reading gets older. Before
-the first reading, the output is R_0. For a switched source, U and I are rms values of a period, whose ratio is the
-resistance as well.
+is below I_min nothing can be measured, and the sensor gives no new reading: on a bench, the last reading gets older.
+Before the first reading, the output is R_0. For a switched source, U and I are rms values of a period, whose ratio is
+the resistance as well.
 
 ρ is the noise as a share of the reading; its default of 1 % and that of I_min are assumed.
 """
@@ -33,7 +33,7 @@ class ResistanceSensor(AbstractSensor):
         return xp.abs(truth[1]) >= self.least_current
 
     def rest(self, xp: Namespace, truth: Column) -> Column:
-        """Return the reading while there is no current."""
+        """Return the reading without a current."""
         return (xp.where(self.valid(xp, truth), self._ratio(xp, truth), self.first),)
 
     def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:

@@ -53,7 +53,7 @@ def guard_for(
         checks: further checks by name.
 
     Raises:
-        InputError: there is no limit or no full signal, or an element has several temperatures.
+        InputError: the limit or the full signal is missing, or an element has several temperatures.
     """
     found: dict[str, AbstractCheck] = dict(checks or {})
     for port, one in system.actuators().items():

@@ -12,7 +12,7 @@ it is lost when `MISSED` readings in a row did not come.
 
 `stuck_NAME`, for sensors with noise: with noise σ and steps q, a reading is the same as another one of the same truth
 with the probability p = erf(q/(√8 σ)) at most (the truth in the middle of a step; Gaussian noise). It is stuck after n
-readings that are all the same, p^n < `CHANCE`. There is no such check where n would be above `LONGEST`, without noise,
+readings that are all the same, p^n < `CHANCE`. The check is left out where n would be above `LONGEST`, without noise,
 or for a sensor with a limited range, because its readings are constant at the end of the range.
 
 Sensors that now and then have nothing to measure, such as the resistance without a current, are

@@ -96,7 +96,7 @@ def design_gain_schedule(
         waveforms: of drives that no controller has; their first values count.
 
     Raises:
-        InputError: there is no such loop, or it has no linear system.
+        InputError: the loop does not exist, or it has no linear system.
         ParameterError: M_s is not above 1.
     """
     if not sensitivity > 1.0:

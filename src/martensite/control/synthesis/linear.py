@@ -14,7 +14,7 @@ for chosen outputs, A_z is the least-squares solution of
 
     C_z A v = A_z C_z v    for all v that signals reach,    v = B, A B, A² B, …
 
-and what is left over, the residual, is 0 if the chosen outputs say all that matters.
+and the residual is 0 if the chosen outputs determine the small motions.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ def realise_readings(linear: LinearSystem, states: Sequence[str]) -> Readings:
         states: names of outputs. Such as only repeat each other do no harm.
 
     Raises:
-        InputError: there is no such output, or it jumps with the signal.
+        InputError: the output does not exist, or it jumps with the signal.
     """
     places = [_find_output(linear, name) for name in states]
     seen, direct = linear.c[places], linear.d[places]

@@ -69,7 +69,7 @@ class LoopRuns(BatchRunner):
             native: whether to run in C; by default if there is a compiler.
 
         Raises:
-            ParameterError: there is no such controller.
+            ParameterError: the controller does not exist.
         """
         self.bench, self.drive = bench, find_loop(bench, drive)
         played = {**(waveforms or {}), **reference_waveforms(bench)}
@@ -124,7 +124,7 @@ def find_loop(bench: Bench, drive: str | None) -> str:
     """Return the drive of the controller to be tuned.
 
     Raises:
-        ParameterError: there is no such controller, or none is named among several.
+        ParameterError: the controller does not exist, or several exist and the name is missing.
     """
     names = list(bench.controllers.members())
     if drive is None and len(names) == 1:

@@ -43,7 +43,7 @@ class Plants:
         """Return the bench with plant number k; its controllers and observers keep the nominal model.
 
         Raises:
-            ParameterError: there is no plant of this number.
+            ParameterError: no plant has this number.
         """
         if not 0 <= k < self.count:
             raise ParameterError(f"There are {self.count} plants from 0 on; there is no {k}.")
@@ -127,7 +127,7 @@ class OverPlants:
         return min(self.itae, key=lambda name: float(np.median(self.itae[name])))
 
     def ratio(self, one: str, other: str) -> Ratio:
-        """Return the ratio of one set to another; raise `ParameterError` if there is no such set."""
+        """Return the ratio of one set to another; raise `ParameterError` if a set does not exist."""
         for name in (one, other):
             if name not in self.itae:
                 raise ParameterError(f"There is no set `{name}`. {suggest_name(name, self.itae)}")

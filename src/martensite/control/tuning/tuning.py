@@ -114,7 +114,7 @@ def compute_cost(run: Trajectory, gains: Gains, tuning: ModelTuning) -> float:
 def tune_model(
     model: ControlledModel, tuning: ModelTuning, watch: Callable[[str, float], None] | None = None
 ) -> TunedGains:
-    """The gains of least cost on a model.
+    """Search the gains of least cost on a model.
 
     Args:
         model: the model in its loop.
@@ -122,7 +122,7 @@ def tune_model(
         watch: called with a sentence and the share that is done.
 
     Raises:
-        ParameterError: there is no start, or no start gives a finite run; or the steady states lie outside the
+        ParameterError: starts are missing, or no start gives a finite run; or the steady states lie outside the
             records (`rest_check.check_static_curve`).
     """
     if not tuning.beyond_data:

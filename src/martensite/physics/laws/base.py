@@ -158,7 +158,7 @@ class AbstractLaw(Parametrised):
         """Return a memory moved to another point, as an observer corrects it; the same point changes nothing.
 
         The history moves along: an active transformation continues from there, because only the estimate is corrected
-        and the wire does not change. By default there is no history.
+        and the wire does not change. By default the history is empty.
         """
         return self.init(xp, fractions, stress, temperature)
 

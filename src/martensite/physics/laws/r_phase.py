@@ -60,8 +60,9 @@ class CosineStrips(AbstractCosineLaw):
 class RPhase(AbstractPhaseDiagram):
     """Liang–Rogers kinetics for martensite and, with narrow steep strips, for the R-phase.
 
-    What is known of the R-phase is recalled (review: Otsuka and Ren, 2005); of the paper that asks for three fractions
-    in models of actuators (2026) the abstract was seen. How the two transformations meet is this package's.
+    Facts on the R-phase are recalled (review: Otsuka and Ren, 2005). Only the abstract was read of the paper that asks
+    for three fractions in models of actuators (2026). The interaction of the two transformations is an assumption of
+    this package.
     """
 
     cites = ("liang1990", "otsuka2005", "rphase2026")

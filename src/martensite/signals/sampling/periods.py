@@ -51,7 +51,7 @@ def average_periods(record: Sampled, period: float, skip: float = 0.0) -> Period
         skip: time [s] left out at the beginning, until the response repeats itself.
 
     Raises:
-        DataError: the period is no whole number of samples, or there are fewer than two.
+        DataError: the period is not a whole number of samples, or there are fewer than two.
     """
     samples = period / record.interval
     length, first = round(samples), round(skip / record.interval)

@@ -94,7 +94,7 @@ def pieces_of_record(
     Pieces of one row are left out.
 
     Raises:
-        DataError: as `from_record`; or there is no piece of two rows.
+        DataError: as `from_record`; or no piece has two rows.
     """
     known = np.ones(len(record), bool)
     for name in inputs:

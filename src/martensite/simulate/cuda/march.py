@@ -35,7 +35,7 @@ def count_together(course: VariantSetup, own: bool, count: int) -> int:
     """Return how many runs march together: all, or as many as fit in memory if each has different signals.
 
     Raises:
-        InputError: there is no device, or more devices are asked for than one.
+        InputError: no device was found, or more than one device is requested.
     """
     if course.devices not in (1, None):
         raise ParameterError(f"The runtime `cuda` takes one device, but `devices` is {course.devices}.")
@@ -51,10 +51,10 @@ def count_together(course: VariantSetup, own: bool, count: int) -> int:
 
 
 def march_on_cuda(course: VariantSetup, values: Values, grid: TimeGrid | LaneGrid, runs: int) -> OnSteps:
-    """Columns (runs, samples), reports (2, runs), and when runs left the envelope [s], (runs,).
+    """March runs; return columns (runs, samples), reports (2, runs), and exits from the envelope [s], (runs,).
 
     Raises:
-        InputError: there is no device, or a run does not fit into its memory.
+        InputError: no device was found, or a run does not fit into its memory.
     """
     compiled, own_limits = course.compiled, bool(varied_stops(values))
     varied = tuple(place for place, path in enumerate(compiled.paths) if path in values)

@@ -30,7 +30,7 @@ DIRECTIONS = 4
 def march_slopes(
     compiled: CompiledMarch, table: Any, wrt: Sequence[int], grid: TimeGrid, place: int
 ) -> tuple[Any, Any, Any]:
-    """An output of some runs, (runs, samples), its derivatives, (runs, samples, wrt), and the worst residuals, (runs,).
+    """Return an output (runs, samples), its derivatives (runs, samples, wrt), and the worst residuals, (runs,).
 
     Args:
         compiled: the system.
@@ -40,7 +40,7 @@ def march_slopes(
         place: that of the output.
 
     Raises:
-        InputError: there is no device, or a run does not fit into its memory.
+        InputError: no device was found, or a run does not fit into its memory.
     """
     varied = tuple(np.flatnonzero((table != table[:, :1]).any(axis=1)).tolist())
     columns: list[Any] = []

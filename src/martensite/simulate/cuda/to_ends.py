@@ -39,7 +39,7 @@ def march_to_ends(runs: Runs) -> MarchRows:
 
     Raises:
         ParameterError: a drive has too many segments.
-        InputError: there is no device.
+        InputError: no device was found.
     """
     runs = replace(runs, plan=replace(runs.plan, recorded=False))
     arrays = MarchArrays(runs)

@@ -98,7 +98,7 @@ def trace_curve(
 
     Raises:
         ParameterError: the parameter does not begin between its bounds.
-        SolveError: there is no solution near the guess, or the curve cannot be followed.
+        SolveError: no solution lies near the guess, or the curve cannot be followed.
     """
     start = np.asarray(guess, float)
     if not low <= start[-1] <= high:
@@ -133,7 +133,7 @@ def trace_fold_curve(
         All unknowns along the curve; its folds are cusps, at which two folds meet.
 
     Raises:
-        SolveError: there is no fold near by, or it cannot be followed.
+        SolveError: no fold is near, or it cannot be followed.
     """
     start = np.asarray(fold, float)
     return _follow_folds(DifferencedEquations(residual, sizes), start[:-1], float(start[-1]), low, high, how)
@@ -186,7 +186,7 @@ def trace_folds(
         how: lengths of the steps along the curve.
 
     Raises:
-        ParameterError: there is no such fold or number, or bounds that do not enclose what it is now.
+        ParameterError: the fold or parameter does not exist, or the bounds do not enclose the present value.
         SolveError: the fold cannot be followed, or an element that remembers is heated or cooled along it.
     """
     points = [one for one in curve.points if one.fold]

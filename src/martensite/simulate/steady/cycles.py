@@ -97,7 +97,7 @@ def find_cycle(
 
     Raises:
         InputError: the drives have no period, or several.
-        CompileError: there is no C compiler.
+        CompileError: no C compiler was found.
         SolveError: the state does not come to repeat itself.
     """
     one = Subject.read(subject, waveform)

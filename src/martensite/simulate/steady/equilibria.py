@@ -95,7 +95,7 @@ def find_steady_state(
 
     Raises:
         InputError: a drive is unknown or not given, or `high` is missing.
-        CompileError: there is no C compiler.
+        CompileError: no C compiler was found.
         SolveError: the system does not come to rest: it vibrates or turns.
     """
     one = Subject.read(subject)

@@ -40,7 +40,7 @@ def find_steady_temperature(
         port: port of the element in a system with several; the first if not named.
 
     Raises:
-        InputError: there is no element, none at that port, or no environment.
+        InputError: the element or the environment is missing, or the port does not exist.
         ParameterError: no temperature is that high, or low enough.
     """
     one = _HeatedPart.read(subject, environment, port)
@@ -79,7 +79,7 @@ def find_film_coefficient(
         port: port of the element in a system with several; the first if not named.
 
     Raises:
-        InputError: not exactly one of power and temperature is given, or there is no such element.
+        InputError: not exactly one of power and temperature is given, or the element does not exist.
         ParameterError: no temperature is high enough for the power.
     """
     one = _HeatedPart.read(subject, environment, port)

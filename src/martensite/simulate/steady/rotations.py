@@ -110,7 +110,7 @@ def trace_response(
     Raises:
         InputError: nothing turns, a name is unknown, or a drive is not given.
         ParameterError: bounds that do not rise.
-        CompileError: there is no C compiler.
+        CompileError: no C compiler was found.
         SolveError: no steady rotation is found where the curve begins, it cannot be followed, or an element that
             remembers is heated or cooled along it.
     """

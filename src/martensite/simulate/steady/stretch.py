@@ -44,7 +44,7 @@ class Stretch:
         """Take a system and the full paths of parameters by which derivatives are wanted.
 
         Raises:
-            CompileError: there is no C compiler.
+            CompileError: no C compiler was found.
         """
         if find_compiler() is None:
             raise CompileError(

@@ -32,10 +32,10 @@ class Subject:
 
     @classmethod
     def read(cls, given: Scenario | AbstractSystem, waveform: Waveforms | None = None) -> Subject:
-        """A scenario, or a system with waveforms.
+        """Read a scenario, or a system with waveforms.
 
         Raises:
-            InputError: the scenario has a controller, whose loop is no plant.
+            InputError: the scenario has a controller; a loop is not a plant.
         """
         if not isinstance(given, AbstractSystem):
             if given.bench is not None:
@@ -52,13 +52,13 @@ class Subject:
         return [one.name for one in self.system.drives()]
 
     def hold(self, levels: Mapping[str, float] | float | None) -> Numbers:
-        """Signals of all drives, held: those given, else constants of the scenario.
+        """Return signals of all drives, held: the given ones, else constants of the scenario.
 
         Args:
             levels: by the name of the drive; a number is that of the first one.
 
         Raises:
-            InputError: there is no such drive, or one that changes in the scenario is not given.
+            InputError: the drive does not exist, or a drive that changes in the scenario is not given.
         """
         names = self.names()
         if isinstance(levels, int | float) and not names:
