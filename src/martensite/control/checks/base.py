@@ -58,15 +58,15 @@ class AbstractCheck(Parametrised):
     drives: tuple[str, ...] = text("drives whose signals it cuts; all if none", default=())
 
     def cuts(self) -> tuple[str, ...]:
-        """Names of the drives that it cuts; none for all."""
+        """Return the names of the drives that it cuts; none for all."""
         return (self.drives,) if isinstance(self.drives, str) else self.drives
 
     def names(self) -> tuple[str, ...]:
-        """Names of all drives that it speaks of."""
+        """Return the names of all drives that it speaks of."""
         return self.cuts()
 
     def reads(self) -> tuple[str, ...]:
-        """Names of the readings that it needs."""
+        """Return the names of the readings that it needs."""
         return ()
 
     def rest(self, xp: Namespace, readings: Named) -> Column:
@@ -110,7 +110,7 @@ class Checks(Members[AbstractCheck], init=False):
 
 
 def alarm_names() -> dict[int, str]:
-    """Number of an alarm -> names of the checks that raise it; `none` for 0."""
+    """Return the number of an alarm -> names of the checks that raise it; `none` for 0."""
     found: dict[int, str] = {0: "none"}
     for name in CHECKS.names():
         number = CHECKS[name].alarm

@@ -17,7 +17,7 @@ class AbstractReadingCheck(AbstractCheck):
     reading: str = text("name of the reading", typical="temperature")
 
     def reads(self) -> tuple[str, ...]:
-        """The reading."""
+        """Return the reading."""
         return (self.reading,)
 
 
@@ -133,7 +133,7 @@ class SensorLost(AbstractReadingCheck):
     timeout: Number = param("s", "age beyond which it is lost", above=0.0, typical="0.3 s")
 
     def reads(self) -> tuple[str, ...]:
-        """The age of the reading."""
+        """Return the age of the reading."""
         return (self.reading + AGE,)
 
     def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> Looked:
@@ -158,7 +158,7 @@ class SensorStuck(AbstractWhileOn):
     band: Number = param(DIFFERENCE, "change that is none", low=0.0, default=0.0, typical=0.1)
 
     def rest(self, xp: Namespace, readings: Named) -> Column:
-        """The reading, for how long it has been so, and whether a signal is on."""
+        """Return the reading, for how long it has been so, and whether a signal is on."""
         return readings[self.reading], 0.0, 0.0
 
     def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> Looked:

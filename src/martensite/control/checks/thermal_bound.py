@@ -64,7 +64,7 @@ class ThermalBound(AbstractCheck):
     ambient: Number = param("K", "hottest surroundings", above=0.0, typical="30 degC")
 
     def names(self) -> tuple[str, ...]:
-        """The drive that heats, and those that are cut."""
+        """Return the drive that heats, and those that are cut."""
         return (self.drive, *self.cuts())
 
     def reads(self) -> tuple[str, ...]:
@@ -82,7 +82,7 @@ class ThermalBound(AbstractCheck):
         return Looked(xp.negate(then <= self.limit), then <= self.limit - self.band, memory)
 
     def find_most(self, xp: Namespace, memory: Column, dt: Scalar) -> Named:
-        """Size of the signal under which the bound is at its limit at the end of the period."""
+        """Return the size of the signal under which the bound is at its limit at the end of the period."""
         conductance = self._cooled(memory).conductance
         kept = xp.exp(-conductance * dt / self.capacity)
         settled = (self.limit - memory[0] * kept) / xp.maximum(1.0 - kept, SHORT)
@@ -90,7 +90,7 @@ class ThermalBound(AbstractCheck):
         return {self.drive: self.full * (share if self.rises == "linear" else xp.sqrt(share))}
 
     def remember_allowed(self, xp: Namespace, memory: Column, allowed: Named, dt: Scalar) -> Column:
-        """The bound at the end of the period."""
+        """Return the bound at the end of the period."""
         return (self._cooled(memory).after(xp, memory[0], allowed[self.drive], dt),)
 
     def _cooled(self, memory: Column) -> ThermalBound:
@@ -98,7 +98,7 @@ class ThermalBound(AbstractCheck):
         return self.rebuilt({"conductance": self.conductance * memory[1]}) if self.cooling else self
 
     def after(self, xp: Namespace, bound: Scalar, signal: Scalar, dt: Scalar) -> Scalar:
-        """The bound [K] after a signal of dt [s]."""
+        """Return the bound [K] after a signal of dt [s]."""
         settled = self.settled_bound(xp, signal)
         return settled + (bound - settled) * xp.exp(-self.conductance * dt / self.capacity)
 

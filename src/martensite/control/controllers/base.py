@@ -40,7 +40,7 @@ CONTROLLERS: Registry[AbstractController] = Registry("controller", "martensite.c
 Column: TypeAlias = Sequence[Scalar]
 Readings: TypeAlias = Mapping[str, Scalar]
 Answer: TypeAlias = tuple[Scalar, Column]
-"""The signal of a sample, and what is remembered for the next."""
+"""The signal of a sample, and the memory for the next sample."""
 AROUND = "reading_filter", "shaping", "manual", "slew"
 """Parts of any controller that stand around it."""
 HAIR = 1e-9
@@ -77,16 +77,16 @@ class AbstractController(AbstractDrive):
     """Places in its memory of integrals that a slew limit holds."""
 
     def reads(self) -> tuple[str, ...]:
-        """Names of all readings it needs."""
+        """Return the names of all readings it needs."""
         return (self.measured,)
 
     def needs(self) -> tuple[str, ...]:
-        """Names of all readings that it or what stands around it needs."""
+        """Return the names of all readings that it or what stands around it needs."""
         confidence = (self.shaping.confidence,) if self.shaping is not None and self.shaping.confidence else ()
         return tuple(dict.fromkeys((*self.reads(), *self.filtered(), *confidence)))
 
     def filtered(self) -> tuple[str, ...]:
-        """Names of the readings that are filtered."""
+        """Return the names of the readings that are filtered."""
         return () if self.reading_filter is None else self.reading_filter.readings or (self.measured,)
 
     @property
@@ -115,11 +115,11 @@ class AbstractController(AbstractDrive):
         return {}
 
     def led_drives(self) -> tuple[str, ...]:
-        """Drives whose controllers, of kind `follower`, get their signals from this one."""
+        """Return the drives whose controllers, of kind `follower`, get their signals from this one."""
         return ()
 
     def share_signals(self, memory: Column) -> dict[str, Scalar]:
-        """Signals of the drives that it leads, from what it remembers after a sample."""
+        """Return the signals of the drives that it leads, from what it remembers after a sample."""
         return {}
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
@@ -128,7 +128,7 @@ class AbstractController(AbstractDrive):
 
     @abstractmethod
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """The signal of this sample, and what is remembered for the next.
+        """Return the signal of this sample, and the memory for the next sample.
 
         Args:
             xp: namespace.
@@ -148,11 +148,11 @@ class AbstractController(AbstractDrive):
         return {}
 
     def observe(self, xp: Namespace, memory: Column) -> Column:
-        """Their values after a sample, from what it remembers, in the order of `list_outputs`."""
+        """Return their values after a sample, from what it remembers, in the order of `list_outputs`."""
         return ()
 
     def describe_doubts(self, last: Mapping[str, float]) -> list[str]:
-        """Sentences about what it failed to do in a run, by the last values of its `list_outputs`."""
+        """Return the sentences about what it failed to do in a run, by the last values of its `list_outputs`."""
         return []
 
     def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> Column:
@@ -160,7 +160,7 @@ class AbstractController(AbstractDrive):
         return memory
 
     def begin(self, xp: Namespace, reference: Scalar, readings: Readings, hand: ManualInput | None = None) -> Answer:
-        """The signal of the first sample, and what is remembered, with what stands around the controller."""
+        """Return the signal of the first sample, and what is remembered, with what stands around the controller."""
         if not self.conditioned:
             return self.answer(xp, tuple(self.rest(xp, reference, readings)), reference, readings, 0.0)
         return begin_control(self, xp, reference, readings, hand)
@@ -174,7 +174,7 @@ class AbstractController(AbstractDrive):
         dt: Scalar,
         hand: ManualInput | None = None,
     ) -> Answer:
-        """The signal of another sample, and what is remembered, with what stands around the controller."""
+        """Return the signal of another sample, and what is remembered, with what stands around the controller."""
         if not self.conditioned:
             return self.answer(xp, memory, reference, readings, dt)
         return continue_control(self, xp, memory, reference, readings, dt, hand)
@@ -189,7 +189,7 @@ class AbstractController(AbstractDrive):
         return None
 
     def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Any]:
-        """Signal at `time` [s] and the new memory; called once in every sample.
+        """Return the signal at `time` [s] and the new memory; called once in every sample.
 
         Raises:
             ParameterError: something that it reads is not measured.
@@ -220,7 +220,7 @@ class SignalLimits(Parametrised):
 
     @property
     def idle(self) -> float:
-        """The signal nearest to 0 within the limits: that before anything is controlled."""
+        """Return the signal nearest to 0 within the limits: that before anything is controlled."""
         return min(max(self.low, 0.0), self.high)
 
     def hold_integral(self, xp: Namespace, wanted: Scalar, push: Scalar, before: Scalar, after: Scalar) -> Scalar:

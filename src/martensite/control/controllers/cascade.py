@@ -65,11 +65,11 @@ class Cascade(AbstractController):
     inner: InnerPid = part("of the temperature: gains in signal per kelvin, limits of the signal")
 
     def describe(self, period: float) -> str:
-        """Anti-windup and filters, in words."""
+        """Return the anti-windup and filters, in words."""
         return f"outer: {self.outer.describe(period)}; inner: {self.inner.describe(period)}"
 
     def reads(self) -> tuple[str, ...]:
-        """Position and temperature."""
+        """Return the position and temperature."""
         return self.measured, self.temperature
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
@@ -79,7 +79,7 @@ class Cascade(AbstractController):
         return CascadeMemory(outer, inner).flat()
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Signal of this sample, and what is remembered for the next."""
+        """Return the signal of this sample, and the memory for the next sample."""
         before, position = CascadeMemory.of(memory), readings[self.measured]
         added, outer = self.outer.respond(xp, before.outer, reference, position, dt)
         signal, inner = self.inner.respond(xp, before.inner, self.start + added, readings[self.temperature], dt)

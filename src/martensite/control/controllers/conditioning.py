@@ -57,7 +57,7 @@ class ReadingFilter(Parametrised):
 
     @property
     def kept(self) -> int:
-        """Numbers that it remembers of a reading."""
+        """Return the numbers that it remembers of a reading."""
         return 1 + (self.order == "2") + 2 * (self.median == "of-three")
 
     def rest(self, reading: Scalar) -> Column:
@@ -130,7 +130,7 @@ class Conditioned(NamedTuple):
     inner: Column
 
     def flatten(self, one: AbstractController) -> Column:
-        """All numbers."""
+        """Return all numbers."""
         last = () if one.slew is None else (self.signal,)
         return (*(number for row in self.filters for number in row), *(self.shaped or ()), *last, *self.inner)
 
@@ -146,7 +146,7 @@ def split_memory(one: AbstractController, memory: Column) -> Conditioned:
 def begin_control(
     one: AbstractController, xp: Namespace, reference: Scalar, readings: Readings, hand: ManualInput | None
 ) -> tuple[Scalar, Column]:
-    """Signal of the first sample, and all that is remembered: a shaped reference begins at the reading."""
+    """Return the signal of the first sample, and all that is remembered: a shaped reference begins at the reading."""
     start = readings[one.measured] if one.follows_reading else reference
     filters = tuple(one.reading_filter.rest(readings[name]) for name in one.filtered()) if one.reading_filter else ()
     shaped = None if one.shaping is None else one.shaping.begin(start)
@@ -164,7 +164,7 @@ def continue_control(
     dt: Scalar,
     hand: ManualInput | None,
 ) -> tuple[Scalar, Column]:
-    """Signal of another sample, `dt` [s] after the one before, and all that is remembered."""
+    """Return the signal of another sample, `dt` [s] after the one before, and all that is remembered."""
     held = split_memory(one, memory)
     names, low_pass, filters = one.filtered(), one.reading_filter, held.filters
     if low_pass is not None:
@@ -192,7 +192,7 @@ def continue_control(
 def _override_signal(
     one: AbstractController, xp: Namespace, wanted: Scalar, readings: Readings, hand: ManualInput | None
 ) -> tuple[Scalar, Flag | None]:
-    """The signal, and whether it is one that the controller does not have; None if it always has."""
+    """Return the signal, and whether it is one that the controller does not have; None if it always has."""
     signal, taken = wanted, None
     if one.shaping is not None and one.shaping.below == "safe":
         taken = one.shaping.is_safe(xp, readings)

@@ -46,7 +46,7 @@ class ConstantPower(AbstractController):
     probe: Number = param(DRIVE, "duty as long as nothing was measured", above=0.0, high=1.0, default=0.01)
 
     def reads(self) -> tuple[str, ...]:
-        """Voltage, current and duty."""
+        """Return the voltage, current and duty."""
         return self.voltage, self.current, self.drive
 
     def reference_unit(self, readings: Mapping[str, str], signal: str) -> str:
@@ -54,11 +54,11 @@ class ConstantPower(AbstractController):
         return "W"
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
-        """The largest power [W] as far as it is known; else 0."""
+        """Return the largest power [W] as far as it is known; else 0."""
         return (self.largest if self.updated == "once" else 0.0,)
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Duty of this sample, above 1 where the demand is out of reach; the largest power [W]."""
+        """Return the duty of this sample, above 1 where the demand is out of reach; the largest power [W]."""
         (largest,), duty = memory, readings[self.drive]
         closed = duty > 0.0
         found = readings[self.voltage] * readings[self.current] / xp.where(closed, duty, 1.0)

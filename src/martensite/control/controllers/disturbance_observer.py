@@ -63,15 +63,15 @@ class DisturbanceObserver(PidGains, AbstractController):
         self.__dict__["_layout"] = (1 + round(self.dead_time / self.period),)
 
     def layout(self) -> tuple[int, ...]:
-        """Signals that are kept."""
+        """Return the signals that are kept."""
         return self.__dict__["_layout"]
 
     def list_outputs(self, unit: str, signal: str) -> dict[str, Output]:
-        """The disturbance."""
+        """Return the disturbance."""
         return {"disturbance": Output(signal, "estimated disturbance, as a signal", "d")}
 
     def observe(self, xp: Namespace, memory: Column) -> Column:
-        """Its value."""
+        """Return its value."""
         return memory[:1]
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
@@ -92,7 +92,7 @@ class DisturbanceObserver(PidGains, AbstractController):
         return flatten_numbers(held._replace(signals=(signal, *held.signals[1:]), pid=pid))
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Signal of this sample, and what is remembered for the next."""
+        """Return the signal of this sample, and the memory for the next sample."""
         before, found = self._name_memory(memory), readings[self.measured]
         away = found - before.origin
         disturbance = self._estimate(xp, before, away, dt)

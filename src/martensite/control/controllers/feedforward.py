@@ -93,27 +93,27 @@ class Feedforward(AbstractController):
         self.__dict__["_rest"] = self.model.init(floats, self.feedback.law.idle)
 
     def layout(self) -> tuple[int, ...]:
-        """Steps of the model and iterations."""
+        """Return the steps of the model and iterations."""
         return self.substeps, self.ahead, self.iterations
 
     @property
     def followed_output(self) -> str:
-        """Output of the model that follows the reference."""
+        """Return the output of the model that follows the reference."""
         return self.output or self.measured
 
     def describe(self, period: float) -> str:
-        """Anti-windup of the feedback, in words."""
+        """Return the anti-windup of the feedback, in words."""
         return self.feedback.describe(period)
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
-        """The model at rest under the idle signal."""
+        """Return the model at rest under the idle signal."""
         idle = self.feedback.limit_signal(xp, 0.0)
         correction = self.feedback.rest(xp, reference, readings[self.measured])
         state = self.model.init(xp, idle)
         return flatten_numbers((state, Following(idle, reference, 0.0, correction)))
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Signal of this sample, and what is remembered for the next."""
+        """Return the signal of this sample, and the memory for the next sample."""
         state, held = self._nest_memory.rebuild(memory)
         some = dt > 0.0
         length = xp.where(some, dt, self.lookahead)
@@ -147,7 +147,7 @@ class Feedforward(AbstractController):
         return after
 
     def _solve_signal(self, xp: Namespace, state: Any, target: Scalar, before: Scalar) -> Scalar:
-        """The signal that gets the output of the model to the target."""
+        """Return the signal that gets the output of the model to the target."""
         law, place = self.feedback.law, list(self.model.outputs()).index(self.followed_output)
         idle = self.feedback.limit_signal(xp, 0.0)
 

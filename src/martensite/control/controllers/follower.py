@@ -37,5 +37,5 @@ class Follower(AbstractController):
         return readings[self.measured] if self.measured else signal
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """The signal that was planned in this sample."""
+        """Return the signal that was planned in this sample."""
         return xp.clip(readings[PLANNED], self.low, self.high), ()

@@ -70,7 +70,7 @@ class InversePlay(AbstractController):
             )
 
     def describe(self, period: float) -> str:
-        """Anti-windup of the feedback, in words."""
+        """Return the anti-windup of the feedback, in words."""
         return self.feedback.describe(period)
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
@@ -84,7 +84,7 @@ class InversePlay(AbstractController):
         return [*correction, *[level] * len(self.thresholds.numbers)]
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Signal of this sample, and what is remembered for the next."""
+        """Return the signal of this sample, and the memory for the next sample."""
         correction, plays = PidMemory(*memory[:KEPT]), memory[KEPT:]
         level = self._level(xp, reference)
         _, rows = _invert_plays(self.thresholds, self.weights)
@@ -100,7 +100,7 @@ class InversePlay(AbstractController):
         return [*self.feedback.track(xp, held, feed, signal, reference, readings[self.measured]), *plays]
 
     def _feed(self, xp: Namespace, level: Scalar, plays: Column) -> Scalar:
-        """The signal of the inverse, within the limits."""
+        """Return the signal of the inverse, within the limits."""
         first, rows = _invert_plays(self.thresholds, self.weights)
         signal = first * level
         for (_, b), q in zip(rows, plays, strict=True):

@@ -108,7 +108,7 @@ class IterativeLearning(AbstractLearning):
     )
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Signal of this sample, and what is remembered for the next."""
+        """Return the signal of this sample, and the memory for the next sample."""
         before, found = self.rebuild_memory(memory), readings[self.measured]
         now, pid = self.advance_task(xp, before.task, dt), before.pid
         if self.between == "reset":

@@ -64,14 +64,14 @@ class LatchedOnOff(AbstractController):
         return Latch(0.0, 0.0, 0.0, value, value, 0.0)
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Signal of this sample, and what is remembered for the next."""
+        """Return the signal of this sample, and the memory for the next sample."""
         seen = self._add_value(xp, Latch(*memory), readings[self.oscillation], dt)
         on = xp.where(readings[self.measured] > reference, 1.0, seen.on)
         closed = xp.both(on > 0.5, seen.off < 0.5)
         return xp.where(closed, self.high, self.low), seen._replace(on=on)
 
     def _add_value(self, xp: Namespace, memory: Latch, value: Scalar, dt: Scalar) -> Latch:
-        """The memory with one more value; at the end of a window its amplitude is judged."""
+        """Return the memory with one more value; at the end of a window its amplitude is judged."""
         low, high = xp.minimum(value, memory.lowest), xp.maximum(value, memory.highest)
         elapsed = memory.elapsed + dt
         over = elapsed >= self.window - HAIR
@@ -91,7 +91,7 @@ class LatchedOnOff(AbstractController):
 def replay_controller(
     drive: AbstractDrive, times: Sequence[float], columns: Mapping[str, Sequence[float]]
 ) -> list[float]:
-    """Signal that a controller gives at every sample [s] of a record, its readings in SI."""
+    """Return the signal that a controller gives at every sample [s] of a record, its readings in SI."""
     memory, signals = drive.init(), list[float]()
     for k, time in enumerate(times):
         row = {name: column[k] for name, column in columns.items()}

@@ -115,7 +115,7 @@ class Mpc(AbstractController, SignalLimits):
         high: float = 1.0,
         output: str = "",
     ) -> Self:
-        """A controller whose horizon is what the model needs to warm up and to cool down.
+        """Return a controller whose horizon is what the model needs to warm up and to cool down.
 
         Args:
             model: the system as it is believed to be, with one drive.
@@ -177,7 +177,7 @@ class Mpc(AbstractController, SignalLimits):
             )
 
     def layout(self) -> tuple[int, ...]:
-        """Blocks, rounds, samples that are kept, steps of the model in a period and in a block."""
+        """Return the blocks, rounds, samples that are kept, steps of the model in a period and in a block."""
         return self.__dict__["_layout"]
 
     def cautions(self) -> list[str]:
@@ -202,44 +202,44 @@ class Mpc(AbstractController, SignalLimits):
 
     @property
     def _own(self) -> str:
-        """The drive that it has itself."""
+        """Return the drive that it has itself."""
         return next(drive.name for drive in self.model.drives() if drive.name not in self._leads)
 
     @property
     def _readings(self) -> tuple[str, ...]:
-        """Readings that shall follow a reference."""
+        """Return the readings that shall follow a reference."""
         return (self.measured, *self._also)
 
     @property
     def followed_outputs(self) -> tuple[str, ...]:
-        """Outputs of the model that are measured."""
+        """Return the outputs of the model that are measured."""
         own = self.output or self.measured
         return tuple(name.removeprefix(ESTIMATED) for name in (own, *self._also))
 
     def reads(self) -> tuple[str, ...]:
-        """Names of all readings it needs."""
+        """Return the names of all readings it needs."""
         hidden = [ESTIMATED + name for name in list_names(self.model)]
         return (*self._readings, *hidden) if self.state == "observer" else self._readings
 
     def led_drives(self) -> tuple[str, ...]:
-        """Drives whose followers get their signals."""
+        """Return the drives whose followers get their signals."""
         return self._leads
 
     def list_previews(self) -> dict[str, tuple[float, ...]]:
-        """Ends of all blocks, for every reference that is followed."""
+        """Return the ends of all blocks, for every reference that is followed."""
         length = self.horizon / self.blocks
         times = tuple(length * k for k in range(1, self.blocks + 1))
         return dict.fromkeys((self._own, *self._leads[: len(self._also)]), times)
 
     def share_signals(self, memory: Column) -> dict[str, Scalar]:
-        """Signals of the drives that it leads."""
+        """Return the signals of the drives that it leads."""
         signals = self._name_signals(self.unflatten(memory))
         return {name: signals[name] for name in self._leads}
 
     # ------------------------------------------------------------ the kernel
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
-        """The model at rest, nothing planned."""
+        """Return the model at rest, nothing planned."""
         idle = (xp.clip(0.0, self.low, self.high),) * len(self.model.drives())
         state = self.model.init(xp, *idle)
         said = self._observe(xp, state, idle)
@@ -250,7 +250,7 @@ class Mpc(AbstractController, SignalLimits):
         return flatten_numbers(PlanMemory(state, idle, Planned(plan, plan, none), offsets, past, added))
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Signal of this sample, and what is remembered for the next."""
+        """Return the signal of this sample, and the memory for the next sample."""
         before = self.unflatten(memory)
         if isinstance(dt, float | int) and dt == 0.0:
             return self._name_signals(before)[self._own], memory
@@ -261,7 +261,7 @@ class Mpc(AbstractController, SignalLimits):
         return self._name_signals(after)[self._own], flatten_numbers(after)
 
     def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Any]:
-        """Signal at `time` [s] and the new memory; called once in every period."""
+        """Return the signal at `time` [s] and the new memory; called once in every period."""
         if self._leads:
             raise ParameterError("A controller that leads others runs on a bench, not as a drive beside it.")
         (times,) = self.list_previews().values()
@@ -273,7 +273,7 @@ class Mpc(AbstractController, SignalLimits):
         return {drive.name: u for drive, u in zip(self.model.drives(), memory.signals, strict=True)}
 
     def _go_on(self, xp: Namespace, memory: PlanMemory, readings: Readings) -> PlanMemory:
-        """The model at this sample, under the signals since the last one."""
+        """Return the model at this sample, under the signals since the last one."""
         turns = self.layout()[3]
         signals: Column = memory.signals
         if memory.added:
@@ -322,12 +322,12 @@ class Mpc(AbstractController, SignalLimits):
         return memory._replace(added=(added, *after))
 
     def _add_opposed(self, signals: Column, added: Scalar) -> list[Scalar]:
-        """Signals with one that its own drive gets more, and one that it leads less."""
+        """Return the signals with one that its own drive gets more, and one that it leads less."""
         rows = zip(self.model.drives(), signals, strict=True)
         return [u - added if drive.name in self._leads else u + added for drive, u in rows]
 
     def _list_wanted(self, memory: PlanMemory, reference: Scalar, readings: Readings) -> list[Scalar]:
-        """References less offsets, now and at the end of every block."""
+        """Return the references less offsets, now and at the end of every block."""
         rows: list[list[Scalar]] = []
         for (drive, times), offset in zip(self.list_previews().items(), memory.offsets, strict=True):
             now = reference if drive == self._own else readings[f"{AHEAD}{drive}.0"]

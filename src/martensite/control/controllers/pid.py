@@ -60,7 +60,7 @@ class PidMemory(NamedTuple):
 
 
 def per_sample(Kp: float, Ki: float, Kd: float, interval: float) -> Gains:
-    """Gains per sample from those of K_p + K_i/s + K_d s.
+    """Return the gains per sample from those of K_p + K_i/s + K_d s.
 
     Args:
         Kp: proportional gain.
@@ -121,13 +121,13 @@ class PidLaw(SignalLimits):
         return memory._replace(integral=xp.where(xp.abs(gains.Ki) > 0.0, signal - rest, memory.integral))
 
     def filter_time(self, xp: Namespace, gains: Gains, dt: Scalar) -> Scalar:
-        """Time constant T_f of the derivative's filter [s], in samples of `dt` [s]; one of them at least."""
+        """Return the time constant T_f of the derivative's filter [s], in samples of `dt` [s]; one of them at least."""
         Td = xp.abs(gains.Kd * gains.Kp) / xp.maximum(gains.Kp * gains.Kp, SLIGHT)  # 0 without K_p
         given = xp.where(self.filter > 0.0, self.filter, Td / self.N)
         return xp.maximum(xp.maximum(given, dt), SHORTEST)
 
     def describe(self, gains: Gains, period: float, sampled: bool = False) -> str:
-        """Anti-windup and filter, in words."""
+        """Return the anti-windup and filter, in words."""
         said = "conditional integration (the integral waits at a limit)"
         if self.anti_windup == "back-calculation":
             unit = period if sampled else 1.0
@@ -145,7 +145,7 @@ SLIGHT = 1e-30
 
 
 def count_samples(xp: Namespace, time: Scalar, dt: Scalar) -> Scalar:
-    """A time [s] in samples of `dt` [s]; beyond all of them if they take none."""
+    """Return a time [s] in samples of `dt` [s]; beyond all of them if they take none."""
     return time / xp.maximum(dt, SHORTEST)
 
 
@@ -187,19 +187,19 @@ class PidGains(Parametrised):
 
     @property
     def gains(self) -> Gains:
-        """All gains, as they are given or by T_i and T_d."""
+        """Return all gains, as they are given or by T_i and T_d."""
         if self.sampled:
             return Gains(self.Kp, self.Ki, self.Kd)
         return Gains(self.Kp, self.Ki + self.Kp / self.Ti, self.Kd + self.Kp * self.Td)
 
     def describe(self, period: float) -> str:
-        """Anti-windup and filter, in words."""
+        """Return the anti-windup and filter, in words."""
         return self.law.describe(self.gains, period, self.sampled)
 
     def respond(
         self, xp: Namespace, memory: PidMemory, reference: Scalar, measured: Scalar, dt: Scalar
     ) -> tuple[Scalar, PidMemory]:
-        """Signal of this sample, and what is remembered for the next."""
+        """Return the signal of this sample, and the memory for the next sample."""
         return self.law.answer(xp, self.gains, memory, reference, measured, dt, self.sampled)
 
 
@@ -215,7 +215,7 @@ class Pid(PidGains, AbstractController):
         return self.law.rest(xp, reference, readings[self.measured])
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Signal of this sample, and what is remembered for the next."""
+        """Return the signal of this sample, and the memory for the next sample."""
         return self.respond(xp, PidMemory(*memory), reference, readings[self.measured], dt)
 
     def track(self, xp: Namespace, memory: Column, signal: Scalar, reference: Scalar, readings: Readings) -> PidMemory:
@@ -243,11 +243,11 @@ class Correction(Parametrised):
     law: PidLaw = part("limits of the whole signal, weights, filter and anti-windup", default=PidLaw())
 
     def describe(self, period: float) -> str:
-        """Anti-windup and filter, in words."""
+        """Return the anti-windup and filter, in words."""
         return self.law.describe(Gains(self.Kp, self.Ki, self.Kd), period) if self.Kp or self.Ki or self.Kd else ""
 
     def limit_signal(self, xp: Namespace, signal: Scalar) -> Scalar:
-        """A signal within the limits."""
+        """Return a signal within the limits."""
         return xp.clip(signal, self.law.low, self.law.high)
 
     def rest(self, xp: Namespace, reference: Scalar, measured: Scalar) -> PidMemory:
@@ -257,7 +257,7 @@ class Correction(Parametrised):
     def answer(
         self, xp: Namespace, memory: PidMemory, feed: Scalar, reference: Scalar, measured: Scalar, dt: Scalar
     ) -> tuple[Scalar, PidMemory]:
-        """Signal of this sample with a feed-forward within the limits, and the new memory."""
+        """Return the signal of this sample with a feed-forward within the limits, and the new memory."""
         gains, left = Gains(self.Kp, self.Ki, self.Kd), {"low": self.law.low - feed, "high": self.law.high - feed}
         added, after = self.law.rebuilt(left).answer(xp, gains, memory, reference, measured, dt)
         return feed + added, after

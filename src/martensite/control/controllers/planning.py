@@ -124,11 +124,11 @@ class Planner(NamedTuple):
 
     @property
     def drives(self) -> int:
-        """Signals of a block."""
+        """Return the signals of a block."""
         return len(self.signals)
 
     def search(self, xp: Namespace, rounds: int, begin: Planned) -> Planned:
-        """A better plan after some rounds."""
+        """Return a better plan after some rounds."""
         shape = NestedShape(begin)
 
         def turn(*numbers: Scalar) -> Numbers:
@@ -157,7 +157,7 @@ class Planner(NamedTuple):
         return Planned(tuple(best), known.plan, tuple(direction))
 
     def _reach_far(self, xp: Namespace, plan: Sequence[Scalar]) -> list[Numbers]:
-        """Plans in which one drive gets more, or less, for a while, and one in which all are off."""
+        """Return the plans in which one drive gets more, or less, for a while, and one in which all are off."""
         found: list[Numbers] = [[self.limits[0]] * len(plan)]
         for drive in range(self.drives):
             for first, last in self._list_windows():
@@ -168,13 +168,13 @@ class Planner(NamedTuple):
         return found
 
     def _list_windows(self) -> list[tuple[int, int]]:
-        """First block of every window, and the one after its last, each window once."""
+        """Return the first block of every window, and the one after its last, each window once."""
         windows = WINDOWS if self.drives == 1 else FEW_WINDOWS
         ends = [(round(a * self.blocks), round(b * self.blocks)) for a, b in windows]
         return list(dict.fromkeys((a, max(b, a + 1)) for a, b in ends))
 
     def _follow_line(self, xp: Namespace, known: Planned) -> list[Numbers]:
-        """Plans along the direction."""
+        """Return the plans along the direction."""
         rows = list(zip(known.origin, known.direction, strict=True))
         return [[xp.clip(u + share * d, *self.limits) for u, d in rows] for share in ALONG]
 
@@ -298,12 +298,12 @@ class Planner(NamedTuple):
         return found
 
     def _list_outputs(self, kind: str) -> list[str]:
-        """Outputs of all ports that are called so."""
+        """Return the outputs of all ports that are called so."""
         return [self.model.label(port, kind) for port in self.model.actuators()]
 
 
 def _choose_plan(xp: Namespace, plans: Sequence[Numbers], costs: Sequence[Scalar]) -> Numbers:
-    """The plan of least cost, the first of several; what a plan has of the first one is not chosen again."""
+    """Return the plan of least cost, the first of several; what a plan has of the first one is not chosen again."""
     least, chosen = costs[0], 0.0
     for k, cost in enumerate(costs[1:], 1):
         better = cost < least
@@ -316,7 +316,7 @@ def _choose_plan(xp: Namespace, plans: Sequence[Numbers], costs: Sequence[Scalar
 
 
 def cut_pieces(numbers: Sequence[Scalar], sizes: Sequence[int]) -> list[Any]:
-    """Numbers in pieces of these sizes."""
+    """Return the numbers in pieces of these sizes."""
     found, start = list[Any](), 0
     for size in sizes:
         found.append(list(numbers[start : start + size]))
@@ -325,6 +325,6 @@ def cut_pieces(numbers: Sequence[Scalar], sizes: Sequence[int]) -> list[Any]:
 
 
 def shift_plan(plan: Sequence[Scalar], drives: int, share: Scalar) -> Numbers:
-    """A plan as it looks a share of a block later; its last signals stay."""
+    """Return a plan as it looks a share of a block later; its last signals stay."""
     after = [*plan[drives:], *plan[-drives:]]
     return [(1.0 - share) * u + share * v for u, v in zip(plan, after, strict=True)]

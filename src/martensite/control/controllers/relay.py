@@ -32,7 +32,7 @@ class OnOff(AbstractController):
         return (0.0,)
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Signal of this sample, and whether it is on (1) or off (0)."""
+        """Return the signal of this sample, and whether it is on (1) or off (0)."""
         value, (before,) = readings[self.measured], memory
         kept = xp.where(value < reference, before, 0.0)
         on = xp.where(value < reference - self.band, 1.0, kept)
@@ -73,7 +73,7 @@ class TwoLevel(AbstractController):
             )
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """The signal of this sample."""
+        """Return the signal of this sample."""
         error = reference - readings[self.measured]
         error = error if self.sign == "1" else -error
         on = xp.where(error >= self.far, self.high, self.near)
@@ -105,5 +105,5 @@ class Direct(AbstractController):
         return signal
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """The signal of this sample."""
+        """Return the signal of this sample."""
         return self.gain * reference + self.offset, ()

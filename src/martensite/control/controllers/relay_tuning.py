@@ -139,7 +139,7 @@ class RelayTuning(AbstractController):
         }
 
     def observe(self, xp: Namespace, memory: Column) -> Column:
-        """Their values; 0 before they are known."""
+        """Return their values; 0 before they are known."""
         held = self._name_memory(memory)
         return [held.stage, held.gain, held.period, *self._find_gains(xp, held)]
 
@@ -165,7 +165,7 @@ class RelayTuning(AbstractController):
         return flatten_numbers(TuningMemory(TUNING, 0.0, 0.0, self.bias, 0.0, 0.0, cycle, NOTHING, pid))
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Signal of this sample, and what is remembered for the next."""
+        """Return the signal of this sample, and the memory for the next sample."""
         before, found = self._name_memory(memory), readings[self.measured]
         after, mean = self._advance_test(xp, before, self._place(found), dt)
         begins = xp.both(before.stage > 0.5, xp.both(after.stage < 0.5, after.stage > -0.5))
@@ -192,7 +192,7 @@ class RelayTuning(AbstractController):
         return found - self.level if self.action == "rising" else self.level - found
 
     def _find_gains(self, xp: Namespace, memory: TuningMemory) -> Gains:
-        """Gains in seconds; 0 before the test is over."""
+        """Return the gains in seconds; 0 before the test is over."""
         Kp, Ti, Td = RELAY_RULES[self.rule][self.form]
         found = Kp * memory.gain
         known = memory.period > 0.0
@@ -201,7 +201,7 @@ class RelayTuning(AbstractController):
     def _advance_test(
         self, xp: Namespace, before: TuningMemory, away: Scalar, dt: Scalar
     ) -> tuple[TuningMemory, Scalar]:
-        """The test a sample later, and the mean signal of the cycles that count."""
+        """Return the test a sample later, and the mean signal of the cycles that count."""
         one = before.cycle
         kept = xp.where(away < self.hysteresis, one.on, 0.0)
         on = xp.where(away < -self.hysteresis, 1.0, kept)

@@ -114,12 +114,12 @@ class RepeatedTask(Parametrised):
         self.__dict__["_layout"] = (self.points, lead, self.smoothing)
 
     def layout(self) -> tuple[int, ...]:
-        """Points of a repetition, of the lead and of half the filter."""
+        """Return the points of a repetition, of the lead and of half the filter."""
         return self.__dict__["_layout"]
 
     @property
     def spacing(self) -> Scalar:
-        """Time between two points [s]."""
+        """Return the time between two points [s]."""
         return self.task / self.points
 
     def begin_task(self) -> TaskMemory:
@@ -130,7 +130,7 @@ class RepeatedTask(Parametrised):
         return TaskMemory(self.spacing, -1.0, ahead, past, waiting, score)
 
     def advance_task(self, xp: Namespace, before: TaskMemory, dt: Scalar) -> TaskMoment:
-        """The moment a time later [s]."""
+        """Return the moment a time later [s]."""
         elapsed = before.elapsed + dt
         due = elapsed >= (1.0 - SLIGHT) * self.spacing
         place = before.place + 1.0
@@ -187,7 +187,7 @@ class RepeatedTask(Parametrised):
         )
 
     def _judge(self, xp: Namespace, now: TaskMoment, error: Scalar, dt: Scalar) -> TaskScore:
-        """The score with one more sample, and at the end of a repetition with that."""
+        """Return the score with one more sample, and at the end of a repetition with that."""
         before = now.memory.score
         squares = before.squares + error**2 * dt
         rms = xp.sqrt(squares / self.task)

@@ -35,7 +35,7 @@ class Repetitive(AbstractLearning):
     learning_gain: Number = param("1", "g, share of an error that is learned in a repetition", low=0.0, default=0.5)
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Signal of this sample, and what is remembered for the next."""
+        """Return the signal of this sample, and the memory for the next sample."""
         before, found = self.rebuild_memory(memory), readings[self.measured]
         now, error = self.advance_task(xp, before.task, dt), reference - found
         signal, pid = self.respond(xp, before.pid, reference, found - now.learned, dt)

@@ -57,7 +57,7 @@ class GainSchedule(Members[GainsAt], init=False):
                 )
 
     def gains(self, xp: Namespace, at: Scalar) -> Gains:
-        """Gains at a value, piecewise linear."""
+        """Return the gains at a value, piecewise linear."""
         points = list(self.members().values())
         first = points[0]
         found = Gains(first.Kp, first.Ki, first.Kd)
@@ -118,7 +118,7 @@ class ScheduledPid(AbstractController):
     law: PidLaw = part("limits, set-point weights, filter and anti-windup", default=PidLaw())
 
     def describe(self, period: float) -> str:
-        """Anti-windup, and filter for the gains of the first point, in words."""
+        """Return the anti-windup, and filter for the gains of the first point, in words."""
         first = self.rising.gains(floats, -math.inf)
         return self.law.describe(first, period, self.gains_are == PER_SAMPLE)
 
@@ -137,7 +137,7 @@ class ScheduledPid(AbstractController):
         return (*held, *BumplessMemory(gains.Kp, gains.Kd, self.law.weight * reference - value))
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Signal of this sample, and what is remembered for the next."""
+        """Return the signal of this sample, and the memory for the next sample."""
         before = ScheduledMemory(*memory[:SCHEDULED])
         kept = xp.where(reference < before.reference, -1.0, before.direction)
         direction = xp.where(reference > before.reference, 1.0, kept)

@@ -74,7 +74,7 @@ class ReferenceShaping(Parametrised):
     def move(
         self, xp: Namespace, held: ShapedReference, reference: Scalar, readings: Mapping[str, Scalar], dt: Scalar
     ) -> ShapedReference:
-        """A sample of `dt` [s] later, on the way to a reference."""
+        """Return a sample of `dt` [s] later, on the way to a reference."""
         limited, braked, lagging = self.layout()
         lagged = held.lagged + (reference - held.lagged) * dt / (self.lag + dt) if lagging else reference
         way, some = lagged - held.value, dt > 0.0

@@ -68,7 +68,7 @@ class SlidingMode(AbstractController, SignalLimits):
         return SlidingMemory(reference - readings[self.measured], 0.0, 0.0, mean)
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Signal of this sample, and what is remembered for the next."""
+        """Return the signal of this sample, and the memory for the next sample."""
         before, error = SlidingMemory(*memory), reference - readings[self.measured]
         rate = lag_rate(xp, before.rate, error - before.error, self.filter, dt)
         integral = before.integral + error * dt
@@ -80,7 +80,7 @@ class SlidingMode(AbstractController, SignalLimits):
         return signal, SlidingMemory(error, rate, kept, mean)
 
     def _surface(self, error: Scalar, rate: Scalar, integral: Scalar) -> Scalar:
-        """The variable s, which is 0 on the surface."""
+        """Return the variable s, which is 0 on the surface."""
         if self.integral == "without":
             return rate + self.slope * error
         return rate + self.slope * (2.0 * error + self.slope * integral)

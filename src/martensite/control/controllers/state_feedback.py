@@ -46,7 +46,7 @@ class StateFeedback(AbstractController, SignalLimits):
 
     @property
     def named(self) -> tuple[str, ...]:
-        """The readings that are the states."""
+        """Return the readings that are the states."""
         given = (self.states,) if isinstance(self.states, str) else self.states
         return given or (self.measured,)
 
@@ -59,7 +59,7 @@ class StateFeedback(AbstractController, SignalLimits):
         return (0.0,)
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
-        """Signal of this sample, and the integral."""
+        """Return the signal of this sample, and the integral."""
         added = (reference - readings[self.measured]) * dt
         integral = memory[0] + added
         wanted = self.signal + self.prefilter * (reference - self.level) + self.Ki * integral
@@ -86,7 +86,7 @@ class NumberedGains(Parametrised):
 
     @classmethod
     def of(cls, numbers: Sequence[float]) -> Self:
-        """A row of these numbers."""
+        """Return a row of these numbers."""
         return cls(**{f"n{place}": number for place, number in enumerate(numbers, 1)})
 
     @property
@@ -100,7 +100,7 @@ class NumberedGains(Parametrised):
 
     @property
     def numbers(self) -> tuple[Scalar, ...]:
-        """All of them."""
+        """Return all of them."""
         return tuple(self.__dict__.values())
 
 
@@ -109,7 +109,7 @@ def _convert_number(place: int) -> Declared:
 
 
 def as_row(owner: str, name: str, given: Any) -> NumberedGains:
-    """A row, of a sequence of numbers too; `ParameterError` if it is neither."""
+    """Return a row, of a sequence of numbers too; `ParameterError` if it is neither."""
     if isinstance(given, NumberedGains):
         return given
     if isinstance(given, str) or not isinstance(given, Sequence):

@@ -57,7 +57,7 @@ def measure_reach(system: AbstractSystem, output: str, low: float, high: float) 
 
 
 def _settle_output(lanes: Lanes, signal: float, dt: float, index: int, before: float) -> Numbers:
-    """An output under one signal until it hardly changes."""
+    """Return an output under one signal until it hardly changes."""
     found = np.array([before])
     steps = FIRST
     for _ in range(DOUBLINGS):

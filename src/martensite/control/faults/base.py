@@ -38,7 +38,7 @@ class AbstractFault(Parametrised):
         return xp.both(time >= self.start - HAIR, time < self.end - HAIR)
 
     def fault_at(self, xp: Namespace, time: Scalar) -> Self:
-        """The fault as it is by a time [s]; itself unless it grows."""
+        """Return the fault as it is by a time [s]; itself unless it grows."""
         return self
 
     def names(self) -> dict[str, str]:
@@ -46,7 +46,7 @@ class AbstractFault(Parametrised):
         return {}
 
     def plant(self, xp: Namespace, plant: AbstractSystem, active: Flag) -> AbstractSystem:
-        """The plant with the fault in it."""
+        """Return the plant with the fault in it."""
         return plant
 
     def signal(self, xp: Namespace, drive: str, signal: Scalar, active: Flag) -> Scalar:
@@ -58,7 +58,7 @@ class AbstractFault(Parametrised):
         return reading
 
     def disturb(self, xp: Namespace, sensor: str, reading: Scalar, number: Scalar, active: Flag) -> Scalar:
-        """A reading, disturbed by the standard normal number of its noise; 0 in a run without noise."""
+        """Return a reading, disturbed by the standard normal number of its noise; 0 in a run without noise."""
         return reading
 
     def travel(self, xp: Namespace, sensor: str, travel: Scalar, active: Flag) -> Scalar:

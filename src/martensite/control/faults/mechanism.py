@@ -55,19 +55,19 @@ class HinderedLoadLine(AbstractLoadLine):
         return ClampReference(elongations[0], elongations[0], 0.0)
 
     def force(self, xp: Namespace, assembly: Any, spring: Spring) -> Scalar:
-        """Force [N] of the load line with what slack leaves, or of the clamp."""
+        """Return the force [N] of the load line with what slack leaves, or of the clamp."""
         held = xp.maximum((assembly.held - spring.free) / spring.compliance, 0.0)
         return xp.where(self.shut > 0.5, held, self.line.force(xp, self._shorten(assembly), spring))
 
     def position(self, xp: Namespace, assembly: Any, force: Scalar, elongation: Scalar) -> Scalar:
-        """Position [m] of the load line with what slack leaves, or where it is clamped."""
+        """Return the position [m] of the load line with what slack leaves, or where it is clamped."""
         free = self.line.position(xp, self._shorten(assembly), force, elongation)
         return xp.where(self.shut > 0.5, assembly.position, free)
 
     def advance(
         self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[Any, list[Any], StepReport]:
-        """A step of the element, and where it would be clamped after it."""
+        """Return a step of the element, and where it would be clamped after it."""
         _, (after,), report = super().advance(xp, memory, loads, signals, dt)
         element = loads[0].element
         force = element.force(after)
@@ -111,7 +111,7 @@ class Slack(AbstractMechanismFault):
     length: Number = param("m", "length that is lost", above=0.0, typical="1 mm")
 
     def hinder(self, xp: Namespace, line: HinderedLoadLine, active: Flag) -> dict[str, Scalar]:
-        """Its slack."""
+        """Return its slack."""
         return {"slack": line.slack + xp.where(active, self.length, 0.0)}
 
 
@@ -120,5 +120,5 @@ class Clamped(AbstractMechanismFault):
     """A mechanism that is stuck where it was: no stroke, whatever the element does."""
 
     def hinder(self, xp: Namespace, line: HinderedLoadLine, active: Flag) -> dict[str, Scalar]:
-        """Its clamp."""
+        """Return its clamp."""
         return {"shut": xp.maximum(line.shut, xp.where(active, 1.0, 0.0))}

@@ -28,7 +28,7 @@ class AbstractPlantFault(AbstractFault):
     drive: str = text("drive of the actuator; all actuators if empty", default="")
 
     def names(self) -> dict[str, str]:
-        """The drive, if one is named."""
+        """Return the drive, if one is named."""
         return {self.drive: "drive"} if self.drive else {}
 
     @abstractmethod
@@ -36,7 +36,7 @@ class AbstractPlantFault(AbstractFault):
         """Return the parts that are exchanged in an actuator, by path, such as `source.supply`."""
 
     def plant(self, xp: Namespace, plant: AbstractSystem, active: Flag) -> AbstractSystem:
-        """The plant with the fault in it; its numbers may be traced.
+        """Return the plant with the fault in it; its numbers may be traced.
 
         Raises:
             ParameterError: the drive is that of a mechanism, not of an actuator.
@@ -61,7 +61,7 @@ class AmbientStep(AbstractPlantFault):
     by: Number = param(DEGREES, "how much warmer; negative if colder", low=-200.0, high=500.0, typical="10 K")
 
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
-        """The temperature around it."""
+        """Return the temperature around it."""
         return {"environment.temperature": one.environment.temperature + xp.where(active, self.by, 0.0)}
 
 
@@ -90,7 +90,7 @@ class Draught(AbstractPlantFault):
     factor: Number = param("1", "film coefficient over that without the fault", low=0.0, high=1e3, typical=2.0)
 
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
-        """Its film coefficient, multiplied."""
+        """Return its film coefficient, multiplied."""
         times = Multiplied(cooling=one.environment.cooling, factor=1.0)
         return {"environment.cooling": times.rebuilt({"factor": xp.where(active, self.factor, 1.0)})}
 
@@ -107,7 +107,7 @@ class AbstractContact(AbstractSource):
 
     @property
     def supplied_by(self) -> tuple[str, ...]:  # type: ignore[override]
-        """Parameters of the source that are its supply: a fault of that still finds them."""
+        """Return the parameters of the source that are its supply: a fault of that still finds them."""
         return tuple(f"source.{name}" for name in self.source.supplied_by)
 
 
@@ -117,7 +117,7 @@ class Interrupted(AbstractContact):
     contact: Number = param("1", "1 if it is closed, 0 if it is open", low=0.0, high=1.0)
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Current [A] of the source, if the contact is closed."""
+        """Return the current [A] of the source, if the contact is closed."""
         return self.contact * self.source.current(xp, drive, resistance)
 
     def supply_current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
@@ -134,7 +134,7 @@ class OpenCircuit(AbstractPlantFault):
     """
 
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
-        """The source, behind an open contact."""
+        """Return the source, behind an open contact."""
         behind = Interrupted(source=one.source, contact=1.0)
         return {"source": behind.rebuilt({"contact": xp.where(active, 0.0, 1.0)})}
 
@@ -145,7 +145,7 @@ class Resisted(AbstractContact):
     contact: Number = param("ohm", "resistance of the contact", low=0.0)
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Current [A] through the element and the contact in a row."""
+        """Return the current [A] through the element and the contact in a row."""
         return self.source.current(xp, drive, resistance + self.contact)
 
     def supply_current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
@@ -164,7 +164,7 @@ class ContactResistance(AbstractPlantFault):
     resistance: Number = param("ohm", "resistance of the contact", low=0.0, high=1e6, typical="1 ohm")
 
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
-        """The source, behind a contact with a resistance."""
+        """Return the source, behind a contact with a resistance."""
         behind = Resisted(source=one.source, contact=0.0)
         return {"source": behind.rebuilt({"contact": xp.where(active, self.resistance, 0.0)})}
 
@@ -181,7 +181,7 @@ class StuckOn(AbstractFault):
     level: Number = param(DRIVE, "signal that arrives whatever is wanted", default=1.0, typical=1.0)
 
     def names(self) -> dict[str, str]:
-        """The drive, if one is named."""
+        """Return the drive, if one is named."""
         return {self.drive: "drive"} if self.drive else {}
 
     def signal(self, xp: Namespace, drive: str, signal: Scalar, active: Flag) -> Scalar:
@@ -202,7 +202,7 @@ class SupplySag(AbstractPlantFault):
     share: Number = param("1", "share of the voltage that is left", low=0.0, high=10.0, typical=0.7)
 
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
-        """The voltage of its supply."""
+        """Return the voltage of its supply."""
         return _scale_supply(xp, one, self.share, active)
 
 
@@ -217,11 +217,11 @@ class SupplySurge(AbstractPlantFault):
     share: Number = param("1", "voltage over that without the fault", low=1.0, high=10.0, typical=1.3)
 
     def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
-        """The voltage of its supply."""
+        """Return the voltage of its supply."""
         return _scale_supply(xp, one, self.share, active)
 
 
 def _scale_supply(xp: Namespace, one: Actuator, share: Scalar, active: Flag) -> dict[str, Any]:
-    """The parameters that are the voltage of a supply, multiplied."""
+    """Return the parameters that are the voltage of a supply, multiplied."""
     left = xp.where(active, share, 1.0)
     return {f"source.{n}": one.source.value_of(n) * left for n in one.source.supplied_by}

@@ -17,7 +17,7 @@ class AbstractSensorFault(AbstractFault):
     sensor: str = text("name of the sensor", typical="temperature")
 
     def names(self) -> dict[str, str]:
-        """The sensor."""
+        """Return the sensor."""
         return {self.sensor: "sensor"}
 
 
@@ -40,7 +40,7 @@ class Drift(AbstractSensorFault):
         return self.rebuilt({"bias": self.bias + self.rate * since})
 
     def reading(self, xp: Namespace, sensor: str, reading: Scalar, held: Scalar, active: Flag) -> Scalar:
-        """The reading, and the offset."""
+        """Return the reading, and the offset."""
         off = xp.where(active, self.bias, 0.0)
         return reading + off if sensor == self.sensor else reading
 
@@ -59,7 +59,7 @@ class Stuck(AbstractSensorFault):
     """A sensor that repeats its last reading as if it were new."""
 
     def reading(self, xp: Namespace, sensor: str, reading: Scalar, held: Scalar, active: Flag) -> Scalar:
-        """The last reading."""
+        """Return the last reading."""
         return xp.where(active, held, reading) if sensor == self.sensor else reading
 
 
@@ -74,7 +74,7 @@ class NoiseBurst(AbstractSensorFault):
     deviation: Number = param(DIFFERENCE, "standard deviation that is added", low=0.0, typical=MARGIN)
 
     def disturb(self, xp: Namespace, sensor: str, reading: Scalar, number: Scalar, active: Flag) -> Scalar:
-        """The reading, and what disturbs it."""
+        """Return the reading, and what disturbs it."""
         more = xp.where(active, self.deviation * number, 0.0)
         return reading + more if sensor == self.sensor else reading
 
@@ -86,7 +86,7 @@ class LateReadings(AbstractSensorFault):
     by: Number = param("s", "how much later", low=0.0, high=1e3, typical="0.2 s")
 
     def travel(self, xp: Namespace, sensor: str, travel: Scalar, active: Flag) -> Scalar:
-        """Its time, and what it is late by [s]."""
+        """Return its time, and what it is late by [s]."""
         return travel + xp.where(active, self.by, 0.0) if sensor == self.sensor else travel
 
     def latest(self, sensor: str) -> float:

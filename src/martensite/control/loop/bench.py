@@ -69,25 +69,25 @@ class Bench(AbstractSystemAround, init=False):
         self.__dict__["_layout"] = (pieces, *kept)
 
     def layout(self) -> tuple[int, ...]:
-        """Steps in a period, and readings that every sensor keeps."""
+        """Return the steps in a period, and readings that every sensor keeps."""
         return self.__dict__["_layout"]
 
     @property
     def turns(self) -> int:
-        """Steps of the plant in a period."""
+        """Return the steps of the plant in a period."""
         return self.layout()[0]
 
     def sample_time(self) -> float:
-        """The period [s]."""
+        """Return the period [s]."""
         return self.period
 
     def description(self) -> str:
-        """Such as `wire (brinson) on bias-spring, driven by pwm-voltage, under pid`."""
+        """Return such as `wire (brinson) on bias-spring, driven by pwm-voltage, under pid`."""
         kinds = [one.registered_name for one in self.controllers.members().values()]
         return f"{self.plant.description()}{', under ' if kinds else ''}{', '.join(kinds)}"
 
     def drives(self) -> list[DriveSignal]:
-        """References, drives of the plant that are free, noise and jitter."""
+        """Return the references, drives of the plant that are free, noise and jitter."""
         return names.list_drives(self)
 
     def outputs(self) -> dict[str, Output]:
@@ -99,7 +99,7 @@ class Bench(AbstractSystemAround, init=False):
         return []
 
     def init(self, xp: Namespace, *drives: Scalar) -> BenchState:
-        """The plant at rest under no signal of a controller; readings are those of rest."""
+        """Return the plant at rest under no signal of a controller; readings are those of rest."""
         given = period.sorted_inputs(self, drives)
         idle = period.collect_idle(self, given)
         plant = period.apply_faults(self, xp, 0.0)

@@ -60,7 +60,7 @@ class Consistency:
         return float(ends[0]), float(ends[1])
 
     def inside(self, share: float = 0.95) -> float:
-        """Share of samples whose mean NEES lies in its band; `share` if all is well."""
+        """Return the share of samples whose mean NEES lies in its band; `share` if all is well."""
         low, high = self.band(share)
         mean = self.nees.mean(axis=1)
         return float(np.mean((mean >= low) & (mean <= high)))

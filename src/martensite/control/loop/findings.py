@@ -45,12 +45,12 @@ class LoopFinding:
     """True if the loop cannot do what it is for; else it is a caution."""
 
     def __str__(self) -> str:
-        """The sentence with its remedy."""
+        """Return the sentence with its remedy."""
         return f"{'Not sound' if self.fault else 'Caution'}: {self.sentence} {self.remedy}"
 
 
 def check_signals(bench: Bench) -> list[LoopFinding]:
-    """Limits of the signals of a bench's controllers that the sources cannot give."""
+    """Return the limits of the signals of a bench's controllers that the sources cannot give."""
     found = list[LoopFinding]()
     for drive, controller in bench.controllers.members().items():
         found.extend(_judge_span(f"controllers.{drive}", list_limits(controller)))
@@ -88,7 +88,7 @@ def _judge_guard(bench: Bench, where: str, check: AbstractCheck) -> Iterator[Loo
 
 
 def list_limits(controller: AbstractController) -> dict[str, float]:
-    """Least and largest signal of a controller, by path."""
+    """Return the least and largest signal of a controller, by path."""
     return {
         leaf.path: float(leaf.value)
         for leaf in controller.leaves()
@@ -97,7 +97,7 @@ def list_limits(controller: AbstractController) -> dict[str, float]:
 
 
 def find_source(plant: AbstractSystem, drive: str) -> tuple[AbstractSource | None, float]:
-    """The source that a drive of a plant is the signal of, and the resistance [ohm] of its element at rest."""
+    """Return the source that a drive of a plant is the signal of, and the resistance [ohm] of its element at rest."""
     for port, one in plant.actuators().items():
         if plant.drive_at(port) == drive:
             signals = [one.environment.temperature if each.unit == "K" else 0.0 for each in plant.drives()]

@@ -35,7 +35,7 @@ class Expectation(NamedTuple):
 
     @property
     def misses(self) -> Any:
-        """True where the loop reports a miss."""
+        """Return True where the loop reports a miss."""
         return (self.error > EXPECTED) | (self.confidence < TRUSTED)
 
 

@@ -22,7 +22,7 @@ AMBIENT = "ambient"
 
 
 def list_references(bench: Bench) -> list[str]:
-    """Names of the references, in the order of the controllers."""
+    """Return the names of the references, in the order of the controllers."""
     names = list(bench.controllers.members())
     return [REFERENCE] if len(names) == 1 else [f"{REFERENCE}.{name}" for name in names]
 
@@ -40,7 +40,7 @@ class Preview(NamedTuple):
 
 
 def list_previews(bench: Bench) -> list[Preview]:
-    """References ahead that controllers need, each once."""
+    """Return the references ahead that controllers need, each once."""
     names = dict(zip(bench.controllers.members(), list_references(bench), strict=True))
     wanted = [item for one in bench.controllers.members().values() for item in one.list_previews().items()]
     return [
@@ -51,7 +51,7 @@ def list_previews(bench: Bench) -> list[Preview]:
 
 
 def name_loop_columns(bench: Bench, drive: str) -> tuple[str, str, str]:
-    """Outputs of a run that are reference, wanted signal and reading of a controller."""
+    """Return the outputs of a run that are reference, wanted signal and reading of a controller."""
     members = bench.controllers.members()
     reference = list_references(bench)[list(members).index(drive)]
     measured = members[drive].measured
@@ -60,7 +60,7 @@ def name_loop_columns(bench: Bench, drive: str) -> tuple[str, str, str]:
 
 
 def outside_references(bench: Bench, outside: Iterable[str]) -> dict[str, str]:
-    """Names of the references of drives that run outside of a bench, by drive.
+    """Return the names of the references of drives that run outside of a bench, by drive.
 
     As on a bench: `reference` of a controller that is alone, `reference.DRIVE` beside others.
     """
@@ -81,14 +81,14 @@ def describe_controllers(bench: Bench) -> dict[str, str]:
 
 
 def list_hands(bench: Bench) -> dict[str, tuple[str, str]]:
-    """Names of what is set by hand, signal and mode, by the drive of the controllers that have a manual mode."""
+    """Return names of what is set by hand, signal and mode, by the drive of the controllers that have a manual mode."""
     rows = zip(bench.controllers.members().items(), list_references(bench), strict=True)
     ends = {drive: name.removeprefix(REFERENCE) for (drive, one), name in rows if one.manual is not None}
     return {drive: (MANUAL + end, AUTOMATIC + end) for drive, end in ends.items()}
 
 
 def list_drives(bench: Bench) -> list[DriveSignal]:
-    """References, those ahead, drives of the plant that are free, noise and jitter."""
+    """Return the references, those ahead, drives of the plant that are free, noise and jitter."""
     taken = bench.controllers.members()
     rows = zip(list_references(bench), reference_units(bench), strict=True)
     followed = [DriveSignal(name, unit, False, True) for name, unit in rows]
@@ -102,7 +102,7 @@ def list_drives(bench: Bench) -> list[DriveSignal]:
 
 
 def hand_drives(bench: Bench) -> list[DriveSignal]:
-    """Signal and mode by hand, of every controller that has them."""
+    """Return the signal and mode by hand, of every controller that has them."""
     units = {drive.name: drive.unit for drive in bench.plant.drives()}
     found: list[DriveSignal] = []
     for drive, (signal, mode) in list_hands(bench).items():
@@ -200,7 +200,7 @@ def wanted_output(unit: str, drive: str) -> Output:
 
 
 def wanted_name(reference: str) -> str:
-    """Name of the signal that a controller wants, by that of its reference."""
+    """Return the name of the signal that a controller wants, by that of its reference."""
     return WANTED + reference.removeprefix(REFERENCE)
 
 
@@ -214,7 +214,7 @@ def list_truths(bench: Bench) -> dict[str, Output]:
 
 
 def _find_unit(bench: Bench, mounted: MountedSensor) -> str:
-    """Unit of the readings of a sensor: its own, or that of what it looks at."""
+    """Return the unit of the readings of a sensor: its own, or that of what it looks at."""
     if mounted.sensor.unit is not None:
         return mounted.sensor.unit
     return list_truths(bench)[mounted.sees()[0]].unit

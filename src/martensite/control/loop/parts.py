@@ -75,16 +75,16 @@ class MountedSensor(Parametrised):
             )
 
     def sees(self) -> tuple[str, ...]:
-        """Outputs that it looks at."""
+        """Return the outputs that it looks at."""
         given = (self.of,) if isinstance(self.of, str) else self.of
         return given or self.sensor.sees
 
     def count_delayed(self, period: float, later: float = 0.0) -> int:
-        """Readings to be kept for the delay, and for a fault that makes it longer [s]."""
+        """Return the readings to be kept for the delay, and for a fault that makes it longer [s]."""
         return 1 + math.ceil((self.delay + WORST * self.jitter + later) / period - HAIR)
 
     def rest(self, xp: Namespace, truth: Mapping[str, Scalar], noise: Scalar, kept: int) -> Sensed:
-        """The first reading, made at rest; it has been the same for long."""
+        """Return the first reading, made at rest; it has been the same for long."""
         seen = [truth[name] for name in self.sees()]
         inner = self.sensor.rest(xp, seen)
         value, inner = self.sensor.reading(xp, inner, seen, noise, 0.0)
@@ -119,7 +119,7 @@ class MountedSensor(Parametrised):
 
 
 def _find_arrived(xp: Namespace, past: Column, ages: Column, travels: Column, period: Scalar) -> tuple[Scalar, Scalar]:
-    """The newest reading that has arrived, and its age [s]; the oldest one has."""
+    """Return the newest reading that has arrived, and its age [s]; the oldest one has."""
     oldest = len(past) - 1
     reading, age = past[oldest], ages[oldest] + oldest * period
     for k in range(oldest - 1, -1, -1):
@@ -178,15 +178,15 @@ class AbstractSupervisor(Parametrised):
     """
 
     def reads(self) -> tuple[str, ...]:
-        """Names of the readings that it needs."""
+        """Return the names of the readings that it needs."""
         return ()
 
     def drives(self) -> tuple[str, ...]:
-        """Names of the drives that it speaks of."""
+        """Return the names of the drives that it speaks of."""
         return ()
 
     def name_checks(self) -> dict[int, list[str]]:
-        """Number of an alarm -> names of what raises it."""
+        """Return the number of an alarm -> names of what raises it."""
         return {}
 
     def rest(self, xp: Namespace, readings: Named) -> Column:

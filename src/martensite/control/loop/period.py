@@ -50,7 +50,7 @@ def sort_hands(bench: Bench, rest: Iterator[Scalar]) -> tuple[ManualInput | None
 
 
 def apply_supervisor(bench: Bench, xp: Namespace, state: BenchState, given: Inputs) -> SupervisorVerdict:
-    """Signals by drive of the plant, as the supervisor lets them pass."""
+    """Return the signals by drive of the plant, as the supervisor lets them pass."""
     ordered, known = collect_wanted(bench, state.controllers, given), Numbers()
     if bench.supervisor is not None:
         if not state.sensors:
@@ -60,7 +60,7 @@ def apply_supervisor(bench: Bench, xp: Namespace, state: BenchState, given: Inpu
 
 
 def collect_wanted(bench: Bench, controllers: Sequence[Controlling], given: Inputs) -> Numbers:
-    """Signals of controllers and those that no controller has, in the order of the drives."""
+    """Return the signals of controllers and those that no controller has, in the order of the drives."""
     taken = zip(bench.controllers.members(), controllers, strict=True)
     found = given.free | {name: held.wanted for name, held in taken}
     return {drive.name: found[drive.name] for drive in bench.plant.drives()}
@@ -83,7 +83,7 @@ def judge_signals(
 def begin_loop(
     bench: Bench, xp: Namespace, known: Numbers, given: Inputs
 ) -> tuple[tuple[ObserverState, ...], tuple[Controlling, ...], tuple[Scalar, ...], Numbers]:
-    """Observers, controllers and supervisor in the first sample, and all that is read there."""
+    """Return the observers, controllers and supervisor in the first sample, and all that is read there."""
     first = [one.rest(xp, known, collect_idle(bench, given)) for one in bench.observers.members().values()]
     observers = tuple(ObserverState(tuple(guess), tuple(memory)) for guess, memory in first)
     known = known | collect_estimates(bench, observers)
@@ -100,7 +100,7 @@ def collect_shaped(bench: Bench, controllers: Sequence[Controlling]) -> list[Sca
 
 
 def apply_faults(bench: Bench, xp: Namespace, time: Scalar) -> AbstractSystem:
-    """The plant as it is at a time [s]."""
+    """Return the plant as it is at a time [s]."""
     plant = bench.plant
     for fault in bench.faults.members().values():
         plant = fault.plant(xp, plant, fault.active(xp, time))
@@ -108,7 +108,7 @@ def apply_faults(bench: Bench, xp: Namespace, time: Scalar) -> AbstractSystem:
 
 
 def deliver_signals(bench: Bench, xp: Namespace, time: Scalar, signals: Signals) -> Numbers:
-    """Signals as they arrive at the sources."""
+    """Return the signals as they arrive at the sources."""
     found = dict(signals)
     for fault in bench.faults.members().values():
         active = fault.active(xp, time)
@@ -117,7 +117,7 @@ def deliver_signals(bench: Bench, xp: Namespace, time: Scalar, signals: Signals)
 
 
 def split_period(bench: Bench, xp: Namespace, signals: Signals) -> list[Piece]:
-    """Signals and lengths of what is repeated in a period."""
+    """Return the signals and lengths of what is repeated in a period."""
     length = bench.period / bench.turns
     if bench.switching == "averaged":
         return [(list(signals.values()), length)]
@@ -128,7 +128,7 @@ def split_period(bench: Bench, xp: Namespace, signals: Signals) -> list[Piece]:
 
 
 def _switch_signals(bench: Bench, xp: Namespace, signals: Signals) -> list[tuple[Scalar, Scalar]]:
-    """Signal of every switch, and the share of the time for which it is closed."""
+    """Return the signal of every switch, and the share of the time for which it is closed."""
     sources = [one.source for one in bench.plant.actuators().values()]
     frequency = bench.turns / bench.period
     rows = zip(sources, signals.values(), strict=True)
@@ -136,7 +136,7 @@ def _switch_signals(bench: Bench, xp: Namespace, signals: Signals) -> list[tuple
 
 
 def close_switch(xp: Namespace, duty: Scalar, share: Scalar) -> Scalar:
-    """The signal of a switch in its pulse: 1, or -1 for a negative duty; 0 if none comes."""
+    """Return the signal of a switch in its pulse: 1, or -1 for a negative duty; 0 if none comes."""
     return xp.where(share > 0.0, xp.where(duty < 0.0, -1.0, 1.0), 0.0)
 
 
@@ -154,7 +154,7 @@ def collect_truth(bench: Bench, xp: Namespace, plant: AbstractSystem, state: Any
 def update_sensors(
     bench: Bench, xp: Namespace, before: Sequence[Sensed], known: Numbers, given: Inputs, time: Scalar
 ) -> tuple[Sensed, ...]:
-    """All sensors a period later."""
+    """Return all sensors a period later."""
     rows = zip(bench.sensors.members().items(), before, given.numbers, strict=True)
     every = bench.faults.members().values()
     faults = [(one.fault_at(xp, time), one.active(xp, time)) for one in every]
@@ -167,7 +167,7 @@ def update_sensors(
 def update_observers(
     bench: Bench, xp: Namespace, before: Sequence[ObserverState], known: Numbers, signals: Numbers
 ) -> tuple[ObserverState, ...]:
-    """All observers a period later."""
+    """Return all observers a period later."""
     rows = zip(bench.observers.members().values(), before, strict=True)
     found = [one.update(xp, held.memory, known, signals, bench.period, bench.turns) for one, held in rows]
     return tuple(ObserverState(tuple(guess), tuple(memory)) for guess, memory in found)
@@ -176,13 +176,13 @@ def update_observers(
 def update_controllers(
     bench: Bench, xp: Namespace, before: Sequence[Controlling], known: Numbers, given: Inputs
 ) -> tuple[Controlling, ...]:
-    """All controllers a period later."""
+    """Return all controllers a period later."""
     memories = [held.memory for held in before]
     return answer_all(bench, xp, memories, known | look_ahead(bench, given), given)
 
 
 def look_ahead(bench: Bench, given: Inputs) -> Numbers:
-    """References now and ahead, as controllers read them that want to know what lies ahead."""
+    """Return the references now and ahead, as controllers read them that want to know what lies ahead."""
     rows = zip(list_previews(bench), given.previews, strict=True)
     found = {f"{AHEAD}{one.drive}.{one.number}": value for one, value in rows}
     if found:
@@ -194,7 +194,7 @@ def look_ahead(bench: Bench, given: Inputs) -> Numbers:
 def answer_all(
     bench: Bench, xp: Namespace, memories: Sequence[Sequence[Scalar]] | None, known: Numbers, given: Inputs
 ) -> tuple[Controlling, ...]:
-    """All controllers in a sample, those that lead others first; without memories it is the first one."""
+    """Return all controllers in a sample, those that lead others first; without memories it is the first one."""
     members, planned = bench.controllers.members(), Numbers()
     befores = [None] * len(members) if memories is None else memories
     rows = zip(members.items(), befores, given.references, given.hands, strict=True)
@@ -213,7 +213,7 @@ def answer_all(
 
 
 def find_commands(bench: Bench, drive: str) -> list[tuple[str, str]]:
-    """Names of the estimates by which observers command a drive: whether they do, and the signal."""
+    """Return the names of the estimates by which observers command a drive: whether they do, and the signal."""
     rows = [(one.commands(), [own.name for own in one.model.drives()]) for one in bench.observers.members().values()]
     return [names for names, drives in rows if names is not None and drive in drives]
 
@@ -238,7 +238,7 @@ def collect_readings(bench: Bench, sensors: Sequence[Sensed], known: Signals) ->
 
 
 def collect_estimates(bench: Bench, observers: Sequence[ObserverState]) -> Numbers:
-    """Estimates by name."""
+    """Return the estimates by name."""
     rows = zip(bench.observers.members().values(), observers, strict=True)
     return {
         ESTIMATED + name: value

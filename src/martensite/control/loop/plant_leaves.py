@@ -14,7 +14,7 @@ def find_plant_leaf(bench: Bench, name: str) -> Leaf:
 
 
 def parse_half_width(leaf: Leaf, spread: float) -> float:
-    """Half the width of a spread, in SI: a share of the number, or kelvin for a temperature."""
+    """Return the half the width of a spread, in SI: a share of the number, or kelvin for a temperature."""
     return spread if leaf.declared.unit == "K" else spread * abs(leaf.value)
 
 

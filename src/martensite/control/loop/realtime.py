@@ -124,7 +124,7 @@ class RealtimeStep:
         references: Sequence[float] | None = None,
         free: Mapping[str, float] | None = None,
     ) -> tuple[float, ...]:
-        """The signals of the period that begins, in the order of `drives`.
+        """Return the signals of the period that begins, in the order of `drives`.
 
         Args:
             readings: by name, with `NAME.age` [s] if they are late, or as an array in the order of `readings`; in SI.
@@ -153,7 +153,7 @@ class RealtimeStep:
         return tuple(found[self._signals :])
 
     def _order_readings(self, readings: Mapping[str, float] | Sequence[float]) -> list[float]:
-        """All readings, then their ages."""
+        """Return all readings, then their ages."""
         if not isinstance(readings, Mapping):
             if len(readings) != len(self.readings):
                 raise ParameterError(
@@ -168,7 +168,7 @@ class RealtimeStep:
         return [*values, *(readings.get(age, 0.0) for _, age in self._keys)]
 
     def _order_free(self, given: Mapping[str, float]) -> list[float]:
-        """Signals that no controller has."""
+        """Return the signals that no controller has."""
         for name in self.free:
             if name not in given:
                 raise ParameterError(
@@ -216,7 +216,7 @@ def _require_controllers(bench: Bench) -> None:
 
 
 def list_reads(bench: Bench) -> tuple[str, ...]:
-    """Names of the readings that the parts of a bench need from sensors."""
+    """Return the names of the readings that the parts of a bench need from sensors."""
     parts: list[Any] = [*bench.observers.members().values(), *bench.controllers.members().values()]
     parts += [] if bench.supervisor is None else [bench.supervisor]
     names = [n for one in parts for n in (one.needs() if isinstance(one, AbstractController) else one.reads())]
@@ -225,13 +225,13 @@ def list_reads(bench: Bench) -> tuple[str, ...]:
 
 
 def _begin_sample(bench: Bench, xp: Namespace, known: Numbers, given: Inputs) -> LoopState:
-    """The first sample, as at the start of a bench."""
+    """Return the first sample, as at the start of a bench."""
     observers, controllers, held, known = period.begin_loop(bench, xp, known, given)
     return _judge_sample(bench, xp, LoopState(observers, controllers, held, 0.0, ()), known, given)
 
 
 def _continue_sample(bench: Bench, xp: Namespace, before: LoopState, known: Numbers, given: Inputs) -> LoopState:
-    """Another sample, a period after the one before."""
+    """Return another sample, a period after the one before."""
     signals = dict(zip(_list_drives(bench), before.signals, strict=True))
     observers = period.update_observers(bench, xp, before.observers, known, signals)
     known = known | period.collect_estimates(bench, observers)
@@ -273,7 +273,7 @@ def trace_loop(bench: Bench) -> TracedLoop:
 
 @cache_answers(32)
 def _trace_keyed(keyed: Keyed[Bench]) -> TracedLoop:
-    """Kernels of a first and of another sample as a program over flat states."""
+    """Return the kernels of a first and of another sample as a program over flat states."""
     program = Program()
     paths = tuple(leaf.path for leaf in keyed.part.leaves())
     bench = keyed.part.rebuilt({path: program.parameter(path) for path in paths})
@@ -326,7 +326,7 @@ class CompiledLoop:
         self.now = 0
 
     def run(self, name: str, inputs: Sequence[float]) -> list[float]:
-        """State after a sample."""
+        """Return the state after a sample."""
         now = self.now
         self.rooms[now][self.size :] = inputs
         self.functions[name][now]()
@@ -334,7 +334,7 @@ class CompiledLoop:
         return self.rooms[1 - now][: self.size]
 
     def state(self) -> list[float]:
-        """State after the last sample."""
+        """Return the state after the last sample."""
         return self.rooms[self.now][: self.size]
 
 
@@ -346,11 +346,11 @@ class FloatLoop:
         self.now: tuple[float, ...] = ()
 
     def run(self, name: str, inputs: Sequence[float]) -> Sequence[float]:
-        """State after a sample."""
+        """Return the state after a sample."""
         before = self.now if name == "step" else ()
         self.now = self.functions[name](*before, *inputs)
         return self.now
 
     def state(self) -> Sequence[float]:
-        """State after the last sample."""
+        """Return the state after the last sample."""
         return self.now

@@ -124,7 +124,7 @@ def warn_of_loops(result: Result, bench: Bench, duration: float) -> Result:
 
 
 def warn_of_guard(result: Result, bench: Bench) -> Result:
-    """The result with a warning for every alarm of the supervisor: which check, when first, for how long."""
+    """Return the result with a warning for every alarm of the supervisor: which check, when first, for how long."""
     if ALARM not in result.columns:
         return result
     times, columns = result.list_rows([ALARM])
@@ -143,7 +143,7 @@ def warn_of_guard(result: Result, bench: Bench) -> Result:
 
 
 def _with_doubts(result: Result, bench: Bench) -> Result:
-    """A result with what controllers failed to do."""
+    """Return a result with what controllers failed to do."""
     said: list[str] = []
     for (drive, one), reference in zip(bench.controllers.members().items(), list_references(bench), strict=True):
         names = name_controller_outputs(bench, drive)
@@ -153,7 +153,7 @@ def _with_doubts(result: Result, bench: Bench) -> Result:
 
 
 def warn_of_end(result: Result, duration: float, period: float) -> Result:
-    """The result in periods [s], with a warning if it ends at another time [s] than was asked for."""
+    """Return the result in periods [s], with a warning if it ends at another time [s] than was asked for."""
     end = result.times[-1]
     if result.status.failed or abs(end - duration) <= ROUNDING * duration:
         return result
@@ -165,7 +165,7 @@ def warn_of_end(result: Result, duration: float, period: float) -> Result:
 
 
 def _with_loops(result: Result, bench: Bench, outside: Mapping[str, AbstractDrive]) -> Result:
-    """A result with the references, and the wanted signals, of drives outside of the bench.
+    """Return a result with the references, and the wanted signals, of drives outside of the bench.
 
     Nobody answers at the end: the last signal is held.
     """
@@ -195,7 +195,7 @@ def reference_waveforms(bench: Bench) -> dict[str, AbstractWaveform]:
 
 
 def noise_waveforms(bench: Bench, duration: float, seed: int | None) -> dict[str, AbstractWaveform]:
-    """Standard normal numbers for every sensor of a bench; none without a seed."""
+    """Return the standard normal numbers for every sensor of a bench; none without a seed."""
     if seed is None:
         return {}
     rng = np.random.default_rng(seed)
@@ -212,7 +212,7 @@ def list_noises(bench: Bench) -> list[str]:
 
 
 def open_loop(bench: Bench, drive: str) -> tuple[Bench, AbstractController]:
-    """A bench without the controller of a drive, and that controller."""
+    """Return a bench without the controller of a drive, and that controller."""
     members = bench.controllers.members()
     controller = members.pop(drive)
     return bench.with_parts(controllers=Controllers(**members)), controller
@@ -224,16 +224,16 @@ class Seeing(AbstractDrive):
     drive: AbstractDrive = part("what answers")
 
     def init(self) -> Any:
-        """Memory of the drive."""
+        """Return the memory of the drive."""
         return self.drive.init()
 
     def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Any]:
-        """Its signal at `time` [s] and its new memory."""
+        """Return its signal at `time` [s] and its new memory."""
         return self.drive(time, select_visible(measurement), memory)
 
 
 def select_visible(measurement: Mapping[str, float]) -> dict[str, float]:
-    """Readings and estimates among the outputs of a bench; without any, all of them."""
+    """Return the readings and estimates among the outputs of a bench; without any, all of them."""
     found = {n.removeprefix(MEASURED): v for n, v in measurement.items() if n.startswith(MEASURED)}
     if not found:
         return dict(measurement)

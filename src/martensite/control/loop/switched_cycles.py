@@ -103,7 +103,7 @@ def find_switched_cycle(
 
 
 def read_switch(scenario: Scenario) -> Switch:
-    """The switch of a scenario.
+    """Return the switch of a scenario.
 
     Raises:
         InputError: it has not one `on-off` controller of a constant reference and a plain sensor.
@@ -161,16 +161,16 @@ class SwitchedMotion:
         self._known: tuple[Numbers, list[_Leg]] | None = None
 
     def heat_up(self) -> Numbers:
-        """The state at the first switching off, from rest."""
+        """Return the state at the first switching off, from rest."""
         state = self.stretch.rest(list(self.rest))
         return self._pass(state, on=True)[-1].states[-1]
 
     def go_on(self, state: Numbers) -> Numbers:
-        """The state at the next switching off."""
+        """Return the state at the next switching off."""
         return self._legs(state)[-1].states[-1]
 
     def measure_change(self, state: Numbers) -> float:
-        """Largest change of an output that is judged over a period, as a share of the least range that counts.
+        """Return largest change of an output that is judged over a period, as a share of the least range that counts.
 
         What a state holds of its last step, such as rates, differs by rounding over the short step to an event.
         """
@@ -180,7 +180,7 @@ class SwitchedMotion:
         return max(abs(float(seen[name][1] - seen[name][0])) / size for name, size in judged.items())
 
     def signals_at_begin(self) -> Numbers:
-        """All drives as it switches off."""
+        """Return all drives as it switches off."""
         return self._signals(self.switch.low)
 
     def _signals(self, level: float) -> Numbers:
@@ -250,7 +250,7 @@ class SwitchedMotion:
         )
 
     def _find_end(self, state: Numbers, level: float, threshold: float, sign: float) -> tuple[float, Numbers]:
-        """Length of the step at whose end the output is at a threshold, and the state there, (1, states)."""
+        """Return the length of the step at whose end the output is at a threshold, and the state there, (1, states)."""
 
         def end(length: float) -> Numbers:
             return self._go(state, np.array([length]), level).states[-1:]
@@ -265,7 +265,7 @@ class SwitchedMotion:
         return last, end(last)
 
     def march(self, state: Numbers) -> tuple[Numbers, Numbers]:
-        """States from one switching off to the next, and the Jacobian of the last."""
+        """Return the states from one switching off to the next, and the Jacobian of the last."""
         legs, slopes = self._legs(state), np.eye(self.size)
         for number, leg in enumerate(legs):
             slopes = self._differentiate(leg, slopes, event=number % 2 == 0 and not self.switch.sampling)
@@ -273,7 +273,7 @@ class SwitchedMotion:
         return states, slopes
 
     def _differentiate(self, leg: _Leg, seeds: Numbers, event: bool) -> Numbers:
-        """Derivatives of the last state of a leg; an event moves its last step."""
+        """Return the derivatives of the last state of a leg; an event moves its last step."""
         count = len(leg.lengths)
         if not count:
             return seeds
@@ -300,7 +300,7 @@ class SwitchedMotion:
         return Linearised(residual / sizes, jacobian / sizes[:, None], sizes)
 
     def observe(self, state: Numbers) -> tuple[Numbers, dict[str, Numbers]]:
-        """Times [s] and outputs of a cycle."""
+        """Return the times [s] and outputs of a cycle."""
         legs = self._legs(state)
         lengths = np.concatenate([leg.lengths for leg in legs])
         states = np.concatenate([*(leg.states[:-1] for leg in legs), legs[-1].states[-1:]])

@@ -27,7 +27,7 @@ LEAST = 1e-3
 
 
 def free_limits(controller: AbstractController) -> AbstractController:
-    """A controller whose signal has no limits, and whose reference is not shaped."""
+    """Return a controller whose signal has no limits, and whose reference is not shaped."""
     ends = {path: WIDE if path.endswith("high") else -WIDE for path in list_limits(controller)}
     return controller.with_values(ends).with_parts(**{name: None for name in SHAPED if name in controller.declarations})
 
@@ -45,7 +45,7 @@ def answer_sample(
     readings: Mapping[str, Any],
     dt: float,
 ) -> list[Any]:
-    """Signal of a sample and what is remembered, with what stands around the controller."""
+    """Return the signal of a sample and what is remembered, with what stands around the controller."""
     signal, after = controller.proceed(xp, tuple(memory), reference, readings, dt)
     return [signal, *after]
 
@@ -53,7 +53,7 @@ def answer_sample(
 def list_step_answers(
     controller: AbstractController, readings: Mapping[str, float], dt: float, samples: int
 ) -> list[float]:
-    """Changes of the signal after a step of the reading, per its unit: at once, and in the samples behind."""
+    """Return changes of the signal after a step of the reading, per its unit: at once, and in the samples behind."""
     free, name = free_limits(controller), controller.measured
     memory = remember_first(free, readings[name], readings)
 
@@ -114,7 +114,7 @@ def settle_controller(
 
 
 def find_reached(a: Numbers, b: Numbers) -> Numbers:
-    """Places of the states that inputs move."""
+    """Return the places of the states that inputs move."""
     reached = np.any(b != 0.0, axis=1)
     for _ in range(len(a)):
         reached = reached | np.any(a[:, reached] != 0.0, axis=1)

@@ -63,7 +63,7 @@ class LinearLoop:
 
     @property
     def offset(self) -> float:
-        """Reference less reading at rest."""
+        """Return the reference less reading at rest."""
         return float(self.closed.inputs[self.closed.input_names.index(REFERENCE)]) - self.reading
 
 
@@ -94,7 +94,7 @@ def linearise_dead_band(bench: Bench, drive: str, point: SteadyPoint) -> LinearL
 
 
 def _isolate_loop(bench: Bench, drive: str) -> Bench:
-    """The bench with one loop, nothing that cuts or fails, and sensors that sample in every period.
+    """Return the bench with one loop, nothing that cuts or fails, and sensors that sample in every period.
 
     What a slower sensor holds is as old as its last sample just before the next.
     """
@@ -117,7 +117,7 @@ def _isolate_loop(bench: Bench, drive: str) -> Bench:
 def _settle_bench(
     bench: Bench, drive: str, points: Sequence[SteadyPoint], turn: SteadyPoint | None
 ) -> list[BenchState]:
-    """States of the bench without its controller, with the plant at its points."""
+    """Return the states of the bench without its controller, with the plant at its points."""
     idle = bench.with_parts(controllers=Controllers())
     start = idle.init(floats, *[0.0] * len(idle.drives()))
     if not bench.observers.members():
@@ -150,7 +150,7 @@ def _hold_signals(lanes: Lanes, table: Numbers) -> None:
 
 
 def _begin_at(idle: Bench, start: BenchState, point: SteadyPoint) -> BenchState:
-    """The first state of a bench, with its plant at rest at a point."""
+    """Return the first state of a bench, with its plant at rest at a point."""
     plant = NestedShape(start.plant).rebuild(point.state.tolist())
     signals = dict(zip((one.name for one in idle.plant.drives()), point.signals, strict=True))
     known = of_period.collect_truth(idle, floats, idle.plant, plant, signals)
@@ -224,7 +224,7 @@ def _split_loop(
 
 
 def measure_rise(one: LinearLoop) -> float:
-    """Time in which the reading goes 63 % of its way after a step of the signal [s]; 0 if it does not move."""
+    """Return time in which the reading goes 63 % of its way after a step of the signal [s]; 0 if it does not move."""
     gain, times = float(one.plant.gain()[0, 0]), one.plant.time_constants()
     if gain == 0.0:
         return 0.0
@@ -234,7 +234,7 @@ def measure_rise(one: LinearLoop) -> float:
 
 
 def measure_noise(one: LinearLoop) -> float | None:
-    """Standard deviation of the signal by the noise of all sensors; None where the loop is unstable.
+    """Return the standard deviation of the signal by the noise of all sensors; None where the loop is unstable.
 
     P = A P Aᵀ + B Bᵀ,    σ² = c P cᵀ
     """

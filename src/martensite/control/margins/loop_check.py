@@ -48,7 +48,7 @@ class LoopReport:
         return "not sound" if faults else "not all tested" if self.untested else "sound"
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it for programs."""
+        """Return all of it for programs."""
         return asdict(self) | {"verdict": self.verdict}
 
 
@@ -158,7 +158,7 @@ def _judge_idle(case: LoopCase, ends: Sequence[Mapping[str, float]]) -> LoopFind
 def _list_answers(
     case: LoopCase, readings: Mapping[str, float], reference: float, count: int = LONGER
 ) -> tuple[float, float]:
-    """Signals of the controller while it reads the same: the first one, and that after a while."""
+    """Return the signals of the controller while it reads the same: the first one, and that after a while."""
     previews = case.controller.list_previews().items()  # of its own reference, because it leads no other drive
     ahead = {f"{AHEAD}{name}.{k}": reference for name, times in previews for k in range(len(times) + 1)}
     samples = 1 if isinstance(case.controller, Mpc) else count  # a plan is made again in every sample

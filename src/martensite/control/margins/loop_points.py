@@ -24,7 +24,7 @@ ALIKE = 2.0
 
 
 def linearise_case(case: LoopCase, count: int = POINTS) -> list[LinearLoop]:
-    """Loops at points of both branches along the reference, and one in the dead band.
+    """Return the loops at points of both branches along the reference, and one in the dead band.
 
     Raises:
         InputError: the controller plans, or only switches.
@@ -36,7 +36,7 @@ def linearise_case(case: LoopCase, count: int = POINTS) -> list[LinearLoop]:
 
 
 def list_first_answers(case: LoopCase) -> list[float]:
-    """Changes of the signal after a step of the reading, per its unit, in the first samples."""
+    """Return the changes of the signal after a step of the reading, per its unit, in the first samples."""
     if isinstance(case.controller, Mpc):
         raise InputError(f"`{case.controller.registered_name}` plans: it has no linear system")
     middle = case.heating.point(len(case.heating.levels) // 2)
@@ -44,7 +44,7 @@ def list_first_answers(case: LoopCase) -> list[float]:
 
 
 def choose_points(case: LoopCase, count: int = POINTS) -> tuple[list[SteadyPoint], SteadyPoint]:
-    """Points of rest on both branches along the reference, and the one at which the branches meet.
+    """Return the points of rest on both branches along the reference, and the one at which the branches meet.
 
     The cooling branch begins where the reference is highest: smaller loops have other slopes than the outermost one.
     """
@@ -72,7 +72,7 @@ def _find_nearest(curve: RestCurve, seen: Numbers, level: float) -> SteadyPoint:
 
 
 def find_validity(case: LoopCase, one: LinearLoop) -> tuple[float, float]:
-    """Readings around a point between which the slope of its branch is within a factor of `ALIKE`.
+    """Return the readings around a point between which the slope of its branch is within a factor of `ALIKE`.
 
     On the cooling branch that of the outermost loop is taken; in the dead band there are none.
     """

@@ -38,7 +38,7 @@ Tests = dict[str, Callable[[LoopCase], Iterator[LoopFinding]]]
 
 
 def make_tests(margins: list[Mapping[str, Any]]) -> Tests:
-    """Tests by name; rows of margins are added to a list."""
+    """Return the tests by name; rows of margins are added to a list."""
     kept: dict[str, list[LinearLoop] | MartensiteError] = {}
 
     def find_loops(case: LoopCase) -> list[LinearLoop]:
@@ -70,7 +70,7 @@ def make_tests(margins: list[Mapping[str, Any]]) -> Tests:
 
 
 def tabulate_loop(case: LoopCase, one: LinearLoop) -> dict[str, Any]:
-    """A row: where, the plant there, margins, and for which readings they hold."""
+    """Return a row: where, the plant there, margins, and for which readings they hold."""
     found, times = compute_margins(one.loop), one.plant.time_constants()
     low, high = find_validity(case, one)
     return {
@@ -89,7 +89,7 @@ def tabulate_loop(case: LoopCase, one: LinearLoop) -> dict[str, Any]:
 
 
 def judge_margins(case: LoopCase, rows: list[dict[str, Any]]) -> Iterator[LoopFinding]:
-    """The worst row of each branch that is beyond the bounds."""
+    """Yield the worst row of each branch that is beyond the bounds."""
     for branch in dict.fromkeys(row["branch"] for row in rows):
         mine = [row for row in rows if row["branch"] == branch]
         swinging = [row for row in mine if not row["stable"]]

@@ -50,7 +50,7 @@ class LoopMargins:
 
 
 def list_frequencies(interval: float) -> Numbers:
-    """Frequencies up to half the sample rate [rad/s]."""
+    """Return the frequencies up to half the sample rate [rad/s]."""
     most = np.pi / interval
     return np.geomspace(most * 10.0**-DECADES, most, POINTS)
 
@@ -62,13 +62,13 @@ def evaluate_response(loop: LinearSystem, omega: Numbers) -> Numbers:
 
 
 def closed_poles(loop: LinearSystem) -> Numbers:
-    """Poles of the closed loop in the plane of z."""
+    """Return the poles of the closed loop in the plane of z."""
     slim = loop.reduce_states()
     return np.linalg.eigvals(slim.a - slim.b @ slim.c / (1.0 + slim.d[0, 0]))
 
 
 def compute_margins(loop: LinearSystem) -> LoopMargins:
-    """Margins of a loop L with one input and one output, closed by u = -y."""
+    """Return the margins of a loop L with one input and one output, closed by u = -y."""
     slim = loop.reduce_states()
     omega = list_frequencies(loop.interval)
     found = evaluate_response(slim, omega)
@@ -93,7 +93,7 @@ def compute_margins(loop: LinearSystem) -> LoopMargins:
 def _refine_zeros(
     loop: LinearSystem, omega: Numbers, function: Callable[[Numbers], Numbers]
 ) -> list[tuple[float, complex]]:
-    """Frequencies at which a function of L is 0, and L there: all of them halved side by side."""
+    """Return the frequencies at which a function of L is 0, and L there: all of them halved side by side."""
     values = function(evaluate_response(loop, omega))
     turns = np.flatnonzero(values[:-1] * values[1:] < 0.0)
     if not len(turns):
@@ -108,7 +108,7 @@ def _refine_zeros(
 
 
 def _refine_distance(loop: LinearSystem, omega: Numbers, found: Numbers) -> float:
-    """The least |1 + L|: the frequencies around the nearest one are made dense again and again."""
+    """Return the least |1 + L|: the frequencies around the nearest one are made dense again and again."""
     distance = np.abs(1.0 + found)
     for _ in range(ROUNDS):
         k = int(np.argmin(distance))

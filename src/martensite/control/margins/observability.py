@@ -42,7 +42,7 @@ def check_observability(case: LoopCase) -> Iterator[LoopFinding]:
 
 
 def find_slopes(case: LoopCase, curve: RestCurve, port: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Readings within the range of the reference, d ln R/dξ and R there."""
+    """Return the readings within the range of the reference, d ln R/dξ and R there."""
     fraction, ohms = (curve.outputs[case.bench.plant.label(port, one)] for one in ("martensite_fraction", "resistance"))
     asked, seen = case.reference, case.read(curve)
     slack = BEYOND * np.ptp(seen)

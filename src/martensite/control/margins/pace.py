@@ -68,7 +68,7 @@ def find_truth(case: LoopCase) -> str:
 
 
 def _compute_fastest(case: LoopCase, sign: float, wanted: Numbers, ends: tuple[float, float]) -> tuple[Curve, Curve]:
-    """The ways under the largest signal, then under the least one, between the ends of the reference."""
+    """Return the ways under the largest signal, then under the least one, between the ends of the reference."""
     slack = BEYOND * (ends[1] - ends[0])
     top = min(float(wanted.max()), ends[1] - slack)
     floor = max(min(float(wanted.min()), top - slack), ends[0] + slack)
@@ -100,7 +100,7 @@ def _march_until(case: LoopCase, lanes: Lanes, signal: float, done: Callable[[Nu
 
 
 def follow_fastest(wanted: Numbers, rising: Curve, falling: Curve, dt: float) -> Numbers:
-    """The nearest to a reference, at samples dt [s] apart, between the fastest ways up and down."""
+    """Return the nearest to a reference, at samples dt [s] apart, between the fastest ways up and down."""
     (up, high), (down, low) = rising, falling
     found, now = np.empty(len(wanted)), float(wanted[0])
     for k, asked in enumerate(wanted.tolist()):

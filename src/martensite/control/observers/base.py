@@ -33,7 +33,7 @@ class AbstractObserver(Parametrised):
 
     @abstractmethod
     def reads(self) -> tuple[str, ...]:
-        """Names of the readings that it needs."""
+        """Return the names of the readings that it needs."""
 
     @abstractmethod
     def estimates(self) -> dict[str, Output]:
@@ -45,13 +45,13 @@ class AbstractObserver(Parametrised):
 
     @abstractmethod
     def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
-        """Estimates and memory at the first sample, with the plant at rest."""
+        """Return the estimates and memory at the first sample, with the plant at rest."""
 
     @abstractmethod
     def update(
         self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar, turns: int
     ) -> tuple[Column, Column]:
-        """Estimates of this sample, and what is remembered for the next.
+        """Return the estimates of this sample, and the memory for the next sample.
 
         Args:
             xp: namespace.
@@ -77,7 +77,7 @@ class ObserverPeriod(NamedTuple):
 
     @property
     def step(self) -> Scalar:
-        """Length of a step [s]."""
+        """Return the length of a step [s]."""
         return self.dt / self.turns
 
 
@@ -93,5 +93,5 @@ def list_required(observer: AbstractObserver, signals: Named) -> list[Scalar]:
 
 
 def list_several(names: str | tuple[str, ...]) -> tuple[str, ...]:
-    """Names of one, or of several."""
+    """Return the names of one, or of several."""
     return (names,) if isinstance(names, str) else names

@@ -144,7 +144,7 @@ class Calibration(Parametrised):
     def _average(
         self, xp: Namespace, now: CalibrationState, at: list[Flag], reading: Scalar, fresh: Scalar
     ) -> CalibrationState:
-        """Means of the readings while cold and while it soaks."""
+        """Return the means of the readings while cold and while it soaks."""
         total, count = now.total + fresh * reading, now.count + fresh
         some = count > 0.0
         mean = total / xp.where(some, count, 1.0)

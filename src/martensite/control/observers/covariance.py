@@ -34,19 +34,19 @@ class UnknownReading(NamedTuple):
 
 
 def pack_matrix(matrix: Matrix) -> list[Scalar]:
-    """The lower triangle of a symmetric matrix, row by row."""
+    """Return the lower triangle of a symmetric matrix, row by row."""
     return [x for i, row in enumerate(matrix) for x in row[: i + 1]]
 
 
 def unpack_matrix(numbers: Sequence[Scalar]) -> Matrix:
-    """The symmetric matrix of a lower triangle."""
+    """Return the symmetric matrix of a lower triangle."""
     size = int((2 * len(numbers)) ** 0.5)
     start = [k * (k + 1) // 2 for k in range(size)]
     return [[numbers[start[max(i, j)] + min(i, j)] for j in range(size)] for i in range(size)]
 
 
 def build_diagonal(numbers: Sequence[Scalar]) -> Matrix:
-    """A diagonal matrix."""
+    """Return a diagonal matrix."""
     return [[x if i == j else 0.0 for j in range(len(numbers))] for i, x in enumerate(numbers)]
 
 
@@ -58,7 +58,7 @@ def propagate_covariance(rows: Matrix, matrix: Matrix) -> Matrix:
 
 
 def add_matrices(a: Matrix, b: Matrix) -> Matrix:
-    """Sum of two matrices."""
+    """Return the sum of two matrices."""
     return [[x + y for x, y in zip(r, s, strict=True)] for r, s in zip(a, b, strict=True)]
 
 
@@ -80,7 +80,7 @@ def factor_cholesky(xp: Namespace, matrix: Matrix) -> Matrix:
 def condition_on_readings(
     xp: Namespace, mean: Sequence[Scalar], matrix: Matrix, readings: Sequence[UnknownReading]
 ) -> tuple[list[Scalar], Matrix, Scalar]:
-    """Unknowns and covariance after readings, and their NIS."""
+    """Return the unknowns and covariance after readings, and their NIS."""
     found, nis = list(mean), 0.0
     for i, value, variance, used in readings:
         total = matrix[i][i] + variance
@@ -95,7 +95,7 @@ def condition_on_readings(
 
 
 def put_unknown(xp: Namespace, mean: Sequence[Scalar], matrix: Matrix, index: int, value: Scalar) -> list[Scalar]:
-    """Unknowns of which one is put at a value; the others follow as they are correlated."""
+    """Return the unknowns of which one is put at a value; the others follow as they are correlated."""
     some = matrix[index][index] > LEAST
     inverse = xp.where(some, 1.0 / xp.where(some, matrix[index][index], 1.0), 0.0)
     way = value - mean[index]

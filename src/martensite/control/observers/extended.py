@@ -28,7 +28,7 @@ class ExtendedKalman(AbstractFilter):
     cites = ("barshalom2001",)
 
     def forecast(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Forecast:
-        """Mean and covariance a period later."""
+        """Return the mean and covariance a period later."""
         drift = before.drift
         flat, slopes = self._predict_state(xp, before, going)
         state = NestedShape(before.state).rebuild(flat)
@@ -38,7 +38,7 @@ class ExtendedKalman(AbstractFilter):
         return Forecast(state, mean, covariance.add_matrices(matrix, added))
 
     def _predict_state(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> tuple[list[Scalar], Columns]:
-        """The flat state at the end of the period, and its slopes: a column per unknown."""
+        """Return the flat state at the end of the period, and its slopes: a column per unknown."""
         shape, count = NestedShape(before.state), self.unknowns()
         model = self.model_at_factors(xp, before.drift)
         at = [*hidden_states.read_hidden(xp, model, before.state, going.signals), *before.drift]
@@ -89,7 +89,7 @@ class ExtendedKalman(AbstractFilter):
 
 
 def _seed_dual(dual: Any, at: Sequence[Any], k: int) -> list[Any]:
-    """Numbers of which one is the variable."""
+    """Return the numbers of which one is the variable."""
     return [dual.pair(x, 1.0) if i == k else x for i, x in enumerate(at)]
 
 

@@ -83,7 +83,7 @@ class FreeParameter(NamedTuple):
         return xp.clip(x, -far, far)
 
     def values(self, xp: Namespace, known: Named, x: Scalar) -> list[tuple[str, Scalar]]:
-        """All its parameters by path, of those of the model."""
+        """Return all its parameters by path, of those of the model."""
         found = [(path, self._at(xp, known[path], x)) for path in self.paths]
         return found + [(path, known[path] - x) for path in self.opposite]
 
@@ -154,18 +154,18 @@ class AbstractFilter(AbstractObserver):
                 raise ParameterError(f"Parameter `{one.path}` cannot drift: it is 0, and drifts by a factor.")
 
     def reads(self) -> tuple[str, ...]:
-        """Readings that it uses."""
+        """Return the readings that it uses."""
         return list_several(self.measured)
 
     def shown_outputs(self) -> list[str]:
-        """Outputs of the model that are estimated beside what is hidden."""
+        """Return the outputs of the model that are estimated beside what is hidden."""
         own = [self.model.label(port, "strain") for port in self.model.actuators()]
         chosen = list_several(self.wanted) or (*self.model.mechanism.outputs(), *own)
         unknown = hidden_states.list_names(self.model)
         return [name for name in dict.fromkeys((*chosen, *self.reads())) if name not in unknown]
 
     def estimates(self) -> dict[str, Output]:
-        """Values, standard deviations, correlations, and the NIS."""
+        """Return the values, standard deviations, correlations, and the NIS."""
         known = self.model.outputs()
         leaves = {leaf.path: leaf.declared for leaf in self.model.leaves()}
         found = {name: known[name] for name in hidden_states.list_names(self.model)}
@@ -179,7 +179,7 @@ class AbstractFilter(AbstractObserver):
         return found | {"nis": Output("1", "normalised innovation squared", "NIS")}
 
     def free_parameters(self) -> list[FreeParameter]:
-        """Parameters of the model that it estimates: those that drift, by factors."""
+        """Return the parameters of the model that it estimates: those that drift, by factors."""
         paths = [self.model.resolve(name) for name in list_several(self.drifting)]
         return [FreeParameter((path,), "factor", self.first_drift, self.drift_noise) for path in paths]
 
@@ -188,7 +188,7 @@ class AbstractFilter(AbstractObserver):
         """Predict the state a period later."""
 
     def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
-        """The model at rest under the signals, as sure as the first deviations say."""
+        """Return the model at rest under the signals, as sure as the first deviations say."""
         return self.list_estimates(xp, self.first_forecast(xp, list_required(self, signals)), 0.0)
 
     def first_forecast(self, xp: Namespace, signals: Column) -> Forecast:
@@ -200,18 +200,18 @@ class AbstractFilter(AbstractObserver):
         return Forecast(state, mean, covariance.propagate_covariance(slopes, matrix))
 
     def first_deviations(self) -> list[Scalar]:
-        """Standard deviations of all unknowns at the start."""
+        """Return the standard deviations of all unknowns at the start."""
         own = [self.first_temperature, self.first_fraction] * len(self.model.actuators())
         return [*own, *(one.first for one in self.free_parameters())]
 
     def first_covariance(self, xp: Namespace, variances: Sequence[Scalar], signals: Column) -> Matrix:
-        """Covariance of the unknowns at rest: none depends on another."""
+        """Return the covariance of the unknowns at rest: none depends on another."""
         return covariance.build_diagonal(variances)
 
     def update(
         self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar, turns: int
     ) -> tuple[Column, Column]:
-        """Estimates after the readings of this sample, and what is believed."""
+        """Return the estimates after the readings of this sample, and what is believed."""
         going = ObserverPeriod(list_required(self, signals), dt, turns)
         expected = self.forecast(xp, self.unflatten_memory(memory), going)
         rows = self.pair_readings(xp, expected.mean, readings, dt)
@@ -221,7 +221,7 @@ class AbstractFilter(AbstractObserver):
     def place_unknowns(
         self, xp: Namespace, state: Any, mean: list[Scalar], matrix: Matrix, going: ObserverPeriod
     ) -> Forecast:
-        """Unknowns within their limits, and the state put there."""
+        """Return the unknowns within their limits, and the state put there."""
         for i in range(1, 2 * len(self.model.actuators()), 2):
             mean = covariance.put_unknown(xp, mean, matrix, i, xp.clip(mean[i], 0.0, 1.0))
         unknown, count = len(hidden_states.list_names(self.model)), self.unknowns()
@@ -231,7 +231,7 @@ class AbstractFilter(AbstractObserver):
         return Forecast(there, mean, matrix)
 
     def pair_readings(self, xp: Namespace, mean: Sequence[Scalar], readings: Named, dt: Scalar) -> list[UnknownReading]:
-        """Readings with what is expected of them."""
+        """Return the readings with what is expected of them."""
         names, found = self._rows(), list[UnknownReading]()
         for name in self.reads():
             i = names.index(name)
@@ -246,11 +246,11 @@ class AbstractFilter(AbstractObserver):
         return [*hidden_states.list_names(self.model), *free, *self.shown_outputs()]
 
     def unknowns(self) -> int:
-        """Number of hidden values and of drifting parameters."""
+        """Return the number of hidden values and of drifting parameters."""
         return len(hidden_states.list_names(self.model)) + len(self.free_parameters())
 
     def model_at_factors(self, xp: Namespace, drift: Sequence[Scalar]) -> Any:
-        """The model with its free parameters at what is estimated of them."""
+        """Return the model with its free parameters at what is estimated of them."""
         rows = zip(self.free_parameters(), drift, strict=True)
         known = self._model_values()
         return self.model.rebuilt({path: value for one, x in rows for path, value in one.values(xp, known, x)})
@@ -259,11 +259,11 @@ class AbstractFilter(AbstractObserver):
         return {leaf.path: leaf.value for leaf in self.model.leaves()}
 
     def limit_factors(self, xp: Namespace, drift: Sequence[Scalar]) -> list[Scalar]:
-        """Estimates of free parameters within their limits."""
+        """Return the estimates of free parameters within their limits."""
         return [one.limit(xp, x) for one, x in zip(self.free_parameters(), drift, strict=True)]
 
     def read_model(self, xp: Namespace, state: Any, drift: Sequence[Scalar], signals: Column) -> list[Scalar]:
-        """Hidden values, factors and outputs of a state."""
+        """Return the hidden values, factors and outputs of a state."""
         found = hidden_states.observe_model(xp, self.model_at_factors(xp, drift), state, signals)
         unknown = [found[name] for name in hidden_states.list_names(self.model)]
         return [*unknown, *drift, *(found[name] for name in self.shown_outputs())]
@@ -283,13 +283,13 @@ class AbstractFilter(AbstractObserver):
         return compute_jacobian(xp, from_unknowns, [*at, *drift])
 
     def noise_covariance(self, xp: Namespace, state: Any, drift: Sequence[Scalar], going: ObserverPeriod) -> Matrix:
-        """Covariance that the noise of a period adds to everything."""
+        """Return the covariance that the noise of a period adds to everything."""
         mean, slopes = self.outlook(xp, state, drift, going.signals)
         walks = [*self.hidden_walks(xp, mean), *(going.learning * one.walk for one in self.free_parameters())]
         return covariance.propagate_covariance(slopes, covariance.build_diagonal([w * w * going.dt for w in walks]))
 
     def hidden_walks(self, xp: Namespace, at: Sequence[Scalar]) -> list[Scalar]:
-        """Densities of the random walks of temperature and fraction at every port, where these are."""
+        """Return the densities of the random walks of temperature and fraction at every port, where these are."""
         return [self.temperature_noise, self.fraction_noise] * len(self.model.actuators())
 
     def unflatten_memory(self, memory: Column) -> Believed:
@@ -301,7 +301,7 @@ class AbstractFilter(AbstractObserver):
         return Believed(shape.rebuild(memory[:size]), tuple(memory[size:drift]), matrix)
 
     def list_estimates(self, xp: Namespace, found: Forecast, nis: Scalar) -> tuple[Column, Column]:
-        """Estimates, and the numbers of what is believed."""
+        """Return the estimates, and the numbers of what is believed."""
         state, mean, matrix = found
         unknown, count = len(hidden_states.list_names(self.model)), self.unknowns()
         drift = mean[unknown:count]

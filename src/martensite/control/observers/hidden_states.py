@@ -53,12 +53,12 @@ def build_example(model: AbstractSystem) -> State:
 
 
 def list_names(model: AbstractSystem) -> list[str]:
-    """Names of all that is hidden."""
+    """Return the names of all that is hidden."""
     return [model.label(port, name) for port in model.actuators() for name in HIDDEN]
 
 
 def observe_model(xp: Namespace, model: AbstractSystem, state: Any, signals: Sequence[Scalar]) -> dict[str, Scalar]:
-    """Outputs of a model by name."""
+    """Return the outputs of a model by name."""
     return dict(zip(model.outputs(), model.observe(xp, state, *signals), strict=True))
 
 
@@ -71,7 +71,7 @@ def read_hidden(xp: Namespace, model: AbstractSystem, state: Any, signals: Seque
 def place_hidden(
     xp: Namespace, model: AbstractSystem, state: State, at: Sequence[Scalar], signals: Sequence[Scalar]
 ) -> State:
-    """The state with other hidden values, under forces at which everything fits."""
+    """Return the state with other hidden values, under forces at which everything fits."""
     for _ in range(2):
         found = observe_model(xp, model, state, signals)
         rows = zip(model.actuators().items(), state.elements, at[::2], at[1::2], strict=True)
@@ -90,14 +90,14 @@ def place_hidden(
 
 
 def limit_fractions(xp: Namespace, at: Sequence[Scalar]) -> list[Scalar]:
-    """Hidden values with fractions in [0, 1]."""
+    """Return the hidden values with fractions in [0, 1]."""
     return [xp.clip(x, 0.0, 1.0) if k % 2 else x for k, x in enumerate(at)]
 
 
 def _scale_fractions(
     xp: Namespace, model: AbstractSystem, port: str, found: Mapping[str, Scalar], fraction: Scalar
 ) -> Fractions:
-    """Phase state of a port at another martensite fraction, oriented in proportion."""
+    """Return the phase state of a port at another martensite fraction, oriented in proportion."""
     before, oriented = (found[model.label(port, name)] for name in ("martensite_fraction", "oriented_fraction"))
     some = before > SLIGHT
     share = xp.where(some, oriented / xp.where(some, before, 1.0), 1.0)
@@ -136,11 +136,11 @@ class ProcessNoisePlant(AbstractSystemAround):
         return f"{self.plant.description()}, shaken"
 
     def init(self, xp: Namespace, *drives: Scalar) -> Any:
-        """The plant at rest."""
+        """Return the plant at rest."""
         return self.plant.init(xp, *self._apart(drives)[0])
 
     def step(self, xp: Namespace, state: Any, *drives: Scalar, dt: Scalar) -> tuple[Any, StepReport]:
-        """A step of the plant, then one of the walk."""
+        """Return a step of the plant, then one of the walk."""
         signals, numbers = self._apart(drives)
         after, report = self.plant.step(xp, state, *signals, dt=dt)
         share = dt / xp.sqrt(self.held)

@@ -38,7 +38,7 @@ class RunningTest(NamedTuple):
         return RunningTest(self.mean + weight * (z - self.mean), self.square + weight * (z * z - self.square))
 
     def statistic(self, xp: Namespace, share: Scalar) -> Scalar:
-        """The larger one of both chi-squares."""
+        """Return the larger one of both chi-squares."""
         count = (2.0 - share) / share
         variance = 2.0 / (9.0 * count)
         more = xp.maximum(xp.power(self.square, 1.0 / 3.0) - 1.0 + variance, 0.0)
@@ -46,5 +46,5 @@ class RunningTest(NamedTuple):
 
 
 def find_misfit(xp: Namespace, tests: Sequence[RunningTest], share: Scalar, bound: Scalar) -> Scalar:
-    """The largest statistic of all readings over its bound: above 1 the model does not hold."""
+    """Return the largest statistic of all readings over its bound: above 1 the model does not hold."""
     return find_largest(xp, [one.statistic(xp, share) for one in tests]) / bound

@@ -56,11 +56,11 @@ class InverseModel(AbstractObserver):
             )
 
     def reads(self) -> tuple[str, ...]:
-        """The resistance."""
+        """Return the resistance."""
         return (self.measured,)
 
     def estimates(self) -> dict[str, Output]:
-        """Outputs of the model, and the sensitivity."""
+        """Return the outputs of the model, and the sensitivity."""
         known = self.model.outputs()
         found = {name: known[name] for name in self._shown_outputs()}
         return found | {"sensitivity": Output("1", "change of ln R with the fraction", "s")}
@@ -72,14 +72,14 @@ class InverseModel(AbstractObserver):
         return list(dict.fromkeys(chosen))
 
     def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
-        """The model at rest."""
+        """Return the model at rest."""
         applied = list_required(self, signals)
         return self._list_estimates(xp, self.model.init(xp, *applied), applied)
 
     def update(
         self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar, turns: int
     ) -> tuple[Column, Column]:
-        """Estimates at the root, and the state of the model there."""
+        """Return the estimates at the root, and the state of the model there."""
         applied = list_required(self, signals)
         before = NestedShape(self.__dict__["_example"]).rebuild(memory)
         state, _ = advance_steps(xp, self.model, before, [(applied, dt / turns)], turns)
@@ -107,7 +107,7 @@ class InverseModel(AbstractObserver):
         return self._list_estimates(xp, there, applied)
 
     def _ohms(self, xp: Namespace, state: Any, at: Column, signals: Column) -> Scalar:
-        """Resistance [ohm] of a state put elsewhere."""
+        """Return the resistance [ohm] of a state put elsewhere."""
         there = hidden_states.place_hidden(xp, self.model, state, at, signals)
         return hidden_states.observe_model(xp, self.model, there, signals)[self.measured]
 

@@ -121,7 +121,7 @@ class ModelBank(ExtendedKalman):
         self.__dict__["_memory"] = self._build_example()
 
     def _check_member(self, name: str, model: AbstractSystem) -> ExtendedKalman:
-        """The filter of a model."""
+        """Return the filter of a model."""
         settings = {key: self.__dict__[key] for key in AbstractFilter.declarations}
         try:
             drifting = tuple(find_wrapped_path(self.model.resolve(path), model) for path in list_several(self.drifting))
@@ -137,7 +137,7 @@ class ModelBank(ExtendedKalman):
         return made
 
     def _build_example(self) -> BankMemory:
-        """A memory: the shape of all of them."""
+        """Return a memory: the shape of all of them."""
         signals = {one.name: hidden_states.REST if one.unit == "K" else 0.0 for one in self.model.drives()}
         state = self.model.init(floats, *signals.values())
         seen = hidden_states.observe_model(floats, self.model, state, list(signals.values()))
@@ -170,7 +170,7 @@ class ModelBank(ExtendedKalman):
         return found | {CONFIDENCE: Output("1", "confidence in the estimates", "γ")}
 
     def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
-        """All models at rest, the first by far the most probable."""
+        """Return all models at rest, the first by far the most probable."""
         memory, starts = self._begin(xp, readings, signals)
         return self._answer(xp, memory, starts, 0.0, 0.0, memory.filters)
 
@@ -207,7 +207,7 @@ class ModelBank(ExtendedKalman):
     def update(
         self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar, turns: int
     ) -> tuple[Column, Column]:
-        """Mixture of the models after the readings of this sample."""
+        """Return the mixture of the models after the readings of this sample."""
         before: BankMemory = NestedShape(self.__dict__["_memory"]).rebuild(memory)
         going, filters = ObserverPeriod(list_required(self, signals), dt, turns), self._filters(xp)
         ahead, shares = self._switch(xp, before.weights, dt)
@@ -236,7 +236,7 @@ class ModelBank(ExtendedKalman):
         return self._answer(xp, now, [one.found for one in rows], nis, misfit, kept)
 
     def _switch(self, xp: Namespace, weights: Column, dt: Scalar) -> tuple[list[Scalar], list[list[Scalar]]]:
-        """Probabilities before the readings, and the shares of which every filter goes on."""
+        """Return the probabilities before the readings, and the shares of which every filter goes on."""
         others = len(weights) - 1
         if not others:
             return [weights[0]], [[1.0]]
@@ -273,7 +273,7 @@ class ModelBank(ExtendedKalman):
     def _weigh(
         self, xp: Namespace, one: AbstractFilter, begun: Believed, readings: Named, going: ObserverPeriod
     ) -> Weighed:
-        """A period of a filter."""
+        """Return a period of a filter."""
         expected = one.forecast(xp, begun, going)
         rows = one.pair_readings(xp, expected.mean, readings, going.dt)
         mean, matrix, weight = list(expected.mean), expected.covariance, 0.0
@@ -287,7 +287,7 @@ class ModelBank(ExtendedKalman):
     def _answer(
         self, xp: Namespace, now: BankMemory, found: list[Forecast], nis: Scalar, misfit: Scalar, kept: Memories
     ) -> tuple[Column, Column]:
-        """Estimates of the mixture, and what is remembered."""
+        """Return the estimates of the mixture, and the new memory."""
         mean, matrix = _mix_moments(now.weights, [one.mean for one in found], [one.covariance for one in found])
         estimates, _ = self.list_estimates(xp, Forecast(found[0].state, mean, matrix), nis)
         k = self._controlled_row()
@@ -306,7 +306,7 @@ class ModelBank(ExtendedKalman):
 def _mix_moments(
     weights: Sequence[Scalar], means: Sequence[Sequence[Scalar]], matrices: Sequence[Matrix]
 ) -> tuple[list[Scalar], Matrix]:
-    """Mean and covariance of a mixture."""
+    """Return the mean and covariance of a mixture."""
     mean = [sum_column([w * x for w, x in zip(weights, column, strict=True)]) for column in zip(*means, strict=True)]
     below: list[Scalar] = []
     apart = [[x - m for x, m in zip(one, mean, strict=True)] for one in means]
@@ -318,7 +318,7 @@ def _mix_moments(
 
 
 def _mix_memories(weights: Sequence[Scalar], memories: Sequence[Any], own: Believed) -> Any:
-    """Memory of a mechanism: mixed if all have the same, else its own."""
+    """Return the memory of a mechanism: mixed if all have the same, else its own."""
     mine = own.state.mechanism
     flat = [flatten_numbers(one) for one in memories]
     if len({(type(one), len(numbers)) for one, numbers in zip(memories, flat, strict=True)}) > 1:

@@ -145,7 +145,7 @@ class SelfSensing(UnscentedKalman):
         return found
 
     def _paths(self, names: tuple[str, ...]) -> tuple[str, ...]:
-        """Parameters of the model that are called so, or end so."""
+        """Return the parameters of the model that are called so, or end so."""
         sought = self.__dict__["_sought"]
         if names not in sought:
             endings = tuple(f".{name}" for name in names)
@@ -191,7 +191,7 @@ class SelfSensing(UnscentedKalman):
     def update(
         self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar, turns: int
     ) -> tuple[Column, Column]:
-        """Estimates after the reading of this sample, the calibration a sample further, and what is believed."""
+        """Return estimates after the reading of this sample, the calibration a sample further, and what is believed."""
         sizes = len(CalibrationState._fields), len(TrustState._fields)
         before, trust = CalibrationState(*memory[: sizes[0]]), TrustState(*memory[sizes[0] : sum(sizes)])
         faster = xp.where(before.phase < READY - 0.5, self.learning, 1.0)
@@ -231,7 +231,7 @@ class SelfSensing(UnscentedKalman):
         return xp.where(xp.both(own.phase > COLD + 0.5, own.phase < SETTLE - 0.5), heats, sure)
 
     def _heat_share(self, xp: Namespace, expected: Forecast, going: ObserverPeriod, reading: Scalar) -> Scalar:
-        """Energy of a period, over that which heats the element to the soak without a transformation."""
+        """Return the energy of a period, over that which heats the element to the soak without a transformation."""
         (port,), (one,) = self.model.actuators(), self.model.actuators().values()
         seen = hidden_states.observe_model(xp, self.model, expected.state, going.signals)
         power, ohm = (seen[self.model.label(port, name)] for name in ("power", "resistance"))
@@ -239,12 +239,12 @@ class SelfSensing(UnscentedKalman):
         return power * ohm / xp.maximum(reading, TINY) * going.dt / energy
 
     def _soaked(self, xp: Namespace) -> Scalar:
-        """Temperature of the soak [K]."""
+        """Return the temperature of the soak [K]."""
         above = self.model.value_of("A_f") + ABOVE if self._paths(("law.A_f",)) else self.hot
         return xp.where(self.hot < GIVEN, self.hot, above)
 
     def _count_common_shift(self, xp: Namespace, estimates: Column) -> list[Scalar]:
-        """Estimates, with what all temperatures may be off by together in the spreads of every one."""
+        """Return the estimates, with what all temperatures may be off by together in the spreads of every one."""
         common, names = UNIFORM * HALF * self.sheet.transformation, list(super().estimates())
         shifted = [hidden_states.list_names(self.model)[0], *self._paths((*AROUND, "law.A_s"))]
         rows = {names.index(f"{name}_std") for name in shifted if f"{name}_std" in names}
@@ -286,7 +286,7 @@ class SelfSensing(UnscentedKalman):
     def _austenite(
         self, xp: Namespace, own: CalibrationState, expected: Forecast, going: ObserverPeriod
     ) -> tuple[list[Scalar], Matrix]:
-        """Unknowns after the soak, and their covariance."""
+        """Return the unknowns after the soak, and their covariance."""
         around = self.model.value_of("environment.temperature")
         hot = self._soaked(xp)
         (port,) = self.model.actuators()

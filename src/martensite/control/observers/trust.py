@@ -41,7 +41,7 @@ class Trust(Parametrised):
     loud: Number = param("1", "z_1, from which on nothing is left", above=0.0, default=7.0)
 
     def advance(self, xp: Namespace, before: TrustState, innovation: Scalar, fresh: Scalar, dt: Scalar) -> TrustState:
-        """Means with another normalised innovation, if its reading is fresh."""
+        """Return the means with another normalised innovation, if its reading is fresh."""
         share = fresh * self._share(dt)
         # An innovation far beyond any noise shall not ring on for many windows.
         limited = xp.clip(innovation, -10.0, 10.0)

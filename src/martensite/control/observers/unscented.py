@@ -35,7 +35,7 @@ class UnscentedKalman(AbstractFilter):
     beta: Number = param("1", "weight of the middle in the covariance", low=0.0, default=0.0)
 
     def forecast(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Forecast:
-        """Mean and covariance a period later."""
+        """Return the mean and covariance a period later."""
         rows = self._predict_points(xp, before, going)
         seen = self._predict_outputs(xp, rows, before, going)
         mean, matrix = self._moments(seen)
@@ -45,7 +45,7 @@ class UnscentedKalman(AbstractFilter):
         return Forecast(state, mean, covariance.add_matrices(matrix, added))
 
     def points(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Matrix:
-        """Hidden values and factors of all points, the middle one first."""
+        """Return the hidden values and factors of all points, the middle one first."""
         model = self.model_at_factors(xp, before.drift)
         middle = [*hidden_states.read_hidden(xp, model, before.state, going.signals), *before.drift]
         root, far = covariance.factor_cholesky(xp, before.covariance), xp.sqrt(self._square())
@@ -83,7 +83,7 @@ class UnscentedKalman(AbstractFilter):
         return [list(row) for row in zip(*_cut_columns(found, len(points)), strict=True)]
 
     def _predict_outputs(self, xp: Namespace, rows: Matrix, before: Believed, going: ObserverPeriod) -> Matrix:
-        """Hidden values, factors and outputs of every point."""
+        """Return the hidden values, factors and outputs of every point."""
         shape, size = NestedShape(before.state), len(flatten_numbers(before.state))
 
         def told(*row: Scalar) -> list[Scalar]:

@@ -66,7 +66,7 @@ class RisenResistance(AbstractResistance):
 def list_usual_models(
     xp: Namespace, model: AbstractSystem, names: Iterable[str], sizes: UsualSizes
 ) -> dict[str, AbstractSystem]:
-    """The model as it is believed, and those of the usual ones that it can be turned into, by name."""
+    """Return the model as it is believed, and those of the usual ones that it can be turned into, by name."""
     found, wanted = dict[str, AbstractSystem](), list(names)
     line = model.mechanism
     held = isinstance(line, AbstractLoadLine)
@@ -88,7 +88,7 @@ def list_usual_models(
 
 
 def find_wrapped_path(path: str, model: Parametrised) -> str:
-    """The path of a number in a model in which parts that lead to it are wrapped in others.
+    """Return the path of a number in a model in which parts that lead to it are wrapped in others.
 
     Raises:
         ParameterError: it is not there, or not once.
@@ -110,7 +110,7 @@ def _find_place(model: Parametrised, one: Parametrised) -> str:
 
 
 def _add_rphases(model: AbstractSystem, rise: Scalar) -> AbstractSystem | None:
-    """The model with an R-phase in every law, if all of them can have one."""
+    """Return the model with an R-phase in every law, if all of them can have one."""
     changed: dict[str, Any] = {}
     for path, one in list_placed(model, ""):
         if isinstance(one, AbstractLaw):
@@ -124,7 +124,7 @@ def _add_rphases(model: AbstractSystem, rise: Scalar) -> AbstractSystem | None:
 
 
 def _add_rphase(law: AbstractPhaseDiagram) -> RPhase:
-    """A law with the numbers of another one, and an R-phase of an unknown wire."""
+    """Return a law with the numbers of another one, and an R-phase of an unknown wire."""
     start = 0.5 * (law.M_s + law.A_s)
     own: Mapping[str, Any] = {"R_s": start, "R_f": start - RPHASE_WIDTH, "E_R": 0.5 * (law.E_A + law.E_M)}
     own = {**own, "eps_R": 0.175 * law.eps_L}

@@ -95,7 +95,7 @@ class IdealGains(NamedTuple):
         return Gains(self.Kp, self.Ki, self.Kd)
 
     def per_sample(self, interval: float) -> Gains:
-        """Gains per sample of `interval` [s], as in `martensite.control.controllers.pid`."""
+        """Return the gains per sample of `interval` [s], as in `martensite.control.controllers.pid`."""
         return per_sample(self.Kp, self.Ki, self.Kd, interval)
 
 
@@ -117,7 +117,7 @@ class Rule(NamedTuple):
 
 
 def convert_series(Kp: float, Ti: float, Td: float) -> IdealGains:
-    """The controller K_p (1 + 1/(T_i s)) (1 + T_d s) as a sum."""
+    """Return the controller K_p (1 + 1/(T_i s)) (1 + T_d s) as a sum."""
     both = 1.0 + Td / Ti
     return IdealGains(Kp * both, Ti * both, Td / both)
 
@@ -182,7 +182,7 @@ RULES: Mapping[str, Rule] = {
 def gains_by_rule(
     model: Model, rule: str, form: str = "pid", *, aim: float | None = None, period: float = 0.0
 ) -> IdealGains:
-    """Gains by a rule.
+    """Return the gains by a rule.
 
     Args:
         model: the plant, such as a step test finds it.

@@ -77,7 +77,7 @@ class LimitCycle(NamedTuple):
 
     @property
     def asymmetry(self) -> float:
-        """Time off over time on."""
+        """Return the time off over time on."""
         return self.off / self.on
 
     @property
@@ -95,7 +95,7 @@ RELAY_CITES: Mapping[str, tuple[str, ...]] = {
 
 
 def gains_by_relay(cycle: LimitCycle, rule: str = "tyreus-luyben", form: str = "pid") -> IdealGains:
-    """Gains from a limit cycle.
+    """Return the gains from a limit cycle.
 
     Raises:
         ParameterError: an unknown rule or form, or a rule that has nothing for the form.
@@ -166,7 +166,7 @@ def run_relay_test(
 def _insert_relay(
     bench: Bench, name: str, level: float, bias: float, d: float, hysteresis: float, reverse: bool
 ) -> Bench:
-    """The bench with a relay in a loop."""
+    """Return the bench with a relay in a loop."""
     members = bench.controllers.members()
     ends = (bias + d, bias - d) if reverse else (bias - d, bias + d)
     members[name] = OnOff(
@@ -182,7 +182,7 @@ def _insert_relay(
 def _run_relay(
     bench: Bench, drive: str, duration: float, seed: int | None, waveforms: Mapping[str, AbstractWaveform] | None
 ) -> tuple[Numbers, Numbers, Numbers]:
-    """Times, signals and readings."""
+    """Return the times, signals and readings."""
     run = simulate_bench(bench, duration, waveforms=waveforms, seed=seed).require()
     _, wanted, reading = name_loop_columns(bench, drive)
     return np.array(run.times), np.array(run[wanted]), np.array(run[reading])
@@ -191,7 +191,7 @@ def _run_relay(
 def _measure_cycle(
     times: Numbers, signal: Numbers, reading: Numbers, turns: NDArray[np.intp], d: float, hysteresis: float
 ) -> LimitCycle:
-    """Means over whole cycles, from one switching on to the next."""
+    """Return the means over whole cycles, from one switching on to the next."""
     lengths = np.diff(times[turns])
     period = float(lengths.mean())
     spans = [float(np.ptp(reading[a : b + 1])) for a, b in pairwise(turns)]

@@ -41,7 +41,7 @@ class LoopTests(NamedTuple):
 
 
 def find_pid(bench: Bench, drive: str | None = None) -> tuple[str, Pid]:
-    """The drive and the PID controller of a loop; `ParameterError` if its controller is another one."""
+    """Return the drive and the PID controller of a loop; `ParameterError` if its controller is another one."""
     name = find_loop(bench, drive)
     controller = bench.controllers.members()[name]
     if not isinstance(controller, Pid):
@@ -52,7 +52,7 @@ def find_pid(bench: Bench, drive: str | None = None) -> tuple[str, Pid]:
 
 
 def convert_to_pid(bench: Bench, gains: IdealGains, drive: str | None = None) -> dict[str, float]:
-    """Gains as numbers of the PID controller of a loop, by path in the bench."""
+    """Return the gains as numbers of the PID controller of a loop, by path in the bench."""
     name, controller = find_pid(bench, drive)
     found = gains.per_sample(bench.period) if controller.sampled else gains.per_second()
     numbers = found._asdict()
@@ -114,7 +114,7 @@ def _test_relay(
 
 
 def gains_by_tests(found: LoopTests, period: float) -> Mapping[str, IdealGains]:
-    """Gains by all rules, by name, such as `simc pid (heating)` or `relay tyreus-luyben pi`.
+    """Return the gains by all rules, by name, such as `simc pid (heating)` or `relay tyreus-luyben pi`.
 
     Args:
         found: step and relay test.
@@ -135,7 +135,7 @@ def gains_by_tests(found: LoopTests, period: float) -> Mapping[str, IdealGains]:
 
 
 def choose_best_rules(runs: LoopRuns, found: LoopTests, count: int) -> list[Mapping[str, float]]:
-    """The gains by rules with the least ITAE on the nominal plant, as numbers by path.
+    """Return the gains by rules with the least ITAE on the nominal plant, as numbers by path.
 
     Args:
         runs: of the loop.

@@ -51,7 +51,7 @@ class Response(NamedTuple):
 
 
 def fit_first_order(reading: Numbers, before: int, period: float, step: float) -> Response:
-    """Models of one response to a `step` of the signal, whose samples begin `before` it, one a `period` [s].
+    """Return the models of one response to a `step` of the signal, whose samples begin `before` it, one a `period` [s].
 
     Raises:
         DataError: the output does not answer.
@@ -72,14 +72,14 @@ def fit_first_order(reading: Numbers, before: int, period: float, step: float) -
 
 
 def _fit_gain(t: Numbers, y: Numbers, T: float, L: float) -> tuple[float, float]:
-    """Best gain for a time constant and a dead time, and the squares that are left."""
+    """Return the best gain for a time constant and a dead time, and the squares that are left."""
     shape = -np.expm1(-np.maximum(t - L, 0.0) / T)
     gain = float(shape @ y / max(float(shape @ shape), 1e-300))
     return gain, float(((y - gain * shape) ** 2).sum())
 
 
 def _search_times(t: Numbers, y: Numbers) -> tuple[float, float]:
-    """Time constant and dead time of least squares: a grid, then a local search."""
+    """Return the time constant and dead time of least squares: a grid, then a local search."""
     end, least = float(t[-1]), float(t[1])
     grid = [
         (T, L)
@@ -102,7 +102,7 @@ def _search_times(t: Numbers, y: Numbers) -> tuple[float, float]:
 
 
 def _fit_line(t: Numbers, y: Numbers, step: float) -> Integrating:
-    """The straight line through the first half of the way."""
+    """Return the straight line through the first half of the way."""
     way = float(y[np.argmax(np.abs(y))])
     gone = y / way
     last = max(int(np.argmax(gone >= 0.5)), 1)
@@ -200,7 +200,7 @@ class HoldingSignals(NamedTuple):
 
     @property
     def bias(self) -> float:
-        """The middle of both."""
+        """Return the middle of both."""
         return 0.5 * (self.heating + self.cooling)
 
     @property
@@ -219,7 +219,7 @@ def find_holding_signals(
     hold: float | None = None,
     waveforms: Waveforms | None = None,
 ) -> HoldingSignals:
-    """The signals that hold a reading at a level [SI], by runs at constant signals from low to high.
+    """Return the signals that hold a reading at a level [SI], by runs at constant signals from low to high.
 
     The largest is that with which cooling begins; outputs are looked at after a time `hold` [s]. The drive whose loop
     is opened is named if there are several, and other drives of the plant have waveforms.
@@ -255,7 +255,7 @@ def _find_crossing(signals: Numbers, found: Numbers, level: float, cut: str) -> 
 
 
 def _choose_hold(bench: Bench, hold: float | None) -> float:
-    """Time at a level [s], a whole number of periods."""
+    """Return the time at a level [s], a whole number of periods."""
     wanted = CONSTANTS * 10.0 * longest_step(bench.plant) if hold is None else hold
     return max(round(wanted / bench.period), 1) * bench.period
 
@@ -263,7 +263,7 @@ def _choose_hold(bench: Bench, hold: float | None) -> float:
 def _simulate_reading(
     bench: Bench, drive: str, wave: AbstractWaveform, duration: float, seed: int | None, waveforms: Waveforms | None
 ) -> tuple[Numbers, Numbers]:
-    """Times and the reading of the controller, with the loop open."""
+    """Return the times and the reading of the controller, with the loop open."""
     free, _ = open_loop(bench, drive)
     played = {**(waveforms or {}), drive: wave}
     run = simulate_bench(free, duration, waveforms=played, seed=seed).require()

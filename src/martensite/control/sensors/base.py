@@ -46,7 +46,7 @@ class AbstractSensor(Parametrised):
     """Least step of a reading; 0 if it is not rounded."""
 
     def limits(self) -> tuple[Scalar, Scalar] | None:
-        """Lowest and highest reading; None if it says anything."""
+        """Return the lowest and highest reading; None if it says anything."""
         return None
 
     def valid(self, xp: Namespace, truth: Column) -> Flag:
@@ -59,7 +59,7 @@ class AbstractSensor(Parametrised):
 
     @abstractmethod
     def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
-        """The reading before rounding, and what is remembered.
+        """Return the reading before rounding, and the new memory.
 
         Args:
             xp: namespace.
@@ -75,7 +75,7 @@ class AbstractSensor(Parametrised):
         return self.digits(xp, value), after
 
     def digits(self, xp: Namespace, value: Scalar) -> Scalar:
-        """The nearest step of the resolution, if there is one, within the range."""
+        """Return the nearest step of the resolution, if there is one, within the range."""
         least, limits = self.resolution, self.limits()
         some = least > 0.0
         steps = xp.nearest(value / xp.where(some, least, 1.0))
@@ -92,7 +92,7 @@ class Probe:
         self._noise: list[float] = []
 
     def read(self, truth: Column, dt: float) -> float:
-        """The reading `dt` [s] after the one before; the first is made at rest."""
+        """Return the reading `dt` [s] after the one before; the first is made at rest."""
         if self._state is None:
             self._state, dt = self.sensor.rest(floats, truth), 0.0
         if not self._noise:

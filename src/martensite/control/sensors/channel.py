@@ -27,7 +27,7 @@ class AbstractChannel(AbstractSensor):
     lag: Number = param("s", "time constant; 0 for none", low=0.0, default=0.0)
 
     def rest(self, xp: Namespace, truth: Column) -> Column:
-        """The truth."""
+        """Return the truth."""
         return (truth[0],)
 
     def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
@@ -162,11 +162,11 @@ class GyroscopeSensor(AbstractSensor):
         return -self.range, self.range
 
     def rest(self, xp: Namespace, truth: Column) -> Column:
-        """The angle, and no rate."""
+        """Return the angle, and no rate."""
         return truth[0], 0.0
 
     def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
-        """The lagged rate with bias and noise [rad/s]; in no time it stays as it was."""
+        """Return the lagged rate with bias and noise [rad/s]; in no time it stays as it was."""
         before, felt = state
         some = dt > 0.0
         rate = xp.where(some, (truth[0] - before) / xp.where(some, dt, 1.0), felt)

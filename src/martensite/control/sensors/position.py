@@ -37,7 +37,7 @@ class PositionSensor(AbstractSensor):
         return truth[0], 0.0
 
     def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
-        """The position of the slider with offset and noise [m]."""
+        """Return the position of the slider with offset and noise [m]."""
         half, time = 0.5 * self.backlash, state[1] + dt
         place = xp.maximum(truth[0] - half, xp.minimum(truth[0] + half, state[0]))
         value = place + (self.offset + self.drift * time)
@@ -68,7 +68,7 @@ class EncoderSensor(AbstractSensor):
 
     @property
     def resolution(self) -> Scalar:  # type: ignore[override]
-        """A count [rad or m]."""
+        """Return a count [rad or m]."""
         return 0.5 * math.pi / self.lines if self.motion == "rotary" else 0.25 * self.pitch
 
     def rest(self, xp: Namespace, truth: Column) -> Column:
@@ -76,7 +76,7 @@ class EncoderSensor(AbstractSensor):
         return truth[:1] if self.zero == "start" else ()
 
     def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
-        """The way from its zero, not counted yet."""
+        """Return the way from its zero, not counted yet."""
         return (truth[0] - state[0] if self.zero == "start" else truth[0]), state
 
 
@@ -94,5 +94,5 @@ class IdealSensor(AbstractSensor):
     sees = ("position",)
 
     def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
-        """The truth."""
+        """Return the truth."""
         return truth[0], ()

@@ -37,7 +37,7 @@ class ResistanceSensor(AbstractSensor):
         return (xp.where(self.valid(xp, truth), self._ratio(xp, truth), self.first),)
 
     def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
-        """The resistance with noise [ohm], or the last one."""
+        """Return the resistance with noise [ohm], or the last one."""
         ratio, own = self._ratio(xp, truth), self.relative_noise
         size = xp.sqrt(own * own * ratio * ratio + self.noise * self.noise)
         value = xp.where(self.valid(xp, truth), ratio + size * noise, state[0])

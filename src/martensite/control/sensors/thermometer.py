@@ -35,11 +35,11 @@ class ThermocoupleSensor(AbstractSensor):
     resolution: Number = param(DEGREES, "least step of a reading", low=0.0, default=0.25)
 
     def rest(self, xp: Namespace, truth: Column) -> Column:
-        """The temperature of the bead."""
+        """Return the temperature of the bead."""
         return (self._bead(truth),)
 
     def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
-        """The temperature of the bead with noise [K]."""
+        """Return the temperature of the bead with noise [K]."""
         felt = follow_lag(xp, state[0], self._bead(truth), self.lag, dt)
         return felt + self.offset + self.noise * noise, (felt,)
 
@@ -93,15 +93,15 @@ class InfraredSensor(AbstractSensor):
             )
 
     def limits(self) -> tuple[Scalar, Scalar]:
-        """Its range."""
+        """Return its range."""
         return self.lowest, self.highest
 
     def rest(self, xp: Namespace, truth: Column) -> Column:
-        """The temperature seen, and no time gone by."""
+        """Return the temperature seen, and no time gone by."""
         return self._filtered_temperature(xp, truth, 0.0), 0.0
 
     def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
-        """The lagged temperature with noise [K]; the lag is exact for a truth that is held."""
+        """Return the lagged temperature with noise [K]; the lag is exact for a truth that is held."""
         time = state[1] + dt
         felt = follow_lag(xp, state[0], self._filtered_temperature(xp, truth, time), self.lag, dt)
         return felt + self.noise * noise, (felt, time)

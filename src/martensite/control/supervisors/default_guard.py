@@ -20,7 +20,7 @@ ANSWER = "limit"
 
 
 def list_heated(plant: AbstractSystem, controllers: Mapping[str, AbstractController]) -> dict[str, Actuator]:
-    """Actuators that a controller heats, by their drive."""
+    """Return the actuators that a controller heats, by their drive."""
     at = {plant.drive_at(port): one for port, one in plant.actuators().items()}
     return {drive: one for drive, one in at.items() if drive in controllers and not one.source.sets_temperature}
 
@@ -49,7 +49,7 @@ def find_default_bounds(
     least_cooling: float = 1.0,
     full: float | None = None,
 ) -> tuple[dict[str, ThermalBound], list[str]]:
-    """Bounds by the name of the check, and sentences on elements that have none; numbers as for `guard_for`."""
+    """Return bounds by the name of the check, and sentences on elements that have none; numbers as for `guard_for`."""
     found, said, heated = dict[str, ThermalBound](), list[str](), list_heated(plant, controllers)
     for drive, one in heated.items():
         limit = one.element.limits.temperature_limit if temperature_limit is None else temperature_limit

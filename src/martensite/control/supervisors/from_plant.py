@@ -113,7 +113,7 @@ def worst_power(actuator: Actuator, hottest: float, full: float) -> float:
 
 
 def least_conductance(actuator: Actuator, ambient: float, limit: float) -> float:
-    """Least heat loss per kelvin [W/K] between the surroundings and a limit [K], ends left out."""
+    """Return the least heat loss per kelvin [W/K] between the surroundings and a limit [K], ends left out."""
     element = _remove_ends(_require_lumped(actuator.element))
     around = Environment(temperature=ambient, cooling=actuator.environment.cooling)
     warm = _build_grid(ambient, limit)[1:]
@@ -130,7 +130,7 @@ def _find_full_signal(actuator: Actuator, full: float | None) -> float:
 
 
 def _require_lumped(element: AbstractElement) -> AbstractLumped:
-    """The element, if it has one temperature."""
+    """Return the element, if it has one temperature."""
     if not isinstance(element, AbstractLumped):
         raise InputError(
             f"The bound of a guard is known for elements of one temperature, such as `wire`, not "
@@ -140,7 +140,7 @@ def _require_lumped(element: AbstractElement) -> AbstractLumped:
 
 
 def _remove_ends(element: AbstractElement) -> AbstractElement:
-    """The element, and those that it is made of, with ends that lose nothing."""
+    """Return the element, and those that it is made of, with ends that lose nothing."""
     parts = dict(element.children())
     inner = {n: _remove_ends(one) for n, one in parts.items() if isinstance(one, AbstractElement)}
     ends = {n: AdiabaticEnds() for n, one in parts.items() if isinstance(one, AbstractEnds)}

@@ -90,13 +90,13 @@ def find_known_limit(bench: Bench, kind: str, check: Mapping[str, Any]) -> float
 
 
 def lost_after(mounted: MountedSensor, period: float) -> float:
-    """Age beyond which a reading is that of a lost sensor, on a bench with that period [s]."""
+    """Return the age beyond which a reading is that of a lost sensor, on a bench with that period [s]."""
     late = mounted.delay + WORST * mounted.jitter
     return late + MISSED * _find_interval(mounted, period) + period
 
 
 def stuck_after(mounted: MountedSensor, period: float) -> float | None:
-    """Time after which a reading that stays the same is that of a stuck sensor [s], if any."""
+    """Return the time after which a reading that stays the same is that of a stuck sensor [s], if any."""
     sensor = mounted.sensor
     if sensor.noise <= 0.0 or sensor.limits() is not None:
         return None
@@ -108,7 +108,7 @@ def stuck_after(mounted: MountedSensor, period: float) -> float | None:
 
 
 def _find_interval(mounted: MountedSensor, period: float) -> float:
-    """Time from one reading to the next, a whole number of periods [s]."""
+    """Return the time from one reading to the next, a whole number of periods [s]."""
     return max(1, math.ceil(mounted.sample_time / period - 1e-9)) * period
 
 

@@ -71,11 +71,11 @@ class Guard(AbstractSupervisor):
         return tuple(name for one in self.checks.members().values() for name in one.reads())
 
     def drives(self) -> tuple[str, ...]:
-        """Drives that the checks speak of."""
+        """Return the drives that the checks speak of."""
         return tuple(name for one in self.checks.members().values() for name in one.names())
 
     def name_checks(self) -> dict[int, list[str]]:
-        """Number of an alarm -> names of the checks that raise it."""
+        """Return the number of an alarm -> names of the checks that raise it."""
         found: dict[int, list[str]] = {}
         for name, one in self.checks.members().items():
             found.setdefault(one.alarm, []).append(name)
@@ -116,7 +116,7 @@ class Guard(AbstractSupervisor):
         return xp.either(trips, xp.both(before, stays))
 
     def _pair_memories(self, memory: Column) -> list[tuple[AbstractCheck, Column]]:
-        """Every check with its part of the memory."""
+        """Return every check with its part of the memory."""
         found: list[tuple[AbstractCheck, Column]] = []
         for one in self.checks.members().values():
             size = OWN + one.size
@@ -132,7 +132,7 @@ def _lower_signal(xp: Namespace, signal: Scalar, size: Scalar, safe: Scalar) -> 
 
 
 def _find_alarm(xp: Namespace, rows: Sequence[JudgedCheck]) -> Scalar:
-    """The lowest number of all checks that cut; else of those that limit, beyond 100; else 0."""
+    """Return the lowest number of all checks that cut; else of those that limit, beyond 100; else 0."""
     alarm: Scalar = 0.0
     ordered = sorted(rows, key=lambda row: -row.check.alarm)
     for row in ordered:

@@ -54,7 +54,7 @@ class WorstCase(NamedTuple):
 
 
 def find_worst_case(bench: Bench, drive: str, full: float) -> WorstCase:
-    """The worst case of one drive, whose largest signal is given in the unit of its source.
+    """Return the worst case of one drive, whose largest signal is given in the unit of its source.
 
     Raises:
         InputError: the element has several temperatures, or its source heats without a signal.
@@ -122,7 +122,7 @@ def _is_covered(told: ThermalBound, own: ThermalBound) -> bool:
 
 
 def _find_felt_temperature(mounted: MountedSensor, limit: float, ambient: float) -> float | None:
-    """Highest temperature [K] at rest that may read as a limit; None if that is not known."""
+    """Return the highest temperature [K] at rest that may read as a limit; None if that is not known."""
     sensor: Any = mounted.sensor
 
     def read(temperature: float) -> float:

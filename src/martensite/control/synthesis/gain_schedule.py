@@ -155,7 +155,7 @@ def design_pi(plant: LinearSystem, sensitivity: float) -> tuple[float, float]:
 
 
 def _find_gain(loop: Numbers, sensitivity: float, size: float) -> float:
-    """The gain up to which max |1/(1 + K L)| stays within a bound, from small ones on."""
+    """Return the gain up to which max |1/(1 + K L)| stays within a bound, from small ones on."""
 
     def exceeds(gain: float) -> bool:
         return bool(np.min(np.abs(1.0 + gain * loop)) < 1.0 / sensitivity)

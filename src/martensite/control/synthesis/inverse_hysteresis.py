@@ -34,7 +34,7 @@ class IdentifiedHysteresis(NamedTuple):
     """Estimate that they come from."""
 
     def controller(self, **others: Any) -> InversePlay:
-        """The controller that inverts them.
+        """Return the controller that inverts them.
 
         Args:
             others: `measured`, `reference` and `feedback` of the controller.
@@ -48,7 +48,7 @@ class IdentifiedHysteresis(NamedTuple):
         )
 
     def simulate(self, signals: Numbers) -> Numbers:
-        """Outputs of the hysteresis for signals from rest, both of shape (samples,)."""
+        """Return the outputs of the hysteresis for signals from rest, both of shape (samples,)."""
         x, y = np.array(self.knots), np.array(self.outputs)
         w = self.operator.simulate(signals)
         low = y[0] + (w - x[0]) * (y[1] - y[0]) / (x[1] - x[0])
@@ -92,7 +92,7 @@ def identify_hysteresis(
 
 
 def fit_rising_curve(knots: Numbers, levels: Numbers, outputs: Numbers) -> Numbers:
-    """Values at knots of the lines that come nearest to outputs and never turn back.
+    """Return the values at knots of the lines that come nearest to outputs and never turn back.
 
     Least squares with rises of one sign, that of the whole, and of a least size: a flat piece
     has no inverse.

@@ -47,7 +47,7 @@ NOISE = 1e-9
 def linearise_plant(
     point: SteadyPoint, period: float | None = None, *, inputs: Sequence[str] | None = None, push: float = PUSH
 ) -> LinearSystem:
-    """The linear system around an operating point, with the flat state of the plant.
+    """Return the linear system around an operating point, with the flat state of the plant.
 
     Args:
         point: where the plant rests, and on which branch.
@@ -87,7 +87,7 @@ def linearise_plant(
 
 
 def _differentiate_plant(system: AbstractSystem, at: list[float], size: int, interval: float) -> Numbers:
-    """Derivatives of the next state and of the outputs now, by state and signals."""
+    """Return the derivatives of the next state and of the outputs now, by state and signals."""
     shape = NestedShape(system.init(floats, *at[size:]))
     turns = 1 if system.sample_time() else steps_in(system, interval)
 
@@ -102,7 +102,7 @@ def _differentiate_plant(system: AbstractSystem, at: list[float], size: int, int
 def compute_slopes(
     function: Callable[[Any, Sequence[Any]], Sequence[Any]], at: Sequence[float]
 ) -> tuple[Numbers, Numbers]:
-    """Values of a kernel and all their slopes, shape (values, variables), in one pass: tangents are rows."""
+    """Return the values of a kernel and all their slopes, shape (values, variables), in one pass: tangents are rows."""
     xp, rows = DualNamespace(floats), np.eye(len(at))
     pairs = [xp.parts(one) for one in function(xp, [Dual(x, row, xp.level) for x, row in zip(at, rows, strict=True)])]
     slopes = [np.zeros(len(at)) if slope is None else slope + np.zeros(len(at)) for _, slope in pairs]
@@ -171,7 +171,7 @@ def _find_output(linear: LinearSystem, name: str) -> int:
 
 
 def average_plants(parts: Sequence[Readings]) -> Readings:
-    """The mean of linear systems with the same states, such as those of both branches."""
+    """Return the mean of linear systems with the same states, such as those of both branches."""
     each = [part.linear for part in parts]
 
     def mean(name: str) -> Any:

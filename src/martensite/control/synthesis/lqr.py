@@ -59,23 +59,23 @@ class Regulator:
 
     @property
     def linear(self) -> LinearSystem:
-        """The plant."""
+        """Return the plant."""
         return self.readings.linear
 
     def closed(self) -> Numbers:
-        """Matrix of the closed loop, states and integral."""
+        """Return the matrix of the closed loop, states and integral."""
         a, b, _ = augment_plant(self.linear, self.measured)
         return a - b @ np.array([[*self.gains, -self.Ki]])
 
     def poles(self) -> Numbers:
-        """Poles of the closed loop in the plane of z, the slowest first."""
+        """Return the poles of the closed loop in the plane of z, the slowest first."""
         found = np.linalg.eigvals(self.closed())
         return found[np.argsort(-np.abs(found), kind="stable")]
 
     def controller(
         self, low: float, high: float, *, reference: Any, names: Sequence[str] | None = None
     ) -> StateFeedback:
-        """The controller with these gains.
+        """Return the controller with these gains.
 
         Args:
             low: least signal.
@@ -109,7 +109,7 @@ class Regulator:
 
 
 def augment_plant(linear: LinearSystem, measured: str) -> tuple[Numbers, Numbers, Numbers]:
-    """A and B with the integral of the error as the last state, and the row of what is measured."""
+    """Return a and B with the integral of the error as the last state, and the row of what is measured."""
     if measured not in linear.output_names:
         raise ParameterError(
             f"`{measured}` is no state of the linear plant. {suggest_name(measured, linear.output_names)}"
@@ -121,7 +121,7 @@ def augment_plant(linear: LinearSystem, measured: str) -> tuple[Numbers, Numbers
 
 
 def design_regulator(readings: Readings, measured: str, sizes: LqrSizes) -> Regulator:
-    """The regulator that minimises the cost of a linear plant with one input.
+    """Return the regulator that minimises the cost of a linear plant with one input.
 
     Args:
         readings: from `realise_readings`, or the mean of both branches.

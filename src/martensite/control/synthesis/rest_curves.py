@@ -40,11 +40,11 @@ class RestCurve:
 
     @property
     def levels(self) -> Numbers:
-        """Signals of the drive that is varied."""
+        """Return the signals of the drive that is varied."""
         return self.signals[[one.name for one in self.system.drives()].index(self.drive)]
 
     def point(self, k: int) -> SteadyPoint:
-        """The operating point at one of the signals."""
+        """Return the operating point at one of the signals."""
         seen = {name: float(column[k]) for name, column in self.outputs.items()}
         signals = cast("list[float]", self.signals[:, k].tolist())
         return SteadyPoint(self.system, tuple(signals), self.drive, self.states[:, k].copy(), seen, self.direction)
@@ -100,6 +100,6 @@ def read_at_rest(bench: Bench, truth: Mapping[str, float]) -> dict[str, float]:
 
 
 def read_curve(bench: Bench, curve: RestCurve, name: str) -> Numbers:
-    """A reading of a bench along a curve."""
+    """Return a reading of a bench along a curve."""
     rows = np.stack(list(curve.outputs.values()), axis=1).tolist()
     return np.array([read_at_rest(bench, dict(zip(curve.outputs, row, strict=True)))[name] for row in rows])

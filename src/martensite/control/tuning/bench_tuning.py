@@ -65,7 +65,7 @@ class TunedBench:
 
     @property
     def worse(self) -> bool:
-        """True if the error on the judged plants is larger than before."""
+        """Return True if the error on the judged plants is larger than before."""
         return self.judgement.worse
 
     def save(self, scenario: Scenario, path: str | PathLike[str], *, anyway: bool = False) -> None:
@@ -83,7 +83,7 @@ class TunedBench:
         write_file(Path(path), scenario.write_changed(self.after, "tuned"))
 
     def rows(self) -> list[tuple[str, float, float]]:
-        """Name, and number before and after, of everything, for people to read; SI."""
+        """Return the name, and number before and after, of everything, for people to read; SI."""
         found = [(path, self.before[path], value) for path, value in self.after.items()]
         found.append(("cost", self.cost_before, self.cost))
         after = self.measured.to_dict()
@@ -107,7 +107,7 @@ def tune_bench(
     keep: Callable[[dict[str, float]], None] | None = None,
     native: bool | None = None,
 ) -> TunedBench:
-    """Parameters of controllers of least cost.
+    """Return the parameters of controllers of least cost.
 
     Args:
         bench: with controllers, whose references are what shall be followed.
@@ -160,7 +160,7 @@ def compare_gains(
     judged: Plants | None = None,
     measure: str = "rms",
 ) -> TunedBench:
-    """A loop on the nominal plant before and after a change of numbers by path.
+    """Return a loop on the nominal plant before and after a change of numbers by path.
 
     Costs are those of the default goal; `course` says with what scales, by default those of the
     loop before. The result is judged on the plants `judged` by a `measure` of `judgement`.
@@ -196,7 +196,7 @@ def _is_finite(seen: Seen) -> bool:
 
 
 def _find_scales(runs: LoopRuns, starts: Sequence[Mapping[str, float]]) -> Course:
-    """Scales from the first start that runs, where the bench itself does not."""
+    """Return the scales from the first start that runs, where the bench itself does not."""
     for start in starts:
         found = runs.run(runs.table(start, 1))
         if _is_finite(found):
@@ -205,7 +205,7 @@ def _find_scales(runs: LoopRuns, starts: Sequence[Mapping[str, float]]) -> Cours
 
 
 def _list_bounds(free: Sequence[FreeNumber], shares: Numbers) -> list[str]:
-    """Sentences on bounds that were hit."""
+    """Return the sentences on bounds that were hit."""
     found: list[str] = []
     for one, share in zip(free, shares.tolist(), strict=True):
         bound = one.bound(share)

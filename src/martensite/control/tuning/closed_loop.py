@@ -51,7 +51,7 @@ class ClosedLoop(AbstractBlock):
         return 2
 
     def numbers(self) -> tuple[str, ...]:
-        """The gains."""
+        """Return the gains."""
         return "log_Kp", "log_Ki", "log_Kd"
 
     def states(self) -> int:
@@ -60,15 +60,15 @@ class ClosedLoop(AbstractBlock):
 
     @property
     def fixed(self) -> tuple[str, ...]:  # type: ignore[override]
-        """Names of the numbers of the model, and the offset."""
+        """Return the names of the numbers of the model, and the offset."""
         return (*(f"m{k}" for k in range(len(self.values))), "offset")
 
     def given(self) -> tuple[float, ...]:
-        """The numbers of the model, and the offset."""
+        """Return the numbers of the model, and the offset."""
         return (*self.values, self.offset)
 
     def with_given(self, values: Sequence[Any]) -> Self:
-        """A twin around a model with other numbers."""
+        """Return a twin around a model with other numbers."""
         return self.rebuilt({"values": tuple(values[:-1]), "offset": values[-1]})
 
     def structure(self) -> tuple[Any, ...]:
@@ -77,7 +77,7 @@ class ClosedLoop(AbstractBlock):
         return type(self), inner, self.tap, repr(self.law), self.sign
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """The model at rest under the idle signal, before it is controlled."""
+        """Return the model at rest under the idle signal, before it is controlled."""
         signals: Column = (self.law.idle,)
         kept: list[Scalar] = []
         measured: Scalar = 0.0
@@ -113,7 +113,7 @@ class ClosedLoop(AbstractBlock):
         return measured - self.offset, after
 
     def _parts(self) -> list[tuple[AbstractBlock, Column]]:
-        """Blocks with their fixed numbers set, and their free numbers."""
+        """Return the blocks with their fixed numbers set, and their free numbers."""
         found: list[tuple[AbstractBlock, Column]] = []
         place = 0
         for block in self.blocks:
@@ -185,12 +185,12 @@ class ControlledModel:
         check_static_curve(self.chain, self.block.law.idle, wanted, self._measured)
 
     def run(self, gains: Gains, reference: Numbers) -> Trajectory:
-        """A run from rest, for gains of one sign or 0."""
+        """Return a run from rest, for gains of one sign or 0."""
         found = self.engine.simulate(compute_logarithms(gains), _build_column(reference))
         return Trajectory(reference, found[:, 0], found[:, 1], self.chain.interval)
 
     def slopes(self, gains: Gains, reference: Numbers) -> tuple[Numbers, Numbers]:
-        """Output and signal, shape (samples, 2), and derivatives with respect to log gains.
+        """Return the output and signal, shape (samples, 2), and derivatives with respect to log gains.
 
         They are those between the switchings of the controller: where another gain makes the
         integral stop or go on a sample earlier, the run itself jumps a little.
@@ -199,7 +199,7 @@ class ControlledModel:
 
 
 def compute_logarithms(gains: Gains) -> Numbers:
-    """Logarithms of the sizes of gains."""
+    """Return the logarithms of the sizes of gains."""
     return np.log(np.maximum(np.abs(np.array(gains, dtype=float)), SMALLEST_GAIN))
 
 

@@ -46,7 +46,7 @@ BOX_FACTOR = 100.0
 
 
 def build_free_gains(bench: Bench, texts: Sequence[str], starts: Sequence[Mapping[str, float]]) -> list[FreeNumber]:
-    """Free numbers of the controllers of a bench, with the `starts` of searches.
+    """Return free numbers of the controllers of a bench, with the `starts` of searches.
 
     Texts are paths, or unique endings of paths among controllers, such as `drive.Kp` or `Kp`, with bounds if they are
     not to be chosen.
@@ -124,20 +124,20 @@ class GainCosts:
         return self.evaluations + self.gradients
 
     def numbers(self, places: Numbers) -> dict[str, Numbers]:
-        """Free numbers by path at places, shape (..., free)."""
+        """Return free numbers by path at places, shape (..., free)."""
         shares = places / self.widths
         return {one.path: one.value(shares[..., k]) for k, one in enumerate(self.free)}
 
     def place(self, values: Mapping[str, float]) -> Numbers:
-        """The nearest place of numbers by path."""
+        """Return the nearest place of numbers by path."""
         return self.widths * np.array([one.share(values[one.path]) for one in self.free])
 
     def judge(self, z: Numbers) -> JudgedPoints:
-        """Costs of places (points, free) over all plants."""
+        """Return the costs of places (points, free) over all plants."""
         return JudgedPoints(self.compute_costs(self.numbers(z), len(z)), np.zeros((len(z), 0)))
 
     def compute_costs(self, numbers: Mapping[str, Any], points: int) -> Numbers:
-        """Costs (points,) of numbers by path on all plants, run together."""
+        """Return the costs (points,) of numbers by path on all plants, run together."""
         spread = {path: np.repeat(column, self.count) for path, column in numbers.items()}
         drawn = {path: np.tile(column, points) for path, column in self.drawn.items()}
         seen = self.loop.run(self.loop.table({**drawn, **spread}, points * self.count))
@@ -146,7 +146,7 @@ class GainCosts:
         return np.array([self.cost.goal.over_plants(row)[0] for row in costs])
 
     def differentiate(self, z: Numbers) -> PointSlopes:
-        """Cost at a place and its derivatives, over the plants that are followed."""
+        """Return the cost at a place and its derivatives, over the plants that are followed."""
         drawn = {path: column[: self.followed] for path, column in self.drawn.items()}
         table = self.loop.table({**drawn, **self.numbers(z)}, self.followed)
         costs, slopes = np.zeros(len(table)), np.zeros((len(table), len(z)))
@@ -175,7 +175,7 @@ def search_gains(
     watch: Tell | None,
     keep: Callable[[dict[str, float]], None] | None = None,
 ) -> tuple[float, Numbers, tuple[float, ...]]:
-    """Least cost, where it is (the first start if none is less), and where descents ended.
+    """Return the least cost, where it is (the first start if none is less), and where descents ended.
 
     Raises:
         SolveError: no start can be run.

@@ -88,7 +88,7 @@ class Course:
         self.way = self._way()
 
     def _way(self) -> Numbers:
-        """Direction of the last step while the reference stands; 0 while it moves."""
+        """Return the direction of the last step while the reference stands; 0 while it moves."""
         found = np.zeros(len(self.change))
         way = 0.0
         for k, (change, step) in enumerate(zip(self.change, self.steps, strict=True)):
@@ -107,7 +107,7 @@ class Cost:
         self.goal, self.course = goal, course
 
     def __call__(self, seen: Seen) -> Numbers:
-        """Costs of runs, shape (runs, samples) -> (runs,); infinite where a run failed."""
+        """Return the costs of runs, shape (runs, samples) -> (runs,); infinite where a run failed."""
         with np.errstate(invalid="ignore"):
             found = np.asarray(self.parts(seen)[0])
         return np.where(np.isfinite(found), found, np.inf)
@@ -118,7 +118,7 @@ class Cost:
         return output @ slopes.output + signal @ slopes.signal + power @ slopes.power
 
     def parts(self, seen: Seen) -> tuple[Any, Numbers, Numbers, Numbers]:
-        """Costs, and derivatives with respect to output, signal and power at every sample."""
+        """Return the costs, and derivatives with respect to output, signal and power at every sample."""
         goal, course = self.goal, self.course
         error, by_output = self._error(seen.output - seen.reference)
         beyond, more = self._overshoot(seen.output - seen.reference)

@@ -51,20 +51,20 @@ class TuningJudgement:
 
     @property
     def errors(self) -> tuple[float, float]:
-        """Error over all plants, before and after, in SI."""
+        """Return the error over all plants, before and after, in SI."""
         if self.measure == "rms":
             return float(np.sqrt(np.mean(self.before**2))), float(np.sqrt(np.mean(self.after**2)))
         return float(self.before.mean()), float(self.after.mean())
 
     @property
     def worse(self) -> bool:
-        """True if the error is larger than before."""
+        """Return True if the error is larger than before."""
         before, after = self.errors
         return after > before * (1.0 + ROUNDING)
 
     @property
     def word(self) -> str:
-        """The verdict, in two words or three."""
+        """Return the verdict, in two words or three."""
         before, after = self.errors
         return "Worse than before" if self.worse else "As before" if after >= before else "Better than before"
 

@@ -98,7 +98,7 @@ class LoopRuns(BatchRunner):
         return found and (self._sort_columns(found[0]), self._sort_columns(found[1], axis=1))
 
     def _name_columns(self) -> Seen:
-        """Names of what is judged; several where they are put together."""
+        """Return the names of what is judged; several where they are put together."""
         plant = self.bench.plant
         reference, wanted, _ = name_loop_columns(self.bench, self.drive)
         ports = list(plant.actuators())
@@ -112,7 +112,7 @@ class LoopRuns(BatchRunner):
         return Seen(*names)
 
     def _sort_columns(self, rows: Numbers, axis: int = -1) -> Seen:
-        """Columns by what they are, power added up and the hottest element chosen."""
+        """Return the columns by what they are, power added up and the hottest element chosen."""
         where: Any = self._groups
         taken = [rows.take([self._names.index(n) for n in group], axis) for group in where]
         first: list[Any] = [one.take(0, axis) for one in taken[:3]]
@@ -136,7 +136,7 @@ def find_loop(bench: Bench, drive: str | None) -> str:
 
 
 def find_judged_output(bench: Bench, drive: str) -> str:
-    """The output by which a loop is judged: the truth where there is one, else the reading."""
+    """Return the output by which a loop is judged: the truth where there is one, else the reading."""
     name = bench.controllers.members()[drive].measured
     known = bench.plant.outputs()
     mounted = bench.sensors.members().get(name)

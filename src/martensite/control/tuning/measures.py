@@ -50,7 +50,7 @@ class StepResponse(NamedTuple):
 
 
 def build_steps(levels: Sequence[tuple[float, float]], interval: float) -> Numbers:
-    """A reference that stands at levels, each for some time.
+    """Return a reference that stands at levels, each for some time.
 
     Args:
         levels: pairs of level and time [s].
@@ -113,7 +113,7 @@ class Measures:
     """[K]"""
 
     def to_dict(self) -> dict[str, Any]:
-        """All fields by name, for JSON."""
+        """Return all fields by name, for JSON."""
         return asdict(self)
 
 
@@ -131,7 +131,7 @@ UNITS = {
 
 
 def measure_loop(seen: Seen, course: Course) -> Measures:
-    """Numbers of one run, arrays of shape (samples,)."""
+    """Return the numbers of one run, arrays of shape (samples,)."""
     e = seen.reference - seen.output
     period, after = course.period, np.abs(e[1:])
     iae = float(after.sum() * period)
@@ -154,7 +154,7 @@ def compute_itae(seen: Seen, course: Course) -> Any:
 
 
 def _measure_settling(e: Numbers, course: Course) -> float:
-    """Longest settling of all steps after which the reference stands [s]."""
+    """Return the longest settling of all steps after which the reference stands [s]."""
     found, ends = 0.0, np.flatnonzero((course.way == 0.0) | course.steps).tolist()
     for first in np.flatnonzero(course.steps & (course.way != 0.0)).tolist():
         last = next((place for place in ends if place > first), len(e))

@@ -81,7 +81,7 @@ def draw_plants(
 
 
 def _draw_unit(width: int, count: int, seed: int, method: str) -> NDArray[np.float64]:
-    """Numbers in [-1, 1], shape (count, width)."""
+    """Return the numbers in [-1, 1], shape (count, width)."""
     if method == "sobol":
         return 2.0 * draw_points(width, count, seed) - 1.0
     qmc: Any = import_module("scipy.stats.qmc")
@@ -89,7 +89,7 @@ def _draw_unit(width: int, count: int, seed: int, method: str) -> NDArray[np.flo
 
 
 def _draw_parameter(bench: Bench, name: str, spread: float, z: NDArray[np.float64]) -> tuple[str, NDArray[np.float64]]:
-    """Path in the bench and numbers of one parameter."""
+    """Return the path in the bench and numbers of one parameter."""
     leaf = find_plant_leaf(bench, name)
     if not (math.isfinite(spread) and spread > 0.0):
         raise ParameterError(f"The spread of `{name}` must be above 0, but is {spread:g}.")
@@ -123,7 +123,7 @@ class OverPlants:
     fails."""
 
     def best(self) -> str:
-        """The set with the least median."""
+        """Return the set with the least median."""
         return min(self.itae, key=lambda name: float(np.median(self.itae[name])))
 
     def ratio(self, one: str, other: str) -> Ratio:

@@ -76,11 +76,11 @@ class TunedGains:
     scale: CostScale
 
     def shown(self) -> Gains:
-        """The gains in the units of the cost, such as percent per millimetre."""
+        """Return the gains in the units of the cost, such as percent per millimetre."""
         return Gains(*(gain * self.scale.output / self.scale.signal for gain in self.gains))
 
     def rows(self) -> list[tuple[str, float, str]]:
-        """Name, value and unit of everything, for people to read."""
+        """Return the name, value and unit of everything, for people to read."""
         found = [(name, float(gain), "1") for name, gain in self.gains._asdict().items()]
         for k, step in enumerate(self.responses, start=1):
             found += [
