@@ -111,7 +111,7 @@ class RunEngine:
         return tell_readiness(kernel_of(plan, range(len(self.compiled.outputs))))
 
     def _on_floats(self, plan: MarchPlan, hasty: bool) -> Marched:
-        """A run on floats; `TimeoutError` if it is `hasty` and C would be done earlier."""
+        """Return a run on floats; `TimeoutError` if it is `hasty` and C would be done earlier."""
         self.used = "floats"
         functions = self.compiled.program.bind_floats(*self.values)
         march = FixedMarch if plan.step else AdaptiveMarch
@@ -129,7 +129,7 @@ class RunEngine:
         return march(plan, functions).run(look)
 
     def _on_c(self, plan: MarchPlan) -> Marched:
-        """A run in C, compiled if it has to be."""
+        """Return a run in C, compiled if it has to be."""
         from martensite.simulate.marching_native import Runs, march_runs
 
         outputs = range(len(self.compiled.outputs))
@@ -181,7 +181,7 @@ def require_budget(budget: float | None, begin: float, share: float) -> float:
 
 
 def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[Marched, float]:
-    """The last run to a tolerance, and how far it may be off, as a share of the range of each judged output."""
+    """Return the last run to a tolerance, and how far it may be off, as a share of the range of each judged output."""
     compared = choose_samples(len(plan.times), plan.skipped)
     local = LOCAL[plan.order] * tolerance
     some = replace(plan, times=[plan.times[k] for k in compared], recorded=False)
@@ -232,7 +232,7 @@ def measure_gaps(compiled: CompiledMarch, before: Rows, after: Rows) -> list[Row
 
 
 def bound_error(compiled: CompiledMarch, found: Marched) -> float:
-    """Largest of the gaps of a run, with what no run shows, as a share of ranges."""
+    """Return the largest of the gaps of a run, with what no run shows, as a share of ranges."""
     worst, gaps = 0.0, [*filter(None, [found.gap]), *found.gaps]
     for k, (_, least) in enumerate(compiled.convergence_scales):
         apart = max((gap[k] for gap in gaps), default=math.inf)

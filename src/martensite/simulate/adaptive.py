@@ -162,7 +162,7 @@ class AdaptiveMarch(AbstractMarch):
         self._accept(trial, most, planned)
 
     def _allow_length(self, length: float) -> float:
-        """A length that no signal which prescribes a state makes too long."""
+        """Return a length that no signal which prescribes a state makes too long."""
         end = self.duration - self.time
         for reader in self.prescribing:
             if reader.fastest > 0.0:
@@ -172,7 +172,7 @@ class AdaptiveMarch(AbstractMarch):
         return stretch_length(length, end)
 
     def _before_kink(self, length: float) -> float:
-        """A length to the next kink of a law, if all goes on as in the last half step."""
+        """Return a length to the next kink of a law, if all goes on as in the last half step."""
         least, at = max(NEAR * length, self.shortest), 0
         for _, _, size in self.plan.compiled.points:
             for k in range(at + 4, at + size):
@@ -184,7 +184,7 @@ class AdaptiveMarch(AbstractMarch):
         return length
 
     def _resolve_length(self, length: float) -> tuple[float, list[Row]]:
-        """A length over which the mean of no drive leaves out too much, and what they bring."""
+        """Return a length over which the mean of no drive leaves out too much, and what they bring."""
         whole = False
         for reader in self.heating:
             edges = reader.edges(self.time + self.hair, self.time + (1.0 + HAIR) * length)
@@ -204,7 +204,7 @@ class AdaptiveMarch(AbstractMarch):
             length = shorter
 
     def _to_edge(self, length: float) -> float:
-        """A shorter length: to the first edge of a drive that heats, or what resolves its tones."""
+        """Return a shorter length: to the first edge of a drive that heats, or what resolves its tones."""
         for reader in self.heating:
             edges = reader.edges(self.time + self.hair, self.time + (1.0 - HAIR) * length)
             if edges:
@@ -228,7 +228,7 @@ class AdaptiveMarch(AbstractMarch):
         return tuple(found)
 
     def _whole(self, halves: Sequence[Row], length: float) -> Row:
-        """The inputs of the whole step from those of its halves."""
+        """Return the inputs of the whole step from those of its halves."""
         found: list[float] = []
         at = 0
         for width in self.plan.compiled.widths:
@@ -270,7 +270,7 @@ class AdaptiveMarch(AbstractMarch):
         )
 
     def _solve_halves(self, length: float, halves: Sequence[Row]) -> tuple[Row, Row, Row, float]:
-        """Middle and end of a step in two halves, its end as a whole, and the worst residual."""
+        """Return the middle and end of a step in two halves, its end as a whole, and the worst residual."""
         step, size, plan = self.functions["solve"], self.size, self.plan
         one = step(*self._extrapolate_state(self.state, self.rates, length), *halves[0], 0.5 * length)
         guessed = self._extrapolate_state(one[:size], [self.state[k] for k in plan.compiled.rates], length)
@@ -281,13 +281,13 @@ class AdaptiveMarch(AbstractMarch):
         return one[:size], two[:size], whole[:size], residual
 
     def _solve_rosenbrock(self, length: float, halves: Sequence[Row]) -> tuple[Row, Row, Row, float]:
-        """Middle and end of a step where laws give rates, and its end to a lower order."""
+        """Return the middle and end of a step where laws give rates, and its end to a lower order."""
         size, inputs = self.size, self._whole(halves, length)
         ends = self.functions["rosenbrock"](*self.state, *inputs, length)
         return ends[size : 2 * size], ends[:size], ends[2 * size :], 0.0
 
     def _check_middle(self, length: float, halves: Sequence[Row], middle: Row) -> tuple[Row, float]:
-        """The middle of a step by one of half its length, and what the two differ by.
+        """Return the middle of a step by one of half its length, and what the two differ by.
 
         Behind an edge of a drive rates may die out within a part of a step, which no error estimate
         of that step sees.
@@ -299,7 +299,7 @@ class AdaptiveMarch(AbstractMarch):
         return found, max(apart, default=0.0)
 
     def _extrapolate_state(self, state: Row, before: Sequence[float], length: float) -> Row:
-        """A state whose rates go on as they changed over two half steps."""
+        """Return a state whose rates go on as they changed over two half steps."""
         gap = 0.5 * (self.last_half + 0.5 * length)
         first = state is self.state
         ratio = gap / self.last_half if first else 0.5 * length / gap
@@ -328,7 +328,7 @@ class AdaptiveMarch(AbstractMarch):
         return lapse, max(ripples)
 
     def _find_kink(self, trial: StepTrial) -> float:
-        """Share of a step at which a law without rates turns or bends, if that counts; else 1.
+        """Return the share of a step at which a law without rates turns or bends, if that counts; else 1.
 
         It misses the height of a turn over the points that it sees, times how its fractions go with
         what drives them about here. A turn that may just reach a kink which no point has reached
@@ -362,7 +362,7 @@ class AdaptiveMarch(AbstractMarch):
                 yield share
 
     def _shorten_step(self, trial: StepTrial) -> float:
-        """The next length to try after one that was too long."""
+        """Return the next length to try after one that was too long."""
         if trial.error == math.inf:
             return 0.25 * trial.length
         shorter = trial.length * max(LEAST_CHANGE, min(self._change(trial), SAFETY))
@@ -475,7 +475,7 @@ class AdaptiveMarch(AbstractMarch):
         return True
 
     def _between(self, nodes: Sequence[Node], time: float) -> Row | None:
-        """State on that polynomial; None where it overshoots what it goes through."""
+        """Return the state on that polynomial; None where it overshoots what it goes through."""
         found = list(interpolate_state(nodes, time))
         for k, column in enumerate(zip(*(node.state for node in nodes), strict=True)):
             low, high = min(column), max(column)
@@ -486,7 +486,7 @@ class AdaptiveMarch(AbstractMarch):
         return tuple(found)
 
     def _step_aside(self, trial: StepTrial, time: float) -> Row:
-        """State after a step from the last half step."""
+        """Return the state after a step from the last half step."""
         middle = self.time + 0.5 * trial.length
         name = "rosenbrock" if self.plan.order == 4 else "solve"
         late = name == "solve" and time >= middle
@@ -501,7 +501,7 @@ class AdaptiveMarch(AbstractMarch):
         return state
 
     def _scale(self, k: int, value: float | None = None) -> float:
-        """Range of a judged output, as far as it is known."""
+        """Return the range of a judged output, as far as it is known."""
         if not self.convergence_scales:
             return 1.0
         low, high = self.low[k], self.high[k]
@@ -525,14 +525,14 @@ def join_halves(first: Moments, last: Moments, length: float) -> Moments:
 
 
 def stretch_length(length: float, end: float) -> float:
-    """A length that reaches an end without a short rest before it."""
+    """Return a length that reaches an end without a short rest before it."""
     if length >= (1.0 - HAIR) * end:
         return end
     return 0.5 * end if length > 0.6 * end else length
 
 
 def find_extreme(first: float, middle: float, last: float) -> tuple[float, float]:
-    """Share of a step at which a parabola turns, and how far beyond all three points; 1 if not."""
+    """Return the share of a step at which a parabola turns, and how far beyond all three points; 1 if not."""
     one, two = middle - first, last - middle
     bend, rise = two - one, one + two
     if not abs(rise) < 2.0 * abs(bend):
@@ -543,7 +543,7 @@ def find_extreme(first: float, middle: float, last: float) -> tuple[float, float
 
 
 def find_fall(ahead: float, first: float, middle: float, last: float) -> float:
-    """Share of a step at which a number falls to 0; else 1.
+    """Return the share of a step at which a number falls to 0; else 1.
 
     Where it would go on as it did: `ahead` is what it falls by in half a step, before the first of
     its values, which are half steps apart. On the chord if that is not where it falls.
@@ -571,7 +571,7 @@ def find_missed(rows: Sequence[Row], ratio: float, share: float) -> float:
 
 
 def find_dip(first: float, middle: float, last: float) -> float:
-    """Share of a step at which a number turns that may pass 0 there and nowhere else; else 1."""
+    """Return the share of a step at which a number turns that may pass 0 there and nowhere else; else 1."""
     share, below = find_extreme(first, middle, last)
     least = min(first, middle, last)
     return share if middle - first < 0.5 * (last - first) and LEAST_FALL < least < 2.0 * below else 1.0
@@ -587,7 +587,7 @@ def divided_difference(times: Sequence[float], values: Sequence[float]) -> float
 
 
 def interpolate_state(nodes: Sequence[Node], time: float) -> Row:
-    """State on the polynomial through some nodes."""
+    """Return the state on the polynomial through some nodes."""
     weights: list[float] = []
     for i, node in enumerate(nodes):
         others = [other.time for j, other in enumerate(nodes) if j != i]

@@ -98,7 +98,7 @@ class Excursion:
     """Place of the largest margin."""
 
     def words(self) -> str:
-        """First time and duration in words."""
+        """Return the first time and duration in words."""
         return f"first at t = {self.first:.4g} s, for {self.duration:.3g} s in all"
 
 

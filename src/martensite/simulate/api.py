@@ -177,7 +177,7 @@ def _in_discrete_time(
 def _march_grid(
     system: AbstractSystem, compiled: CompiledMarch, grid: TimeGrid, runtime: str, start: Row = ()
 ) -> Marched:
-    """A run on given steps; on floats if it fails elsewhere, since these say when, and where."""
+    """Return a run on given steps; on floats if it fails elsewhere, since these say when, and where."""
     found: Marched | None = None
     limits = envelope_of(system)
     if runtime == "c":
@@ -191,23 +191,23 @@ def _march_grid(
 
 
 def first_step(system: AbstractSystem, duration: float, samples: int) -> float:
-    """A first guess of the step [s]: the longest one that is sensible, or a sample."""
+    """Return a first guess of the step [s]: the longest one that is sensible, or a sample."""
     return min(longest_step(system), duration / (samples - 1))
 
 
 def inertial_step(system: AbstractSystem) -> float:
-    """First step of what moves with inertia [s]; 0 if nothing does."""
+    """Return the first step of what moves with inertia [s]; 0 if nothing does."""
     first = system.mechanism.first_step()
     return first if math.isfinite(first) else 0.0
 
 
 def steps_in(system: AbstractSystem, time: float) -> int:
-    """Steps into which a time [s] is cut so that none is longer than is sensible; 1 at least."""
+    """Return the steps into which a time [s] is cut so that none is longer than is sensible; 1 at least."""
     return max(1, math.ceil(time / longest_step(system) - 1e-9))
 
 
 def longest_step(system: AbstractSystem) -> float:
-    """A tenth of the least thermal time constant [s], or what the mechanism can bear."""
+    """Return a tenth of the least thermal time constant [s], or what the mechanism can bear."""
     constants: list[float] = []
     for one in system.actuators().values():
         warm = one.environment.temperature + 50.0
@@ -254,7 +254,7 @@ def _build_result(
 
 
 def _add_balances(result: Result, plan: MarchPlan, found: Marched) -> Result:
-    """A result with what became of heat and work, and a warning where some of it is missing."""
+    """Return a result with what became of heat and work, and a warning where some of it is missing."""
     book, warnings = plan.compiled.book, result.warnings
     heat = balance_heat(found.put_in, found.lost, found.accounts) if book.heat else None
     work = balance_work(book, found.accounts) if book.work else None

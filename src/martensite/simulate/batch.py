@@ -41,7 +41,7 @@ class OutputSensitivity:
     """Status at the end of every run."""
 
     def of_range(self) -> dict[str, Any]:
-        """Derivative of the output's range (for the position: of the stroke); of a batch, (runs,)."""
+        """Return the derivative of the output's range (for the position: of the stroke); of a batch, (runs,)."""
         ends = [np.expand_dims(find(self.column, -1), -1) for find in (np.argmax, np.argmin)]
         return {p: np.subtract(*(np.take_along_axis(s, k, -1) for k in ends)).sum(-1) for p, s in self.slopes.items()}
 
@@ -228,7 +228,7 @@ def compute_sensitivity(
 def _differentiate_in_c(
     compiled: CompiledMarch, values: Sequence[float], rows: Sequence[int], grid: TimeGrid, place: int
 ) -> tuple[Any, Any, float]:
-    """A column, its derivatives by some parameters, and the worst residual, in C."""
+    """Return a column, its derivatives by some parameters, and the worst residual, in C."""
     seeds = np.zeros((len(values), len(rows)))
     seeds[rows, range(len(rows))] = 1.0
     found = march_slopes(compiled, values, seeds, grid, [place])
@@ -242,7 +242,7 @@ def _find_indices(compiled: CompiledMarch, outputs: Sequence[str]) -> tuple[int,
 
 
 def _convert_varied(system: AbstractSystem, over: Mapping[str, Sequence[float]]) -> dict[str, Any]:
-    """The varied parameters by full path, as arrays of equal length within their bounds."""
+    """Return the varied parameters by full path, as arrays of equal length within their bounds."""
     leaves = {leaf.path: leaf for leaf in system.leaves()}
     varied = {system.resolve(name): np.asarray(values, float) for name, values in over.items()}
     sizes = {path: values.size for path, values in varied.items()}

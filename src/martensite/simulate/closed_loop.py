@@ -63,7 +63,7 @@ class LoopPlan:
         return k / (1.0 / self.period)
 
     def pieces(self, signal: float) -> list[tuple[float, float]]:
-        """Signal and length [s] of what a period consists of."""
+        """Return the signal and length [s] of what a period consists of."""
         if not self.pulses:
             return [(signal, self.period)]
         share = limit_duty(signal, self.shortest / self.period)

@@ -47,7 +47,7 @@ class Compiled:
     report: tuple[str, ...] = REPORT
 
     def values(self, system: AbstractSystem) -> list[float]:
-        """Parameter values of a system of this structure, in order."""
+        """Return the parameter values of a system of this structure, in order."""
         return values_at(system, self.paths)
 
 
@@ -99,7 +99,7 @@ class CompiledMarch(Compiled):
 
     @property
     def inputs(self) -> int:
-        """Inputs of `step` that come from the drives."""
+        """Return the inputs of `step` that come from the drives."""
         return sum(self.widths)
 
     def signals_in_step(self) -> list[int]:
@@ -131,7 +131,7 @@ def compile_march(system: AbstractSystem) -> CompiledMarch:
 
 
 def bind_system(system: AbstractSystem) -> tuple[Functions, int]:
-    """The functions of a system on floats, with its numbers, and how many states it has."""
+    """Return the functions of a system on floats, with its numbers, and how many states it has."""
     compiled = compile_system(system)
     return compiled.program.bind_floats(*compiled.values(system)), compiled.size
 
@@ -143,7 +143,7 @@ def bind_march(system: AbstractSystem) -> tuple[Functions, int]:
 
 
 def feed_step(moments: Moments, owed: float = 0.0) -> tuple[float, ...]:
-    """The inputs of a step from what a drive brings in it."""
+    """Return the inputs of a step from what a drive brings in it."""
     return (*moments, owed)
 
 
@@ -208,7 +208,7 @@ class _Trace:
         ]
 
         def brought(numbers: Sequence[Any]) -> tuple[Any, list[Any]]:
-            """The state, and what the drives bring."""
+            """Return the state, and what the drives bring."""
             rest = iter(numbers[self.size :])
             rows = [[next(rest) for _ in names] for names in parts]
             drives = [Feed(Moments(*row[:-1]), row[-1]) if row[1:] else row[0] for row in rows]
@@ -241,7 +241,7 @@ class _Trace:
         self.program.functions["ripple"] = replace(made, name="ripple", outputs=made.outputs[-1:])
 
     def add_judge(self, outputs: Sequence[str], feeds: Sequence[bool]) -> tuple[int, ...]:
-        """Some outputs, and the heat that fed elements hold; the drives of which it is known."""
+        """Return some outputs, and the heat that fed elements hold; the drives of which it is known."""
         places = [self.outputs.index(name) for name in outputs]
         known: list[int] = []
 
@@ -288,7 +288,7 @@ class _Trace:
         return tuple(places)
 
     def rates(self) -> tuple[int, ...]:
-        """Places in the state of numbers that only tell a solve where to look."""
+        """Return the places in the state of numbers that only tell a solve where to look."""
         places = [float(i) for i in range(self.size)]
         return tuple(int(i) for i in self.system.rates(self.shape.rebuild(places)))
 

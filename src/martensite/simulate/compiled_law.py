@@ -47,7 +47,7 @@ class CompiledLaw:
     """Number of memory variables."""
 
     def values(self, law: AbstractLaw) -> list[float]:
-        """Parameter values of a law of this structure, in order."""
+        """Return the parameter values of a law of this structure, in order."""
         return values_at(law, self.paths)
 
 
@@ -114,7 +114,7 @@ NOTICEABLE = 5e6
 
 
 def describe_compression(law: AbstractLaw, stress: Sequence[float]) -> list[str]:
-    """A caution where compression meets a law that knows tension only."""
+    """Return a caution where compression meets a law that knows tension only."""
     least = float(min(stress))
     if not law.tension_only or least > -NOTICEABLE:
         return []

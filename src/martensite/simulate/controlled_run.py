@@ -119,7 +119,7 @@ class _ControlledWalk:
         """Time [s] and outputs at the ends of steps, on both sides of a change of signals."""
 
     def run(self, tell: Callable[[float], None] | None) -> Marched:
-        """All periods; failures are a status."""
+        """Return all periods; failures are a status."""
         plan, walk = self.plan, self.walk
         try:
             for k in range(plan.periods):

@@ -27,7 +27,7 @@ class CycleEnergies(EnergyCourses):
 
     @property
     def net_work(self) -> Numbers:
-        """Work less what was returned."""
+        """Return the work less what was returned."""
         return self.work - self.returned
 
     @property
@@ -65,7 +65,7 @@ def compute_cycle_energies(result: Result, period: float, *, pairs: Sequence[Pai
 
 
 def _find_columns(result: Result, pairs: Sequence[Pair] | None) -> Sequence[Pair]:
-    """Columns of force and coordinate."""
+    """Return the columns of force and coordinate."""
     if pairs is None:
         if not isinstance(result.system.mechanism, AbstractLoadLine):
             raise InputError("Say by `pairs` which force of this mechanism works along which coordinate.")

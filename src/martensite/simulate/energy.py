@@ -43,13 +43,13 @@ class EnergyCourses:
 
     @property
     def efficiency(self) -> Numbers:
-        """Work over electrical energy; NaN without any."""
+        """Return the work over electrical energy; NaN without any."""
         nothing = np.full(len(self.work), np.nan)
         return np.divide(self.work, self.electrical, where=self.electrical > 0.0, out=nothing)
 
 
 def find_ways(result: Result) -> list[tuple[Numbers, Numbers]] | None:
-    """Force [N] and way [m] of every element, for `integrate_energies`; None if one is not known.
+    """Return the force [N] and way [m] of every element, for `integrate_energies`; None if one is not known.
 
     An element that is a straight wire, or several, pulls by its own shortening −ε ℓ; others need a
     mechanism with one coordinate on a line.
@@ -70,7 +70,7 @@ def find_ways(result: Result) -> list[tuple[Numbers, Numbers]] | None:
 
 
 def find_length(element: AbstractElement) -> float | None:
-    """Elongation per strain [m] of straight wires; None for other elements."""
+    """Return the elongation per strain [m] of straight wires; None for other elements."""
     if isinstance(element, AbstractRow):
         one = find_length(element.one)
         return None if one is None else one * element.behind()

@@ -110,7 +110,7 @@ class Ensemble:
 
     @staticmethod
     def concatenate(pieces: Sequence[Ensemble]) -> Ensemble:
-        """Some after others."""
+        """Return some after others."""
         names = pieces[0].columns
         columns = {name: np.concatenate([p.columns[name] for p in pieces]) for name in names}
         status, ended, accuracy = (
@@ -145,7 +145,7 @@ class Measuring:
 
     @property
     def totalled(self) -> bool:
-        """True if the extremes and integrals that a march in C keeps are enough for the measures."""
+        """Return True if the extremes and integrals that a march in C keeps are enough for the measures."""
         return all(type(one) in TOTALLED for one in self.measures)
 
     def measure_march(self, runs: Runs, made: MarchRows) -> Numbers:
@@ -255,7 +255,7 @@ def _judge_runs(
 
 
 def _bound_end(ended: float, kept: int, times: Sequence[float]) -> float:
-    """The end [s] of a run that left the envelope: not later than the first sample that it does not have."""
+    """Return the end [s] of a run that left the envelope: not later than the first sample that it does not have."""
     return min(ended, times[min(kept, len(times) - 1)])
 
 

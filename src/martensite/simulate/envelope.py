@@ -29,7 +29,7 @@ BEYOND = {
 
 
 def envelope_of(system: AbstractSystem) -> RunLimits:
-    """Bounds of what `CompiledMarch.envelope` names."""
+    """Return the bounds of what `CompiledMarch.envelope` names."""
     low: list[float] = []
     high: list[float] = []
     for actuator in system.actuators().values():
@@ -41,7 +41,7 @@ def envelope_of(system: AbstractSystem) -> RunLimits:
 
 
 def varied_stops(paths: Iterable[str]) -> list[str]:
-    """Paths of parameters that bound an element."""
+    """Return the paths of parameters that bound an element."""
     return [path for path in paths if path.rpartition(".")[2] in STOPS]
 
 
@@ -60,7 +60,7 @@ class Envelope:
 
 
 def rows_inside(system: AbstractSystem, rows: Iterable[Row]) -> Iterator[Row]:
-    """The rows of outputs before the first one that is outside; the first row of all stays."""
+    """Yield the rows of outputs before the first one that is outside; the first row of all stays."""
     envelope = Envelope(system)
     for k, row in enumerate(rows):
         if k and envelope.find_exit(row) is not None:

@@ -99,7 +99,7 @@ class TimeGrid:
 
     @property
     def longest(self) -> float:
-        """Longest step [s]."""
+        """Return the longest step [s]."""
         return max(self.lengths)
 
     def cut(self, begin: float, end: float) -> TimeGrid:
@@ -158,11 +158,11 @@ class LaneGrid:
 
     @property
     def longest(self) -> float:
-        """Longest step [s]."""
+        """Return the longest step [s]."""
         return float(self.lengths.max())
 
     def lane(self, lane: int) -> TimeGrid:
-        """The grid of one lane, without the steps of no length."""
+        """Return the grid of one lane, without the steps of no length."""
         import numpy as np
 
         lengths = self.lengths[:, lane]
@@ -252,7 +252,7 @@ class Steps(NamedTuple):
 def build_grid(
     waveforms: Sequence[AbstractWaveform], duration: float, samples: int, step: float, at_end: Sequence[bool]
 ) -> TimeGrid:
-    """The grid of a run of `duration` [s] with equidistant samples, both ends included."""
+    """Return the grid of a run of `duration` [s] with equidistant samples, both ends included."""
     times = [duration * i / (samples - 1) for i in range(samples)]
     return grid_at(waveforms, times, step, at_end)
 
@@ -265,7 +265,7 @@ def grid_of_samples(
     ahead: Sequence[bool],
     every: bool = False,
 ) -> TimeGrid:
-    """The grid of a system in discrete time: every step is one of its samples, from 0 on.
+    """Return the grid of a system in discrete time: every step is one of its samples, from 0 on.
 
     Signals are read at the start of a step, or at its end where they are wanted `ahead`. What is
     returned are as many of its samples as were asked for, or all if there are fewer, as evenly
@@ -309,7 +309,7 @@ def grid_at(waveforms: Sequence[AbstractWaveform], times: list[float], step: flo
 
 
 def cut_steps(edges: Iterable[float], times: Sequence[float], step: float) -> Steps:
-    """Steps of at most `step` [s] between samples and edges; `InputError` if there are too many."""
+    """Return the steps of at most `step` [s] between samples and edges; `InputError` if there are too many."""
     duration, samples = times[-1], len(times)
     ahead = [*sorted(edges), math.inf]
     if duration / step + len(ahead) + samples > MOST_STEPS:

@@ -53,7 +53,7 @@ def list_initial(system: AbstractSystem) -> dict[str, str]:
 
 
 def read_initial(system: AbstractSystem, table: Mapping[str, Any], with_units: bool = False) -> dict[str, Any]:
-    """A table [initial] in SI by full name; `with_units` says whether plain numbers are refused, as in a file.
+    """Return a table [initial] in SI by full name; `with_units` says whether plain numbers are refused, as in a file.
 
     Raises:
         InputError: a name is not known, a unit does not fit, or numbers are given of what is to be found.
@@ -89,7 +89,7 @@ def _suggest(system: AbstractSystem, name: str, known: Sequence[str]) -> str:
 
 
 def _convert(name: str, value: Any, unit: str, with_units: bool) -> float:
-    """A number in SI."""
+    """Return a number in SI."""
     try:
         if isinstance(value, str):
             return units.parse_quantity(value, unit)
@@ -124,7 +124,7 @@ def find_start(
 
 
 def place_system(system: AbstractAssembly, given: Mapping[str, float], drives: Sequence[float]) -> State:
-    """The state with given numbers in SI by full name, under drive signals.
+    """Return the state with given numbers in SI by full name, under drive signals.
 
     Raises:
         InputError: an element cannot be in that state.
@@ -156,7 +156,7 @@ def place_system(system: AbstractAssembly, given: Mapping[str, float], drives: S
 
 
 def _put_element(port: str, one: Actuator, own: Mapping[str, float], drive: float, home: Any, force: float) -> Any:
-    """An element in its given temperature and phase state, under a drive signal and a force [N]."""
+    """Return an element in its given temperature and phase state, under a drive signal and a force [N]."""
     element, imposed = one.element, one.source.sets_temperature
     if imposed and "temperature" in own:
         raise InputError(f"{WHERE} The temperature of `{port}` is prescribed by its drive; leave it out.")
@@ -174,7 +174,7 @@ def _put_element(port: str, one: Actuator, own: Mapping[str, float], drive: floa
 
 
 def _find_fractions(port: str, element: AbstractLumped, own: Mapping[str, float], known: Fractions) -> Fractions:
-    """The given phase state; martensite of which nothing else is said is oriented as it was."""
+    """Return the given phase state; martensite of which nothing else is said is oriented as it was."""
     law, martensite = element.law, own.get("martensite_fraction", known.martensite)
     share = known.oriented / known.martensite if known.martensite else 1.0
     oriented = own.get("oriented_fraction", martensite * share)

@@ -37,12 +37,12 @@ class Judgement:
 
     @property
     def kept(self) -> bool:
-        """True if all limits are kept."""
+        """Return True if all limits are kept."""
         return not (self.alarms or self.outside)
 
     @property
     def kinds(self) -> set[str]:
-        """Kinds of the exceeded limits, with `envelope` outside the envelope."""
+        """Return the kinds of the exceeded limits, with `envelope` outside the envelope."""
         return {alarm.kind for alarm in self.alarms} | ({"envelope"} if self.outside else set())
 
     @property
@@ -56,12 +56,12 @@ class Judgement:
         return " ".join(words)
 
     def to_dict(self) -> dict[str, Any]:
-        """The judgement, ready for JSON."""
+        """Return the judgement, ready for JSON."""
         return {"kept": self.kept, "outside": self.outside, "exceeded": [asdict(alarm) for alarm in self.alarms]}
 
 
 def describe_excess(alarm: Alarm) -> str:
-    """Value and limit of an exceeded limit, without a time."""
+    """Return the value and limit of an exceeded limit, without a time."""
     where = f"`{alarm.port}`: " if alarm.port else ""
     shown = SHOWN.get(alarm.unit, alarm.unit)
     worst, limit = (

@@ -63,7 +63,7 @@ class Lanes:
 
     @property
     def worst(self) -> Numbers:
-        """Worst reports since the last reset, shape (2, lanes)."""
+        """Return the worst reports since the last reset, shape (2, lanes)."""
         return self._engine.worst
 
     def set_values(self, values: Mapping[str, Any]) -> None:
@@ -109,7 +109,7 @@ class Lanes:
         return rows
 
     def observe(self, signals: Any) -> Numbers:
-        """Outputs now under signals, shape (outputs, lanes)."""
+        """Return the outputs now under signals, shape (outputs, lanes)."""
         return self._engine.read_outputs(self.state, self._spread(signals))
 
     def copy_from(self, other: Lanes, lane: int = 0) -> None:
@@ -137,7 +137,7 @@ class Lanes:
             table[self._rows[path]] = given
 
     def _spread(self, signals: Any) -> Numbers:
-        """Signals of one moment, for all drives and lanes."""
+        """Return the signals of one moment, for all drives and lanes."""
         given = np.asarray(signals, float)
         try:
             return np.broadcast_to(given, self._shape)
@@ -183,16 +183,16 @@ class NativeLanes:
 
     @property
     def table(self) -> Numbers:
-        """Parameters, shape (parameters, lanes)."""
+        """Return the parameters, shape (parameters, lanes)."""
         return self._table[:, : self.n]
 
     @property
     def worst(self) -> Numbers:
-        """Worst reports so far, shape (2, lanes)."""
+        """Return the worst reports so far, shape (2, lanes)."""
         return self._worst[:, : self.n]
 
     def _fill_block(self, given: Numbers) -> Numbers:
-        """A table of lanes, the last of which fills the block."""
+        """Return a table of lanes, the last of which fills the block."""
         last = given[..., -1:]
         more = np.broadcast_to(last, (*given.shape[:-1], self._filled_to - given.shape[-1]))
         return np.ascontiguousarray(np.concatenate([given, more], axis=-1))
@@ -208,13 +208,13 @@ class NativeLanes:
         self.program.set_table(self._table)
 
     def begin(self, signals: Numbers) -> Numbers:
-        """The state at rest."""
+        """Return the state at rest."""
         found, given = np.empty((self.compiled.size, self._filled_to)), self._fill_block(signals)
         self.program.bind("init", given, found)()
         return found[:, : self.n].copy()
 
     def advance(self, state: Numbers, signals: Numbers, dt: float, shown: bool) -> tuple[Numbers, Numbers]:
-        """State after some steps, and outputs; signals may spread over drives and lanes."""
+        """Return the state after some steps, and outputs; signals may spread over drives and lanes."""
         self._spread(self._state, state)
         self._dt[...] = dt
         steps, drives, rows, n = len(signals), self._at_drives, self._at_rows, self.n
@@ -234,7 +234,7 @@ class NativeLanes:
         self.program.library.advance(*counts, *self._held, drives, rows)
 
     def read_outputs(self, state: Numbers, signals: Numbers) -> Numbers:
-        """Outputs in a state."""
+        """Return the outputs in a state."""
         self._spread(self._state, state)
         self._spread(self._signals, signals)
         self._observe()
@@ -257,12 +257,12 @@ class PlainLanes:
             self.functions[lane] = self.compiled.program.bind_floats(*table[:, lane].tolist())
 
     def begin(self, signals: Numbers) -> Numbers:
-        """The state at rest."""
+        """Return the state at rest."""
         rows = zip(self.functions, signals.T.tolist(), strict=True)
         return np.array([functions["init"](*u) for functions, u in rows]).T
 
     def advance(self, state: Numbers, signals: Numbers, dt: float, shown: bool) -> tuple[Numbers, Numbers]:
-        """State after some steps, and outputs; signals may spread over drives and lanes."""
+        """Return the state after some steps, and outputs; signals may spread over drives and lanes."""
         lanes, size = state.shape[1], self.compiled.size
         drives = np.broadcast_to(signals, (len(signals), self.compiled.drives, lanes))
         rows = np.empty((len(drives) if shown else 0, len(self.compiled.outputs), lanes))
@@ -278,7 +278,7 @@ class PlainLanes:
         return after, rows
 
     def read_outputs(self, state: Numbers, signals: Numbers) -> Numbers:
-        """Outputs in a state."""
+        """Return the outputs in a state."""
         rows = zip(self.functions, state.T.tolist(), signals.T.tolist(), strict=True)
         return np.array([functions["observe"](*now, *u) for functions, now, u in rows]).T
 

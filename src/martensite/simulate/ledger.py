@@ -67,7 +67,7 @@ class Book(NamedTuple):
 
     @property
     def size(self) -> int:
-        """Numbers that are entered at a time."""
+        """Return the numbers that are entered at a time."""
         return len(self.held) + 2 * len(self.efforts) + self.heat
 
 
@@ -105,7 +105,7 @@ class Ledger:
 
 
 def integrate_effort(forces: Sequence[float], ways: Sequence[float]) -> float:
-    """Work [J] of a force along a way, known at start, middle and end of a step."""
+    """Return the work [J] of a force along a way, known at start, middle and end of a step."""
     (a, b, c), (x, y, z) = forces, ways
     first, middle, last = 4.0 * (y - x) - (z - x), z - x, 3.0 * (z - x) - 4.0 * (y - x)
     return SIXTH * (a * first + 4.0 * b * middle + c * last)
@@ -131,7 +131,7 @@ class HeatBalance:
 
     @property
     def stored(self) -> float:
-        """Sensible and latent heat, more than in the beginning [J]."""
+        """Return the sensible and latent heat, more than in the beginning [J]."""
         return self.sensible + self.latent
 
     @property
@@ -156,7 +156,7 @@ class HeatBalance:
         )
 
     def as_dict(self) -> dict[str, float | None]:
-        """All its numbers, by name."""
+        """Return all its numbers, by name."""
         own = {"put_in": self.put_in, "lost": self.lost, "stored": self.stored}
         more = {"sensible": self.sensible, "latent": self.latent, "exchanged": self.exchanged}
         return own | more | {"residual": self.residual}
@@ -185,7 +185,7 @@ class WorkBalance:
 
     @property
     def converted(self) -> float | None:
-        """Work and elastic energy that transformation and thermal expansion brought [J]."""
+        """Return the work and elastic energy that transformation and thermal expansion brought [J]."""
         return None if self.elastic is None else self.work + self.elastic
 
     @property
@@ -207,18 +207,18 @@ class WorkBalance:
         return f"work: {parts}; {beside}; {_describe_residual(self.residual)}"
 
     def as_dict(self) -> dict[str, float | None]:
-        """All its numbers, by name."""
+        """Return all its numbers, by name."""
         return vars(self) | {"converted": self.converted, "residual": self.residual}
 
 
 def balance_heat(put_in: float, lost: float, accounts: Sequence[float]) -> HeatBalance:
-    """The heat balance of a run from what came in and was lost, and its accounts [J]."""
+    """Return the heat balance of a run from what came in and was lost, and its accounts [J]."""
     own = dict(zip(ACCOUNTS, accounts, strict=True))
     return HeatBalance(put_in, lost, own["sensible"], own["latent"], own[EXCHANGED[0]])
 
 
 def balance_work(book: Book, accounts: Sequence[float]) -> WorkBalance:
-    """The balance of the work of a run from its accounts [J]."""
+    """Return the balance of the work of a run from its accounts [J]."""
     own = dict(zip(ACCOUNTS, accounts, strict=True))
     known = ACCOUNTS.index("elastic") in book.held
     found = WorkBalance(**{one.name: own[one.name] for one in fields(WorkBalance)})
@@ -226,7 +226,7 @@ def balance_work(book: Book, accounts: Sequence[float]) -> WorkBalance:
 
 
 def _tell_energy(value: float | None, most: float) -> str:
-    """An energy [J] in words; nothing if it is but the rounding of the most that it is part of."""
+    """Return an energy [J] in words; nothing if it is but the rounding of the most that it is part of."""
     return NONE if value is None or not abs(value) > ROUNDING * most else f"{value:.3g} J"
 
 

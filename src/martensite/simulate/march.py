@@ -152,7 +152,7 @@ class FixedMarch(AbstractMarch):
 
 
 def classify_step(residual: float, crossing: float) -> Status:
-    """Status of a step from its report."""
+    """Return the status of a step from its report."""
     if math.isnan(residual) or math.isinf(residual):
         return Status.NOT_FINITE
     if residual > SOLVED:

@@ -34,7 +34,7 @@ class RunLimits(NamedTuple):
     """One pair for each of `CompiledMarch.envelope`."""
 
     def find_exit(self, values: Sequence[float], finite: bool = False) -> Exit | None:
-        """The first of some values that is outside; or no number, unless only `finite` ones count."""
+        """Return the first of some values that is outside; or no number, unless only `finite` ones count."""
         for place, (low, value, high) in enumerate(zip(self.low, values, self.high, strict=False)):
             if not low <= value <= high and (not finite or math.isfinite(value)):
                 return Exit(place, value)
@@ -139,7 +139,7 @@ class Marched:
 
     @property
     def ends(self) -> list[float]:
-        """Ends of the recorded pieces of steps [s]."""
+        """Return the ends of the recorded pieces of steps [s]."""
         return [float(row[2] + row[3]) for row in self.record if row[1] != START]
 
     @property
@@ -194,7 +194,7 @@ class AbstractMarch:
         return found
 
     def signals(self, time: float, before: bool = False) -> Row:
-        """The drive signals at a time [s], or just before it."""
+        """Return the drive signals at a time [s], or just before it."""
         return tuple(r.before(time) if before else r.value(time) for r in self.readers)
 
     def record_piece(self, part: int, begin: float, end: float, brought: Sequence[float], state: Row) -> None:

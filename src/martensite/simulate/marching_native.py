@@ -116,7 +116,7 @@ class _Window:
         return len(self._table)
 
     def known_until(self) -> float:
-        """Time [s] up to which it is known."""
+        """Return the time [s] up to which it is known."""
         return np.inf if self._ended else float(self._table[-1, 0])
 
     def fill(self, into: _Drive, locate: Callable[[NDArray[Any]], int]) -> None:
@@ -151,7 +151,7 @@ class Runs:
     """Limits that end a run, low and high, (2, envelope, runs); the limits of the plan if None."""
 
     def choose(self, places: Any, ranges: Any) -> Runs:
-        """Some of them, with known ranges of their judged outputs, (runs, judged)."""
+        """Return some of them, with known ranges of their judged outputs, (runs, judged)."""
         return replace(
             self,
             values=[np.asarray(v)[places] if np.ndim(v) else v for v in self.values],
@@ -332,7 +332,7 @@ class _Marching(MarchArrays):
         self.library.forget_cursors(ctypes.byref(self.block))
 
     def _where(self) -> tuple[float, int]:
-        """Time of the block [s], and its first run."""
+        """Return the time of the block [s], and its first run."""
         block = ctypes.byref(self.block)
         return self.library.time_of(block), self.library.run_of(block)
 
@@ -396,7 +396,7 @@ class MarchKernel:
         return () if self.fixed else FUSED
 
     def source(self) -> str:
-        """Its C."""
+        """Return its C."""
         compiled, traced = self.compiled, self.compiled.program.functions
         places = () if self.fixed else compiled.points
         rates = () if self.fixed else compiled.rates

@@ -103,7 +103,7 @@ def march_inside(
 
 
 def spread_limits(limits: Any, runs: int) -> Any:
-    """Limits of every run, (2, envelope, runs), from these or from those of all, (2, envelope)."""
+    """Return the limits of every run, (2, envelope, runs), from these or from those of all, (2, envelope)."""
     given = np.asarray(limits, float)
     given = given if given.ndim == 3 else given[:, :, None]
     return np.ascontiguousarray(np.broadcast_to(given, (*given.shape[:2], runs)))

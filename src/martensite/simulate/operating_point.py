@@ -151,13 +151,13 @@ class _RestingLanes:
         self._before = high if direction == "cooling" else None
 
     def signals(self, row: Numbers) -> Numbers:
-        """Signals of all drives in all lanes, shape (drives, lanes)."""
+        """Return the signals of all drives in all lanes, shape (drives, lanes)."""
         table = np.repeat(self._base[:, None], len(row), axis=1)
         table[self._place] = row
         return table
 
     def settle(self, row: Numbers) -> Lanes:
-        """Lanes at rest under the signals of a row."""
+        """Return the lanes at rest under the signals of a row."""
         lanes = Lanes(self.system, len(row))
         lanes.reset(self._base[:, None])
         if self._before is not None:

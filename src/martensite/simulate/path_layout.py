@@ -66,7 +66,7 @@ class ThermomechanicalPath:
     def follow(
         self, law: AbstractLaw, *, steps: int = 100, tolerance: float | None = 1e-4, runtime: str = "floats"
     ) -> PointResult:
-        """Drive a law along this path; arguments as of `material_point`."""
+        """Return the drive a law along this path; arguments as of `material_point`."""
         return material_point(
             law,
             self.legs,
@@ -88,11 +88,11 @@ class Guide:
 
     @cached_property
     def marks(self) -> Marks:
-        """Transformation temperatures without load [K]."""
+        """Return the transformation temperatures without load [K]."""
         return self.marks_at(0.0)
 
     def marks_at(self, stress: float) -> Marks:
-        """Transformation temperatures at a stress [K]."""
+        """Return the transformation temperatures at a stress [K]."""
         found = find_isobar(self.law, stress)
         if any(math.isnan(value) for value in found):
             raise ParameterError(
@@ -118,7 +118,7 @@ class Guide:
         return temperature, self.choices.fractions or fractions
 
     def hot(self, *above: float) -> tuple[float, ...]:
-        """The chosen temperatures, or some above A_f [K]."""
+        """Return the chosen temperatures, or some above A_f [K]."""
         return self.choices.temperatures or tuple(self.marks.A_f + more for more in above)
 
     def top(self, temperature: float, fractions: Fractions) -> LoadingPoint:
@@ -134,25 +134,25 @@ class Guide:
         return found
 
     def rest(self, temperature: float, fractions: Fractions) -> float:
-        """Strain without load [-]."""
+        """Return the strain without load [-]."""
         return self.law.strain(floats, fractions, 0.0, temperature)
 
     def load(self, temperature: float, fractions: Fractions) -> float:
-        """The chosen stress, or a round one beyond the end of the transformation [Pa]."""
+        """Return the chosen stress, or a round one beyond the end of the transformation [Pa]."""
         if self.choices.stresses:
             return self.choices.stresses[0]
         return 10e6 * math.ceil((1.08 * self.top(temperature, fractions).stress + 15e6) / 10e6)
 
     def stress(self, change: float, end: float) -> PathLeg:
-        """A leg that changes stress."""
+        """Return a leg that changes stress."""
         return PathLeg(stress=end, duration=_compute_time(change, self.choices.rates.stress))
 
     def strain(self, change: float, end: float) -> PathLeg:
-        """A leg that changes strain."""
+        """Return a leg that changes strain."""
         return PathLeg(strain=end, duration=_compute_time(change, self.choices.rates.strain))
 
     def heat(self, begin: float, end: float, hold: str | None = None) -> PathLeg:
-        """A leg that changes temperature."""
+        """Return a leg that changes temperature."""
         duration = _compute_time(end - begin, self.choices.rates.temperature)
         return PathLeg(temperature=end, hold=hold, duration=duration)
 
@@ -162,10 +162,10 @@ def _compute_time(change: float, rate: float) -> float:
 
 
 def format_celsius(temperature: float) -> str:
-    """A temperature for a label."""
+    """Return a temperature for a label."""
     return f"{temperature - ZERO:.4g} °C"
 
 
 def format_megapascal(stress: float) -> str:
-    """A stress for a label."""
+    """Return a stress for a label."""
     return f"{stress / 1e6:.4g} MPa"

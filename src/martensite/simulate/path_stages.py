@@ -44,12 +44,12 @@ class PathStage:
 
 
 def list_stages(result: PointResult) -> list[PathStage]:
-    """Every leg of a path."""
+    """Return every leg of a path."""
     return [_build_stage(result, leg, *span) for leg, span in enumerate(pairwise(result.ends))]
 
 
 def residual_strain(result: PointResult) -> float:
-    """Strain that a path leaves [-]: last less first."""
+    """Return the strain that a path leaves [-]: last less first."""
     return float(result.strain[-1] - result.strain[0])
 
 

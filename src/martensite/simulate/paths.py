@@ -30,7 +30,7 @@ class NamedPath:
 
     @property
     def summary(self) -> str:
-        """First line of its description."""
+        """Return the first line of its description."""
         return (self.lay.__doc__ or "").partition("\n")[0]
 
 
@@ -42,7 +42,7 @@ LOOP, RECOVERY = ("strain", "stress"), ("temperature", "strain")
 def register_path(
     name: str, *uses: str, plane: tuple[str, str]
 ) -> Callable[[Callable[[Guide], list[ThermomechanicalPath]]], Callable[[Guide], list[ThermomechanicalPath]]]:
-    """File a function under a name."""
+    """Return the file a function under a name."""
 
     def file_under(lay: Callable[[Guide], list[ThermomechanicalPath]]) -> Callable[[Guide], list[ThermomechanicalPath]]:
         PATHS[name] = NamedPath(name, uses, plane, lay)
@@ -52,7 +52,7 @@ def register_path(
 
 
 def find_path(name: str) -> NamedPath:
-    """A named path; `UnknownNameError` if there is none of that name."""
+    """Return a named path; `UnknownNameError` if there is none of that name."""
     if name not in PATHS:
         raise UnknownNameError("path", name, PATHS)
     return PATHS[name]
@@ -107,7 +107,7 @@ def build_superelastic(guide: Guide) -> list[ThermomechanicalPath]:
 
 @register_path("tension", "temperatures", "strain", plane=LOOP)
 def build_tension(guide: Guide) -> list[ThermomechanicalPath]:
-    """Stretch to a strain and back to the start, at each of several temperatures.
+    """Return the stretch to a strain and back to the start, at each of several temperatures.
 
     Temperatures: one at which martensite stays, and A_f + 15 K. Strain: beyond the end of the
     transformation. A specimen that stays elongated goes slack.
@@ -170,7 +170,7 @@ def _build_recovery(guide: Guide, label: str, *, cool: bool) -> Thermomechanical
 
 @register_path("constrained-recovery", "temperatures", "strain", plane=("temperature", "stress"))
 def constrained_recovery(guide: Guide) -> list[ThermomechanicalPath]:
-    """Stretch and unload cold, clamp, heat to A_f + 60 K and cool: the stress of recovery.
+    """Return the stretch and unload cold, clamp, heat to A_f + 60 K and cool: the stress of recovery.
 
     Temperature: as for free-recovery. Strain: half of what completes the transformation there.
     """
@@ -189,7 +189,7 @@ def constrained_recovery(guide: Guide) -> list[ThermomechanicalPath]:
 
 @register_path("minor-loops", "stresses", plane=RECOVERY)
 def minor_loops(guide: Guide) -> list[ThermomechanicalPath]:
-    """A whole thermal cycle at constant stress, then partial heatings from cold.
+    """Return a whole thermal cycle at constant stress, then partial heatings from cold.
 
     Stress: 100 MPa. The partial heatings end 75, 60, 45 and 30 % of the way from A_s to A_f.
     """

@@ -122,7 +122,7 @@ class PointResult:
 
     @property
     def work(self) -> float:
-        """Work done on the point along the path, ∫ σ dε [J/m³]; what a closed loop loses."""
+        """Return the work done on the point along the path, ∫ σ dε [J/m³]; what a closed loop loses."""
         import numpy as np
 
         return math.fsum((0.5 * (self.stress[1:] + self.stress[:-1]) * np.diff(self.strain)).tolist())
@@ -143,7 +143,7 @@ def material_point(
     runtime: str = "floats",
     label: str = "",
 ) -> PointResult:
-    """Drive a law along a path of stress or strain and temperature.
+    """Return the drive a law along a path of stress or strain and temperature.
 
     Steps are halved until halving changes strain, stress and martensite fraction at the samples
     by less than `tolerance` times their range.
@@ -222,7 +222,7 @@ def _check_path(
 
 
 def _fill_sections(legs: Sequence[PathLeg], steps: int, temperature: float) -> list[PathSection]:
-    """The legs with everything filled in that can be known before the march."""
+    """Return the legs with everything filled in that can be known before the march."""
     found: list[PathSection] = []
     control, first = "stress", temperature
     for leg in legs:
@@ -250,7 +250,7 @@ def _refine_steps(drive: PathDriver, tolerance: float | None) -> tuple[PointTrac
 
 
 def _compare_tracks(coarse: PointTrack, fine: PointTrack) -> float:
-    """Largest difference of the judged columns as a share of their range."""
+    """Return the largest difference of the judged columns as a share of their range."""
     if len(coarse.rows) != len(fine.rows):
         return math.inf
     worst = 0.0

@@ -49,7 +49,7 @@ class PathSection(NamedTuple):
         return self._replace(begin=begin, end=begin if self.end is None else self.end)
 
     def at(self, share: float) -> tuple[float, float]:
-        """Prescribed quantity and temperature at a share of the way; exact at the end."""
+        """Return the prescribed quantity and temperature at a share of the way; exact at the end."""
         end = self.begin if self.end is None else self.end
         if share == 1.0:
             return end, self.last
@@ -95,19 +95,19 @@ class PathDriver:
 
     @property
     def samples(self) -> int:
-        """Samples after the first one."""
+        """Return the samples after the first one."""
         return sum(section.samples for section in self.sections)
 
     @cached_property
     def rider(self) -> FloatRider | NativeRider:
-        """The runtime, with the parameters bound."""
+        """Return the runtime, with the parameters bound."""
         if self.runtime == "c":
             return NativeRider(self.compiled, self.law)
         return FloatRider(self)
 
     @cached_property
     def compiled(self) -> CompiledLaw:
-        """The traced law."""
+        """Return the traced law."""
         return compile_law(self.law, tension_only=self.tension_only)
 
 
@@ -146,13 +146,13 @@ class FloatRider:
         self._functions = compiled.program.bind_floats(*compiled.values(drive.law))
 
     def start(self, *numbers: float) -> Row:
-        """Memory and row at ξ [-], ξ_S [-], stress [Pa], temperature [K]."""
+        """Return the memory and row at ξ [-], ξ_S [-], stress [Pa], temperature [K]."""
         return self._functions["init"](*numbers)
 
     def _carefully(
         self, state: Row, begin: tuple[float, float], end: tuple[float, float], dt: float, splits: int
     ) -> Row:
-        """A strain-driven step; in two halves where it stays unsolved."""
+        """Return a strain-driven step; in two halves where it stays unsolved."""
         after = self._functions["strain_step"](*state, *end, dt)
         if after[-1] <= SOLVED or splits == 0:
             return after
@@ -205,7 +205,7 @@ class NativeRider:
         return self._programs.setdefault(step, made)
 
     def start(self, *numbers: float) -> tuple[float, ...]:
-        """Memory and row at ξ [-], ξ_S [-], stress [Pa], temperature [K]."""
+        """Return the memory and row at ξ [-], ξ_S [-], stress [Pa], temperature [K]."""
         import numpy as np
 
         found, given = np.empty(self._compiled.size + len(ROW)), np.array(numbers, float)

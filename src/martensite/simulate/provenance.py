@@ -28,7 +28,7 @@ def tell_conformance(things: Iterable[Any]) -> dict[str, str]:
 
 
 def _list_foreign(things: Iterable[Any]) -> Iterator[type[Parametrised]]:
-    """Classes of foreign parts, at any depth."""
+    """Yield the classes of foreign parts, at any depth."""
     for thing in things:
         if isinstance(thing, Mapping):
             yield from _list_foreign(cast("Mapping[str, Any]", thing).values())

@@ -33,7 +33,7 @@ def find_refused(part: Parametrised, values: Mapping[str, Any], count: int) -> N
 
 
 def _list_checking(part: Parametrised, prefix: str) -> Iterator[tuple[str, Parametrised]]:
-    """Parts that check their numbers together."""
+    """Yield the parts that check their numbers together."""
     if type(part).check is not Parametrised.check:
         yield prefix, part
     for name, child in part.children():

@@ -61,7 +61,7 @@ class Restart:
 
     @property
     def state(self) -> Row:
-        """All that the system remembers, of the last pass; empty for a system at home and at rest."""
+        """Return all that the system remembers, of the last pass; empty for a system at home and at rest."""
         return self.passes[-1].state if self.passes else ()
 
     def at_time_zero(self) -> Restart:
@@ -74,7 +74,7 @@ HOME = Restart()
 
 
 def list_samples(duration: float, samples: int, begin: float) -> list[float]:
-    """The samples [s] of a whole run of a `duration` [s] from where a run begins on, and its beginning.
+    """Return the samples [s] of a whole run of a `duration` [s] from where a run begins on, and its beginning.
 
     Raises:
         InputError: it begins when it should have ended.
@@ -130,7 +130,7 @@ def find_restart(known: Sequence[Restart], at: float | None = None) -> Restart:
 
 
 def name_state(system: AbstractSystem) -> list[str]:
-    """Names of all numbers of a state of a system, in order."""
+    """Return the names of all numbers of a state of a system, in order."""
     return name_numbers(system.init(floats, *(0.0 if one.unit != "K" else 300.0 for one in system.drives())))
 
 
@@ -234,7 +234,7 @@ def cut_times(times: Sequence[float], stops: Sequence[float]) -> list[tuple[list
 
 
 def join_legs(legs: Sequence[Marched], rows: list[Any], before: PassState | None) -> Marched:
-    """A pass from its legs, after what was before it; its energies are those of its legs."""
+    """Return a pass from its legs, after what was before it; its energies are those of its legs."""
     last = legs[-1]
     if len(legs) == 1 and before is None:
         return last

@@ -128,7 +128,7 @@ class Result:
 
     @cached_property
     def start(self) -> str:
-        """State and history with which the run starts, in a sentence; empty without shape-memory elements."""
+        """Return state and history with which the run starts, in a sentence; empty without shape-memory elements."""
         return self.begin if isinstance(self.begin, str) else self.begin(self)
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
@@ -152,7 +152,7 @@ class Result:
         records: Iterable[Any] | None = None,
         title: str | None = None,
     ) -> Figure:
-        """The standard figure: all quantities over time, and the loops ξ–T, ε–T, σ–ε.
+        """Return the standard figure: all quantities over time, and the loops ξ–T, ε–T, σ–ε.
 
         Args:
             path: file to write as well: png, svg or pdf, replaced whole or not at all.
@@ -183,7 +183,7 @@ class Result:
         return import_service("describe_run")(self).to_xarray()
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A table with a row per sample, by time [s], of a batch by variant and time.
+        """Return a table with a row per sample, by time [s], of a batch by variant and time.
 
         Columns are in SI units (`attrs["units"]`).
         """
@@ -233,24 +233,24 @@ class Result:
         }
 
     def _list_accuracy(self) -> Any:
-        """The bound, or one for each variant."""
+        """Return the bound, or one for each variant."""
         known = None if self.variants is None else self.variants.accuracy
         return self.accuracy if known is None else known.tolist()
 
     def _list_stroke(self) -> Any:
-        """The stroke, or one for each variant; None if a batch left out the first coordinate."""
+        """Return the stroke, or one for each variant; None if a batch left out the first coordinate."""
         if self.variants is None:
             return self.stroke
         return self.stroke.tolist() if self.coordinate in self.columns else None
 
     @property
     def energy(self) -> dict[str, HeatBalance | WorkBalance]:
-        """The balances that are known, of `heat` and `work`."""
+        """Return the balances that are known, of `heat` and `work`."""
         both = {"heat": self.heat, "work": self.work}
         return {name: one for name, one in both.items() if one is not None}
 
     def __repr__(self) -> str:
-        """A few lines; all of it is in `summary()`."""
+        """Return a few lines; all of it is in `summary()`."""
         lines = str(self).splitlines()
         more = [f"… {len(lines) - LINES} lines more in summary()"] if len(lines) > LINES else []
         columns = ", ".join(self.outputs)
@@ -283,7 +283,7 @@ class Result:
 
     @cached_property
     def extremes(self) -> Mapping[str, tuple[float, float]]:
-        """Lowest and highest value of every output of a single run in its accepted steps, in SI."""
+        """Return the lowest and highest value of every output of a single run in its accepted steps, in SI."""
         if self.track is None:
             return {}
         highest, lowest = find_extremes(self.track, 1)
@@ -364,12 +364,12 @@ class Result:
 
     @property
     def state_names(self) -> list[str]:
-        """Names of the numbers of a state, as `restarts` have them; none of a run that kept none."""
+        """Return the names of the numbers of a state, as `restarts` have them; none of a run that kept none."""
         return name_state(self.system) if self.restarts else []
 
     @property
     def coordinate(self) -> str:
-        """Name of the first coordinate of the mechanism: its stroke is that of the system."""
+        """Return the name of the first coordinate of the mechanism: its stroke is that of the system."""
         return next(iter(self.system.mechanism.outputs()))
 
     def range(self, name: str) -> Any:
@@ -396,7 +396,7 @@ class Result:
         return self.range(self.coordinate)
 
     def __str__(self) -> str:
-        """A summary of a few lines."""
+        """Return a summary of a few lines."""
         judged = self.columns if self.variants is not None else self.system.convergence_scales()
         lines = [self._lead(), *map(self._line, judged)]
         own = [] if self.variants is not None else self.balances()
@@ -461,7 +461,7 @@ ROUNDING = 1e-9
 
 
 def profiles_of(first: int, rows: Sequence[Sequence[float]]) -> dict[str, list[list[float]]]:
-    """The profiles among rows; they start at column `first`."""
+    """Return the profiles among rows; they start at column `first`."""
     cells = (len(rows[0]) - first) // len(PROFILES)
     starts = {name: first + k * cells for k, name in enumerate(PROFILES)}
     return {name: [[row[start + i] for row in rows] for i in range(cells)] for name, start in starts.items() if cells}

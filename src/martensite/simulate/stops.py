@@ -54,7 +54,7 @@ def end_at_envelope(
 
 
 def _try_run(remarch: Remarch, plan: MarchPlan, times: list[float]) -> tuple[Marched, float | None] | None:
-    """A run without an envelope to the last of some times [s]; None if there is none, or it fails."""
+    """Return a run without an envelope to the last of some times [s]; None if there is none, or it fails."""
     free = RunLimits(*((end * float("inf"),) * len(plan.limits.low) for end in (-1.0, 1.0)))
     if len(times) < 2:
         return None
@@ -67,7 +67,7 @@ def _try_run(remarch: Remarch, plan: MarchPlan, times: list[float]) -> tuple[Mar
 
 
 def _find_crossing(system: AbstractSystem, plan: MarchPlan, kept: list[float], far: float, remarch: Remarch) -> float:
-    """Time [s] at which the envelope is left, between the last sample inside and a time outside."""
+    """Return the time [s] at which the envelope is left, between the last sample inside and a time outside."""
     between = [kept[-1] + (far - kept[-1]) * k / PARTS for k in range(1, PARTS + 1)]
     again = _try_run(remarch, plan, [*kept, *between])
     rows: list[Row] = [] if again is None else [tuple(row) for row in again[0].rows[len(kept) - 1 :]]
@@ -81,13 +81,13 @@ def _find_crossing(system: AbstractSystem, plan: MarchPlan, kept: list[float], f
 
 
 def _share_inside(envelope: Envelope, before: Row, after: Row, place: int) -> float:
-    """Share of a straight line between two rows that is inside a bound."""
+    """Return the share of a straight line between two rows that is inside a bound."""
     first, last = before[envelope.places[place]], after[envelope.places[place]]
     bound = envelope.limits.high[place] if last > first else envelope.limits.low[place]
     return min(max((bound - first) / (last - first), 0.0), 1.0) if last != first else 0.0
 
 
 def _bound(plan: MarchPlan, found: Marched) -> float:
-    """The bound of the envelope that a run passed."""
+    """Return the bound of the envelope that a run passed."""
     high = found.value > plan.limits.low[found.place]
     return (plan.limits.high if high else plan.limits.low)[found.place]

@@ -114,7 +114,7 @@ class RunTrace(AbstractTrace):
 
     @cached_property
     def _earlier(self) -> Track:
-        """The outputs of the pass before the last one, which is made again."""
+        """Return the outputs of the pass before the last one, which is made again."""
         plan = self.plan
         local = LOCAL[plan.order] * plan.tolerance / FINER ** (len(self.relay.made) - 2)
         again = replace(self.relay, made=[])

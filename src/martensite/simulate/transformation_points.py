@@ -79,7 +79,7 @@ class Explorer:
         return functions["init"], functions["stress_step"], compiled.size
 
     def start(self, fractions: Fractions, at: PlanePoint) -> State:
-        """Memory in a phase state that has no history."""
+        """Return the memory in a phase state that has no history."""
         init, _, size = self._bound
         return init(*fractions, *at)[:size]
 

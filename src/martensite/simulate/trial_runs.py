@@ -33,7 +33,7 @@ class EqualStep(NamedTuple):
 def find_step(
     system: AbstractSystem, waveform: Waveforms, duration: float, tolerance: float, samples: int = 1001
 ) -> EqualStep:
-    """The longest step [s] of a row of halved ones with which a run is within a tolerance, as a share of range.
+    """Return the longest step [s] of a row of halved ones with which a run is within a tolerance, as a share of range.
 
     Raises:
         SolveError: the run fails.
@@ -50,7 +50,7 @@ def find_step(
 
 
 def _compare_runs(system: AbstractSystem, found: Result, meant: Result) -> float:
-    """Largest difference of what is judged, as a share of its range."""
+    """Return the largest difference of what is judged, as a share of its range."""
     shares: list[float] = []
     for name, least in system.convergence_scales().items():
         count = min(len(found.times), len(meant.times))

@@ -175,7 +175,7 @@ class VariantSetup:
 
     @cached_property
     def measuring(self) -> Measuring:
-        """The measures, and where their columns are among the outputs."""
+        """Return the measures, and where their columns are among the outputs."""
         columns = [[self.outputs.index(name) for name in one.columns(self.system)] for one in self.measures]
         return Measuring(self.measures, columns)
 
@@ -195,7 +195,7 @@ class VariantSetup:
         )
 
     def _order_waveforms(self, signals: Mapping[str, Values], row: int) -> Sequence[AbstractWaveform]:
-        """The waveforms of one run, in the order of the drives."""
+        """Return the waveforms of one run, in the order of the drives."""
         if not signals:
             return self.plan.waveforms
         return arrange_waveforms(self.system, self._waveforms(signals, row))
@@ -246,7 +246,7 @@ class VariantSetup:
 
     @property
     def longest(self) -> float:
-        """Longest step of runs on given steps [s]; those in discrete time have their own."""
+        """Return the longest step of runs on given steps [s]; those in discrete time have their own."""
         return self.step or self.system.sample_time()
 
     @property
@@ -258,7 +258,7 @@ class VariantSetup:
 
     @cached_property
     def compiled(self) -> CompiledMarch:
-        """The traced system."""
+        """Return the traced system."""
         return compile_march(self.system)
 
     @cached_property
@@ -267,7 +267,7 @@ class VariantSetup:
         return tuple(self.compiled.outputs.index(name) for name in self.outputs)
 
     def table(self, values: Values) -> list[Any]:
-        """All parameters in order: numbers, or (runs,) where they vary."""
+        """Return all parameters in order: numbers, or (runs,) where they vary."""
         nominal = zip(self.compiled.paths, self.compiled.values(self.system), strict=True)
         return [values.get(path, number) for path, number in nominal]
 
@@ -305,7 +305,7 @@ class VariantSetup:
         return list(columns), reports, left
 
     def _grid(self, signals: Mapping[str, Values], rows: Places) -> TimeGrid | LaneGrid:
-        """The steps of all, or of every lane where waveforms vary."""
+        """Return the steps of all, or of every lane where waveforms vary."""
         if not signals:
             return self._common
         known: dict[tuple[float, ...], TimeGrid] = {}
@@ -328,7 +328,7 @@ class VariantSetup:
         return bool(self.measures) and self.runtime != "cuda"
 
     def _make_grid(self, waveforms: Mapping[str, AbstractWaveform]) -> TimeGrid:
-        """The grid of some waveforms; waveforms with the same edges share its steps."""
+        """Return the grid of some waveforms; waveforms with the same edges share its steps."""
         if self.system.sample_time():
             shape = self.duration, self.samples, self.longest
             return grid_of(self.system, waveforms, *shape, every=self.keeps_steps)

@@ -68,7 +68,7 @@ class Combined(AbstractWaveform):
     terms: tuple[tuple[float, AbstractWaveform], ...] = part("factors and waveforms")
 
     def value(self, time: float) -> float:
-        """Signal at `time` [s]."""
+        """Return the signal at `time` [s]."""
         return math.fsum(factor * wave.value(time) for factor, wave in self.terms)
 
     def edges(self, duration: float) -> list[float]:
@@ -76,7 +76,7 @@ class Combined(AbstractWaveform):
         return sorted({edge for _, wave in self.terms for edge in wave.edges(duration)})
 
     def segments(self, begin: float) -> Iterator[Segment]:
-        """The sums of those of its terms."""
+        """Return the sums of those of its terms."""
         return add_segments([(factor, wave.segments(begin)) for factor, wave in self.terms])
 
     def tones(self) -> tuple[Tone, ...]:
@@ -87,12 +87,12 @@ class Combined(AbstractWaveform):
 
 
 def pair_name(first: int, second: int) -> str:
-    """Name of the drive that is the sum of two signals."""
+    """Return the name of the drive that is the sum of two signals."""
     return f"q{second} with {'the rest' if first < 0 else f'q{first}'}"
 
 
 def hand_on(name: str) -> Callable[..., Any]:
-    """A method that the driven system answers."""
+    """Return a method that the driven system answers."""
 
     def answer(self: WaveformLevelSystem, *values: Any) -> Any:
         return getattr(self.system, name)(*values)
@@ -140,7 +140,7 @@ class WaveformLevelSystem(AbstractSystem, init=False):
         ]
 
     def pairs(self) -> list[tuple[int, int]]:
-        """Pairs of signals of one drive, whose product counts: two levels, or -1 for its rest."""
+        """Return the pairs of signals of one drive, whose product counts: two levels, or -1 for its rest."""
         layout = self.layout()
         own = self.system.drives()
         found = [(-1, k) for k in range(len(layout))]
@@ -148,7 +148,7 @@ class WaveformLevelSystem(AbstractSystem, init=False):
         return [pair for pair in found if not own[layout[pair[1]]].at_end]
 
     def init(self, xp: Namespace, *drives: Scalar) -> Any:
-        """The system at rest under the signals put together."""
+        """Return the system at rest under the signals put together."""
         return self.system.init(xp, *self._signals(drives))
 
     def step(self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar) -> tuple[Any, StepReport]:
@@ -216,7 +216,7 @@ class WaveformLevels:
 
     @cached_property
     def own(self) -> dict[str, AbstractWaveform]:
-        """The waveform of every drive."""
+        """Return the waveform of every drive."""
         names = [drive.name for drive in self.system.drives()]
         return dict(zip(names, arrange_waveforms(self.system, self.waveforms), strict=True))
 
@@ -228,7 +228,7 @@ class WaveformLevels:
         return found
 
     def available(self) -> list[Level]:
-        """All levels that could be steered: declared ones, and the peak of each waveform."""
+        """Return all levels that could be steered: declared ones, and the peak of each waveform."""
         units = {drive.name: drive.unit for drive in self.system.drives()}
         found: list[Level] = []
         for name, wave in self.own.items():
@@ -258,15 +258,15 @@ class WaveformLevels:
         return WaveformLevelSystem(system=self.system, levels=Levels(**numbers), owners=owners)
 
     def path(self, path: str) -> str:
-        """The path in `whole` of a parameter of the system."""
+        """Return the path in `whole` of a parameter of the system."""
         return f"system.{path}" if self.levels else path
 
     def level_path(self, level: Level) -> str:
-        """The path in `whole` of a level."""
+        """Return the path in `whole` of a level."""
         return f"levels.q{self.levels.index(level)}"
 
     def system_waveforms(self) -> dict[str, AbstractWaveform]:
-        """The waveform of every drive of `whole`."""
+        """Return the waveform of every drive of `whole`."""
         if not self.levels:
             return self.own
         rests = {drive: self._rest(drive) for drive in self.own}
@@ -279,7 +279,7 @@ class WaveformLevels:
         return found
 
     def at(self, drive: str, values: Mapping[str, float]) -> AbstractWaveform:
-        """The waveform of a drive at other levels by name, unchecked."""
+        """Return the waveform of a drive at other levels by name, unchecked."""
         wave = self.own[drive]
         if PEAK in values:
             peak = self._peak(wave)

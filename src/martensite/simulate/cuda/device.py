@@ -46,7 +46,7 @@ class Device(NamedTuple):
 
 @cache
 def open_device() -> Device:
-    """The first CUDA device of this machine.
+    """Return the first CUDA device of this machine.
 
     Raises:
         InputError: there is none, or no driver, or the extra `cuda` is not installed.
@@ -188,7 +188,7 @@ class DeviceProgram:
         """Duration of the last launch, without copies."""
 
     def locate(self, name: str) -> int:
-        """Address of a variable."""
+        """Return the address of a variable."""
         return int(take_answer(self.device.driver.cuModuleGetGlobal(self._module, name.encode()))[0])
 
     def launch(self, name: str, threads: int, arguments: Sequence[ctypes.c_int | ctypes.c_longlong]) -> None:
@@ -231,11 +231,11 @@ class DeviceMemory:
             self.device.driver.cuMemFree(self._taken.pop())
 
     def count_free(self) -> int:
-        """Bytes for arrays; some are left for what the driver needs."""
+        """Return the bytes for arrays; some are left for what the driver needs."""
         return int(SHARE * take_answer(self.device.driver.cuMemGetInfo())[0])
 
     def take(self, size: int, fill: int | None = None) -> int:
-        """Address of so many bytes, which are all `fill` if that is given."""
+        """Return the address of so many bytes, which are all `fill` if that is given."""
         place = int(take_answer(self.device.driver.cuMemAlloc(max(size, 1))))
         self._taken.append(place)
         if fill is not None and size:
@@ -243,7 +243,7 @@ class DeviceMemory:
         return place
 
     def give(self, array: Any) -> int:
-        """Address of a copy of an array."""
+        """Return the address of a copy of an array."""
         place = self.take(array.nbytes)
         if array.nbytes:
             take_answer(self.device.driver.cuMemcpyHtoD(place, array.ctypes.data, array.nbytes))

@@ -71,7 +71,7 @@ def march_on_cuda(course: VariantSetup, values: Values, grid: TimeGrid | LaneGri
 def march_batch(
     source: MarchSource, nominal: Any, table: Any, grid: TimeGrid | LaneGrid, limits: Any, chunk: int | None = None
 ) -> Rows:
-    """Rows (samples, outputs, runs), reports (2, runs), and when runs left the envelope [s], (runs,).
+    """Return the rows (samples, outputs, runs), reports (2, runs), and when runs left the envelope [s], (runs,).
 
     Args:
         source: what is compiled.

@@ -64,7 +64,7 @@ class NumberType:
     """Argument of a logarithm."""
 
     def literal(self, value: float | bool) -> str:
-        """A constant; a number that the type cannot hold becomes the nearest that it can, and never 0."""
+        """Return a constant; a number that the type cannot hold becomes the nearest that it can, and never 0."""
         if isinstance(value, bool):
             return str(int(value))
         if math.isinf(value) or math.isnan(value):
@@ -75,7 +75,7 @@ class NumberType:
         return f"{float(np.dtype(self.name).type(value))!r}{self.suffix}"
 
     def dialect(self) -> Dialect:
-        """Operations on numbers of this type."""
+        """Return the operations on numbers of this type."""
         at, s = self.literal, self.suffix
         zero, top = at(0.0), at(self.highest)
         templates = {
@@ -108,7 +108,7 @@ class NumberType:
         )
 
     def _polynomial(self, coefficients: list[float]) -> str:
-        """A polynomial in z, with the powers that it needs."""
+        """Return a polynomial in z, with the powers that it needs."""
         powers, text = evaluate_estrin(coefficients, constant=f"{{!r}}{self.suffix}")
         return "".join(f", {name} = {power}" for name, power in powers) + f";\n    return {text}"
 
@@ -157,7 +157,7 @@ class MarchSource:
 
     @property
     def sizes(self) -> dict[str, int]:
-        """Lengths of arrays."""
+        """Return the lengths of arrays."""
         compiled = self.compiled
         return {
             "COMMON": len(self._common),
@@ -186,7 +186,7 @@ class MarchSource:
 
     @cached_property
     def _varying(self) -> set[int]:
-        """Nodes that a varied parameter is in."""
+        """Return the nodes that a varied parameter is in."""
         graph = self.compiled.program.graph
         found = {graph.input(f"p{place}", PARAMETER).index for place in self.varied}
         for index in range(len(graph.operations)):
@@ -244,7 +244,7 @@ class MarchSource:
             yield write(one.name, ["c", "x", "u"], "y", one.outputs)
 
     def _place_inputs(self, function: Function) -> list[str]:
-        """The states in x, then signals in u."""
+        """Return the states in x, then signals in u."""
         states = 0 if function.name == "init" else self.compiled.size
         rest = len(function.inputs) - states
         return [*(f"x[{k}]" for k in range(states)), *(f"u[{k}]" for k in range(rest))]

@@ -50,7 +50,7 @@ def march_to_ends(runs: Runs) -> MarchRows:
     with device.DeviceMemory() as memory:
 
         def locate(array: Any) -> int:
-            """Rows need not be copied to be empty."""
+            """Return the rows need not be copied to be empty."""
             return memory.take(array.nbytes, EMPTY_BYTE) if array is arrays.rows else memory.give(array)
 
         march = arrays.describe(locate)
@@ -85,5 +85,5 @@ def load_program(kernel: MarchKernel) -> Any:
 
 @lru_cache(maxsize=32)
 def _leave_out_ledger(compiled: CompiledMarch) -> CompiledMarch:
-    """Batches tell no balance."""
+    """Return the batches tell no balance."""
     return replace(compiled, book=EMPTY)

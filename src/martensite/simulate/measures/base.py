@@ -64,7 +64,7 @@ class AbstractMeasure(Parametrised):
         return float((slopes * most).sum())
 
     def columns(self, system: AbstractSystem) -> tuple[str, ...]:
-        """Names of the outputs that are looked at.
+        """Return the names of the outputs that are looked at.
 
         Raises:
             ParameterError: the output does not exist.
@@ -88,7 +88,7 @@ MEASURES: Registry[AbstractMeasure] = Registry("measure", "martensite.simulate.m
 
 
 def parse_measure(words: str) -> AbstractMeasure:
-    """The measure that words such as `stroke`, `max(stress)` or `at(position, time=2 s)` name.
+    """Return the measure that words such as `stroke`, `max(stress)` or `at(position, time=2 s)` name.
 
     Raises:
         ParameterError: the words name none, or an option of it is wrong.
@@ -113,7 +113,7 @@ def _parse_options(words: str) -> dict[str, Any]:
 
 
 def list_needed(measures: Iterable[AbstractMeasure], system: AbstractSystem) -> tuple[str, ...]:
-    """Every output that some measures look at, once."""
+    """Return every output that some measures look at, once."""
     return tuple(dict.fromkeys(n for one in measures for n in one.columns(system)))
 
 

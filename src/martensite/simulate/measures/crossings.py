@@ -51,7 +51,7 @@ class RiseTime(AbstractMeasure):
         return _measure_lasting(begin, end).max(axis=0)
 
     def derivatives(self, table: RunTable) -> Numbers:
-        """Derivatives of both crossings; 0 where one never happens."""
+        """Return the derivatives of both crossings; 0 where one never happens."""
         begin, end = (self._crossing(table, share) for share in (self.low, self.high))
         lasting = _measure_lasting(begin, end)
         longest = np.arange(len(table.values))[:, None] == lasting.argmax(axis=0)
@@ -100,7 +100,7 @@ class ReachTime(AbstractMeasure):
         return (self._crossing(table).time - table.times[0]).max(axis=0)
 
     def derivatives(self, table: RunTable) -> Numbers:
-        """Derivatives of the crossing that is last; 0 where it never happens."""
+        """Return the derivatives of the crossing that is last; 0 where it never happens."""
         found = self._crossing(table)
         longest = np.arange(len(table.values))[:, None] == found.time.argmax(axis=0)
         return found.slopes() * longest[:, None, :]
@@ -202,7 +202,7 @@ class Crossing:
         self.by_end = begin / apart**2 * length
 
     def slopes(self) -> Numbers:
-        """Derivatives of the time by every sample; 0 where it never is."""
+        """Return the derivatives of the time by every sample; 0 where it never is."""
         way, found = self.way, np.zeros(self.way.beyond.shape)
         level = -(self.by_begin + self.by_end)
         _add_sample(found, self.place, self.by_begin)
@@ -252,7 +252,7 @@ def _add_sample(samples: Numbers, place: Places, more: Numbers) -> None:
 
 
 def _measure_lasting(begin: Crossing, end: Crossing) -> Numbers:
-    """Time between two crossings; infinite if one is missing."""
+    """Return the time between two crossings; infinite if one is missing."""
     missing = begin.missing | end.missing
     times = (np.where(missing, 0.0, one.time) for one in (begin, end))
     return np.where(missing, np.inf, np.abs(np.subtract(*times)))

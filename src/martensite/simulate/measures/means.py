@@ -48,7 +48,7 @@ class ElectricalEnergy(Integral):
     of: str = text("power that is added up", default="power")
 
     def unit(self, unit: str) -> str:
-        """Joule for a power in watt."""
+        """Return the Joule for a power in watt."""
         return "J" if unit == "W" else super().unit(unit)
 
 

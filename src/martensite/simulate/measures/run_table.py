@@ -30,7 +30,7 @@ class RunTable:
 
     @property
     def durations(self) -> Numbers:
-        """Length of every run [s], (runs,)."""
+        """Return the length of every run [s], (runs,)."""
         return self.times[-1] - self.times[0]
 
     def thin(self, first: int) -> RunTable:

@@ -57,7 +57,7 @@ class Equations(Protocol):
     """Equations to be continued; the last unknown is the parameter."""
 
     def linearise(self, point: Numbers) -> Linearised:
-        """Residual and its derivatives at a point."""
+        """Return the residual and its derivatives at a point."""
         ...
 
 
@@ -74,7 +74,7 @@ class CurvePoint:
 
     @property
     def parameter(self) -> float:
-        """The last unknown."""
+        """Return the last unknown."""
         return float(self.unknowns[-1])
 
     @property
@@ -101,7 +101,7 @@ STEADY_STEPS = CurveSteps()
 def correct_point(
     equations: Equations, guess: Numbers, normal: Numbers, sizes: Numbers | None = None
 ) -> tuple[Numbers, Linearised, int]:
-    """The solution in the plane through a guess with a normal, and how many Newton steps it took.
+    """Return the solution in the plane through a guess with a normal, and how many Newton steps it took.
 
     Args:
         equations: what is solved.
@@ -132,7 +132,7 @@ def correct_point(
 
 
 def find_tangent(found: Linearised, along: Numbers) -> Numbers:
-    """Unit tangent of the curve at a point, the way that `along` goes.
+    """Return the unit tangent of the curve at a point, the way that `along` goes.
 
     Of all directions in which the residual does not change, that which is nearest to `along`.
     """
@@ -155,7 +155,7 @@ class Curve:
         self.equations, self.steps = equations, steps
 
     def begin(self, guess: Numbers, direction: float) -> CurvePoint:
-        """The solution at the parameter of a guess; the curve then goes up or down with it.
+        """Return the solution at the parameter of a guess; the curve then goes up or down with it.
 
         Raises:
             SolveError: there is none nearby.
@@ -166,14 +166,14 @@ class Curve:
         return CurvePoint(point, find_tangent(found, normal), found.sizes)
 
     def step(self, begin: CurvePoint, length: float) -> tuple[CurvePoint, int]:
-        """The point a length along the curve, and how many Newton steps it took."""
+        """Return the point a length along the curve, and how many Newton steps it took."""
         guess = begin.unknowns + length * begin.tangent * begin.sizes
         point, found, number = correct_point(self.equations, guess, begin.tangent, begin.sizes)
         along = begin.tangent * begin.sizes / found.sizes
         return CurvePoint(point, find_tangent(found, along), found.sizes), number
 
     def follow(self, begin: CurvePoint, low: float, high: float) -> Iterator[CurvePoint]:
-        """Points from a solution on, folds among them, to the bounds of the parameter.
+        """Yield the points from a solution on, folds among them, to the bounds of the parameter.
 
         Raises:
             SolveError: the curve cannot be followed any further.
@@ -195,7 +195,7 @@ class Curve:
         raise SolveError(f"The curve has more than {self.steps.most} points.")
 
     def _advance(self, here: CurvePoint, length: float) -> tuple[CurvePoint, float]:
-        """The next point, and the length of the step after it."""
+        """Return the next point, and the length of the step after it."""
         while length >= SHORTEST:
             try:
                 there, number = self.step(here, length)
@@ -226,7 +226,7 @@ class Curve:
         length: float,
         fold: bool = False,
     ) -> CurvePoint:
-        """The point between two where a function of points is 0."""
+        """Return the point between two where a function of points is 0."""
         known = {0.0: here, length: there}
 
         def value(at: float) -> float:

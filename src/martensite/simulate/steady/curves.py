@@ -39,7 +39,7 @@ class SolutionCurve:
 
     @property
     def folds(self) -> Numbers:
-        """Unknowns at the folds, (folds, unknowns)."""
+        """Return the unknowns at the folds, (folds, unknowns)."""
         return self.unknowns[self.fold]
 
     @classmethod
@@ -61,7 +61,7 @@ class DifferencedEquations:
         return np.asarray(given(point) if callable(given) else given, float)
 
     def linearise(self, point: Numbers) -> Linearised:
-        """Residual and its derivatives at a point."""
+        """Return the residual and its derivatives at a point."""
         sizes = self._choose_sizes(point)
         value = np.atleast_1d(np.asarray(self.residual(point), float))
         columns = list[Numbers]()
@@ -142,7 +142,7 @@ def trace_fold_curve(
 def _follow_folds(
     equations: Equations, guess: Numbers, second: float, low: float, high: float, how: CurveSteps
 ) -> SolutionCurve:
-    """The curve of a fold, from the lower bound or where it ends there, to the other end."""
+    """Return the curve of a fold, from the lower bound or where it ends there, to the other end."""
     halves = list[list[CurvePoint]]()
     for direction in (-1.0, 1.0):
         folds = FoldEquations(equations)

@@ -66,7 +66,7 @@ class PeriodicOrbit:
 
     @cached_property
     def judgement(self) -> Judgement:
-        """Limits that the motion exceeds."""
+        """Return the limits that the motion exceeds."""
         columns = {name: column.tolist() for name, column in self.outputs.items()}
         return judge_columns(self.system, self.times.tolist(), columns)
 
@@ -76,7 +76,7 @@ class PeriodicOrbit:
         return self.stability.stable
 
     def amplitude(self, name: str) -> float:
-        """Half of the way of an output from its smallest to its largest value."""
+        """Return the half of the way of an output from its smallest to its largest value."""
         return 0.5 * float(np.ptp(self.outputs[name]))
 
 
@@ -156,7 +156,7 @@ class Shooting:
         self.count += periods
 
     def _leap(self) -> bool:
-        """A Newton step, or a part of it; whether it is taken."""
+        """Return a Newton step, or a part of it; whether it is taken."""
         motion, state = self.motion, self.state
         end = motion.march(state)[0][-1]
         before = self._see(state)
@@ -188,7 +188,7 @@ class Shooting:
 
 
 def find_period(waveforms: Mapping[str, AbstractWaveform]) -> float:
-    """The period that all drives have in common [s].
+    """Return the period that all drives have in common [s].
 
     Raises:
         InputError: one has none, or they differ.
@@ -221,7 +221,7 @@ def find_period(waveforms: Mapping[str, AbstractWaveform]) -> float:
 def build_period(
     system: AbstractSystem, waveforms: Mapping[str, AbstractWaveform], period: float, step: float | None
 ) -> PeriodGrid:
-    """Steps of a period, the second one: a waveform may begin otherwise than it goes on.
+    """Return the steps of a period, the second one: a waveform may begin otherwise than it goes on.
 
     Raises:
         InputError: a waveform does not repeat itself in the period.
@@ -241,6 +241,6 @@ def build_period(
 
 
 def _read_signals(system: AbstractSystem, waveforms: Mapping[str, AbstractWaveform], times: Numbers) -> Numbers:
-    """All drives at some times, (times, drives)."""
+    """Return all drives at some times, (times, drives)."""
     waves = arrange_waveforms(system, dict(waveforms))
     return np.array([one.signals(times.tolist()) for one in waves]).T.reshape(len(times), len(waves))

@@ -61,7 +61,7 @@ class SteadyState:
 
     @cached_property
     def judgement(self) -> Judgement:
-        """Limits that the state exceeds."""
+        """Return the limits that the state exceeds."""
         return judge_state(self.system, self.outputs, self.before)
 
     @property
@@ -110,7 +110,7 @@ def find_steady_state(
 
 
 def _choose_high(one: Subject, high: Mapping[str, float] | float | None) -> Mapping[str, float] | float:
-    """The drives under which it rested before."""
+    """Return the drives under which it rested before."""
     if high is not None:
         return high
     if one.scenario is None or not np.isfinite(one.scenario.duration):
@@ -167,5 +167,5 @@ def _judge_rest(
 
 
 def _first_row(columns: dict[str, Numbers]) -> dict[str, float]:
-    """The first value of every column."""
+    """Return the first value of every column."""
     return {name: float(column[0]) for name, column in columns.items()}

@@ -55,7 +55,7 @@ class FoldEquations:
 
 
 def find_fold(equations: FoldEquations, guess: Numbers, second: float) -> Numbers:
-    """The fold near a point of a curve, at a value of the second parameter.
+    """Return the fold near a point of a curve, at a value of the second parameter.
 
     Raises:
         SolveError: there is none nearby.

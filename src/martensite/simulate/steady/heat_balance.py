@@ -110,12 +110,12 @@ class _HeatedPart:
         return cls(one.element, wire.cylinder(), environment or one.environment)
 
     def film(self, temperature: float) -> float:
-        """Film coefficient h(T) [W/(m² K)]."""
+        """Return the film coefficient h(T) [W/(m² K)]."""
         ambient = self.environment.temperature
         return float(self.environment.cooling.film(floats, temperature, ambient, self.shape))
 
     def heat_loss(self, temperature: float) -> float:
-        """Heat flow to the surroundings [W]."""
+        """Return the heat flow to the surroundings [W]."""
         if self.element is not None:
             return float(self.element.heat_loss(floats, temperature, self.environment))
         surface = math.pi * self.shape.diameter * self.shape.length
@@ -123,7 +123,7 @@ class _HeatedPart:
 
 
 def _find_actuator(subject: Scenario | AbstractSystem | Actuator, port: str | None) -> Actuator:
-    """The element in its surroundings."""
+    """Return the element in its surroundings."""
     if not isinstance(subject, Actuator):
         system = subject if isinstance(subject, AbstractSystem) else subject.system
         known = system.actuators()

@@ -76,7 +76,7 @@ class Stability:
 
     @property
     def largest(self) -> float:
-        """Largest size of a multiplier; 0 if there is none."""
+        """Return the largest size of a multiplier; 0 if there is none."""
         return float(np.abs(self.multipliers).max(initial=0.0))
 
     @property
@@ -126,11 +126,11 @@ class PeriodicMotion:
         return 0 if self.rotor is None else 1
 
     def period(self, point: Numbers) -> float:
-        """Length of the period [s]."""
+        """Return the length of the period [s]."""
         return float(point[self.size]) if self.grid is None else float(self.grid.times[-1])
 
     def read_signals(self, point: Numbers) -> Numbers:
-        """All drives under the parameters of a point."""
+        """Return all drives under the parameters of a point."""
         signals = self.signals.copy()
         for one, value in zip(self.varied, point[self.size + self.times :], strict=True):
             if one.path is None:
@@ -138,7 +138,7 @@ class PeriodicMotion:
         return signals
 
     def march(self, point: Numbers) -> tuple[Numbers, Numbers]:
-        """States of a period, and the Jacobian of the last one by all unknowns."""
+        """Return the states of a period, and the Jacobian of the last one by all unknowns."""
         if self._known is None or not np.array_equal(self._known[0], point):
             self._known = (np.array(point), *self._march(point))
         return self._known[1], self._known[2]
@@ -155,7 +155,7 @@ class PeriodicMotion:
         return end.states, end.slopes
 
     def go_on(self, state: Numbers) -> Numbers:
-        """The state after a known period, without derivatives."""
+        """Return the state after a known period, without derivatives."""
         if self.grid is None:
             raise InputError("The period of this motion is not known.")
         given, none = self.grid.given, np.zeros((0, 0))
@@ -163,15 +163,15 @@ class PeriodicMotion:
         return self.stretch.march(state, given, np.zeros((self.size, 0)), dgiven, none).states[-1]
 
     def measure_change(self, state: Numbers) -> float:
-        """Largest change of the state over a period, in sizes of what it does in it."""
+        """Return the largest change of the state over a period, in sizes of what it does in it."""
         return float(np.abs(self.linearise(state).residual).max(initial=0.0))
 
     def signals_at_begin(self) -> Numbers:
-        """All drives at the begin of the period."""
+        """Return all drives at the begin of the period."""
         return self.signals if self.grid is None else self.grid.signals[0]
 
     def _feed(self, point: Numbers) -> tuple[Numbers, Numbers]:
-        """Inputs of all steps, and their derivatives by the unknowns."""
+        """Return the inputs of all steps, and their derivatives by the unknowns."""
         if self.grid is not None:
             return self.grid.given, np.zeros((*self.grid.given.shape, len(point)))
         row, slopes = self.stretch.hold(self.read_signals(point))
@@ -184,7 +184,7 @@ class PeriodicMotion:
         return np.tile(given, (self.steps, 1)), np.broadcast_to(change, (self.steps, *change.shape))
 
     def linearise(self, point: Numbers) -> Linearised:
-        """Residual of the period in sizes of the states, and its derivatives."""
+        """Return the residual of the period in sizes of the states, and its derivatives."""
         n = self.size
         states, slopes = self.march(point)
         residual, jacobian = states[-1] - states[0], slopes - np.eye(n, len(point))
@@ -212,7 +212,7 @@ class PeriodicMotion:
         return np.concatenate([largest, point[self.size : self.size + self.times], values])
 
     def judge(self, point: Numbers) -> Stability:
-        """Floquet multipliers at a solution.
+        """Return the Floquet multipliers at a solution.
 
         For a rotor they are those of the map from one passage of its angle to the next, of which a shift in time is no
         part: a turn that ends late by its state, dT = -(dφ of the state)/(dφ of the time), is ended earlier.
@@ -227,7 +227,7 @@ class PeriodicMotion:
         return judge_stability(matrix[np.ix_(kept, kept)])
 
     def observe(self, point: Numbers) -> tuple[Numbers, dict[str, Numbers]]:
-        """Times [s] and outputs of a period."""
+        """Return the times [s] and outputs of a period."""
         states, _ = self.march(point)
         if self.grid is not None:
             return self.grid.times, self.stretch.observe(states, self.grid.signals)
@@ -242,7 +242,7 @@ def find_inert(matrix: Numbers) -> Numbers:
 
 
 def judge_stability(matrix: Numbers) -> Stability:
-    """Multipliers of d(state after)/d(state before), the neutral ones apart."""
+    """Return the multipliers of d(state after)/d(state before), the neutral ones apart."""
     inert = find_inert(matrix)
     found = np.linalg.eigvals(matrix[np.ix_(~inert, ~inert)])
     still = np.abs(found - 1.0) <= NEUTRAL
@@ -250,5 +250,5 @@ def judge_stability(matrix: Numbers) -> Stability:
 
 
 def index_drives(system: AbstractSystem, levels: Mapping[str, float]) -> Numbers:
-    """Signals of all drives in their order; what is not named gets 0."""
+    """Return the signals of all drives in their order; what is not named gets 0."""
     return np.array([float(levels.get(one.name, 0.0)) for one in system.drives()])

@@ -17,13 +17,13 @@ def convert_speed(speed: Any, unit: str) -> Any:
 
 
 def choose_output(found: ResponseCurve) -> str:
-    """The output whose amplitude is shown: the first that swings and that is judged."""
+    """Return the output whose amplitude is shown: the first that swings and that is judged."""
     judged = found.motion.stretch.system.convergence_scales()
     swings = [name for name in judged if name in found.amplitude and "speed" not in name and found.units[name] != "K"]
     return swings[0] if swings else next(iter(found.amplitude))
 
 
 def list_readable(values: Numbers, unit: str) -> tuple[Numbers, str]:
-    """Numbers in a unit that is read easily, and that unit."""
+    """Return the numbers in a unit that is read easily, and that unit."""
     shown = units.choose_readable_unit(unit)
     return np.array([units.from_si(float(v), shown, unit) for v in values]), shown

@@ -76,7 +76,7 @@ class ResponseCurve:
 
     @property
     def folds(self) -> Numbers:
-        """The parameter at the folds, in the order of the curve."""
+        """Return the parameter at the folds, in the order of the curve."""
         return self.parameter[self.fold]
 
 
@@ -190,7 +190,7 @@ def continue_response(
 def begin_rotation(
     one: Subject, varied: VariedNumber, value: float, signals: Numbers, steps: int
 ) -> tuple[PeriodicMotion, Numbers]:
-    """The equations of a turn, and where a run from rest comes to at a value: state, time of a turn, value.
+    """Return the equations of a turn, and where a run from rest comes to at a value: state, time of a turn, value.
 
     Raises:
         InputError: nothing turns.
@@ -205,7 +205,7 @@ def begin_rotation(
 
 
 def find_angles(system: AbstractSystem) -> list[int]:
-    """Places in the state of coordinates that are angles."""
+    """Return the places in the state of coordinates that are angles."""
     mechanism = system.mechanism
     if not isinstance(mechanism, AbstractMultibody) or not mechanism.moves:
         return []
@@ -215,7 +215,7 @@ def find_angles(system: AbstractSystem) -> list[int]:
 
 
 def spin_up(system: AbstractSystem, signals: Numbers) -> tuple[Numbers, int, float]:
-    """State, place of the angle and mean speed [rad/s] of what turns steadily under held signals, from rest.
+    """Return the state, place of the angle and mean speed [rad/s] of what turns steadily under held signals, from rest.
 
     Raises:
         InputError: no coordinate turns.
@@ -251,7 +251,7 @@ def spin_up(system: AbstractSystem, signals: Numbers) -> tuple[Numbers, int, flo
 def _describe_curve(
     motion: PeriodicMotion, varied: VariedNumber, points: list[CurvePoint], one: Subject
 ) -> ResponseCurve:
-    """Outputs and stability of all points."""
+    """Return the outputs and stability of all points."""
     names = list(one.system.outputs())
     mean, amplitude = ({name: np.empty(len(points)) for name in names} for _ in range(2))
     judged = list[Stability]()
@@ -307,7 +307,7 @@ class ResponseSweep:
     """Amplitude of every output: half of its range."""
 
     def cut(self, begin: int, end: int) -> ResponseSweep:
-        """Some of the levels."""
+        """Return some of the levels."""
         amplitude = {name: column[begin:end] for name, column in self.amplitude.items()}
         return ResponseSweep(self.parameter[begin:end], self.speed[begin:end], amplitude)
 

@@ -62,7 +62,7 @@ class Stretch:
         return self.compiled.inputs + 1
 
     def rest(self, signals: Sequence[float]) -> Numbers:
-        """The state at rest under first signals."""
+        """Return the state at rest under first signals."""
         return np.array(self._functions["init"](*signals))
 
     @cached_property
@@ -110,7 +110,7 @@ class Stretch:
         return StretchEnd(states, np.concatenate(columns, axis=1))
 
     def observe(self, states: Numbers, signals: Numbers) -> dict[str, Numbers]:
-        """Outputs in states, (count, states), under signals, (count, drives)."""
+        """Return the outputs in states, (count, states), under signals, (count, drives)."""
         library = _load_library(self.compiled, self.moving, WIDTHS[0])
         rows = np.empty((len(states), len(self.outputs)))
         dp = np.zeros((max(len(self.moving), 1), WIDTHS[0]))
@@ -119,7 +119,7 @@ class Stretch:
         return dict(zip(self.outputs, rows.T, strict=True))
 
     def observe_slopes(self, name: str, state: Numbers, signals: Numbers, seeds: Numbers) -> Numbers:
-        """Derivatives of an output in a state, (directions,), from those of the state, (states, directions)."""
+        """Return derivatives of an output in a state, (directions,), from those of the state, (states, directions)."""
         place, columns, width = self.outputs.index(name), list[Numbers](), WIDTHS[-1]
         library = _load_library(self.compiled, self.moving, width)
         for k in range(0, seeds.shape[1], width):
@@ -131,7 +131,7 @@ class Stretch:
         return np.concatenate(columns)[: seeds.shape[1]]
 
     def signal_inputs(self) -> list[list[int]]:
-        """Places among the inputs of a step that each drive has."""
+        """Return the places among the inputs of a step that each drive has."""
         found, begin = list[list[int]](), 0
         for width in self.compiled.widths:
             found.append(list(range(begin, begin + width)))

@@ -77,11 +77,11 @@ class Subject:
         return index_drives(self.system, given)
 
     def highest(self, duration: float) -> dict[str, float]:
-        """Largest level that each drive reaches within a time [s]."""
+        """Return the largest level that each drive reaches within a time [s]."""
         return {name: one.moments(0.0, duration).high for name, one in self.waveforms.items()}
 
     def vary(self, name: str, low: float, high: float) -> VariedNumber:
-        """A drive, a level of its waveform or a number of the system, by its name or path.
+        """Return a drive, a level of its waveform or a number of the system, by its name or path.
 
         Raises:
             ParameterError: there is none of that name, or several.
@@ -100,7 +100,7 @@ class Subject:
         return VariedNumber(target.name, target.unit, target.path, -1, span)
 
     def find_target(self, name: str) -> Target | None:
-        """A number of the scenario; None for a bare system."""
+        """Return a number of the scenario; None for a bare system."""
         return None if self.scenario is None else self.scenario.find_target(name)
 
     def value(self, varied: VariedNumber, signals: Numbers) -> float:
