@@ -42,7 +42,7 @@ class Members(Parametrised, Generic[Kind]):
         return {name: Declared("part", f"{article} {self.noun}", REQUIRED) for name in self.__dict__}
 
     def members(self) -> dict[str, Kind]:
-        """Name -> component."""
+        """Return the name -> component."""
         return dict(self.__dict__)
 
 
@@ -63,24 +63,24 @@ class Actuator(Parametrised):
     source: AbstractSource = part("what drives the element", SOURCES)
 
     def start(self, xp: Namespace, force: Scalar, drive: Scalar) -> Any:
-        """State of the element at rest under a force [N], as warm as its surroundings."""
+        """Return the state of the element at rest under a force [N], as warm as its surroundings."""
         imposed = self.source.sets_temperature
         temperature = drive if imposed else self.environment.temperature
         return self.element.init(xp, force, temperature)
 
     def load(self, state: Any, drive: Scalar | Feed) -> Load:
-        """The element in a state, under a drive signal, as a mechanism sees it."""
+        """Return the element in a state, under a drive signal, as a mechanism sees it."""
         signal, owed = drive if isinstance(drive, Feed) else (drive, 0.0)
         heating = Heating(self.environment, self.source, signal, owed)
         return Load(self.element, state, heating)
 
     def with_cooling_signals(self, xp: Namespace, signals: Mapping[str, Scalar | Moments]) -> Self:
-        """The actuator under the signals of what cools it."""
+        """Return the actuator under the signals of what cools it."""
         cooling = self.environment.cooling
         return self.rebuilt({"environment.cooling": cooling.with_signals(xp, signals)}) if cooling.signals() else self
 
     def observe_element(self, xp: Namespace, state: Any, force: Scalar, drive: Scalar) -> dict[str, Scalar]:
-        """Every output, by name, under a force [N] and a drive signal."""
+        """Return every output, by name, under a force [N] and a drive signal."""
         condition = self.element.condition(xp, state, force, self.environment)
         current = self.source.current(xp, drive, condition.resistance)
         seen = Observation(drive, force, current, condition)

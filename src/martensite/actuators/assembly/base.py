@@ -51,14 +51,14 @@ class AbstractSystem(Parametrised, init=False):
 
     @abstractmethod
     def actuators(self) -> dict[str, Actuator]:
-        """The actuator at every port."""
+        """Return the actuator at every port."""
 
     @abstractmethod
     def drives(self) -> list[DriveSignal]:
-        """The signals that drive it."""
+        """Return the signals that drive it."""
 
     def signals(self) -> dict[str, str]:
-        """Drives beside those of the actuators, with their units: of the mechanism, and of what cools."""
+        """Return the drives beside those of the actuators, with their units: of the mechanism, and of what cools."""
         return self.mechanism.signals()
 
     @abstractmethod
@@ -78,7 +78,7 @@ class AbstractSystem(Parametrised, init=False):
         """Describe its parts in words."""
 
     def sample_time(self) -> float:
-        """Time from sample to sample [s] of a system in discrete time; else 0."""
+        """Return the time from sample to sample [s] of a system in discrete time; else 0."""
         return self.mechanism.sample_time()
 
     def profile(self, state: Any) -> list[Column]:
@@ -87,11 +87,11 @@ class AbstractSystem(Parametrised, init=False):
 
     @abstractmethod
     def convergence_scales(self) -> dict[str, float]:
-        """Outputs whose convergence is judged, with the least range that counts."""
+        """Return the outputs whose convergence is judged, with the least range that counts."""
 
     @abstractmethod
     def init(self, xp: Namespace, *drives: Scalar) -> Any:
-        """The state at rest, at ambient temperature, under the first drive signals."""
+        """Return the state at rest, at ambient temperature, under the first drive signals."""
 
     @abstractmethod
     def step(self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar) -> tuple[Any, StepReport]:
@@ -102,7 +102,7 @@ class AbstractSystem(Parametrised, init=False):
         return False
 
     def step_rosenbrock(self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar) -> tuple[Any, Any, Any]:
-        """States after a step of `dt` [s], in its middle, and after it to a lower order."""
+        """Return the states after a step of `dt` [s], in its middle, and after it to a lower order."""
         raise make_missing_error(type(self), ["step_rosenbrock"])
 
     @abstractmethod
@@ -110,15 +110,15 @@ class AbstractSystem(Parametrised, init=False):
         """Everything that can be measured in a state under drive signals."""
 
     def heat_contents(self, xp: Namespace, state: Any) -> list[Scalar | None]:
-        """Heat [J] that the element at every drive holds, but for a constant; None if unknown."""
+        """Return the heat [J] that the element at every drive holds, but for a constant; None if unknown."""
         return [None] * len(self.drives())
 
     def flows(self, xp: Namespace, state: Any, *drives: Scalar | Feed) -> Scalar:
-        """Power [W] into the elements whose heat is known, in the mean."""
+        """Return the power [W] into the elements whose heat is known, in the mean."""
         return 0.0
 
     def losses(self, xp: Namespace, state: Any, *drives: Scalar | Feed) -> Scalar | None:
-        """Power [W] out of those elements, in the mean; None where the state alone decides, as `entries` say."""
+        """Return power [W] out of those elements, in the mean; None where the state alone decides, as `entries` say."""
         return None
 
     def entries(self, xp: Namespace, state: Any, *drives: Scalar) -> Entries:
@@ -126,11 +126,11 @@ class AbstractSystem(Parametrised, init=False):
         return Entries()
 
     def points(self, xp: Namespace, state: Any) -> list[list[MaterialPoint]]:
-        """Places at which laws without rates act, of every element."""
+        """Return the places at which laws without rates act, of every element."""
         return []
 
     def rates(self, state: Any) -> list[Scalar]:
-        """Numbers of a state that only tell a solve where to look: rates of the last step."""
+        """Return the numbers of a state that only tell a solve where to look: rates of the last step."""
         return []
 
 
@@ -200,14 +200,14 @@ class AbstractAssembly(AbstractSystem):
         """Merge the outputs of the actuators and of the mechanism, by name, in the order of `outputs`."""
 
     def convergence_scales(self) -> dict[str, float]:
-        """Temperatures, fractions, and what the mechanism names."""
+        """Return the temperatures, fractions, and what the mechanism names."""
         found: dict[str, float] = {}
         for port in self.actuators():
             found |= {self.label(port, name): least for name, least in JUDGED.items()}
         return found | self.mechanism.convergence_scales()
 
     def init(self, xp: Namespace, *drives: Scalar) -> State:
-        """The assembled system at rest, in equilibrium at ambient temperature."""
+        """Return the assembled system at rest, in equilibrium at ambient temperature."""
         actuators, signals = self._actuators(), self.mechanism_signals(drives)
         forces = self.mechanism.first_forces(xp, signals)
         rows = start_actuators(xp, list(zip(actuators, forces, drives, strict=False)))
@@ -229,7 +229,7 @@ class AbstractAssembly(AbstractSystem):
     def step_rosenbrock(
         self, xp: Namespace, state: State, *drives: Scalar | Feed, dt: Scalar
     ) -> tuple[State, State, State]:
-        """States after a step of `dt` [s], in its middle, and after it to a lower order."""
+        """Return the states after a step of `dt` [s], in its middle, and after it to a lower order."""
         ((element, own, heating),) = self._loads(xp, state, drives)
         pull = self.mechanism.load_line(state.mechanism)
         after, middle, coarse = (
@@ -238,19 +238,19 @@ class AbstractAssembly(AbstractSystem):
         return after, middle, coarse
 
     def differentiate(self, xp: Namespace, state: State, *drives: Scalar) -> tuple[State, Column]:
-        """The state that follows from its continuous numbers under drive signals, and their rates in time."""
+        """Return the state that follows from its continuous numbers under drive signals, and their rates in time."""
         ((element, own, heating),) = self._loads(xp, state, drives)
         own, rates = element.differentiate(xp, own, heating, self.mechanism.load_line(state.mechanism))
         return State((own,), state.mechanism), rates
 
     def heat_contents(self, xp: Namespace, state: State) -> list[Scalar | None]:
-        """Heat [J] that the element at every drive holds, but for a constant; None if unknown."""
+        """Return the heat [J] that the element at every drive holds, but for a constant; None if unknown."""
         rows = zip(self._actuators(), state.elements, strict=True)
         own = [one.element.heat_content(xp, element) for one, element in rows]
         return own + [None] * len(self.signals())
 
     def flows(self, xp: Namespace, state: State, *drives: Scalar | Feed) -> Scalar:
-        """Power [W] into the elements whose heat is known, in the mean."""
+        """Return the power [W] into the elements whose heat is known, in the mean."""
         given: Scalar = 0.0
         for element, own, heating in self._loads(xp, state, drives):
             if _is_balanced(xp, element, own, heating):
@@ -311,12 +311,12 @@ class AbstractAssembly(AbstractSystem):
         found.efforts += [("work", Effort(one.element.force(one.state), way)) for one, way in rows]
 
     def points(self, xp: Namespace, state: State) -> list[list[MaterialPoint]]:
-        """Places at which laws without rates act, of every element."""
+        """Return the places at which laws without rates act, of every element."""
         rows = zip(self._actuators(), state.elements, strict=True)
         return [one.element.points(xp, element) for one, element in rows]
 
     def rates(self, state: State) -> list[Scalar]:
-        """Numbers of a state that only tell a solve where to look: rates of the last step."""
+        """Return the numbers of a state that only tell a solve where to look: rates of the last step."""
         rows = zip(self._actuators(), state.elements, strict=True)
         return [rate for one, element in rows for rate in one.element.rates(element)]
 
@@ -343,14 +343,14 @@ class AbstractAssembly(AbstractSystem):
         return []
 
     def _driven_actuators(self, xp: Namespace, state: State, drives: Sequence[Scalar | Feed]) -> list[Actuator]:
-        """The actuators, cooled as the signals of that have it."""
+        """Return the actuators, cooled as the signals of that have it."""
         actuators, names = self._actuators(), self._cooling_signals()
         given = [one.moments if isinstance(one, Feed) else one for one in drives]
         signals = dict(zip(names, given[len(drives) - len(names) :], strict=True))
         return [one.with_cooling_signals(xp, signals) for one in actuators] if names else actuators
 
     def mechanism_signals(self, drives: Sequence[Scalar | Feed]) -> Column:
-        """The drive signals of the mechanism itself, which are never fed."""
+        """Return the drive signals of the mechanism itself, which are never fed."""
         first = len(self._actuators())
         own = drives[first : first + len(self.mechanism.signals())]
         return [one for one in own if not isinstance(one, Feed)]

@@ -42,7 +42,7 @@ class System(Actuator, AbstractAssembly):
         return {self.mechanism.ports()[0]: self}
 
     def label(self, port: str, name: str) -> str:
-        """The plain name: there is one actuator."""
+        """Return the plain name: there is one actuator."""
         return name
 
     def drive_at(self, port: str) -> str:
@@ -56,7 +56,7 @@ class System(Actuator, AbstractAssembly):
         return found | {"drive": own["drive"]._replace(unit=self.source.unit)}
 
     def description(self) -> str:
-        """Such as `wire (brinson) on bias-spring, driven by power`."""
+        """Return such as `wire (brinson) on bias-spring, driven by power`."""
         element, load = self.element, self.mechanism.registered_name
         names = f"{element.registered_name} ({element.law.registered_name})"
         return f"{names} on {load}, driven by {self.source.registered_name}"
@@ -112,7 +112,7 @@ class Machine(AbstractAssembly):
         return f"{port}.{name}"
 
     def drive_at(self, port: str) -> str:
-        """The name of the port."""
+        """Return the name of the port."""
         return port
 
     def exchanges(self) -> bool:
@@ -167,7 +167,7 @@ class Machine(AbstractAssembly):
         return found
 
     def description(self) -> str:
-        """Such as `parallel-platform with 3 × coil-spring (liang-rogers)`."""
+        """Return such as `parallel-platform with 3 × coil-spring (liang-rogers)`."""
         kinds = Counter(
             f"{one.element.registered_name} ({one.element.law.registered_name})" for one in self.actuators().values()
         )
@@ -195,7 +195,7 @@ Piece = tuple[Sequence[Scalar], Scalar]
 def advance_steps(
     xp: Namespace, system: AbstractSystem, state: Any, pieces: Sequence[Piece], turns: int
 ) -> tuple[Any, StepReport]:
-    """The state after some turns of the same pieces, and the worst report of all steps."""
+    """Return the state after some turns of the same pieces, and the worst report of all steps."""
     shape, size = NestedShape(state), len(flatten_numbers(state))
 
     def turn(*numbers: Any) -> list[Any]:

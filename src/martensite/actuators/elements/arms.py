@@ -47,11 +47,11 @@ class AbstractArm(AbstractSection):
             )
 
     def wire_length(self) -> Scalar:
-        """Length [m]."""
+        """Return the length [m]."""
         return self.length
 
     def section(self) -> Scalar:
-        """Cross-section of the wall [m²]."""
+        """Return the cross-section of the wall [m²]."""
         return 0.25 * math.pi * (self.diameter + self.inner_diameter) * (self.diameter - self.inner_diameter)
 
 
@@ -82,7 +82,7 @@ class BendingBeam(AbstractArm):
             raise ParameterError("Parameter `inner_diameter` of `bending-beam` must be 0 unless `shape` is `tube`.")
 
     def section(self) -> Scalar:
-        """Cross-section [m²]."""
+        """Return the cross-section [m²]."""
         return self.diameter * self.width if self.shape == "ribbon" else super().section()
 
     def cylinder(self) -> Cylinder:
@@ -91,7 +91,7 @@ class BendingBeam(AbstractArm):
         return Cylinder(around, self.length)
 
     def fibre_columns(self, xp: Namespace) -> tuple[Column, Column]:
-        """Strain per way of the arm [1/m] and volume [m³], both sides of the neutral axis together."""
+        """Return the strain per way of the arm [1/m] and volume [m³], both sides of the neutral axis together."""
         count, half, inner = int(self.fibres), 0.5 * self.diameter, 0.5 * self.inner_diameter
         each = math.pi / (2 * count - 1)
         turns = [((k + 0.5) * each, each if k + 1 < count else 0.5 * each) for k in range(count)]

@@ -48,18 +48,18 @@ class AxialWire(AbstractCells):
         self.require_cells()
 
     def copies(self) -> Scalar:
-        """Half spans."""
+        """Return the half spans."""
         return 2.0 * self.spans
 
     def lengths(self, xp: Namespace) -> Column:
-        """Lengths of the cells from the clamp to the middle of a span [m]."""
+        """Return the lengths of the cells from the clamp to the middle of a span [m]."""
         count = int(self.cells)
         faces = [xp.exp(self.grading * (k / count)) for k in range(count + 1)]
         scale = self.wire.length / (self.copies() * (faces[-1] - 1.0))
         return [scale * (b - a) for a, b in pairwise(faces)]
 
     def places(self) -> list[float]:
-        """Middles of the cells, from the clamp [m]."""
+        """Return the middles of the cells, from the clamp [m]."""
         lengths = self.lengths(floats)
         ends = [0.0, *accumulate(lengths)]
         return [0.5 * (a + b) for a, b in pairwise(ends)]

@@ -77,7 +77,7 @@ class Heating:
     """Heat that the step before should have brought as well [J]."""
 
     def heat(self, xp: Namespace, resistance: Scalar) -> Heat:
-        """Power [W] in a resistance [ohm]."""
+        """Return the power [W] in a resistance [ohm]."""
         if isinstance(self.drive, Moments):
             return self.source.heat(xp, self.drive, resistance)
         current = self.source.current(xp, self.drive, resistance)
@@ -85,7 +85,7 @@ class Heating:
         return Heat(power, 0.0, power)
 
     def ripple(self, xp: Namespace, resistance: Scalar, capacity: Scalar, dt: Scalar) -> Scalar:
-        """Temperature [K] that is left out by what heats on the average of a step of dt [s]."""
+        """Return the temperature [K] that is left out by what heats on the average of a step of dt [s]."""
         if not isinstance(self.drive, Moments):
             return 0.0
         heat = self.heat(xp, resistance)
@@ -93,7 +93,7 @@ class Heating:
 
     @property
     def temperature(self) -> Scalar | None:
-        """Temperature imposed on the element [K]; None if the heat balance decides."""
+        """Return the temperature imposed on the element [K]; None if the heat balance decides."""
         if not self.source.sets_temperature:
             return None
         return self.drive.mean if isinstance(self.drive, Moments) else self.drive
@@ -171,45 +171,45 @@ class AbstractElement(Parametrised):
 
     @abstractmethod
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Any:
-        """The state at the start, under `force` [N] and at `temperature` [K]."""
+        """Return the state at the start, under `force` [N] and at `temperature` [K]."""
 
     @abstractmethod
     def tangent(self, xp: Namespace, state: Any, force: Scalar) -> Spring:
-        """The element as a spring in a state, near a force [N]."""
+        """Return the element as a spring in a state, near a force [N]."""
 
     @abstractmethod
     def advance(self, xp: Namespace, state: Any, heating: Heating, pull: Pull, dt: Scalar) -> tuple[Any, StepReport]:
-        """The state after a step of dt [s], and how well the step was solved."""
+        """Return the state after a step of dt [s], and the report of the step."""
 
     @property
     def exchanges(self) -> bool:
-        """True if it offers `advance_rosenbrock`, for a law that gives rates."""
+        """Return True if it offers `advance_rosenbrock`, for a law that gives rates."""
         return False
 
     def advance_rosenbrock(
         self, xp: Namespace, state: Any, heating: Heating, pull: Pull, dt: Scalar
     ) -> tuple[Any, Any, Any]:
-        """States after a step of dt [s], in its middle, and after it to a lower order."""
+        """Return the states after a step of dt [s], in its middle, and after it to a lower order."""
         raise make_missing_error(type(self), ["advance_rosenbrock"])
 
     def differentiate(self, xp: Namespace, state: Any, heating: Heating, pull: Pull) -> tuple[Any, Sequence[Scalar]]:
-        """The state that follows from its continuous numbers, and their rates [1/s], temperature last [K/s]."""
+        """Return the state that follows from its continuous numbers, and their rates [1/s], temperature last [K/s]."""
         raise make_missing_error(type(self), ["differentiate"])
 
     def warm_start(self, state: Any, found: Any) -> Any:
-        """The state, with what `found`, where a step from it ended before, tells its solve."""
+        """Return the state, with what `found`, where a step from it ended before, tells its solve."""
         return state
 
     def rates(self, state: Any) -> list[Scalar]:
-        """Numbers of a state that only tell a solve where to look: rates of the last step."""
+        """Return the numbers of a state that only tell a solve where to look: rates of the last step."""
         return []
 
     @abstractmethod
     def force(self, state: Any) -> Scalar:
-        """Force at the end of the last step [N]."""
+        """Return the force at the end of the last step [N]."""
 
     def in_state(self, xp: Namespace, state: Any, fractions: Fractions, temperature: Scalar, force: Scalar) -> Any:
-        """A state put elsewhere, as an observer corrects it, under a force [N].
+        """Return a state put elsewhere, as an observer corrects it, under a force [N].
 
         Raises:
             ParameterError: the element has no single phase state and temperature [K].
@@ -220,7 +220,7 @@ class AbstractElement(Parametrised):
         )
 
     def elongation(self, xp: Namespace, state: Any, force: Scalar) -> Scalar:
-        """Elongation [m] in a state under a force [N]."""
+        """Return the elongation [m] in a state under a force [N]."""
         spring = self.tangent(xp, state, force)
         return spring.free + spring.compliance * force
 
@@ -229,7 +229,7 @@ class AbstractElement(Parametrised):
         """Everything that can be measured on the element under a force [N]."""
 
     def profile(self, state: Any) -> CellProfile:
-        """Temperature and martensite fraction along the element; nothing where it has no along."""
+        """Return the temperature and martensite fraction along the element; nothing where it has no along."""
         return CellProfile((), ())
 
     def places(self) -> list[float]:
@@ -237,7 +237,7 @@ class AbstractElement(Parametrised):
         return []
 
     def points(self, xp: Namespace, state: Any) -> list[MaterialPoint]:
-        """Places of about equal weight; none where a law of rates acts, which knows no turn."""
+        """Return the places of about equal weight; none where a law of rates acts, which knows no turn."""
         return []
 
     def heat_content(self, xp: Namespace, state: Any) -> Scalar | None:
@@ -245,11 +245,11 @@ class AbstractElement(Parametrised):
         return None
 
     def stored_heat(self, xp: Namespace, state: Any) -> StoredHeat | None:
-        """The heat that it holds, whatever its latent heat depends on; None if it does not say."""
+        """Return the heat that it holds, whatever its latent heat depends on; None if it does not say."""
         return None
 
     def elastic_energy(self, xp: Namespace, state: Any) -> Scalar | None:
-        """Energy [J] that unloading at frozen fractions and temperature would give back.
+        """Return the energy [J] that unloading at frozen fractions and temperature would give back.
 
         None if the element does not say.
         """
@@ -257,11 +257,11 @@ class AbstractElement(Parametrised):
 
     @abstractmethod
     def heat_capacity_total(self) -> Scalar:
-        """Heat capacity without transformation [J/K]."""
+        """Return the heat capacity without transformation [J/K]."""
 
     @abstractmethod
     def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
-        """Heat flow to the environment [W] of an element that is equally hot everywhere."""
+        """Return the heat flow to the environment [W] of an element that is equally hot everywhere."""
 
 
 def points_of(xp: Namespace, law: AbstractLaw, memories: Sequence[Any]) -> list[MaterialPoint]:
@@ -274,7 +274,7 @@ def points_of(xp: Namespace, law: AbstractLaw, memories: Sequence[Any]) -> list[
 def equilibrium_force(
     xp: Namespace, tangent: Callable[[Namespace, Scalar], Spring], pull: Pull, force: Scalar, passes: int
 ) -> Scalar:
-    """Force [N] at which element and mechanism fit, from a force nearby: Newton's method."""
+    """Return the force [N] at which element and mechanism fit, from a force nearby: Newton's method."""
     for _ in range(passes):
         force = pull(xp, tangent(xp, force))
     return force

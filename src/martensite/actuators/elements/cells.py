@@ -64,12 +64,12 @@ class AbstractCut(AbstractElement):
 
     @property
     def law(self) -> AbstractLaw:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """The law of the wire."""
+        """Return the law of the wire."""
         return self.wire.law
 
     @property
     def limits(self) -> ElementLimits:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """The limits of the wire."""
+        """Return the limits of the wire."""
         return self.wire.limits
 
     def copies(self) -> Scalar:
@@ -78,18 +78,18 @@ class AbstractCut(AbstractElement):
 
     @abstractmethod
     def lengths(self, xp: Namespace) -> Column:
-        """Lengths of the cells of one row [m]."""
+        """Return the lengths of the cells of one row [m]."""
 
     @abstractmethod
     def links(self, xp: Namespace, fractions: Column) -> Links:
         """Return the conductances between cells at given martensite fractions."""
 
     def cell(self, length: Scalar) -> Wire:
-        """A piece of the wire."""
+        """Return a piece of the wire."""
         return self.wire.rebuilt({"length": length})
 
     def shares(self, xp: Namespace) -> Column:
-        """Parts of the current that flow through the cells."""
+        """Return the parts of the current that flow through the cells."""
         return [1.0 for _ in self.lengths(xp)]
 
     def linkage(self) -> Linkage:
@@ -97,14 +97,14 @@ class AbstractCut(AbstractElement):
         return EndToEnd(self.copies())
 
     def force_on_cells(self, state: Cells) -> Column:
-        """Force on each cell at the end of the last step [N]."""
+        """Return the force on each cell at the end of the last step [N]."""
         area = self.wire.section()
         return [memory.stress * area for memory in state.memories]
 
     def springs(
         self, xp: Namespace, martensite: Column, oriented: Column, temperatures: Column
     ) -> tuple[Column, Column]:
-        """Free elongations [m] and compliances [m/N] of the cells."""
+        """Return free elongations [m] and compliances [m/N] of the cells."""
 
         def one(length: Scalar, m: Scalar, o: Scalar, temperature: Scalar) -> tuple[Scalar, Scalar]:
             return self.cell(length).spring(xp, Fractions(m, o), temperature, 0.0)
@@ -115,7 +115,7 @@ class AbstractCut(AbstractElement):
     def balance_force(
         self, xp: Namespace, free: Column, soft: Column, pull: Pull, force: Scalar
     ) -> tuple[Scalar, Column]:
-        """Force [N] at which cells and mechanism fit, from one nearby; and that on each cell."""
+        """Return the force [N] at which cells and mechanism fit, from one nearby; and that on each cell."""
         linkage = self.linkage()
 
         def near(xp: Namespace, force: Scalar) -> Spring:
@@ -136,20 +136,20 @@ class AbstractCells(AbstractCut):
     """Cells that share force and current, with heat between neighbours."""
 
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Cells:
-        """The state at the start, under `force` [N] and at `temperature` [K]."""
+        """Return the state at the start, under `force` [N] and at `temperature` [K]."""
         memory = self.wire.init(xp, force, temperature).memory
         return Cells((memory,) * len(self.lengths(xp)), force)
 
     def force(self, state: Cells) -> Scalar:
-        """Force at the end of the last step [N]."""
+        """Return the force at the end of the last step [N]."""
         return state.force
 
     def tangent(self, xp: Namespace, state: Cells, force: Scalar) -> Spring:
-        """All cells as one spring, near a force [N]."""
+        """Return all cells as one spring, near a force [N]."""
         return self.linkage().whole(xp, *self.springs(xp, *self._columns(state)), force)
 
     def profile(self, state: Cells) -> CellProfile:
-        """Temperature and martensite fraction of every cell."""
+        """Return the temperature and martensite fraction of every cell."""
         m, _, temperatures = self._columns(state)
         return CellProfile(temperatures, m)
 
@@ -165,7 +165,7 @@ class AbstractCells(AbstractCut):
     def advance(
         self, xp: Namespace, state: Cells, heating: Heating, pull: Pull, dt: Scalar
     ) -> tuple[Cells, StepReport]:
-        """The state after a step of dt [s], and how well the step was solved."""
+        """Return the state after a step of dt [s], and the report of the step."""
         step = SweepStep(self, state, heating, pull, dt)
         start = step.start(xp)
         guess = step.guess_without_transformation(start)
@@ -242,9 +242,9 @@ class AbstractCells(AbstractCut):
         return self.copies() * sum_column([0.5 * c * each * each for c, each in rows])
 
     def heat_capacity_total(self) -> Scalar:
-        """Heat capacity without transformation [J/K]."""
+        """Return the heat capacity without transformation [J/K]."""
         return self.wire.heat_capacity_total()
 
     def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
-        """Heat flow through the surface [W] if all cells are equally hot."""
+        """Return the heat flow through the surface [W] if all cells are equally hot."""
         return self.wire.heat_loss(xp, temperature, environment)

@@ -72,7 +72,7 @@ class Coil(NamedTuple):
 
 
 def _draw_out_rod(xp: Namespace, rod: helix.Helix, solid: Scalar, force: Scalar) -> Coil:
-    """The turns of a rod that is drawn out; `solid` is the length at which they touch [m]."""
+    """Return the turns of a rod that is drawn out; `solid` is the length at which they touch [m]."""
     at, touching = helix.at_force(xp, rod, force), helix.at_length(xp, rod, solid)
     free = at.length - rod.length * rod.sine - at.compliance * at.force
     return Coil(Spring(free, at.compliance), touching.force, touching.compliance)
@@ -139,7 +139,7 @@ class CoilSpring(AbstractSection):
             )
 
     def cautions(self) -> list[str]:
-        """Coils too steep for the theory of flat ones."""
+        """Return the coils too steep for the theory of flat ones."""
         pitch = math.atan(self.free_length / (self.circumference() * self.turns))
         if self.deflection == "large" or pitch <= STEEPEST:
             return super().cautions()
@@ -155,7 +155,7 @@ class CoilSpring(AbstractSection):
         return math.pi * self.mean_diameter()
 
     def index(self) -> Scalar:
-        """Spring index D/d [-]."""
+        """Return the spring index D/d [-]."""
         return coil_theory.spring_index(self.diameter, self.mean_diameter())
 
     def solid_length(self) -> Scalar:
@@ -163,14 +163,14 @@ class CoilSpring(AbstractSection):
         return self.turns * self.diameter
 
     def wire_length(self) -> Scalar:
-        """Length of the wire [m]: π N D of flat turns, √[(π N D)² + L_A²] of a helix."""
+        """Return the length of the wire [m]: π N D of flat turns, √[(π N D)² + L_A²] of a helix."""
         flat = self.circumference() * self.turns
         if self.deflection == "small":
             return flat
         return flat * helix.compute_secant(self.free_length / flat)
 
     def reach(self) -> Scalar:
-        """Elongation per equivalent strain [m]; √3 π N D²/d of flat turns."""
+        """Return the elongation per equivalent strain [m]; √3 π N D²/d of flat turns."""
         length = self.wire_length()
         return length * length * (ROOT3 / (math.pi * self.turns * self.diameter))
 
@@ -188,7 +188,7 @@ class CoilSpring(AbstractSection):
         return 1.0 / self.spring(floats, Fractions(share, 0.0), ROOM, 0.0).compliance
 
     def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Spring:
-        """Tangent at `force` [N] with frozen fractions and temperature [K]."""
+        """Return the tangent at `force` [N] with frozen fractions and temperature [K]."""
         if not self.uniform:
             return super().spring(xp, fractions, temperature, force)
         strain, compliance = self._wire(xp, fractions, temperature)
@@ -199,17 +199,17 @@ class CoilSpring(AbstractSection):
         return self._close_turns(xp, coil, coil.compliance / (1.0 + self.contact), force)
 
     def _close_turns(self, xp: Namespace, coil: Coil, closed: Scalar, force: Scalar) -> Spring:
-        """A coil whose turns touch at small forces, and have a compliance then [m/N]."""
+        """Return a coil whose turns touch at small forces, and have a compliance then [m/N]."""
         solid = self.solid_length() - self.free_length - closed * coil.touch
         shut = force < coil.touch
         return Spring(xp.where(shut, solid, coil.open.free), xp.where(shut, closed, coil.open.compliance))
 
     def fibre_columns(self, xp: Namespace) -> tuple[Column, Column]:
-        """Rings of the wire: γ/√3 per elongation [1/m], and volume [m³]."""
+        """Return the rings of the wire: γ/√3 per elongation [1/m], and volume [m³]."""
         return self.cut_rings(0.0, 2.0 / (self.diameter * self.reach()))
 
     def _contact_rate(self, xp: Namespace) -> Scalar:
-        """Stiffness of turns of fibres that touch [N/m]: so many spring rates of austenite."""
+        """Return the stiffness of turns of fibres that touch [N/m]: so many spring rates of austenite."""
         _, second, _ = self.compute_moments(xp)
         return self.contact * second / self.law.compliance(xp, Fractions(0.0, 0.0))
 
@@ -220,7 +220,7 @@ class CoilSpring(AbstractSection):
         return self._close_turns(xp, Coil(open, touch, open.compliance), closed, force)
 
     def elastic_energy(self, xp: Namespace, state: Any) -> Scalar | None:
-        """Elastic energy [J], of the wire and of turns that touch."""
+        """Return the elastic energy [J], of the wire and of turns that touch."""
         held = super().elastic_energy(xp, state)
         if self.uniform or held is None:
             return held
@@ -229,7 +229,7 @@ class CoilSpring(AbstractSection):
         return held + 0.5 * self._contact_rate(xp) * pressed * pressed
 
     def elastic_energy_at(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Scalar:
-        """Elastic energy [J] under a force [N], of the wire and of turns that touch."""
+        """Return the elastic energy [J] under a force [N], of the wire and of turns that touch."""
         strain, compliance = self._wire(xp, fractions, temperature)
         if self.deflection == "large":
             rod = self._rod(strain, compliance)
@@ -251,7 +251,7 @@ class CoilSpring(AbstractSection):
         return Coil(Spring(free, per_force), touch, per_force)
 
     def _rod(self, strain: Scalar, compliance: Scalar) -> helix.Helix:
-        """The wire with a transformation strain [-] and a compliance 1/(3 G) [1/Pa]."""
+        """Return the wire with a transformation strain [-] and a compliance 1/(3 G) [1/Pa]."""
         square = self.diameter * self.diameter
         return helix.Helix(
             length=self.wire_length(),
@@ -263,7 +263,7 @@ class CoilSpring(AbstractSection):
         )
 
     def _wire(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> tuple[Scalar, Scalar]:
-        """Transformation strain [-], and compliance [1/Pa] with the factor of curvature on the spring rate."""
+        """Return transformation strain [-], and compliance [1/Pa] with the factor of curvature on the spring rate."""
         stiffening = STIFFNESS_FACTORS[self.stiffness_factor](self.index())
         return self.law.free_strain(xp, fractions, temperature), self.law.compliance(xp, fractions) / stiffening
 
@@ -272,10 +272,10 @@ class CoilSpring(AbstractSection):
         return ROOT3 * coil_theory.shear_stress(1.0, self.diameter, self.mean_diameter())
 
     def stress(self, xp: Namespace, force: Scalar) -> Scalar:
-        """Equivalent stress √3 τ [Pa] at the surface of the wire, with the factor chosen."""
+        """Return the equivalent stress √3 τ [Pa] at the surface of the wire, with the factor chosen."""
         factor = STRESS_FACTORS[self.stress_factor](self.index())
         return force * (self._leverage() * factor)
 
     def strain(self, xp: Namespace, elongation: Scalar) -> Scalar:
-        """Equivalent strain γ/√3 [-] at the surface of the wire."""
+        """Return the equivalent strain γ/√3 [-] at the surface of the wire."""
         return elongation / self.reach()

@@ -66,12 +66,12 @@ def ancker_goodier(index: Scalar) -> Scalar:
 
 
 def exact_stiffness(index: Scalar) -> Scalar:
-    """Factor of the spring rate of a coil without pitch [-], C ≥ 3."""
+    """Return the factor of the spring rate of a coil without pitch [-], C ≥ 3."""
     return _sum_series(STIFFNESS_TERMS, 1.0 / (index * index))
 
 
 def exact_stress(index: Scalar) -> Scalar:
-    """Factor of the stress at the inner fibre of a coil without pitch [-], C ≥ 3."""
+    """Return the factor of the stress at the inner fibre of a coil without pitch [-], C ≥ 3."""
     return _sum_series(STRESS_TERMS, 1.0 / index)
 
 

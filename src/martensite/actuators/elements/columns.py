@@ -122,7 +122,7 @@ class Bracket(NamedTuple):
         return xp.where(xp.either(good, xp.negate(closed)), wanted, 0.5 * self.low + 0.5 * self.high)
 
     def choose(self, xp: Namespace, flag: Flag, other: Bracket) -> Bracket:
-        """Another one where the flag holds."""
+        """Return another one where the flag holds."""
         return choose_tuple(xp, flag, other, self)
 
 

@@ -42,7 +42,7 @@ def complete_from_material(
 
 
 def _build_part(name: str, registry: Registry[Any], kind: str | None, material: Material) -> Parametrised | None:
-    """A component of a kind with the numbers of a material; None if its default will do."""
+    """Return a component of a kind with the numbers of a material; None if its default will do."""
     own = material.law if name == "law" and material.law is not None else {}
     kind = kind or own.get("kind") or ASSUMED_KINDS.get(name)
     if name == "law":

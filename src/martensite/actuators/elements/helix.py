@@ -83,7 +83,7 @@ def compute_secant(slope: Scalar) -> Scalar:
 
 
 def at_slope(xp: Namespace, helix: Helix, slope: Scalar) -> HelixPoint:
-    """The point at which the pitch angle has the given slope t."""
+    """Return the point at which the pitch angle has the given slope t."""
     cosine = 1.0 / xp.sqrt(1.0 + slope * slope)
     sine, cubed = slope * cosine, cosine * cosine * cosine
     share, steep = helix.slenderness(), helix.cosine(xp)
@@ -93,7 +93,7 @@ def at_slope(xp: Namespace, helix: Helix, slope: Scalar) -> HelixPoint:
 
 
 def at_length(xp: Namespace, helix: Helix, length: Scalar) -> HelixPoint:
-    """The point at a length H [m] below that of the wire."""
+    """Return the point at a length H [m] below that of the wire."""
     sine = length / helix.length
     return at_slope(xp, helix, sine / xp.sqrt(1.0 - sine * sine))
 
@@ -108,7 +108,7 @@ def find_elastic_energy(xp: Namespace, helix: Helix, length: Scalar) -> Scalar:
 
 
 def at_force(xp: Namespace, helix: Helix, force: Scalar) -> HelixPoint:
-    """The point at a force [N], by Newton's method for the slope."""
+    """Return the point at a force [N], by Newton's method for the slope."""
     share, steep = helix.slenderness(), helix.cosine(xp)
     wanted = force / helix.scale() + helix.natural()
     slope = wanted / (steep - share)

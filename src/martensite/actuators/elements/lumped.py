@@ -90,7 +90,7 @@ class HeatLine(NamedTuple):
     """[K]"""
 
     def temperature(self, end: Fractions) -> Scalar:
-        """Temperature at the end of the step [K]."""
+        """Return the temperature at the end of the step [K]."""
         m, o, *more = (a - b for a, b in zip(end, self.fractions, strict=True))
         heat = self.heat + self.by_martensite * m + self.by_oriented * o
         for r in more:
@@ -116,7 +116,7 @@ def compute_lateness(xp: Namespace, z: Scalar) -> Scalar:
 def relax_heat(
     xp: Namespace, dt: Scalar, capacity: Scalar, power: Scalar, change: Scalar, less: Scalar
 ) -> tuple[Scalar, Scalar]:
-    """Temperature per heat [K/J] and heat [J] of a step of dt [s], in which nothing transforms.
+    """Return the temperature per heat [K/J] and heat [J] of a step of dt [s], in which nothing transforms.
 
     Of a power [W] that is taken up at its start, its `change` with time [W/s], and by how much less it is per kelvin.
     """
@@ -137,34 +137,34 @@ class AbstractLumped(AbstractElement):
         return True
 
     def apply_wear(self, xp: Namespace, worn: Any) -> Self:
-        """The element as it is worn, without further wear; itself where nothing wears it."""
+        """Return the element as it is worn, without further wear; itself where nothing wears it."""
         return self
 
     @abstractmethod
     def initial_fractions(self, xp: Namespace, stress: Scalar) -> Fractions:
-        """Phase state at the start, under a stress [Pa], as far as the law keeps it."""
+        """Return the phase state at the start, under a stress [Pa], as far as the law keeps it."""
 
     @abstractmethod
     def latent_heat_total(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
-        """Heat released by the whole forward transformation [J] at (stress, temperature)."""
+        """Return the heat released by the whole forward transformation [J] at (stress, temperature)."""
 
     @abstractmethod
     def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Spring:
-        """Tangent at `force` [N] with frozen fractions and temperature [K]."""
+        """Return the tangent at `force` [N] with frozen fractions and temperature [K]."""
 
     @abstractmethod
     def stress(self, xp: Namespace, force: Scalar) -> Scalar:
-        """Stress [Pa] that drives the law, from the force [N]."""
+        """Return the stress [Pa] that drives the law, from the force [N]."""
 
     @abstractmethod
     def strain(self, xp: Namespace, elongation: Scalar) -> Scalar:
-        """Strain [-] of the law, from the elongation [m]."""
+        """Return the strain [-] of the law, from the elongation [m]."""
 
     @abstractmethod
     def ohms(
         self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, rphase: Scalar = 0.0
     ) -> Scalar:
-        """Resistance [ohm] at a martensite and an R-phase fraction."""
+        """Return the resistance [ohm] at a martensite and an R-phase fraction."""
 
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Lumped:
         """Return the state at the start: the equilibrium under `force` [N] and at `temperature` [K]."""
@@ -188,13 +188,13 @@ class AbstractLumped(AbstractElement):
         return Lumped(memory, force, 0.0, worn)
 
     def force(self, state: Lumped) -> Scalar:
-        """Force at the end of the last step [N]."""
+        """Return the force at the end of the last step [N]."""
         return state.force
 
     def in_state(
         self, xp: Namespace, state: Lumped, fractions: Fractions, temperature: Scalar, force: Scalar
     ) -> Lumped:
-        """A state put elsewhere, with its history, under a force [N]."""
+        """Return a state put elsewhere, with its history, under a force [N]."""
         stress = self.stress(xp, force)
         law = self.apply_wear(xp, state.worn).law
         worn = state.worn if self.wear is None else state.worn._replace(martensite=fractions.martensite, stress=stress)
@@ -202,14 +202,14 @@ class AbstractLumped(AbstractElement):
         return Lumped(moved, force, state.rate, worn)
 
     def tangent(self, xp: Namespace, state: Lumped, force: Scalar) -> Spring:
-        """The element as a spring in a state, near a force [N]."""
+        """Return the element as a spring in a state, near a force [N]."""
         fractions = self.law.fractions(state.memory)
         return self.apply_wear(xp, state.worn).spring(xp, fractions, state.memory.temperature, force)
 
     def advance(
         self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar
     ) -> tuple[Lumped, StepReport]:
-        """The state after a step of dt [s], and how well the step was solved."""
+        """Return the state after a step of dt [s], and the report of the step."""
         if self.wear is not None:
             after, report = self.apply_wear(xp, state.worn).advance(xp, state, heating, pull, dt)
             end, memory = self.law.fractions(after.memory), after.memory
@@ -239,7 +239,7 @@ class AbstractLumped(AbstractElement):
 
     @property
     def exchanges(self) -> bool:
-        """True if the law is an exchange of layers that nothing wears."""
+        """Return True if the law is an exchange of layers that nothing wears."""
         return isinstance(self.law, AbstractExchange) and self.wear is None
 
     def advance_rosenbrock(
@@ -301,7 +301,7 @@ class AbstractLumped(AbstractElement):
         return [state.rate]
 
     def warm_start(self, state: Lumped, found: Lumped) -> Lumped:
-        """The state, from which a step begins to look where it ended before."""
+        """Return the state, from which a step begins to look where it ended before."""
         return state._replace(rate=found.rate)
 
     def _heat_line(self, xp: Namespace, state: Lumped, heating: Heating, loaded: Loaded, dt: Scalar) -> HeatLine:
@@ -323,7 +323,7 @@ class AbstractLumped(AbstractElement):
             return [heat.mean, heat.slope]
 
         def reached(xp: Namespace, at: Column) -> Column:
-            """Strain and stress on the load line."""
+            """Return the strain and stress on the load line."""
             there = phases(at[0], at[1], *at[3:])
             force = loaded(xp, there, at[2])
             return [self._strain_under(xp, there, at[2], force), self.stress(xp, force)]
@@ -356,12 +356,12 @@ class AbstractLumped(AbstractElement):
         )
 
     def _ohms_of(self, xp: Namespace, fractions: Fractions, strain: Scalar, temperature: Scalar) -> Scalar:
-        """Resistance [ohm] in a phase state."""
+        """Return the resistance [ohm] in a phase state."""
         rphase = [fractions.rphase_fraction] if self.law.rphase else []
         return self.ohms(xp, fractions.martensite, strain, temperature, *rphase)
 
     def _strain_under(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Scalar:
-        """Strain [-] by the elongation, which is that of the law for a straight wire only.
+        """Return the strain [-] by the elongation, which is that of the law for a straight wire only.
 
         A curved wire is stressed more than it is strained, and turns that touch are not strained.
         """
@@ -390,7 +390,7 @@ class AbstractLumped(AbstractElement):
         return StoredHeat(sensible, (Effort(-latent, released),))
 
     def elastic_energy(self, xp: Namespace, state: Lumped) -> Scalar | None:
-        """Energy [J] that unloading at frozen fractions and temperature would give back."""
+        """Return the energy [J] that unloading at frozen fractions and temperature would give back."""
         fractions, temperature = self.law.fractions(state.memory), state.memory.temperature
         return self.elastic_energy_at(xp, fractions, temperature, state.force)
 

@@ -48,7 +48,7 @@ def fold_others(diagonal: Column, right: Column, links: Column) -> Others:
 
 
 def solve_tridiagonal(diagonal: Column, right: Column, links: Column) -> list[Scalar]:
-    """The solution of the linear system."""
+    """Return the solution of the linear system."""
     seen = fold_others(diagonal, right, links)
     rows = zip(diagonal, right, seen.slope, seen.source, strict=True)
     return [(r + s) / (d + b) for d, r, b, s in rows]
@@ -82,7 +82,7 @@ class EndToEnd:
         self.copies = copies
 
     def whole(self, xp: Namespace, free: Column, compliance: Column, force: Scalar) -> Spring:
-        """All cells as one spring, near a force [N]: the sums."""
+        """Return all cells as one spring, near a force [N]: the sums."""
         return Spring(self.copies * sum_column(free), self.copies * sum_column(compliance))
 
     def rests(self, xp: Namespace, free: Column, compliance: Column, force: Column) -> tuple[Column, Column]:
@@ -91,12 +91,12 @@ class EndToEnd:
         return [long - f for f in free], [soft - c for c in compliance]
 
     def combine_springs(self, rest: Rest, own: Spring) -> Spring:
-        """The whole, of one cell and the rest: the sum."""
+        """Return the whole, of one cell and the rest: the sum."""
         free, compliance = rest.offset + own.free, rest.slope + own.compliance
         return Spring(self.copies * free, self.copies * compliance)
 
     def force_share(self, xp: Namespace, own: Spring, whole: Spring, force: Scalar) -> Scalar:
-        """The part of a force [N] that one cell carries: all of it."""
+        """Return the part of a force [N] that one cell carries: all of it."""
         return force
 
 
@@ -121,7 +121,7 @@ class ParallelCells:
         return Spring(soft * sum_column([k * f for k, f in zip(stiffness, free, strict=True)]), soft)
 
     def rests(self, xp: Namespace, free: Column, compliance: Column, force: Column) -> tuple[Column, Column]:
-        """Sums over the others that were taut: stiffness times free elongation, and stiffness."""
+        """Return the sums over the others that were taut: stiffness times free elongation, and stiffness."""
         stiffness = [xp.where(f > 0.0, 1.0 / c, 0.0) for f, c in zip(force, compliance, strict=True)]
         pull = [k * f for k, f in zip(stiffness, free, strict=True)]
         return _sum_others(pull), _sum_others(stiffness)
@@ -143,5 +143,5 @@ Linkage = EndToEnd | ParallelCells
 
 
 def _sum_others(column: Column) -> list[Scalar]:
-    """Sums of all numbers but one, without cancellation."""
+    """Return the sums of all numbers but one, without cancellation."""
     return [sum_column([0.0, *column[:i], *column[i + 1 :]]) for i in range(len(column))]

@@ -60,7 +60,7 @@ class Ribbon(AbstractCells):
         return [xp.clip(self.heated - k, 0.0, 1.0) for k in range(int(self.wires))]
 
     def places(self) -> list[float]:
-        """Axes of the wires, from the first [m]."""
+        """Return the axes of the wires, from the first [m]."""
         return [k * self.distance for k in range(int(self.wires))]
 
     def links(self, xp: Namespace, fractions: Column) -> Links:
@@ -77,15 +77,15 @@ class Ribbon(AbstractCells):
         return ParallelCells()
 
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Cells:
-        """Every wire with its part of the force [N]."""
+        """Return every wire with its part of the force [N]."""
         count = int(self.wires)
         memory = self.wire.init(xp, force * (1.0 / count), temperature).memory
         return Cells((memory,) * count, force)
 
     def heat_capacity_total(self) -> Scalar:
-        """Heat capacity of all wires without transformation [J/K]."""
+        """Return the heat capacity of all wires without transformation [J/K]."""
         return int(self.wires) * self.wire.heat_capacity_total()
 
     def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
-        """Heat flow through the surfaces [W] if all wires are equally hot."""
+        """Return the heat flow through the surfaces [W] if all wires are equally hot."""
         return int(self.wires) * self.wire.heat_loss(xp, temperature, environment)

@@ -57,17 +57,17 @@ class AbstractRow(AbstractLumped):
 
     @property
     def law(self) -> AbstractLaw:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """The law of one."""
+        """Return the law of one."""
         return self.one.law
 
     @property
     def limits(self) -> ElementLimits:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """The limits of one."""
+        """Return the limits of one."""
         return self.one.limits
 
     @property
     def wear(self) -> Wear | None:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """The wear of one."""
+        """Return the wear of one."""
         return self._lumped.wear
 
     def apply_wear(self, xp: Namespace, worn: Any) -> Self:
@@ -82,27 +82,27 @@ class AbstractRow(AbstractLumped):
 
     @property
     def passes(self) -> int:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """Turns in which the force is fitted, of one."""
+        """Return the turns in which the force is fitted, of one."""
         return self.one.passes
 
     def initial_fractions(self, xp: Namespace, stress: Scalar) -> Fractions:
-        """Phase state at the start, under a stress [Pa]."""
+        """Return the phase state at the start, under a stress [Pa]."""
         return self._lumped.initial_fractions(xp, stress)
 
     def heat_capacity_total(self) -> Scalar:
-        """Heat capacity without transformation [J/K]."""
+        """Return the heat capacity without transformation [J/K]."""
         return self.count * self.one.heat_capacity_total()
 
     def latent_heat_total(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
-        """Heat released by the whole forward transformation [J] at (stress, temperature)."""
+        """Return the heat released by the whole forward transformation [J] at (stress, temperature)."""
         return self.count * self._lumped.latent_heat_total(xp, stress, temperature)
 
     def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
-        """Heat flow to the environment [W]; each loses as if it were alone."""
+        """Return the heat flow to the environment [W]; each loses as if it were alone."""
         return self.count * self.one.heat_loss(xp, temperature, environment)
 
     def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Spring:
-        """All together as a spring, near a force [N]."""
+        """Return all together as a spring, near a force [N]."""
         share = force * (1.0 / self.beside())
         one = self._lumped.spring(xp, fractions, temperature, share)
         return Spring(self.behind() * one.free, one.compliance * (self.behind() / self.beside()))
@@ -110,23 +110,23 @@ class AbstractRow(AbstractLumped):
     def elastic_energy_at(
         self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
     ) -> Scalar | None:
-        """Elastic energy of all [J] under a force [N]."""
+        """Return the elastic energy of all [J] under a force [N]."""
         share = force * (1.0 / self.beside())
         one = self._lumped.elastic_energy_at(xp, fractions, temperature, share)
         return None if one is None else self.count * one
 
     def stress(self, xp: Namespace, force: Scalar) -> Scalar:
-        """Stress [Pa] in each."""
+        """Return the stress [Pa] in each."""
         return self._lumped.stress(xp, force * (1.0 / self.beside()))
 
     def strain(self, xp: Namespace, elongation: Scalar) -> Scalar:
-        """Strain [-] of each."""
+        """Return the strain [-] of each."""
         return self._lumped.strain(xp, elongation * (1.0 / self.behind()))
 
     def ohms(
         self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, rphase: Scalar = 0.0
     ) -> Scalar:
-        """Resistance [ohm] of all as wired."""
+        """Return the resistance [ohm] of all as wired."""
         one = self._lumped.ohms(xp, fraction, strain, temperature, rphase)
         return one * self.count if self.wiring == "series" else one * (1.0 / self.count)
 
@@ -145,11 +145,11 @@ class Bundle(AbstractRow):
 
     @property
     def one(self) -> AbstractElement:
-        """The strand."""
+        """Return the strand."""
         return self.strand
 
     def beside(self) -> Scalar:
-        """Every strand carries its part of the force."""
+        """Return every strand carries its part of the force."""
         return self.count
 
 
@@ -166,7 +166,7 @@ class LinkChain(AbstractRow):
 
     @property
     def one(self) -> AbstractElement:
-        """The link."""
+        """Return the link."""
         return self.link
 
     def behind(self) -> Scalar:

@@ -59,7 +59,7 @@ class Section(NamedTuple):
 
 @cache
 def find_section_points(count: int) -> tuple[tuple[float, float], ...]:
-    """Places in (0, 1], rising, and weights, of the interpolating rule at cos(2πk/(2n - 1)), k = 0 … n - 1.
+    """Return the places in (0, 1], rising, and weights, of the interpolating rule at cos(2πk/(2n - 1)), k = 0 … n - 1.
 
     One lies on the surface; weights are above zero and add up to 1, and polynomials of degree n - 1 are exact.
     """
@@ -81,7 +81,7 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
 
     @abstractmethod
     def fibre_columns(self, xp: Namespace) -> tuple[Column, Column]:
-        """Strain per elongation [1/m] and volume [m³] of every fibre, the surface last."""
+        """Return the strain per elongation [1/m] and volume [m³] of every fibre, the surface last."""
 
     def cut_rings(self, inner: Scalar, per_radius: Scalar) -> tuple[Column, Column]:
         """Return levers and volumes of rings outside a diameter [m], at a strain per elongation and radius [1/m²]."""
@@ -90,7 +90,7 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         return [per_radius * r for r, _ in rings], [2.0 * math.pi * length * r * w for r, w in rings]
 
     def add_contact(self, xp: Namespace, open: Spring, force: Scalar) -> Spring:
-        """The element near a force [N], of its fibres as a spring."""
+        """Return the element near a force [N], of its fibres as a spring."""
         return open
 
     @property
@@ -110,7 +110,7 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
             )
 
     def cautions(self) -> list[str]:
-        """Laws that strain a section where it has no strain."""
+        """Return the laws that strain a section where it has no strain."""
         law, found = self.law, super().cautions()
         cold, hot = (law.free_strain(floats, Fractions(0.0, 0.0), kelvin) for kelvin in (300.0, 400.0))
         if not self.uniform and cold != hot:
@@ -129,23 +129,23 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         return sum_column(grips), sum_column([g * w for g, w in zip(grips, levers, strict=True)]), levers[-1]
 
     def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Spring:
-        """Tangent at `force` [N] with the same frozen fractions all over, and temperature [K]."""
+        """Return the tangent at `force` [N] with the same frozen fractions all over, and temperature [K]."""
         first, second, lever = self.compute_moments(xp)
         per_strain = 1.0 / lever if self.uniform else first / second
         free = self.law.free_strain(xp, fractions, temperature) * per_strain
         return self.add_contact(xp, Spring(free, self.law.compliance(xp, fractions) / second), force)
 
     def stress(self, xp: Namespace, force: Scalar) -> Scalar:
-        """Stress at the surface of an elastic section [Pa]; of torsion √3 τ."""
+        """Return the stress at the surface of an elastic section [Pa]; of torsion √3 τ."""
         _, second, lever = self.compute_moments(xp)
         return force * (lever / second)
 
     def strain(self, xp: Namespace, elongation: Scalar) -> Scalar:
-        """Strain at the surface [-]; of torsion γ/√3."""
+        """Return the strain at the surface [-]; of torsion γ/√3."""
         return elongation * self.compute_moments(xp)[2]
 
     def find_fibre_stress(self, xp: Namespace, fractions: Fractions, strain: Scalar, temperature: Scalar) -> Scalar:
-        """Stress [Pa] of a fibre at frozen fractions."""
+        """Return the stress [Pa] of a fibre at frozen fractions."""
         return (strain - self.law.free_strain(xp, fractions, temperature)) / self.law.compliance(xp, fractions)
 
     def combine_fibres(self, xp: Namespace, martensite: Column, oriented: Column, temperature: Scalar) -> Spring:
@@ -165,7 +165,7 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         return self.combine_fibres(xp, [f.martensite for f in fractions], [f.oriented for f in fractions], temperature)
 
     def mean_fractions(self, xp: Namespace, state: Section) -> Fractions:
-        """Phase state, by volume."""
+        """Return the phase state, by volume."""
         volumes = self.fibre_columns(xp)[1]
         fractions = [self.law.fractions(memory) for memory in state.memories]
         rows = list(zip(volumes, fractions, strict=True))
@@ -173,7 +173,7 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         return Fractions(m / sum_column(volumes), o / sum_column(volumes))
 
     def locate_surface(self, xp: Namespace, state: Section) -> Point:
-        """Elongation [m] and temperature [K] at the end of the last step, by the surface."""
+        """Return the elongation [m] and temperature [K] at the end of the last step, by the surface."""
         last = state.memories[-1]
         strain = self.law.strain(xp, self.law.fractions(last), last.stress, last.temperature)
         return Point(strain / self.fibre_columns(xp)[0][-1], last.temperature)
@@ -209,30 +209,30 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         return Section(tuple(self.law.init(xp, f, stress, temperature) for f, stress in rows), force)
 
     def tangent(self, xp: Namespace, state: Any, force: Scalar) -> Spring:
-        """The element as a spring in a state, near a force [N]."""
+        """Return the element as a spring in a state, near a force [N]."""
         if self.uniform:
             return super().tangent(xp, state, force)
         return self.add_contact(xp, self.freeze_fibres(xp, state, state.memories[-1].temperature), force)
 
     def advance(self, xp: Namespace, state: Any, heating: Heating, pull: Pull, dt: Scalar) -> tuple[Any, StepReport]:
-        """The state after a step of dt [s], and how well the step was solved."""
+        """Return the state after a step of dt [s], and the report of the step."""
         if self.uniform:
             return super().advance(xp, state, heating, pull, dt)
         return advance_section(xp, self, state, heating, pull, dt)
 
     def in_state(self, xp: Namespace, state: Any, fractions: Fractions, temperature: Scalar, force: Scalar) -> Any:
-        """A state put elsewhere, if one stands for all."""
+        """Return a state put elsewhere, if one stands for all."""
         if self.uniform:
             return super().in_state(xp, state, fractions, temperature, force)
         return AbstractElement.in_state(self, xp, state, fractions, temperature, force)
 
     @property
     def exchanges(self) -> bool:
-        """True if the law is an exchange of layers, and one state stands for all."""
+        """Return True if the law is an exchange of layers, and one state stands for all."""
         return self.uniform and super().exchanges
 
     def points(self, xp: Namespace, state: Any) -> list[MaterialPoint]:
-        """Every fibre: a kink that all runs miss is an error that they have in common."""
+        """Return every fibre: a kink that all runs miss is an error that they have in common."""
         return super().points(xp, state) if self.uniform else points_of(xp, self.law, state.memories)
 
     def heat_content(self, xp: Namespace, state: Any) -> Scalar | None:
@@ -254,7 +254,7 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         return StoredHeat(self.heat_capacity_total() * state.memories[-1].temperature, tuple(efforts))
 
     def elastic_energy(self, xp: Namespace, state: Any) -> Scalar | None:
-        """Energy [J] that unloading, fibre by fibre, at frozen fractions and temperature would give back."""
+        """Return the energy [J] that unloading, fibre by fibre, at frozen fractions and temperature would give back."""
         if self.uniform:
             return super().elastic_energy(xp, state)
         rows = zip(self.fibre_columns(xp)[1], state.memories, strict=True)

@@ -51,7 +51,7 @@ LEAST = 1e-300
 def advance_section(
     xp: Namespace, element: AbstractSection, state: Section, heating: Heating, pull: Pull, dt: Scalar
 ) -> tuple[Section, StepReport]:
-    """The state after a step of dt [s], and how well it was solved."""
+    """Return the state after a step of dt [s], and the report of the step."""
     heat = _balance_heat(xp, element, state, heating, element.locate_surface(xp, state), dt)
     return advance_fibres(xp, element, state, heat, pull, dt)
 
@@ -59,7 +59,7 @@ def advance_section(
 def advance_fibres(
     xp: Namespace, element: AbstractSection, state: Section, heat: SectionHeat, pull: Pull, dt: Scalar
 ) -> tuple[Section, StepReport]:
-    """Return the state after a step of dt [s] with a given heat balance, and how well it was solved."""
+    """Return the state after a step of dt [s] with a given heat balance, and the report of the step."""
     start = element.locate_surface(xp, state)
     move = NestedShape(element.law.select(xp, state.memories[0], 0.0, heat.base))
     step = SectionStep(element, state, pull, dt, start, heat, move, *element.fibre_columns(xp))
@@ -70,7 +70,7 @@ def advance_fibres(
 
 
 def _iterate(xp: Namespace, most: int, body: Callable[[Namespace, Any], Any], begin: Any) -> Any:
-    """The state after turns of a body, for as long as its first number is above 0."""
+    """Return the state after turns of a body, for as long as its first number is above 0."""
     shape = NestedShape(begin)
 
     def turn(*numbers: Scalar) -> list[Scalar]:
@@ -82,7 +82,7 @@ def _iterate(xp: Namespace, most: int, body: Callable[[Namespace, Any], Any], be
 def _balance_heat(
     xp: Namespace, element: AbstractSection, state: Section, heating: Heating, start: Point, dt: Scalar
 ) -> SectionHeat:
-    """The heat balance, linearised at the start of the step."""
+    """Return the heat balance, linearised at the start of the step."""
     capacity = element.heat_capacity_total()
 
     def resist(xp: Namespace, at: Column) -> Scalar:
@@ -121,7 +121,7 @@ class SectionStep:
     volumes: Column
 
     def meet_mechanism(self, xp: Namespace, spring: Spring) -> Sequence[Scalar]:
-        """Elongation [m] and force [N] at which the section as a spring fits the mechanism."""
+        """Return the elongation [m] and force [N] at which the section as a spring fits the mechanism."""
 
         def near(xp: Namespace, force: Scalar) -> Spring:
             return self.element.add_contact(xp, spring, force)
@@ -131,18 +131,18 @@ class SectionStep:
         return whole.free + whole.compliance * force, force
 
     def list_columns(self, moves: Sequence[Column] = ()) -> list[Column]:
-        """Levers, volumes, memories and moves, one column per number."""
+        """Return the levers, volumes, memories and moves, one column per number."""
         before = zip(*map(flatten_numbers, self.state.memories), strict=True)
         return [self.levers, self.volumes, *map(list, before), *moves]
 
     def split_row(self, numbers: Sequence[Scalar]) -> tuple[Any, Any]:
-        """Memory and move, from the numbers of a fibre."""
+        """Return the memory and move, from the numbers of a fibre."""
         shape = NestedShape(self.state.memories[0])
         size = len(flatten_numbers(shape.example))
         return shape.rebuild(numbers[:size]), self.move.rebuild(numbers[size:]) if numbers[size:] else None
 
     def solve_round(self, xp: Namespace, now: Round) -> Round:
-        """Processes that frozen fibres set off at a point, and the solve with them."""
+        """Return the processes that frozen fibres set off at a point, and the solve with them."""
         law, (e, temperature) = self.element.law, now.point
 
         def select(lever: Scalar, volume: Scalar, *flat: Scalar) -> list[Scalar]:
@@ -258,7 +258,7 @@ class SectionStep:
         )
 
     def commit_fibres(self, xp: Namespace, found: Round) -> tuple[Section, StepReport]:
-        """All fibres at the fractions found: plane sections and force then hold to rounding."""
+        """Return all fibres at the fractions found: plane sections and force then hold to rounding."""
         law, (at, m, o) = self.element.law, self._follow_root(xp, found)
         e, force = self.meet_mechanism(xp, self.element.combine_fibres(xp, m, o, at))
 
@@ -275,7 +275,7 @@ class SectionStep:
         return self.state._replace(memories=memories, force=force), report
 
     def _follow_root(self, xp: Namespace, found: Round) -> tuple[Scalar, list[Scalar], list[Scalar]]:
-        """Temperature and fractions, with the derivatives of a step of Newton's method from there."""
+        """Return the temperature and fractions, with the derivatives of a step of Newton's method from there."""
         e, at = (xp.detach(x) for x in found.point)
         stress = [xp.detach(x) for x in found.stress]
         sums, (strain, per, grows, _, _, *ends) = self.linearise_fibres(xp, Point(e, at), stress, found.moves)

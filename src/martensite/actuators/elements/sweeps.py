@@ -42,7 +42,7 @@ class SweepStep:
 
     @property
     def law(self) -> AbstractLaw:
-        """The law of all cells."""
+        """Return the law of all cells."""
         return self.element.law
 
     @property
@@ -52,7 +52,7 @@ class SweepStep:
         return [list(column) for column in zip(*rows, strict=True)]
 
     def memory(self, flat: Sequence[Scalar]) -> Any:
-        """The memory of one cell."""
+        """Return the memory of one cell."""
         return NestedShape(self.state.memories[0]).rebuild(flat)
 
     def start(self, xp: Namespace) -> StepStart:
@@ -78,7 +78,7 @@ class SweepStep:
         return StepStart(*xp.each(one, self.element.lengths(xp), *self.memories))
 
     def guess_without_transformation(self, start: StepStart) -> SweepGuess:
-        """The guess that nothing transforms."""
+        """Return the guess that nothing transforms."""
         none = [0.0 for _ in start.long]
         columns = (
             start.martensite,
@@ -96,7 +96,7 @@ class SweepStep:
         return SweepGuess(*(tuple(column) for column in columns))
 
     def lines(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> HeatBalanceColumns:
-        """Heat balance with what is conducted and what the current brings."""
+        """Return the heat balance with what is conducted and what the current brings."""
         middle = _average_ends(start.martensite, guess.martensite)
         joule = self._joule(xp, start, guess)
         links, ambient = self.element.links(xp, middle), self.heating.environment.temperature
@@ -115,13 +115,13 @@ class SweepStep:
         return HeatBalanceColumns(diagonal, right, between)
 
     def _joule(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> list[Scalar]:
-        """Heat that the current brings to every cell [J], as all are in the middle of the step."""
+        """Return the heat that the current brings to every cell [J], as all are in the middle of the step."""
         ohms, heated = self._ohms(xp, start, guess)
         per_ohm = self.dt * self.heating.heat(xp, ohms).mean / ohms
         return [per_ohm * r for r in heated]
 
     def _ohms(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> tuple[Scalar, Column]:
-        """Resistance of the element, and of every cell to the current in it [ohm]."""
+        """Return the resistance of the element, and of every cell to the current in it [ohm]."""
         element = self.element
 
         def one(
@@ -144,7 +144,7 @@ class SweepStep:
         return element.copies() * sum_column(seen), heated
 
     def sweep(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> SweepGuess:
-        """Every cell for itself, with the others as they answered before."""
+        """Return every cell for itself, with the others as they answered before."""
         lines = self.lines(xp, start, guess)
         diagonal = [d + w for d, w in zip(lines.diagonal, guess.warms, strict=True)]
         seen = fold_others(diagonal, self._expect_latent_heat(start, guess, lines), lines.links)
@@ -169,14 +169,14 @@ class SweepStep:
         return SweepGuess(*(tuple(column) for column in found))
 
     def _expect_latent_heat(self, start: StepStart, guess: SweepGuess, lines: HeatBalanceColumns) -> list[Scalar]:
-        """Right-hand side with the latent heat as it is linear in temperature [J]."""
+        """Return the right-hand side with the latent heat as it is linear in temperature [J]."""
         rows = zip(
             lines.right, start.latent, guess.martensite, start.martensite, guess.warms, guess.temperature, strict=True
         )
         return [r + latent * (x - x0) + w * t for r, latent, x, x0, w, t in rows]
 
     def _rests(self, xp: Namespace, guess: SweepGuess, heated: Column) -> tuple[Column, Column]:
-        """The others as springs; more force on all of them also heats them [K/N]."""
+        """Return the others as springs; more force on all of them also heats them [K/N]."""
         rows = zip(guess.soft, guess.shrinks, heated, guess.elastic, strict=True)
         soft = [xp.maximum(c + s * h, e) for c, s, h, e in rows]
         long = zip(guess.long, soft, guess.force, strict=True)
@@ -221,7 +221,7 @@ class SweepStep:
         )
 
     def end(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> tuple[Cells, StepReport]:
-        """All cells together, at the fractions found."""
+        """Return all cells together, at the fractions found."""
         law, element = self.law, self.element
         temperatures = self._settle_temperatures(xp, start, guess)
         free, soft = element.springs(xp, guess.martensite, guess.oriented, temperatures)
@@ -244,7 +244,7 @@ class SweepStep:
         return Cells(memories, force), report
 
     def _settle_temperatures(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> Column:
-        """Temperatures at the end of the step, at the fractions found; no heat is lost."""
+        """Return the temperatures at the end of the step, at the fractions found; no heat is lost."""
         imposed = self.heating.temperature
         if imposed is not None:
             return [imposed for _ in start.temperature]
@@ -260,7 +260,7 @@ def _average_ends(first: Column, last: Column) -> list[Scalar]:
 
 
 def _split_exchange(amount: Scalar, rate: Scalar) -> tuple[Scalar, Scalar]:
-    """Parts of an exchange that go by the temperatures at the start and at the end."""
+    """Return the parts of an exchange that go by the temperatures at the start and at the end."""
     third = amount * rate * (1.0 / 3.0)
     later = amount * ((1.0 + third) / (2.0 + third))
     return amount - later, later

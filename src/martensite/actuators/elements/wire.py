@@ -55,7 +55,7 @@ class AbstractRoundWire(AbstractElement):
 
     @abstractmethod
     def wire_length(self) -> Scalar:
-        """Length of the wire [m]."""
+        """Return the length of the wire [m]."""
 
     def check(self) -> None:
         """Raise `ParameterError` if the law cannot hold the initial state."""
@@ -75,14 +75,14 @@ class AbstractRoundWire(AbstractElement):
         return self.rebuilt({"wear": None, "law": self.wear.apply(xp, self.law, worn)})
 
     def initial_fractions(self, xp: Namespace, stress: Scalar) -> Fractions:
-        """Phase state at the start, under a stress [Pa]."""
+        """Return the phase state at the start, under a stress [Pa]."""
         oriented = self.initial_fraction * self.initial_oriented
         if self.initial == "trained":
             oriented = oriented * self.law.trained_share(xp, stress)
         return Fractions(self.initial_fraction, oriented)
 
     def section(self) -> Scalar:
-        """Cross-section of the wire [m²]."""
+        """Return the cross-section of the wire [m²]."""
         return 0.25 * math.pi * self.diameter * self.diameter
 
     def cylinder(self) -> Cylinder:
@@ -90,25 +90,25 @@ class AbstractRoundWire(AbstractElement):
         return Cylinder(self.diameter, self.wire_length())
 
     def surface(self) -> Scalar:
-        """Lateral surface of the wire [m²]."""
+        """Return the lateral surface of the wire [m²]."""
         return math.pi * self.cylinder().diameter * self.wire_length()
 
     def mass(self) -> Scalar:
-        """Mass [kg]."""
+        """Return the mass [kg]."""
         return self.density * self.section() * self.wire_length()
 
     def heat_capacity_total(self) -> Scalar:
-        """Heat capacity without transformation [J/K]."""
+        """Return the heat capacity without transformation [J/K]."""
         return self.mass() * self.heat_capacity
 
     def latent_heat_total(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
-        """Heat released by the whole forward transformation [J] at (stress, temperature)."""
+        """Return the heat released by the whole forward transformation [J] at (stress, temperature)."""
         latent = self.density * self.latent_heat
         heat = self.law.heat(xp, latent, stress, temperature)
         return heat * self.section() * self.wire_length()
 
     def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
-        """Conductance · (T - T_a), and what is pumped [W]; the first is h(T) S unless the ends lose as well."""
+        """Return conductance · (T - T_a), and what is pumped [W]; the first is h(T) S unless the ends lose as well."""
         ambient, shape = environment.temperature, self.cylinder()
         film = environment.cooling.film(xp, temperature, ambient, shape)
         lost = self.ends.conductance(xp, film, shape) * (temperature - ambient)
@@ -118,14 +118,14 @@ class AbstractRoundWire(AbstractElement):
     def ohms(
         self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, rphase: Scalar = 0.0
     ) -> Scalar:
-        """Resistance [ohm]."""
+        """Return the resistance [ohm]."""
         shape = Conductor(self.section(), self.wire_length())
         if self.law.rphase:
             return self.resistance.mix_phases(xp, fraction, rphase, strain, temperature, shape)
         return self.resistance.resistance(xp, fraction, strain, temperature, shape)
 
     def cautions(self) -> list[str]:
-        """A resistance per length that contradicts length and section."""
+        """Return a resistance per length that contradicts length and section."""
         found, given = super().cautions(), self.resistance
         if isinstance(given, PerLengthResistance):
             expected, source = RESISTIVITY / self.section(), "its diameter and NiTi's 0.84 µΩ m give"
@@ -141,19 +141,19 @@ class Wire(AbstractRoundWire, AbstractLumped):
     length: Number = param("m", "length at zero strain", above=0.0, high=1e3, typical="200 mm")
 
     def wire_length(self) -> Scalar:
-        """Length of the wire [m]."""
+        """Return the length of the wire [m]."""
         return self.length
 
     def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Spring:
-        """The wire as a linear spring at frozen fractions and temperature [K]."""
+        """Return the wire as a linear spring at frozen fractions and temperature [K]."""
         free = self.law.free_strain(xp, fractions, temperature)
         compliance = self.law.compliance(xp, fractions)
         return Spring(free * self.length, compliance * (self.length / self.section()))
 
     def stress(self, xp: Namespace, force: Scalar) -> Scalar:
-        """Axial stress [Pa]."""
+        """Return the axial stress [Pa]."""
         return force * (1.0 / self.section())
 
     def strain(self, xp: Namespace, elongation: Scalar) -> Scalar:
-        """Axial strain [-]."""
+        """Return the axial strain [-]."""
         return elongation * (1.0 / self.length)

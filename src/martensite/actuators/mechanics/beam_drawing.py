@@ -49,7 +49,7 @@ def drawn_beam(mechanism: BeamMotor, reading: DrawingState) -> list[DrawingShape
 
 
 def _measure_reach(mechanism: BeamMotor) -> tuple[float, float]:
-    """Way of the wire across the beam, and length of the beam as it is drawn [m]."""
+    """Return the way of the wire across the beam, and length of the beam as it is drawn [m]."""
     if mechanism.ports():
         way, angle = mechanism.wire_length, mechanism.wire_angle
         return way * xp.sin(angle), way * xp.cos(angle)

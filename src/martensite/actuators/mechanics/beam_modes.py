@@ -59,12 +59,12 @@ class CantileverBeam(Parametrised):
 
     @property
     def stiffness(self) -> float:
-        """Force at the tip per deflection of the tip, 3 E I/l³ [N/m]."""
+        """Return the force at the tip per deflection of the tip, 3 E I/l³ [N/m]."""
         return 3.0 * self.E * self.second_moment / self.length**3
 
     @property
     def mass(self) -> float:
-        """Mass of the beam alone, ρ b h l [kg]."""
+        """Return the mass of the beam alone, ρ b h l [kg]."""
         return self.density * self.width * self.height * self.length
 
     @property
@@ -90,7 +90,7 @@ class BeamModes:
 
     @property
     def frequencies(self) -> tuple[float, ...]:
-        """Natural frequencies [Hz]."""
+        """Return the natural frequencies [Hz]."""
         return tuple(omega / (2.0 * math.pi) for omega in self.omega)
 
 
@@ -128,7 +128,7 @@ def beam_modes(beam: CantileverBeam, modes: int = 3, elements: int | None = None
 
 
 def exact_roots(count: int, mass_ratio: float = 0.0) -> tuple[float, ...]:
-    """The lowest `count` roots β of the characteristic equation, by bisection to the last digit.
+    """Return the lowest `count` roots β of the characteristic equation, by bisection to the last digit.
 
     Between (k - 1) π and k π the left-hand side changes its sign, whatever the `mass_ratio` of tip and beam; without a
     tip mass cos β cosh β = -1.
@@ -137,7 +137,7 @@ def exact_roots(count: int, mass_ratio: float = 0.0) -> tuple[float, ...]:
 
 
 def exact_omega(beam: CantileverBeam, count: int) -> tuple[float, ...]:
-    """Natural angular frequencies [rad/s] from the characteristic equation, without elements."""
+    """Return the natural angular frequencies [rad/s] from the characteristic equation, without elements."""
     roots = exact_roots(count, beam.tip_mass / beam.mass)
     return tuple(beam.rate * beta * beta for beta in roots)
 
@@ -152,14 +152,14 @@ def _find_wave_number(k: int, ratio: float) -> float:
 
 
 def _evaluate_characteristic(beta: float, ratio: float) -> float:
-    """Left-hand side over cosh β, which keeps it of the size of 1 for large β."""
+    """Return the left-hand side over cosh β, which keeps it of the size of 1 for large β."""
     inverse = 2.0 * math.exp(-beta) / (1.0 + math.exp(-2.0 * beta))
     tip = ratio * beta * (math.cos(beta) * math.tanh(beta) - math.sin(beta))
     return inverse + math.cos(beta) + tip
 
 
 def _build_flexibility(positions: Matrix) -> Matrix:
-    """Inverse of the stiffness matrix [l³/(E I)]: the nodes' deflections, and slopes times l.
+    """Return the inverse of the stiffness matrix [l³/(E I)]: the nodes' deflections, and slopes times l.
 
     What unit forces and couples (over l) at the nodes do to a cantilever; the clamp is left out.
     """
@@ -176,7 +176,7 @@ def _build_flexibility(positions: Matrix) -> Matrix:
 
 
 def _build_masses(count: int, ratio: float) -> Matrix:
-    """Consistent mass matrix [ρ A l] of equal elements, with the tip mass in its place."""
+    """Return the consistent mass matrix [ρ A l] of equal elements, with the tip mass in its place."""
     import numpy as np
 
     h = 1.0 / count

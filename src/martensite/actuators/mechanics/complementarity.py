@@ -58,7 +58,7 @@ class Constraints(NamedTuple):
 
 
 def linearise_gaps(xp: Namespace, gaps: Callable[..., Column], at: Column, reactions: Column) -> Constraints:
-    """Gaps with their slopes, and what these change by."""
+    """Return the gaps with their slopes, and what these change by."""
 
     def slopes(xp: Namespace, position: Column) -> list[Scalar]:
         return [x for row in compute_jacobian(xp, gaps, position)[1] for x in row]
@@ -69,7 +69,7 @@ def linearise_gaps(xp: Namespace, gaps: Callable[..., Column], at: Column, react
 
 
 def hold_touching(xp: Namespace, given: Constraints, stiffness: Rows, sides: Rows, missing: Column) -> Rows:
-    """Motions under the sides in which what touches now (λ° > 0) stays, and under what is missing.
+    """Return the motions under the sides in which what touches now (λ° > 0) stays, and under what is missing.
 
     The last closes the gaps of what touches; its sign is turned, as that of what is missing.
     """
@@ -81,7 +81,7 @@ def hold_touching(xp: Namespace, given: Constraints, stiffness: Rows, sides: Row
 def meet_constraints(
     xp: Namespace, given: Constraints, stiffness: Rows, side: Column
 ) -> tuple[list[Scalar], list[Scalar], Scalar]:
-    """The motion that constraints allow under a side, their reactions, and how unsettled these are, as a gap."""
+    """Return the motion that constraints allow under a side, their reactions, and how unsettled these are, as a gap."""
     gaps, slopes, _, old = given
     motion, *yields = solve_linear(stiffness, [side, *slopes])
     compliance = [[multiply_inner(slope, soft) for soft in yields] for slope in slopes]
@@ -101,7 +101,7 @@ def meet_constraints(
 
 
 def measure_mismatch(xp: Namespace, gaps: Column, reactions: Column) -> Scalar:
-    """Largest gap where something pushes, or overlap, as a residual."""
+    """Return the largest gap where something pushes, or overlap, as a residual."""
     rows = zip(gaps, reactions, strict=True)
     missed = [xp.where(push > 0.0, xp.abs(gap), xp.maximum(-gap, 0.0)) for gap, push in rows]
     return find_largest(xp, missed) * (1.0 / REACH)
@@ -141,7 +141,7 @@ def _move_held(
 
 
 def _solve_masked(xp: Namespace, compliance: Rows, flags: Sequence[Flag], sides: Rows) -> list[list[Scalar]]:
-    """Reactions of what touches that give these gaps; 0 of the rest."""
+    """Return the reactions of what touches that give these gaps; 0 of the rest."""
     shares = [xp.where(flag, 1.0, 0.0) for flag in flags]
     masked = [[a * b * x for b, x in zip(shares, row, strict=True)] for a, row in zip(shares, compliance, strict=True)]
     for j, flag in enumerate(flags):

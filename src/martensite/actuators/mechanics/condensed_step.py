@@ -166,7 +166,7 @@ class CondensedStep:
         return _Turn(offsets, tuple(tangents), 1.0, tuple(states), report, relocate, reactions)
 
     def _first(self, xp: Namespace) -> list[Tangent]:
-        """Every element as it stands, as stiff as it was over the last step."""
+        """Return every element as it stands, as stiff as it was over the last step."""
         found: list[Tangent] = []
         paths = self.mechanism.contraction(xp, self.memory.course.position)
         rows = zip(self.loads, self.memory.stiffness, self.memory.home, paths, strict=True)
@@ -254,7 +254,7 @@ def _build_lines(xp: Namespace, linear: CondensedSystem, tangents: Sequence[Tang
 
 
 def _renew_points(xp: Namespace, before: _Turn, found: Sequence[Tangent], elongations: Column) -> list[Tangent]:
-    """The points found, with the slope from the last one to this; first as stiff as before."""
+    """Return the points found, with the slope from the last one to this; first as stiff as before."""
     new, turned = list[Tangent](), before.turned > 0.0
     for last, now, path in zip(before.tangents, found, elongations, strict=True):
         most, taut = now.stiffness, last.force > 0.0
@@ -272,7 +272,7 @@ def _renew_points(xp: Namespace, before: _Turn, found: Sequence[Tangent], elonga
 
 
 def _compute_slack_stiffness(xp: Namespace, most: Scalar, path: Scalar, own: Scalar) -> Scalar:
-    """Stiffness of an element without force: it is slack only if its path is shorter than it is.
+    """Return the stiffness of an element without force: it is slack only if its path is shorter than it is.
 
     Both as elongations [m]: `path` between its ends along the mechanism, `own` free of force.
     """

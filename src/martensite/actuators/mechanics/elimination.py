@@ -11,7 +11,7 @@ Rows = Sequence[Sequence[Scalar]]
 
 
 def solve_linear(matrix: Rows, sides: Rows) -> list[list[Scalar]]:
-    """The solution x of A x = b for every right-hand side b."""
+    """Return the solution x of A x = b for every right-hand side b."""
     a, columns = [list(row) for row in matrix], [list(side) for side in sides]
     size = len(a)
     for k in range(size):
@@ -30,7 +30,7 @@ def solve_linear(matrix: Rows, sides: Rows) -> list[list[Scalar]]:
 
 
 def multiply_inner(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
-    """Inner product; 0 of nothing."""
+    """Return the inner product; 0 of nothing."""
     result: Scalar = 0.0
     for x, y in zip(a, b, strict=True):
         result = result + x * y

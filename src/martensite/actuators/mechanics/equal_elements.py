@@ -28,7 +28,7 @@ class LoadLineEquation(NamedTuple):
     force: Scalar
 
     def pull(self) -> Pull:
-        """The force at which a spring meets the line; never below zero."""
+        """Return the force at which a spring meets the line; never below zero."""
 
         def meet(xp: Namespace, spring: Spring) -> Scalar:
             above = self.alpha * (self.elongation - spring.free) + self.beta * self.force
@@ -50,7 +50,7 @@ class ElementResponse(NamedTuple):
 def answer_loads(
     xp: Namespace, loads: Sequence[Load], lines: Sequence[LoadLineEquation], dt: Scalar
 ) -> list[ElementResponse]:
-    """The step of every element on its own line, in the order of the loads."""
+    """Return the step of every element on its own line, in the order of the loads."""
     found: dict[int, ElementResponse] = {}
     for places in group_alike([_list_parts(one) for one in loads]):
         first = loads[places[0]]
@@ -91,14 +91,14 @@ def _list_parts(load: Load) -> tuple[Parametrised, ...]:
 
 
 def _list_numbers(load: Load) -> list[Scalar]:
-    """All that may differ between loads of one structure."""
+    """Return all that may differ between loads of one structure."""
     values = [leaf.value for part in _list_parts(load) for leaf in part.leaves()]
     heating = load.heating
     return [*values, *flatten_numbers(heating.drive), heating.owed, *flatten_numbers(load.state)]
 
 
 def _rebuild_load(first: Load, numbers: Sequence[Scalar]) -> Load:
-    """The load with these numbers, of the same structure as another."""
+    """Return the load with these numbers, of the same structure as another."""
     rest = iter(numbers)
     element, environment, source = (
         part.rebuilt({leaf.path: next(rest) for leaf in part.leaves()}) for part in _list_parts(first)

@@ -47,7 +47,7 @@ class FingerPlace(NamedTuple):
     """1 or -1: which way along x it bends."""
 
     def at(self, point: Flat, aside: float = 0.0) -> Point:
-        """A point of its plane in space, so far beside it [m]."""
+        """Return a point of its plane in space, so far beside it [m]."""
         return self.x + self.inwards * point[1], self.y + aside, -point[0]
 
 
@@ -64,7 +64,7 @@ class FingerLengths(NamedTuple):
 
 
 def drawn_hand(hand: Hand, reading: DrawingState) -> list[DrawingShape]:
-    """Palm, forearm, plate that tendons are tied to, and all fingers."""
+    """Return the palm, forearm, plate that tendons are tied to, and all fingers."""
     apart, wide = 3.0 * xp.maximum(hand.offset, hand.knuckle), 0.7 * (hand.proximal_length + hand.distal_length)
     wide = 0.5 * hand.span if hand.contact == "cylinder" else wide
     places = (FingerPlace(wide, 0.0, -1.0), FingerPlace(-wide, apart, 1.0), FingerPlace(-wide, -apart, 1.0))
@@ -84,7 +84,7 @@ def drawn_hand(hand: Hand, reading: DrawingState) -> list[DrawingShape]:
 
 
 def _draw_plate(half: float, wide: float, above: float) -> tuple[Point, ...]:
-    """Corners of a level plate, narrower at the thumb."""
+    """Return the corners of a level plate, narrower at the thumb."""
     return (-half, -wide, above), (half, -0.5 * wide, above), (half, 0.5 * wide, above), (-half, wide, above)
 
 
@@ -174,7 +174,7 @@ def _trace_tendons(sizes: FingerLengths, first: float, second: float, passing: b
 
 
 def _wind_extensor(radius: float, angle: float, wrapped: float) -> list[Flat]:
-    """An extensor on its knuckle, from where it comes on to where the bent phalanx takes it."""
+    """Return an extensor on its knuckle, from where it comes on to where the bent phalanx takes it."""
     quarter = 0.5 * math.pi
     return trace_arc(radius, -wrapped - quarter, xp.maximum(angle, -wrapped) - quarter, ARC)
 

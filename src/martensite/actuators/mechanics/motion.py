@@ -50,7 +50,7 @@ class MotionHistory(NamedTuple):
     """The auxiliary acceleration."""
 
     def motion(self) -> Motion:
-        """The motion now."""
+        """Return the motion now."""
         rest = (0.0,) * len(self.position)
         return Motion(self.position, self.velocity, self.acceleration or rest)
 
@@ -68,7 +68,7 @@ def predict_position(course: MotionHistory, dt: Scalar) -> Numbers:
 
 
 def quasi_static(xp: Namespace, course: MotionHistory, dt: Scalar) -> Scheme:
-    """Motion without inertia."""
+    """Return the motion without inertia."""
     rate = 1.0 / xp.maximum(dt, SHORTEST)
 
     def after(offsets: Numbers) -> MotionHistory:
@@ -79,7 +79,7 @@ def quasi_static(xp: Namespace, course: MotionHistory, dt: Scalar) -> Scheme:
 
 
 def move_dynamically(xp: Namespace, course: MotionHistory, dt: Scalar, rho: Scalar) -> Scheme:
-    """Motion with inertia, by the generalised-α scheme."""
+    """Return the motion with inertia, by the generalised-α scheme."""
     alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
     gamma = 0.5 + alpha_f - alpha_m
     beta = 0.25 * (gamma + 0.5) * (gamma + 0.5)
@@ -102,7 +102,7 @@ def move_dynamically(xp: Namespace, course: MotionHistory, dt: Scalar, rho: Scal
 
 
 def move_implicitly(xp: Namespace, course: MotionHistory, dt: Scalar, share: Scalar, usual: Scheme) -> Scheme:
-    """Motion with inertia by implicit Euler steps where `share` is 1, and by the usual scheme where it is 0."""
+    """Return motion with inertia by implicit Euler steps where `share` is 1, and by the usual scheme where it is 0."""
     dt = xp.maximum(dt, SHORTEST)
     per = 1.0 / dt
 

@@ -78,14 +78,14 @@ def locate_corners(side: Scalar) -> list[tuple[Scalar, Scalar]]:
 
 
 def compute_lengths(xp: Namespace, plates: Plates, alpha: Scalar, beta: Scalar) -> list[Scalar]:
-    """Lengths of the three legs [m] at angles [rad]."""
+    """Return the lengths of the three legs [m] at angles [rad]."""
     return compute_length_slopes(xp, plates, alpha, beta)[0]
 
 
 def compute_length_slopes(
     xp: Namespace, plates: Plates, alpha: Scalar, beta: Scalar
 ) -> tuple[list[Scalar], list[Scalar], list[Scalar]]:
-    """Lengths [m], and their derivatives over α and over β [m/rad]."""
+    """Return the lengths [m], and their derivatives over α and over β [m/rad]."""
     turns = xp.cos(alpha), xp.sin(alpha), xp.cos(beta), xp.sin(beta)
     _, _, cb, sb = turns
     found: list[Scalar] = []
@@ -113,7 +113,7 @@ def locate_vertices(xp: Namespace, plates: Plates, alpha: Scalar, beta: Scalar) 
 def _turn_vertex(
     plates: Plates, turns: tuple[Scalar, Scalar, Scalar, Scalar], x: Scalar, y: Scalar
 ) -> tuple[Scalar, Scalar, Scalar, Scalar]:
-    """A vertex after both rotations, seen from the joint: X, Y, Z; and Z after the first alone."""
+    """Return a vertex after both rotations, seen from the joint: X, Y, Z; and Z after the first alone."""
     ca, sa, cb, sb = turns
     above = plates.height - plates.pivot
     drop, along = sa * y - ca * above, ca * y + sa * above
@@ -144,7 +144,7 @@ def _multiply_dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
 
 
 def platform_lengths(plates: Plates, alpha: float, beta: float) -> tuple[float, float, float]:
-    """Lengths of the three legs of a platform: inverse kinematics.
+    """Return the lengths of the three legs of a platform: inverse kinematics.
 
     Args:
         plates: geometry.
@@ -165,7 +165,7 @@ def platform_lengths(plates: Plates, alpha: float, beta: float) -> tuple[float, 
 
 
 def platform_angles(plates: Plates, wanted: Sequence[float], allowed: float | None = None) -> Tilt:
-    """Angles at which the legs of a platform have given lengths: forward kinematics.
+    """Return the angles at which the legs of a platform have given lengths: forward kinematics.
 
     Least squares by Gauss–Newton steps with exact slopes from the home posture. Lengths may
     belong to two postures, one of them beyond the turning point of a leg (46° for leg 0 at
@@ -203,7 +203,7 @@ def platform_angles(plates: Plates, wanted: Sequence[float], allowed: float | No
 
 
 def _settle_angles(plates: Plates, wanted: Sequence[float]) -> tuple[float, float]:
-    """The angles [rad] after which corrections no longer matter."""
+    """Return the angles [rad] after which corrections no longer matter."""
     alpha = beta = 0.0
     for _ in range(CORRECTIONS):
         more_alpha, more_beta = correct_angles(floats, plates, wanted, alpha, beta)
@@ -231,5 +231,5 @@ def check_number(name: str, value: float, *, positive: bool = False) -> None:
 
 
 def format_millimetres(values: Sequence[float]) -> str:
-    """Lengths [m] for a sentence."""
+    """Return the lengths [m] for a sentence."""
     return ", ".join(f"{1e3 * value:.4g}" for value in values) + " mm"

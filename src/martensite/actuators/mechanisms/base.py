@@ -50,7 +50,7 @@ class Load(NamedTuple):
     heating: Heating
 
     def meet_pull(self, xp: Namespace, pull: Pull) -> Scalar:
-        """Force [N] at which the element, at frozen phase fractions and temperature, fits what it meets."""
+        """Return the force [N] at which the element, at frozen phase fractions and temperature, fits what it meets."""
         element, state, _ = self
 
         def tangent(xp: Namespace, force: Scalar) -> Spring:
@@ -91,7 +91,7 @@ class AbstractMechanism(Parametrised):
     """A packaged scenario to begin with, where it needs other elements and drives than most."""
 
     def ports(self) -> tuple[str, ...]:
-        """Names of the elements that it takes."""
+        """Return the names of the elements that it takes."""
         return ("element",)
 
     def signals(self) -> dict[str, str]:
@@ -104,19 +104,19 @@ class AbstractMechanism(Parametrised):
 
     @abstractmethod
     def convergence_scales(self) -> dict[str, float]:
-        """Outputs whose convergence is judged, with the least range that counts."""
+        """Return the outputs whose convergence is judged, with the least range that counts."""
 
     def first_step(self) -> float:
-        """Longest step [s] with which a run may begin, for the sake of the mechanism."""
+        """Return the longest step [s] with which a run may begin, for the sake of the mechanism."""
         return float("inf")
 
     def sample_time(self) -> float:
-        """Time from sample to sample [s], if it is known at samples alone; else 0."""
+        """Return the time from sample to sample [s], if it is known at samples alone; else 0."""
         return 0.0
 
     @abstractmethod
     def start_forces(self, xp: Namespace) -> Column:
-        """Force [N] on each element when it is assembled."""
+        """Return the force [N] on each element when it is assembled."""
 
     def first_forces(self, xp: Namespace, signals: Column) -> Column:
         """Return the forces at assembly under the first signals, if these prescribe forces."""
@@ -124,7 +124,7 @@ class AbstractMechanism(Parametrised):
 
     @abstractmethod
     def init(self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column) -> Any:
-        """The memory at the start, from the elongations [m] that the start forces give."""
+        """Return the memory at the start, from the elongations [m] that the start forces give."""
 
     def initial_numbers(self) -> dict[str, str]:
         """Coordinates and speeds that a run may start with, with their units; none where they follow from elements."""
@@ -140,7 +140,7 @@ class AbstractMechanism(Parametrised):
     def advance(
         self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[Any, list[Any], StepReport]:
-        """Memory and states of the elements after a step of dt [s], and how well it was solved."""
+        """Return the memory and states of the elements after a step of dt [s], and the report of the step."""
 
     @require_where("static")
     def load_line(self, memory: Any) -> Pull:
@@ -149,7 +149,7 @@ class AbstractMechanism(Parametrised):
 
     @abstractmethod
     def observe(self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column) -> Readout:
-        """Force [N] in each element, and the `outputs` in order."""
+        """Return the force [N] in each element, and the `outputs` in order."""
 
     def mechanics(self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column) -> Mechanics | None:
         """Return stored, dissipated and delivered energies; None if they are not known."""

@@ -121,19 +121,19 @@ class BeamMotor(AbstractMultibody):
 
     @property
     def count(self) -> int:
-        """Number of modes."""
+        """Return the number of modes."""
         return int(self.modes)
 
     def ports(self) -> tuple[str, ...]:
-        """The wire, if there is one."""
+        """Return the wire, if there is one."""
         return ("wire",) if self.wire == "inclined" else ()
 
     def signals(self) -> dict[str, str]:
-        """Voltage of the motor."""
+        """Return the voltage of the motor."""
         return {"motor": "V"}
 
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """Tip displacement or modes, rotor angle, charge."""
+        """Return the tip displacement or modes, rotor angle, charge."""
         bends = [Coordinate("displacement", "m", "displacement of the tip", "x", 0.01)]
         if self.count > 1:
             numbers = range(1, self.count + 1)
@@ -143,7 +143,7 @@ class BeamMotor(AbstractMultibody):
         return *bends, angle, Coordinate("charge", "A*s", "charge through the motor", "Q", 0.01)
 
     def _beam(self, xp: Namespace) -> Iterator[tuple[Scalar, Scalar, Scalar]]:
-        """Mass, damping and stiffness of every mode."""
+        """Yield the mass, damping and stiffness of every mode."""
         yield self.mass, self.damping, self.stiffness
         for k in range(2, self.count + 1):
             mass, stiffness = getattr(self, f"mass_{k}"), getattr(self, f"stiffness_{k}")
@@ -171,7 +171,7 @@ class BeamMotor(AbstractMultibody):
         return [xp.minimum(-self.slack * self.wire_length, free) for free in elongations]
 
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """Force on every mode [N], torque on the rotor [N m], voltage of the winding [V]."""
+        """Return the force on every mode [N], torque on the rotor [N m], voltage of the winding [V]."""
         n, (voltage,) = self.count, signals
         thrown = self.unbalance_force(xp, motion)
         rows = zip(self._beam(xp), *(column[:n] for column in motion), strict=True)
@@ -179,7 +179,7 @@ class BeamMotor(AbstractMultibody):
         return [*bent, *self.demand_rotor(xp, motion, voltage)]
 
     def unbalance_force(self, xp: Namespace, motion: Motion) -> Scalar:
-        """Force [N] of the unbalance on the tip."""
+        """Return the force [N] of the unbalance on the tip."""
         angle, speed, spin = (column[self.count] for column in motion)
         moment = self.unbalance * self.eccentricity
         cosine, sine = xp.cos(angle), xp.sin(angle)
@@ -187,7 +187,7 @@ class BeamMotor(AbstractMultibody):
         return moment * (speed * speed * sine + turned)
 
     def demand_rotor(self, xp: Namespace, motion: Motion, voltage: Scalar) -> Column:
-        """Torque on the rotor [N m] and voltage of the winding [V] that a motion needs beside a voltage [V]."""
+        """Return torque on the rotor [N m] and voltage of the winding [V] that a motion needs beside a voltage [V]."""
         n = self.count
         angle, speed, spin = (column[n] for column in motion)
         current, change = motion.velocity[n + 1], motion.acceleration[n + 1]
@@ -210,7 +210,7 @@ class BeamMotor(AbstractMultibody):
         return MechanicalEnergy(springs=0.5 * bent, kinetic=0.5 * moved + shared, magnetic=coil)
 
     def dissipative(self, xp: Namespace, motion: Motion) -> Column:
-        """Damping of the modes [N], friction of the rotor [N m], losses of the winding [V].
+        """Return the damping of the modes [N], friction of the rotor [N m], losses of the winding [V].
 
         Where the voltage per speed is above the torque per current, less arrives at the rotor than
         is taken from the winding, and that is lost; the other way round a motor would make energy.
@@ -224,7 +224,7 @@ class BeamMotor(AbstractMultibody):
         return [*bent, self.rotor_friction * speed + rubbed, self.resistance * current + lost]
 
     def external_forces(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """The voltage of the motor [V]."""
+        """Return the voltage of the motor [V]."""
         return [0.0] * (self.count + 1) + [signals[0]]
 
     def _turning(self) -> Scalar:
@@ -232,7 +232,7 @@ class BeamMotor(AbstractMultibody):
         return self.rotor_inertia + self.unbalance * self.eccentricity * self.eccentricity
 
     def outputs(self) -> dict[str, Output]:
-        """Motion of tip and rotor, current of the motor; modes and charge last."""
+        """Return the motion of tip and rotor, current of the motor; modes and charge last."""
         modes = self.coordinates()[: self.count] if self.count > 1 else ()
         return {
             "displacement": Output("m", "displacement of the tip", "x"),
@@ -245,23 +245,23 @@ class BeamMotor(AbstractMultibody):
         }
 
     def rate_names(self) -> tuple[str, ...]:
-        """Velocity of the tip, or those of its modes; speed of the rotor, current."""
+        """Return the velocity of the tip, or those of its modes; speed of the rotor, current."""
         bends = [f"mode_{k}_rate" for k in range(1, self.count + 1)] if self.count > 1 else ["velocity"]
         return *bends, "rotor_speed", "motor_current"
 
     def convergence_scales(self) -> dict[str, float]:
-        """Displacement of the tip and speed of the rotor."""
+        """Return the displacement of the tip and speed of the rotor."""
         return {"displacement": 1e-5, "rotor_speed": 0.1}
 
     def first_step(self) -> float:
-        """A fortieth of the shortest period of the beam [s]."""
+        """Return a fortieth of the shortest period of the beam [s]."""
         squares = [self.stiffness / self.mass]
         for k in range(2, self.count + 1):
             squares.append(getattr(self, f"stiffness_{k}") / getattr(self, f"mass_{k}"))
         return 2.0 * math.pi / math.sqrt(max(squares)) / 40.0
 
     def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
-        """The tension of the wire, and the `outputs` in order."""
+        """Return the tension of the wire, and the `outputs` in order."""
         n, (position, velocity, *_) = self.count, memory.course
         bends = [sum_column(position[:n]), sum_column(velocity[:n])]
         turns = [position[n], velocity[n], velocity[n + 1]]
@@ -270,12 +270,12 @@ class BeamMotor(AbstractMultibody):
         return forces, [*bends, *turns, *modes, position[n + 1]]
 
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """The beam, the motor with its unbalance, and the wire if there is one."""
+        """Return the beam, the motor with its unbalance, and the wire if there is one."""
         return drawn_beam(self, reading)
 
 
 def modal_numbers(modes: BeamModes) -> dict[str, Any]:
-    """Arguments of `BeamMotor` that say how a beam bends: `modes`, masses and stiffnesses.
+    """Return the arguments of `BeamMotor` that say how a beam bends: `modes`, masses and stiffnesses.
 
     Args:
         modes: up to four modes of a beam that carries the whole motor at its tip.

@@ -72,11 +72,11 @@ class BeamMotors(BeamMotor):
             )
 
     def as_second_motor(self) -> Self:
-        """The beam as the second motor has it."""
+        """Return the beam as the second motor has it."""
         return self.rebuilt({name: getattr(self, f"{name}_2") for name in (*ROTOR, *WINDING)})
 
     def signals(self) -> dict[str, str]:
-        """Voltages of both motors."""
+        """Return the voltages of both motors."""
         return {"motor": "V", "motor_2": "V"}
 
     def coordinates(self) -> tuple[Coordinate, ...]:
@@ -118,7 +118,7 @@ class BeamMotors(BeamMotor):
         return [*super().dissipative(xp, motion), *other[self.count :]]
 
     def external_forces(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """The voltages of both motors [V]."""
+        """Return the voltages of both motors [V]."""
         return [*super().external_forces(xp, motion, signals[:1]), 0.0, signals[1]]
 
     def outputs(self) -> dict[str, Output]:
@@ -140,7 +140,7 @@ class BeamMotors(BeamMotor):
         return forces, [*found, position[n + 2], velocity[n + 2], velocity[n + 3]]
 
     def _leave_first(self, motion: Motion) -> Motion:
-        """The motion without the first rotor."""
+        """Return the motion without the first rotor."""
         n = self.count
         return Motion(*((*column[:n], *column[n + 2 :]) for column in motion))
 
@@ -183,7 +183,7 @@ class BeamHarvester(BeamMotor):
         return [*super().dissipative(xp, motion), motion.velocity[-1] * (1.0 / self.load_resistance)]
 
     def external_forces(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """The voltage of the motor [V]."""
+        """Return the voltage of the motor [V]."""
         return [*super().external_forces(xp, motion, signals), 0.0]
 
     def outputs(self) -> dict[str, Output]:

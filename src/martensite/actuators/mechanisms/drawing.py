@@ -96,19 +96,19 @@ def measure_distance(first: Sequence[float], second: Sequence[float]) -> float:
 
 
 def locate_along(first: Point, second: Point, way: float) -> Point:
-    """The point at a distance [m] from the first towards the second."""
+    """Return the point at a distance [m] from the first towards the second."""
     share = way / (measure_distance(first, second) or 1.0)
     x, y, z = ((1.0 - share) * a + share * b for a, b in zip(first, second, strict=True))
     return x, y, z
 
 
 def move_point(point: Point, direction: Point, way: float) -> Point:
-    """The point moved along a direction by a distance [m]."""
+    """Return the point moved along a direction by a distance [m]."""
     return (point[0] + way * direction[0], point[1] + way * direction[1], point[2] + way * direction[2])
 
 
 def lead_wire(port: str, path: Sequence[Point], rest: float, away: Point) -> list[DrawingShape]:
-    """A wire along a path [m] whose fixed end is first, and a tether where it is too short.
+    """Return a wire along a path [m] whose fixed end is first, and a tether where it is too short.
 
     `rest` is the length of the element less that of the path, both as assembled [m]; the wire runs on `away` behind the
     fixed end.
@@ -126,7 +126,7 @@ def lead_wire(port: str, path: Sequence[Point], rest: float, away: Point) -> lis
 
 
 def trace_arc(radius: float, first: float, last: float, segments: int) -> list[tuple[float, float]]:
-    """Points of a circle about 0 from angle to angle [rad]: a polygon as long as the arc [m]."""
+    """Return the points of a circle about 0 from angle to angle [rad]: a polygon as long as the arc [m]."""
     step = (last - first) / segments
     half = xp.maximum(0.5 * abs(step), 1e-6)
     outside = radius * half / xp.sin(half)
@@ -135,34 +135,34 @@ def trace_arc(radius: float, first: float, last: float, segments: int) -> list[t
 
 
 def draw_bar(name: str, size: float, *points: Point, kind: str = "link") -> DrawingShape:
-    """A bar through points."""
+    """Return a bar through points."""
     return DrawingShape(name, kind, points, size)
 
 
 def draw_pin(name: str, at: Point, half: float, size: float) -> DrawingShape:
-    """A pin along y, so many metres to either side."""
+    """Return a pin along y, so many metres to either side."""
     return DrawingShape(name, "joint", ((at[0], at[1] - half, at[2]), (at[0], at[1] + half, at[2])), size)
 
 
 def draw_cylinder(axis: Point, half: float, radius: float) -> DrawingShape:
-    """A cylinder along y, so many metres to either side of a point of its axis."""
+    """Return a cylinder along y, so many metres to either side of a point of its axis."""
     ends = (axis[0], axis[1] - half, axis[2]), (axis[0], axis[1] + half, axis[2])
     return DrawingShape("cylinder", "cylinder", ends, radius)
 
 
 def draw_force(name: str, touching: Point, axis: Point, force: float) -> DrawingShape:
-    """A force [N] on what touches a cylinder, as an arrow that comes from its axis, `NEWTON` for each newton."""
+    """Return a force [N] on what touches a cylinder, as an arrow that comes from its axis, `NEWTON` for each newton."""
     return DrawingShape(name, "force", (locate_along(touching, axis, NEWTON * force), touching), 0.0)
 
 
 def draw_weight(name: str, at: Point, mass: float, least: float, most: float) -> DrawingShape:
-    """A block of steel of a mass [kg], with half an edge between two limits [m]."""
+    """Return a block of steel of a mass [kg], with half an edge between two limits [m]."""
     half = 0.5 * xp.power(mass / DENSITY, 1.0 / 3.0)
     return DrawingShape(name, "weight", (at,), xp.clip(half, least, most), mass=mass)
 
 
 def draw_lifted(by: float) -> list[DrawingShape]:
-    """A ball on a thread, as long as chosen here, that is lifted by so much [m]."""
+    """Return a ball on a thread, as long as chosen here, that is lifted by so much [m]."""
     end, wide = (0.0, 0.0, by - THREAD), 0.2 * THREAD
     return [
         draw_bar("ceiling", 0.02 * THREAD, (-wide, 0.0, 0.0), (wide, 0.0, 0.0), kind="wall"),

@@ -126,7 +126,7 @@ class Finger(grasp.AbstractGrasp):
             grasp.check_clearance("the fixed phalanx of `finger`", fixed)
 
     def cautions(self) -> list[str]:
-        """A cylinder that the phalanx does not meet."""
+        """Return a cylinder that the phalanx does not meet."""
         far = math.hypot(self.cylinder_along, self.cylinder_inwards)
         reach = self.cylinder_radius + 0.5 * self.thickness
         if self.contact != "cylinder" or far - reach <= self.phalanx_length:
@@ -135,7 +135,7 @@ class Finger(grasp.AbstractGrasp):
         return [f"The cylinder of the finger cannot be touched: `phalanx_length` is {short:.4g} mm too short."]
 
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """The angle."""
+        """Return the angle."""
         return (Coordinate("angle", "rad", "angle of the joint", "θ", 1.0),)
 
     def contraction(self, xp: Namespace, position: Column) -> Column:
@@ -173,7 +173,7 @@ class Finger(grasp.AbstractGrasp):
         return [xp.exp(-0.5 * self.friction * xp.abs(motion.position[0]) * way)]
 
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """Torque [N m] of spring, stops that are springs, weight, damping and inertia."""
+        """Return the torque [N m] of spring, stops that are springs, weight, damping and inertia."""
         (angle,), (rate,), (acceleration,) = motion
         held = self.spring_torque(xp, angle) + self.stops(xp, angle) + self._weigh(xp, angle)[0]
         return [held + self.damping * rate + self.inertia * acceleration]
@@ -191,7 +191,7 @@ class Finger(grasp.AbstractGrasp):
         return MechanicalEnergy(springs=spring + stop, gravity=lifted, kinetic=0.5 * self.inertia * rate * rate)
 
     def _weigh(self, xp: Namespace, angle: Scalar) -> tuple[Scalar, Scalar]:
-        """Torque [N m] against the weight, and its energy [J]."""
+        """Return the torque [N m] against the weight, and its energy [J]."""
         if self.weight == "none":
             return 0.0, 0.0
         moment, leaning = self.mass * self.gravity * self.centre * self.phalanx_length, angle - self.tilt
@@ -206,7 +206,7 @@ class Finger(grasp.AbstractGrasp):
         return [self._touch_cylinder(xp, self.cylinder_along, position[0])]
 
     def stop_gap(self, xp: Namespace, angle: Scalar) -> Scalar:
-        """Gap [rad] to the nearest end stop: brackets that meet are one."""
+        """Return the gap [rad] to the nearest end stop: brackets that meet are one."""
         h = 0.5 * angle
         span = xp.sqrt(self.offset * self.offset + self.bracket * self.bracket)
         met = 2.0 * (self.bracket * xp.cos(h) - self.offset * xp.sin(h)) / span
@@ -227,7 +227,7 @@ class Finger(grasp.AbstractGrasp):
         return self.stop * met + stops
 
     def start_forces(self, xp: Namespace) -> Column:
-        """Force at angle zero [N]."""
+        """Return the force at angle zero [N]."""
         arm = self.passes * bowstring_arm(xp, 0.0, self.offset, self.bracket)
         return [(self.spring_torque(xp, 0.0) + self._weigh(xp, 0.0)[0]) / arm]
 
@@ -263,7 +263,7 @@ class Finger(grasp.AbstractGrasp):
         ]
 
     def _draw_grasp(self, reading: DrawingState) -> list[DrawingShape]:
-        """The cylinder, and the force on the phalanx."""
+        """Return the cylinder, and the force on the phalanx."""
         width = 2.0 * self.offset
         touching = turn_point(reading.outputs["angle"], reading.outputs["contact_place"], -0.5 * self.thickness)
         axis = (self.cylinder_along, 0.0, -self.cylinder_inwards)
@@ -272,7 +272,7 @@ class Finger(grasp.AbstractGrasp):
 
 
 def turn_point(angle: float, x: float, z: float, y: float = 0.0) -> Point:
-    """A point of the far phalanx, turned about +y."""
+    """Return a point of the far phalanx, turned about +y."""
     c, s = xp.cos(angle), xp.sin(angle)
     return c * x + s * z, y, c * z - s * x
 
@@ -282,7 +282,7 @@ def _count_passes(finger: Finger) -> int:
 
 
 def _trace_path(finger: Finger, angle: float, behind: float, beyond: float) -> list[Point]:
-    """All passes over the hinge, side by side, with so much [m] on either side of it."""
+    """Return all passes over the hinge, side by side, with so much [m] on either side of it."""
     r, g, passes = finger.offset, finger.bracket, _count_passes(finger)
     apart, met = min(0.6, 1.6 / passes) * r, xp.minimum(angle, 2.0 * xp.atan2(g, r))
     found: list[Point] = []

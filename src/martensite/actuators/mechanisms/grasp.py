@@ -75,7 +75,7 @@ class AbstractGrasp(AbstractMultibody, init=False):
         """Return the touch of every moving phalanx with the cylinder."""
 
     def stop_gap(self, xp: Namespace, angle: Scalar) -> Scalar:
-        """Gap [rad] of a joint to the nearer of its end stops."""
+        """Return the gap [rad] of a joint to the nearer of its end stops."""
         return xp.minimum(angle - self.lowest, self.highest - angle)
 
     def check_contact(self) -> None:
@@ -112,7 +112,7 @@ class AbstractGrasp(AbstractMultibody, init=False):
         return found
 
     def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
-        """The tensions, the angles, and what contacts do."""
+        """Return the tensions, the angles, and what contacts do."""
         forces, seen = super().observe(xp, memory, loads, signals)
         if self.contact == "springs":
             return forces, seen

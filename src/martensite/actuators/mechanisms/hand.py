@@ -122,7 +122,7 @@ class Hand(grasp.AbstractGrasp):
             )
 
     def cautions(self) -> list[str]:
-        """Brackets that meet before the upper end stop."""
+        """Return the brackets that meet before the upper end stop."""
         meet = 2.0 * math.atan2(self.bracket, self.offset)
         if self.bracket == 0.0 or meet >= self.highest:
             return []
@@ -132,15 +132,15 @@ class Hand(grasp.AbstractGrasp):
         ]
 
     def sizes(self) -> tuple[Scalar, ...]:
-        """Sizes of the fingers, relative to the numbers given."""
+        """Return the sizes of the fingers, relative to the numbers given."""
         return self.thumb, self.index, self.middle
 
     def ports(self) -> tuple[str, ...]:
-        """Flexor and extensor of every joint, such as `thumb_proximal_flexor`."""
+        """Return the flexor and extensor of every joint, such as `thumb_proximal_flexor`."""
         return tuple("_".join(words) for words in product(FINGERS, JOINTS, SIDES))
 
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """The angles, such as `thumb_proximal`."""
+        """Return the angles, such as `thumb_proximal`."""
         words = product(FINGERS, JOINTS)
         return tuple(
             Coordinate(f"{one}_{joint}", "rad", f"angle of the {joint} joint, {one}", "θ", 1.0) for one, joint in words
@@ -160,7 +160,7 @@ class Hand(grasp.AbstractGrasp):
         return found
 
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """Torques [N m] of springs, stops, damping, weight and, if it counts, inertia."""
+        """Return the torques [N m] of springs, stops, damping, weight and, if it counts, inertia."""
         found: list[Scalar] = []
         for i, size in enumerate(self.sizes()):
             angles, rates, accelerations = (_select_pair(numbers, i) for numbers in motion)
@@ -182,7 +182,7 @@ class Hand(grasp.AbstractGrasp):
         return MechanicalEnergy(springs, sum_column(lifted), sum_column(moved))
 
     def start_forces(self, xp: Namespace) -> Column:
-        """The preload of the flexors, and what balances it [N]."""
+        """Return the preload of the flexors, and what balances it [N]."""
         found: list[Scalar] = []
         both = 2.0 if self.tendons == "passing" else 1.0
         for i, size in enumerate(self.sizes()):
@@ -194,7 +194,7 @@ class Hand(grasp.AbstractGrasp):
         return found
 
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """Fingers that hang from a palm, the thumb opposite to the others, and all tendons."""
+        """Return the fingers that hang from a palm, the thumb opposite to the others, and all tendons."""
         return drawn_hand(self, reading)
 
     def locate_contacts(self, xp: Namespace, position: Column) -> list[grasp.Touch]:
@@ -208,7 +208,7 @@ class Hand(grasp.AbstractGrasp):
         return found
 
     def _lean(self, finger: int, angles: Pair) -> Pair:
-        """Angles of a finger against gravity."""
+        """Return the angles of a finger against gravity."""
         if self.weight == "hanging":
             return angles
         return angles[0] + (self.tilt if finger == 0 else -self.tilt), angles[1]

@@ -38,13 +38,13 @@ def bowstring_arm(xp: Namespace, angle: Scalar, offset: Scalar, bracket: Scalar)
 
 
 def stop_torque(xp: Namespace, angle: Scalar, lowest: Scalar, highest: Scalar, stiffness: Scalar) -> Scalar:
-    """Torque [N m] that end stops ask for: a stiff spring outside of the range [rad]."""
+    """Return the torque [N m] that end stops ask for: a stiff spring outside of the range [rad]."""
     past = xp.maximum(angle - highest, 0.0) + xp.minimum(angle - lowest, 0.0)
     return stiffness * past
 
 
 def find_stop_energy(xp: Namespace, angle: Scalar, lowest: Scalar, highest: Scalar, stiffness: Scalar) -> Scalar:
-    """Energy [J] that end stops hold."""
+    """Return the energy [J] that end stops hold."""
     past = xp.maximum(angle - highest, 0.0) + xp.minimum(angle - lowest, 0.0)
     return 0.5 * stiffness * past * past
 
@@ -61,7 +61,7 @@ class Rod(NamedTuple):
 
 
 def two_rods(xp: Namespace, first: Rod, second: Rod, angles: Pair, rates: Pair, accelerations: Pair) -> Pair:
-    """Torques [N m] that accelerate two links in a row."""
+    """Return the torques [N m] that accelerate two links in a row."""
     end = second.mass * second.length * second.length * second.spread
     across = second.centre * second.mass * first.length * second.length
     base = (first.mass * first.spread + second.mass) * first.length * first.length + end
@@ -72,14 +72,14 @@ def two_rods(xp: Namespace, first: Rod, second: Rod, angles: Pair, rates: Pair, 
 
 
 def hanging_rods(xp: Namespace, first: Rod, second: Rod, angles: Pair, gravity: Scalar) -> Pair:
-    """Torques [N m] that hold two links against their weight; they hang down at angles zero."""
+    """Return the torques [N m] that hold two links against their weight; they hang down at angles zero."""
     far = second.centre * second.mass * second.length * xp.sin(angles[0] + angles[1])
     near = (first.centre * first.mass + second.mass) * first.length * xp.sin(angles[0])
     return gravity * (near + far), gravity * far
 
 
 def find_kinetic_energy(xp: Namespace, first: Rod, second: Rod, angles: Pair, rates: Pair) -> Scalar:
-    """Kinetic energy [J] of two links in a row."""
+    """Return the kinetic energy [J] of two links in a row."""
     end = second.mass * second.length * second.length * second.spread
     across = second.centre * second.mass * first.length * second.length * xp.cos(angles[1])
     base = (first.mass * first.spread + second.mass) * first.length * first.length
@@ -88,7 +88,7 @@ def find_kinetic_energy(xp: Namespace, first: Rod, second: Rod, angles: Pair, ra
 
 
 def find_weight_energy(xp: Namespace, first: Rod, second: Rod, angles: Pair, gravity: Scalar) -> Scalar:
-    """Energy [J] of two links lifted against their weight; they hang down at angles zero."""
+    """Return the energy [J] of two links lifted against their weight; they hang down at angles zero."""
     far = second.centre * second.mass * second.length * (1.0 - xp.cos(angles[0] + angles[1]))
     near = (first.centre * first.mass + second.mass) * first.length * (1.0 - xp.cos(angles[0]))
     return gravity * (near + far)

@@ -75,12 +75,12 @@ class Lever(AbstractMultibody):
     )
 
     def dead_centre(self) -> float:
-        """Angle [rad] at which pivot, arm and wire are in line."""
+        """Return the angle [rad] at which pivot, arm and wire are in line."""
         across = self.distance * math.sin(self.wire_angle)
         return math.atan2(across, self.arm - self.distance * math.cos(self.wire_angle))
 
     def cautions(self) -> list[str]:
-        """A dead centre that is reached before the upper end stop."""
+        """Return a dead centre that is reached before the upper end stop."""
         if self.dead_centre() > self.highest:
             return []
         return [
@@ -89,15 +89,15 @@ class Lever(AbstractMultibody):
         ]
 
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """The angle."""
+        """Return the angle."""
         return (Coordinate("angle", "rad", "angle of the lever", "φ", 1.0),)
 
     def outputs(self) -> dict[str, Output]:
-        """The angle, its rate if inertia counts, and the lift of the weight."""
+        """Return the angle, its rate if inertia counts, and the lift of the weight."""
         return super().outputs() | {"lift": Output("m", "lift of the weight", "z")}
 
     def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
-        """The tension, and the `outputs` in order."""
+        """Return the tension, and the `outputs` in order."""
         forces, own = super().observe(xp, memory, loads, signals)
         rise = xp.sin(self.weight_angle + own[0]) - xp.sin(self.weight_angle)
         return forces, [*own, self.weight_arm * rise]
@@ -109,12 +109,12 @@ class Lever(AbstractMultibody):
         return [self.distance - xp.sqrt(x * x + y * y)]
 
     def holding_torque(self, xp: Namespace, angle: Scalar) -> Scalar:
-        """Torque [N m] of weight and return spring."""
+        """Return the torque [N m] of weight and return spring."""
         weight = self.mass * self.gravity * self.weight_arm
         return weight * xp.cos(self.weight_angle + angle) + self.torque + self.stiffness * angle
 
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """Torque [N m] of weight, spring, stops, damping and inertia."""
+        """Return the torque [N m] of weight, spring, stops, damping and inertia."""
         (angle,), (rate,), (acceleration,) = motion
         stop = stop_torque(xp, angle, self.lowest, self.highest, self.stop)
         moved = self.damping * rate + self._turning() * acceleration
@@ -136,11 +136,11 @@ class Lever(AbstractMultibody):
         return self.inertia + self.mass * self.weight_arm * self.weight_arm
 
     def start_forces(self, xp: Namespace) -> Column:
-        """Force at angle zero [N]."""
+        """Return the force at angle zero [N]."""
         return [self.holding_torque(xp, 0.0) / (self.arm * xp.sin(self.wire_angle))]
 
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """Both arms, the weight on a thread, and the wire from its fixed point."""
+        """Return both arms, the weight on a thread, and the wire from its fixed point."""
         angle, (port,) = reading.outputs["angle"], self.ports()
         leaves, a, b = self.wire_angle, self.arm, self.weight_arm
         fixed = (a - self.distance * xp.cos(leaves), 0.0, self.distance * xp.sin(leaves))

@@ -40,15 +40,15 @@ class AbstractLoadLine(AbstractMechanism):
 
     @abstractmethod
     def start_force(self, xp: Namespace) -> Scalar:
-        """Force [N] on the element when it is assembled."""
+        """Return the force [N] on the element when it is assembled."""
 
     @abstractmethod
     def force(self, xp: Namespace, assembly: LoadLineReference, spring: Spring) -> Scalar:
-        """Force [N] at which element and mechanism fit; never below zero."""
+        """Return the force [N] at which element and mechanism fit; never below zero."""
 
     @abstractmethod
     def position(self, xp: Namespace, assembly: LoadLineReference, force: Scalar, elongation: Scalar) -> Scalar:
-        """Coordinate of the mechanism [m]; zero at assembly, growing with contraction."""
+        """Return the coordinate of the mechanism [m]; zero at assembly, growing with contraction."""
 
     def energy(self, xp: Namespace, shortening: Scalar) -> MechanicalEnergy | None:
         """Return the energy if the path of the element is shorter than at assembly by a length [m].
@@ -58,34 +58,34 @@ class AbstractLoadLine(AbstractMechanism):
         return None
 
     def outputs(self) -> dict[str, Output]:
-        """The position."""
+        """Return the position."""
         return {"position": Output("m", "position of the mechanism", "x")}
 
     def convergence_scales(self) -> dict[str, float]:
-        """The position."""
+        """Return the position."""
         return {"position": 1e-6}
 
     def start_forces(self, xp: Namespace) -> Column:
-        """The start force [N]."""
+        """Return the start force [N]."""
         return [self.start_force(xp)]
 
     def init(
         self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column
     ) -> LoadLineReference:
-        """The elongation of the element as assembled."""
+        """Return the elongation of the element as assembled."""
         return LoadLineReference(elongations[0])
 
     def advance(
         self, xp: Namespace, memory: LoadLineReference, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[LoadLineReference, list[object], StepReport]:
-        """The element solves the step by itself, against the load line."""
+        """Return the element solves the step by itself, against the load line."""
         ((element, state, heating),) = loads
         pull = self.load_line(memory)
         after, report = element.advance(xp, state, heating, pull, dt)
         return memory, [after], report
 
     def observe(self, xp: Namespace, memory: LoadLineReference, loads: Sequence[Load], signals: Column) -> Readout:
-        """The force at which both fit, and the position there."""
+        """Return the force at which both fit, and the position there."""
         (load,) = loads
         force = load.meet_pull(xp, self.load_line(memory))
         elongation = load.element.elongation(xp, load.state, force)
@@ -94,7 +94,7 @@ class AbstractLoadLine(AbstractMechanism):
     def mechanics(
         self, xp: Namespace, memory: LoadLineReference, loads: Sequence[Load], signals: Column
     ) -> Mechanics | None:
-        """Its energy at the end of the last step; it has no friction."""
+        """Return its energy at the end of the last step; it has no friction."""
         ((element, state, _),) = loads
         force = element.force(state)
         elongation = element.elongation(xp, state, force)
@@ -104,7 +104,7 @@ class AbstractLoadLine(AbstractMechanism):
         return None if found is None else Mechanics(found, (way,))
 
     def load_line(self, memory: LoadLineReference) -> Pull:
-        """The mechanism as the element sees it."""
+        """Return the mechanism as the element sees it."""
 
         def pull(xp: Namespace, spring: Spring) -> Scalar:
             return self.force(xp, memory, spring)
@@ -120,11 +120,11 @@ class DeadWeight(AbstractLoadLine):
     gravity: Number = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
 
     def start_force(self, xp: Namespace) -> Scalar:
-        """The weight m g [N]."""
+        """Return the weight m g [N]."""
         return self.mass * self.gravity
 
     def force(self, xp: Namespace, assembly: LoadLineReference, spring: Spring) -> Scalar:
-        """The weight m g [N]."""
+        """Return the weight m g [N]."""
         return self.start_force(xp)
 
     def position(self, xp: Namespace, assembly: LoadLineReference, force: Scalar, elongation: Scalar) -> Scalar:
@@ -136,7 +136,7 @@ class DeadWeight(AbstractLoadLine):
         return MechanicalEnergy(gravity=self.start_force(xp) * shortening)
 
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """The element hangs from a ceiling, the mass from the element."""
+        """Return the element hangs from a ceiling, the mass from the element."""
         hung = reading.lengths["element"]
         end = (0.0, 0.0, reading.outputs["position"] - hung)
         wide, thick = 0.2 * hung, 0.015 * hung
@@ -160,16 +160,16 @@ class BiasSpring(AbstractLoadLine):
     preload: Number = param("N", "force at assembly", low=0.0, high=1e6, default=0.0, typical="1.5 N")
 
     def start_force(self, xp: Namespace) -> Scalar:
-        """Preload [N]."""
+        """Return the preload [N]."""
         return self.preload
 
     def force(self, xp: Namespace, assembly: LoadLineReference, spring: Spring) -> Scalar:
-        """Intersection of the two straight lines [N]; zero if they meet in compression."""
+        """Return the intersection of the two straight lines [N]; zero if they meet in compression."""
         pull = self.preload + self.stiffness * (assembly.elongation - spring.free)
         return xp.maximum(pull / (1.0 + self.stiffness * spring.compliance), 0.0)
 
     def position(self, xp: Namespace, assembly: LoadLineReference, force: Scalar, elongation: Scalar) -> Scalar:
-        """Shortening of the spring's path [m]; the spring's own length when slack."""
+        """Return the shortening of the spring's path [m]; the spring's own length when slack."""
         return (force - self.preload) * (1.0 / self.stiffness)
 
     def energy(self, xp: Namespace, shortening: Scalar) -> MechanicalEnergy:

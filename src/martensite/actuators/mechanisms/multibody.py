@@ -72,7 +72,7 @@ class Assembled(NamedTuple):
 def find_balance(
     missing: Callable[[Namespace, Column], Column], place: Sequence[float], loose: Sequence[int]
 ) -> list[float]:
-    """A place near another where nothing is missing along its `loose` coordinates, on floats: Newton's method.
+    """Return a place near another where nothing is missing along its `loose` coordinates, on floats: Newton's method.
 
     Raises:
         ParameterError: there is none.
@@ -103,30 +103,30 @@ class AbstractMultibody(AbstractMechanism):
 
     @abstractmethod
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """Its coordinates."""
+        """Return its coordinates."""
 
     @abstractmethod
     def contraction(self, xp: Namespace, position: Column) -> Column:
-        """Shortening of the path of each element from home [m]."""
+        """Return the shortening of the path of each element from home [m]."""
 
     @abstractmethod
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """Generalised forces [N] or [N m] that the elements must supply for a motion."""
+        """Return the generalised forces [N] or [N m] that the elements must supply for a motion."""
 
     def home(self, xp: Namespace) -> Column:
-        """The coordinates as assembled."""
+        """Return the coordinates as assembled."""
         return [0.0] * len(self.coordinates())
 
     def assembled_elongations(self, xp: Namespace, elongations: Column) -> Column:
-        """Elongation of each element at home [m], from those under the start forces."""
+        """Return the elongation of each element at home [m], from those under the start forces."""
         return elongations
 
     def transmission(self, xp: Namespace, motion: Motion) -> Column:
-        """Share of each tension that arrives: less than 1 where friction resists it."""
+        """Return the share of each tension that arrives: less than 1 where friction resists it."""
         return [1.0] * len(self.ports())
 
     def gaps(self, xp: Namespace, position: Column) -> Column:
-        """Gaps [m] or [rad] that never fall below zero; at home they are open, or just closed."""
+        """Return the gaps [m] or [rad] that never fall below zero; at home they are open, or just closed."""
         return []
 
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy | None:
@@ -143,18 +143,18 @@ class AbstractMultibody(AbstractMechanism):
         return [damping * rate for rate in motion.velocity]
 
     def external_forces(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """Generalised forces [N] or [N m] from outside, which `demand` is less by."""
+        """Return the generalised forces [N] or [N m] from outside, which `demand` is less by."""
         return [0.0] * len(motion.position)
 
     # ---------------------------------------------------------------- what follows
 
     @property
     def moves(self) -> bool:
-        """True if inertia counts."""
+        """Return True if inertia counts."""
         return self.motion == "dynamic"
 
     def outputs(self) -> dict[str, Output]:
-        """The coordinates, and if inertia counts their rates."""
+        """Return the coordinates, and if inertia counts their rates."""
         found = {c.name: Output(c.unit, c.long_name, c.symbol) for c in self.coordinates()}
         if self.moves:
             found |= {
@@ -164,7 +164,7 @@ class AbstractMultibody(AbstractMechanism):
         return found
 
     def convergence_scales(self) -> dict[str, float]:
-        """The coordinates."""
+        """Return the coordinates."""
         return {c.name: 1e-3 * c.size for c in self.coordinates()}
 
     def init(
@@ -179,7 +179,7 @@ class AbstractMultibody(AbstractMechanism):
         return Assembled(tuple(self.assembled_elongations(xp, elongations)), course, unknown, untouched)
 
     def initial_numbers(self) -> dict[str, str]:
-        """The coordinates, and if inertia counts their rates."""
+        """Return the coordinates, and if inertia counts their rates."""
         found = {c.name: c.unit for c in self.coordinates()}
         return found | {n: f"{c.unit}/s" for c, n in zip(self.coordinates(), self.rate_names(), strict=self.moves)}
 
@@ -225,7 +225,7 @@ class AbstractMultibody(AbstractMechanism):
         ), forces
 
     def _list_loose(self, given: Mapping[str, float]) -> list[int]:
-        """Coordinates that nothing holds back; `ParameterError` if one of them is given."""
+        """Return the coordinates that nothing holds back; `ParameterError` if one of them is given."""
         count = len(self.coordinates())
         held = self.dissipative(floats, Motion(tuple(self.home(floats)), (1.0,) * count, (0.0,) * count))
         loose = [k for k, force in enumerate(held) if not force]
@@ -238,13 +238,13 @@ class AbstractMultibody(AbstractMechanism):
         return loose
 
     def _begin(self, xp: Namespace, motion: Motion, forces: Column, signals: Column) -> MotionHistory:
-        """The course of a motion that begins under tensions [N]."""
+        """Return the course of a motion that begins under tensions [N]."""
         pull = self.supply(xp, motion.position, forces, motion.velocity)
         start = self.release(xp, motion, pull, signals)
         return MotionHistory(*motion[:2], start, start) if self.moves else MotionHistory(*motion[:2])
 
     def release(self, xp: Namespace, motion: Motion, supply: Column, signals: Column) -> tuple[Scalar, ...]:
-        """Accelerations [of the coordinates] under given generalised forces."""
+        """Return the accelerations [of the coordinates] under given generalised forces."""
         if not self.moves:
             return motion.acceleration
 
@@ -257,7 +257,7 @@ class AbstractMultibody(AbstractMechanism):
         return tuple(solve_linear(inertia, [free])[0])
 
     def supply(self, xp: Namespace, position: Column, forces: Column, velocity: Column) -> list[Scalar]:
-        """Generalised forces [N] or [N m] of given tensions [N]."""
+        """Return the generalised forces [N] or [N m] of given tensions [N]."""
         if not self.ports():
             return [0.0] * len(position)
         _, lever = compute_jacobian(xp, self.contraction, position)
@@ -275,19 +275,19 @@ class AbstractMultibody(AbstractMechanism):
     def advance(
         self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[Assembled, list[Any], StepReport]:
-        """Memory and states of the elements after a step of dt [s], and how well it was solved."""
+        """Return the memory and states of the elements after a step of dt [s], and the report of the step."""
         step = condensed_step.CondensedStep(self, memory, loads, signals, dt)
         course, stiffness, reactions, states, report = step.solve_position(xp)
         return Assembled(memory.home, course, tuple(stiffness), reactions), states, report
 
     def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
-        """The tensions at the end of the last step, and the coordinates."""
+        """Return the tensions at the end of the last step, and the coordinates."""
         forces = [element.force(state) for element, state, _ in loads]
         now = memory.course
         return forces, [*now.position, *(now.velocity if self.moves else ())]
 
     def mechanics(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Mechanics | None:
-        """Its energy, what resists along every coordinate, and what friction takes of tensions."""
+        """Return its energy, what resists along every coordinate, and what friction takes of tensions."""
         motion = memory.course.motion()
         held = self.energy(xp, motion)
         if held is None:

@@ -81,22 +81,22 @@ class ParallelPlatform(AbstractMultibody):
             )
 
     def ports(self) -> tuple[str, ...]:
-        """The springs at vertices 0 (on +Y), 1 (at -X) and 2 (at +X)."""
+        """Return the springs at vertices 0 (on +Y), 1 (at -X) and 2 (at +X)."""
         return ("first", "second", "third")
 
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """Both angles."""
+        """Return both angles."""
         return (
             Coordinate("alpha", "rad", "rotation about X", "α", 1.0),
             Coordinate("beta", "rad", "rotation about Y", "β", 1.0),
         )
 
     def plates(self) -> Plates:
-        """The geometry."""
+        """Return the geometry."""
         return Plates(self.side, self.height, self.height - self.eccentricity)
 
     def top_plate(self, xp: Namespace) -> TopPlate:
-        """Mass, moment of inertia and height over the joint of the plate that moves."""
+        """Return the mass, moment of inertia and height over the joint of the plate that moves."""
         plate = thin_plate(self.plates(), self.mass)
         given = self.inertia > 0.0
         return plate._replace(inertia=xp.where(given, self.inertia, plate.inertia))
@@ -111,7 +111,7 @@ class ParallelPlatform(AbstractMultibody):
         return [self.height - length for length in compute_lengths(xp, self.plates(), alpha, beta)]
 
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """Torques [N m] of inertia and damping, less those of the weight."""
+        """Return the torques [N m] of inertia and damping, less those of the weight."""
         (alpha, beta), rates = motion.position, AngleRates(*motion.velocity)
         plate, moving = self.top_plate(xp), (0.0, 0.0)
         if self.moves:
@@ -127,11 +127,11 @@ class ParallelPlatform(AbstractMultibody):
         return MechanicalEnergy(gravity=lifted, kinetic=moved)
 
     def start_forces(self, xp: Namespace) -> Column:
-        """The preload, three times [N]."""
+        """Return the preload, three times [N]."""
         return [self.preload] * 3
 
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """Both plates, the post of the joint, and the springs; z is up: it is -Z here."""
+        """Return both plates, the post of the joint, and the springs; z is up: it is -Z here."""
         alpha, beta = reading.outputs["alpha"], reading.outputs["beta"]
         plates, thick = self.plates(), 0.012 * self.side
         base = tuple((x, -y, 0.0) for x, y in locate_corners(self.side))
@@ -195,7 +195,7 @@ class Torques(NamedTuple):
 
 
 def thin_plate(plates: Plates, mass: Scalar) -> TopPlate:
-    """A uniform top plate of a mass [kg]: I = M s²/24, e = h - z_p."""
+    """Return a uniform top plate of a mass [kg]: I = M s²/24, e = h - z_p."""
     inertia = mass * plates.side * plates.side * (1.0 / 24.0)
     return TopPlate(mass, inertia, plates.height - plates.pivot)
 
@@ -203,7 +203,7 @@ def thin_plate(plates: Plates, mass: Scalar) -> TopPlate:
 def inertia_forces(
     xp: Namespace, plate: TopPlate, alpha: Scalar, rates: AngleRates, accelerations: AngleRates
 ) -> Torques:
-    """Torques [N m] that a motion takes: inertia, Coriolis and centrifugal terms; any β."""
+    """Return the torques [N m] that a motion takes: inertia, Coriolis and centrifugal terms; any β."""
     sine, cosine = xp.sin(alpha), xp.cos(alpha)
     least, more = _compute_moments(plate)
     turning = more * sine * cosine * rates.beta
@@ -222,18 +222,18 @@ def kinetic_energy(xp: Namespace, plate: TopPlate, alpha: Scalar, rates: AngleRa
 
 
 def weight_torques(xp: Namespace, plate: TopPlate, gravity: Scalar, alpha: Scalar, beta: Scalar) -> Torques:
-    """Torques of the plate's weight [N m]; `gravity` [m/s²] is negative for a hanging platform."""
+    """Return the torques of the plate's weight [N m]; `gravity` [m/s²] is negative for a hanging platform."""
     moment = plate.mass * gravity * plate.above
     return Torques(moment * xp.sin(alpha) * xp.cos(beta), moment * xp.cos(alpha) * xp.sin(beta))
 
 
 def weight_energy(xp: Namespace, plate: TopPlate, gravity: Scalar, alpha: Scalar, beta: Scalar) -> Scalar:
-    """Energy of the plate's weight [J], 0 at home: what its torques are less the slopes of."""
+    """Return the energy of the plate's weight [J], 0 at home: what its torques are less the slopes of."""
     moment = plate.mass * gravity * plate.above
     return moment * (xp.cos(alpha) * xp.cos(beta) - 1.0)
 
 
 def _compute_moments(plate: TopPlate) -> tuple[Scalar, Scalar]:
-    """A and D [kg m²]."""
+    """Return a and D [kg m²]."""
     shifted = plate.mass * plate.above * plate.above
     return plate.inertia + shifted, plate.inertia - shifted

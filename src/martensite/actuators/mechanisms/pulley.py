@@ -46,11 +46,11 @@ class AntagonisticPulley(AbstractMultibody):
     inertia: Number = param("kg*m^2", "inertia", above=0.0, high=1e6, default=1e-5, typical="1e-4 kg*m^2")
 
     def ports(self) -> tuple[str, ...]:
-        """The one that pulls φ up, and the other."""
+        """Return the one that pulls φ up, and the other."""
         return ("protagonist", "antagonist")
 
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """The angle."""
+        """Return the angle."""
         return (Coordinate("angle", "rad", "angle of the pulley", "φ", 1.0),)
 
     def contraction(self, xp: Namespace, position: Column) -> Column:
@@ -59,7 +59,7 @@ class AntagonisticPulley(AbstractMultibody):
         return [turned, -turned]
 
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """Torque [N m] of joint, lever, damping and inertia."""
+        """Return the torque [N m] of joint, lever, damping and inertia."""
         (angle,), (rate,), (acceleration,) = motion
         held = self.stiffness * angle + self.moment * xp.sin(angle)
         return [held + self.damping * rate + self.inertia * acceleration]
@@ -72,7 +72,7 @@ class AntagonisticPulley(AbstractMultibody):
         return MechanicalEnergy(0.5 * self.stiffness * angle * angle, lifted, moved)
 
     def start_forces(self, xp: Namespace) -> Column:
-        """The preload, twice [N]."""
+        """Return the preload, twice [N]."""
         return [self.preload, self.preload]
 
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:

@@ -46,31 +46,31 @@ class Rails(AbstractMechanism):
     gravity: Number = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
 
     def ports(self) -> tuple[str, ...]:
-        """A wire on each rail."""
+        """Return a wire on each rail."""
         return PORTS[: int(self.rails)]
 
     def outputs(self) -> dict[str, Output]:
-        """The position on every rail."""
+        """Return the position on every rail."""
         return {f"{port}_position": Output("m", f"position on the {port} rail", "x") for port in self.ports()}
 
     def convergence_scales(self) -> dict[str, float]:
-        """The positions."""
+        """Return the positions."""
         return dict.fromkeys(self.outputs(), 1e-6)
 
     def start_forces(self, xp: Namespace) -> Column:
-        """The weights [N]."""
+        """Return the weights [N]."""
         return [getattr(self, f"{port}_mass") * self.gravity for port in self.ports()]
 
     def init(
         self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column
     ) -> tuple[Scalar, ...]:
-        """The elongations of the wires as assembled [m]."""
+        """Return the elongations of the wires as assembled [m]."""
         return tuple(elongations)
 
     def advance(
         self, xp: Namespace, memory: tuple[Scalar, ...], loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[tuple[Scalar, ...], list[Any], StepReport]:
-        """Every wire solves the step by itself, under its weight."""
+        """Return every wire solves the step by itself, under its weight."""
         lines = [LoadLineEquation(0.0, 1.0, 0.0, 0.0, weight) for weight in self.start_forces(xp)]
         found = answer_loads(xp, loads, lines, dt)
         worst = found[0].report
@@ -79,19 +79,19 @@ class Rails(AbstractMechanism):
         return memory, [one.state for one in found], worst
 
     def observe(self, xp: Namespace, memory: tuple[Scalar, ...], loads: Sequence[Load], signals: Column) -> Readout:
-        """The weights, and the positions."""
+        """Return the weights, and the positions."""
         return [*self.start_forces(xp)], self._positions(xp, memory, loads)
 
     def mechanics(
         self, xp: Namespace, memory: tuple[Scalar, ...], loads: Sequence[Load], signals: Column
     ) -> Mechanics | None:
-        """The work of lifting."""
+        """Return the work of lifting."""
         lifts = self._positions(xp, memory, loads)
         held = sum_column([weight * lift for weight, lift in zip(self.start_forces(xp), lifts, strict=True)])
         return Mechanics(MechanicalEnergy(gravity=held), tuple(lifts))
 
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """The wires, as they get shorter."""
+        """Return the wires, as they get shorter."""
         return draw_hanging(self.ports(), [reading.outputs[name] for name in self.outputs()], [], reading)
 
     def _positions(self, xp: Namespace, memory: tuple[Scalar, ...], loads: Sequence[Load]) -> list[Scalar]:

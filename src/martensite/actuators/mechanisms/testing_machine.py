@@ -94,7 +94,7 @@ class TensileTestingMachine(AbstractMechanism):
             )
 
     def signals(self) -> dict[str, str]:
-        """The command, in the unit of what is prescribed."""
+        """Return the command, in the unit of what is prescribed."""
         return {"command": UNITS[self.control]}
 
     def outputs(self) -> dict[str, Output]:
@@ -105,34 +105,34 @@ class TensileTestingMachine(AbstractMechanism):
         }
 
     def convergence_scales(self) -> dict[str, float]:
-        """The position."""
+        """Return the position."""
         return {"position": 1e-6}
 
     def start_forces(self, xp: Namespace) -> Column:
-        """The preload [N]."""
+        """Return the preload [N]."""
         return [self.preload]
 
     def first_forces(self, xp: Namespace, signals: Column) -> Column:
-        """The first command, or the preload where that is a travel [N]."""
+        """Return the first command, or the preload where that is a travel [N]."""
         return [xp.maximum(self._target(signals), 0.0)] if self._pulls else [self.preload]
 
     def init(
         self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column
     ) -> MountedElement:
-        """The element as mounted."""
+        """Return the element as mounted."""
         return MountedElement(elongations[0], self.first_forces(xp, signals)[0])
 
     def advance(
         self, xp: Namespace, memory: MountedElement, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[MountedElement, list[Any], StepReport]:
-        """The element solves the step by itself, against what is prescribed at its end."""
+        """Return the element solves the step by itself, against what is prescribed at its end."""
         ((element, state, heating),) = loads
         pull = self._pull(memory, signals)
         after, report = element.advance(xp, state, heating, pull, dt)
         return memory, [after], report
 
     def observe(self, xp: Namespace, memory: MountedElement, loads: Sequence[Load], signals: Column) -> Readout:
-        """The force that is prescribed or found, the position, and the travel."""
+        """Return the force that is prescribed or found, the position, and the travel."""
         (load,) = loads
         force = load.meet_pull(xp, self._pull(memory, signals))
         give = (force - memory.force) * (1.0 / self.stiffness)
@@ -151,7 +151,7 @@ class TensileTestingMachine(AbstractMechanism):
         return Mechanics(spring, ways, outside=(Effort(-force, travel),))
 
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """The element between grips; the crosshead draws the upper one, by a spring if it gives."""
+        """Return the element between grips; the crosshead draws the upper one, by a spring if it gives."""
         element = reading.lengths["element"]
         grip, thick = element - reading.outputs["position"], 0.02 * element
         head, wide = 1.3 * element + reading.outputs["crosshead"], 0.3 * element
@@ -168,11 +168,11 @@ class TensileTestingMachine(AbstractMechanism):
 
     @property
     def _pulls(self) -> bool:
-        """True if a force is prescribed, not a travel."""
+        """Return True if a force is prescribed, not a travel."""
         return self.control in ("force", "stress")
 
     def _target(self, signals: Column) -> Scalar:
-        """Prescribed force [N] or travel [m]."""
+        """Return the prescribed force [N] or travel [m]."""
         (command,) = signals
         size = SIZES.get(self.control)
         return command if size is None else command * getattr(self, size)
@@ -193,7 +193,7 @@ class TensileTestingMachine(AbstractMechanism):
         return element.elongation(xp, state, force) - memory.elongation + give
 
     def _pull(self, memory: MountedElement, signals: Column) -> Pull:
-        """The machine as the element sees it."""
+        """Return the machine as the element sees it."""
         target = self._target(signals)
 
         def given(xp: Namespace, spring: Spring) -> Scalar:
