@@ -61,7 +61,7 @@ class AbstractResistance(Parametrised):
     def resistance(
         self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
     ) -> Scalar:
-        """Resistance [ohm] at martensite `fraction`, `strain` and `temperature` [K]."""
+        """Return the resistance [ohm] at martensite `fraction`, `strain` and `temperature` [K]."""
 
     def mix_phases(
         self, xp: Namespace, fraction: Scalar, rphase: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
@@ -83,14 +83,14 @@ class AbstractSource(Parametrised):
 
     @abstractmethod
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Current [A] through an element of `resistance` [ohm]; the rms value if it is pulsed."""
+        """Return the current [A] through an element of `resistance` [ohm]; the rms value if it is pulsed."""
 
     def supply_current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Current [A] that it takes from its supply, in the mean if it is pulsed."""
+        """Return the current [A] that it takes from its supply, in the mean if it is pulsed."""
         return xp.abs(self.current(xp, drive, resistance))
 
     def heat(self, xp: Namespace, drive: Moments, resistance: Scalar) -> Heat:
-        """Power in an element of `resistance` [ohm] under a drive with these moments.
+        """Return the power in an element of `resistance` [ohm] under a drive with these moments.
 
         Exact where the source is linear over the range of the drive, or the drive constant. A
         limit within the range shows where the source is asked between its ends; the mean is
@@ -143,7 +143,7 @@ class AbstractSupply(AbstractSource):
     voltage_limit: Number = param("V", "supply voltage", above=0.0, high=1e9, default=1e9, typical="6 V")
 
     def most(self, xp: Namespace, resistance: Scalar) -> Scalar:
-        """Largest current [A] that the supply drives through an element of `resistance` [ohm]."""
+        """Return the largest current [A] that the supply drives through an element of `resistance` [ohm]."""
         reachable = self.voltage_limit / (resistance + self.series_resistance)
         return xp.minimum(reachable, self.current_limit)
 
@@ -169,12 +169,12 @@ class AbstractSwitch(AbstractSource):
         return xp.minimum(self.supply / (resistance + self.series_resistance), self.current_limit)
 
     def supply_current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Mean current [A]: that of the closed switch, for a share of the time."""
+        """Return the mean current [A]: that of the closed switch, for a share of the time."""
         share = self.share(xp, drive, getattr(self, "frequency", 0.0))
         return share * self.closed_current(xp, resistance)
 
     def share(self, xp: Namespace, drive: Scalar, frequency: Scalar) -> Scalar:
-        """Share of the time for which the switch is closed under a duty.
+        """Return the share of the time for which the switch is closed under a duty.
 
         Args:
             xp: namespace.

@@ -88,7 +88,7 @@ class FurstSeeleckeResistance(MixtureResistance):
     nu: Number = param("1", "Poisson's ratio", low=0.0, high=0.5, typical=0.33)
 
     def resistivity(self, xp: Namespace, fraction: Scalar, temperature: Scalar) -> Scalar:
-        """Resistivity [ohm m] at martensite `fraction` and `temperature` [K]."""
+        """Return the resistivity [ohm m] at martensite `fraction` and `temperature` [K]."""
         rise = temperature - self.T_rho
         austenite = self.rho_A * (1.0 + self.a_rho_A * rise)
         martensite = self.rho_M * (1.0 + self.a_rho_M * rise)

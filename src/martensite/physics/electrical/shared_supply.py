@@ -36,7 +36,7 @@ class Consumer(NamedTuple):
     """Resistance of its element [ohm]."""
 
     def limit_voltage(self, xp: Namespace, voltage: Scalar) -> AbstractSource:
-        """The source where its supply has a voltage [V]."""
+        """Return the source where its supply has a voltage [V]."""
         names = self.source.supplied_by
         return self.source.rebuilt({name: xp.minimum(self.source.value_of(name), voltage) for name in names})
 
@@ -51,7 +51,7 @@ class SharedSupply(Parametrised):
     current_limit: Number = param("A", "largest current I_max of all together", above=0.0, high=1e6, default=1e6)
 
     def sum_currents(self, xp: Namespace, consumers: Sequence[Consumer], voltage: Scalar) -> Scalar:
-        """Current [A] of all consumers at a voltage [V]."""
+        """Return the current [A] of all consumers at a voltage [V]."""
         total: Scalar = 0.0
         for one in consumers:
             total = total + one.limit_voltage(xp, voltage).supply_current(xp, one.drive, one.resistance)
@@ -69,6 +69,6 @@ class SharedSupply(Parametrised):
         return solve_bracketed(xp, excess, self.voltage, (0.0, 1.01 * self.voltage), smooth=False)
 
     def observe(self, xp: Namespace, consumers: Sequence[Consumer]) -> tuple[Scalar, Scalar, Scalar]:
-        """Voltage [V] and current [A], and the current that would flow without the limit [A]."""
+        """Return the voltage [V] and current [A], and the current that would flow without the limit [A]."""
         voltage, free = self.find_voltage(xp, consumers), self.find_voltage(xp, consumers, limited=False)
         return voltage, self.sum_currents(xp, consumers, voltage), self.sum_currents(xp, consumers, free)

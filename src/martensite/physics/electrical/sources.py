@@ -19,7 +19,7 @@ class CurrentSource(AbstractSupply):
         return xp.clip(drive, -most, most)
 
     def reach(self, resistance: float) -> SignalRange:
-        """Currents [A] that the limits of the supply allow."""
+        """Return the currents [A] that the limits of the supply allow."""
         most = self.most(xp, resistance)
         return SignalRange(-most, most)
 
@@ -36,7 +36,7 @@ class VoltageSource(AbstractSupply):
         return xp.clip(drive / (resistance + self.series_resistance), -most, most)
 
     def reach(self, resistance: float) -> SignalRange:
-        """Voltages [V] over element and series resistance that limits of the supply allow."""
+        """Return the voltages [V] over element and series resistance that limits of the supply allow."""
         most = self.most(xp, resistance) * (resistance + self.series_resistance)
         return SignalRange(-most, most)
 
@@ -54,7 +54,7 @@ class PowerSource(AbstractSupply):
         return xp.minimum(wanted, self.most(xp, resistance))
 
     def reach(self, resistance: float) -> SignalRange:
-        """Powers [W] that the limits of the supply allow; none is taken out of the element."""
+        """Return the powers [W] that the limits of the supply allow; none is taken out of the element."""
         most = self.most(xp, resistance)
         return SignalRange(0.0, most * most * resistance)
 
@@ -117,7 +117,7 @@ class LinearAmplifier(AbstractSupply):
         return xp.clip(volts / (behind + self.series_resistance), -most, most)
 
     def reach(self, resistance: float) -> SignalRange:
-        """Signals [V] whose output and current are delivered."""
+        """Return the signals [V] whose output and current are delivered."""
         behind = resistance + self.output_resistance
         most = self.most(xp, behind) * (behind + self.series_resistance)
         high = xp.minimum(self.voltage_limit - self.headroom, most)

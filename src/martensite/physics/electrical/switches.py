@@ -25,7 +25,7 @@ class PwmVoltage(AbstractSwitch):
     """
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Rms current [A] for a duty."""
+        """Return the rms current [A] for a duty."""
         return xp.sqrt(xp.clip(drive, 0.0, 1.0)) * self.closed_current(xp, resistance)
 
 
@@ -54,18 +54,18 @@ class Mosfet(AbstractSwitch):
     smallest_pulse: Number = param("s", "shortest time that the transistor conducts", low=0.0, high=1.0, default=0.0)
 
     def closed_current(self, xp: Namespace, resistance: Scalar) -> Scalar:
-        """Current [A] through an element of `resistance` [ohm] while the transistor conducts."""
+        """Return the current [A] through an element of `resistance` [ohm] while the transistor conducts."""
         around = self.series_resistance + self.supply_resistance + self.on_resistance
         return xp.minimum(self.supply / (resistance + around), self.current_limit)
 
     def share(self, xp: Namespace, drive: Scalar, frequency: Scalar) -> Scalar:
-        """Share of the time for which the transistor conducts, for a duty."""
+        """Return the share of the time for which the transistor conducts, for a duty."""
         left = drive - self.dead_time * frequency
         made = xp.where(left < self.smallest_pulse * frequency, 0.0, xp.maximum(left, 0.0))
         return xp.where(drive < 1.0, made, 1.0)
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Rms current [A] for a duty."""
+        """Return the rms current [A] for a duty."""
         share = self.share(xp, drive, self.frequency)
         return xp.sqrt(share) * self.closed_current(xp, resistance)
 
@@ -100,30 +100,30 @@ class HBridge(AbstractSwitch):
     diode_voltage: Number = param("V", "forward voltage of the diode, if there is one", low=0.0, high=1e3, default=0.0)
 
     def closed_current(self, xp: Namespace, resistance: Scalar) -> Scalar:
-        """Size [A] of the current through `resistance` [ohm] while the switches conduct."""
+        """Return the size [A] of the current through `resistance` [ohm] while the switches conduct."""
         diode = 0.0 if self.conducts == "both" else self.diode_voltage
         around = self.series_resistance + self.high_resistance + self.low_resistance
         volts = xp.maximum(self.supply - diode, 0.0)
         return xp.minimum(volts / (resistance + around), self.current_limit)
 
     def share(self, xp: Namespace, drive: Scalar, frequency: Scalar) -> Scalar:
-        """Share of the time for which the element is connected, for a duty of either sign."""
+        """Return the share of the time for which the element is connected, for a duty of either sign."""
         wanted = self._let_through(xp, drive)
         made = xp.maximum(wanted - 2.0 * self.dead_time * frequency, 0.0)
         return xp.where(wanted < 1.0, made, 1.0)
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Rms current [A] with the sign of the duty."""
+        """Return the rms current [A] with the sign of the duty."""
         size = xp.sqrt(self.share(xp, drive, self.frequency)) * self.closed_current(xp, resistance)
         return xp.where(drive < 0.0, -size, size)
 
     def reach(self, resistance: float) -> SignalRange:
-        """Duties that are delivered: of either sign, or of the one that the diode lets through."""
+        """Return the duties that are delivered: of either sign, or of the one that the diode lets through."""
         least = 0.0 if self.conducts == "positive" else -1.0
         return SignalRange(least, 0.0 if self.conducts == "negative" else 1.0)
 
     def _let_through(self, xp: Namespace, drive: Scalar) -> Scalar:
-        """Size of a duty, as far as the diode lets it through."""
+        """Return the size of a duty, as far as the diode lets it through."""
         if self.conducts == "positive":
             return xp.maximum(drive, 0.0)
         if self.conducts == "negative":
@@ -169,11 +169,11 @@ class PowerPwm(AbstractSwitch):
             )
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Rms current [A] for a drive in watt."""
+        """Return the rms current [A] for a drive in watt."""
         return xp.sqrt(self._duty(xp, drive, resistance)) * self.closed_current(xp, resistance)
 
     def supply_current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Mean current [A] for a drive in watt."""
+        """Return the mean current [A] for a drive in watt."""
         return self._duty(xp, drive, resistance) * self.closed_current(xp, resistance)
 
     def _duty(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
@@ -182,9 +182,9 @@ class PowerPwm(AbstractSwitch):
         return xp.clip(drive / (most * most * known), 0.0, 1.0)
 
     def reach(self, resistance: float) -> SignalRange:
-        """Demands [W] that lead to a duty of at most 1."""
+        """Return the demands [W] that lead to a duty of at most 1."""
         return SignalRange(0.0, self.largest_power(self._known(resistance)))
 
     def _known(self, resistance: Scalar) -> Scalar:
-        """The resistance at which the largest power is measured."""
+        """Return the resistance at which the largest power is measured."""
         return self.reference_resistance if self.measured == "once" else resistance

@@ -32,7 +32,7 @@ class FluidProperties(NamedTuple):
 
     @property
     def diffusivity(self) -> Scalar:
-        """Thermal diffusivity α = ν/Pr [m²/s]."""
+        """Return the thermal diffusivity α = ν/Pr [m²/s]."""
         return self.viscosity / self.prandtl
 
 
@@ -41,22 +41,22 @@ class AbstractFluid(Parametrised):
 
     @abstractmethod
     def span(self) -> tuple[float, float]:
-        """Lowest and highest film temperature at which the properties are known [K]."""
+        """Return the lowest and highest film temperature at which the properties are known [K]."""
 
     def properties(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
-        """Properties at the film temperature [K], held beyond the span."""
+        """Return the properties at the film temperature [K], held beyond the span."""
         return self.film_properties(xp, xp.clip(temperature, *self.span()))
 
     @abstractmethod
     def film_properties(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
-        """Properties at a temperature [K] within the span."""
+        """Return the properties at a temperature [K] within the span."""
 
 
 Row = tuple[float, ...]
 
 
 def interpolate_rows(xp: Namespace, x: Scalar, rows: Sequence[Row]) -> list[Scalar]:
-    """All columns of a table at `x`; the first entry of a row is its x, ascending.
+    """Return all columns of a table at `x`; the first entry of a row is its x, ascending.
 
     y(x) = y₀ + Σ (yₖ₊₁ - yₖ)/(xₖ₊₁ - xₖ) · clip(x - xₖ, 0, xₖ₊₁ - xₖ) is the broken line through the rows without a
     choice between them, held beyond the first and the last.

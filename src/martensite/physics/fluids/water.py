@@ -77,7 +77,7 @@ def _sum_powers(xp: Namespace, terms: Terms, log: Scalar) -> Scalar:
 
 
 def _compute_volume(a: Scalar, b: Scalar) -> tuple[Scalar, Scalar]:
-    """Specific volume [m³/kg] and its slope over temperature [m³/(kg K)]."""
+    """Return the specific volume [m³/kg] and its slope over temperature [m³/(kg K)]."""
     unit = GAS_CONSTANT / PRESSURE
     value = VOLUME_START + _sum_series(VOLUME_A, a, 0) + _sum_series(VOLUME_B, b, 0)
     slope = _sum_series(VOLUME_A, a, 1) - _sum_series(VOLUME_B, b, 1)
@@ -85,7 +85,7 @@ def _compute_volume(a: Scalar, b: Scalar) -> tuple[Scalar, Scalar]:
 
 
 def _heat_capacity(temperature: Scalar, a: Scalar, b: Scalar) -> Scalar:
-    """Isobaric heat capacity [J/(kg K)]."""
+    """Return the isobaric heat capacity [J/(kg K)]."""
     curvature = _sum_series(HEAT_A, a, 2) + _sum_series(HEAT_B, b, 2)
     return -GAS_CONSTANT * (HEAT_START + 0.1 * temperature * curvature)
 

@@ -59,7 +59,7 @@ class SidedProcess(NamedTuple):
 
 
 def by_side(method: Method, other: Callable[..., Any]) -> Method:
-    """A method of a law, or another one if the law knows compression."""
+    """Return a method of a law, or another one if the law knows compression."""
 
     @wraps(method)
     def chosen(law: Any, *arguments: Any) -> Any:
@@ -96,14 +96,14 @@ def limit_against(xp: Namespace, present: Fractions, against: Scalar) -> Scalar:
 
 
 def _forget_history(xp: Namespace, plain: Any, forget: Flag, kept: Any, present: Fractions) -> Any:
-    """The memory of the law of tension, where told one without history."""
+    """Return the memory of the law of tension, where told one without history."""
     fresh = plain.init(xp, present, kept.stress, kept.temperature)
     pairs = zip(flatten_numbers(fresh), flatten_numbers(kept), strict=True)
     return NestedShape(kept).rebuild([xp.where(forget, a, b) for a, b in pairs])
 
 
 def _turn_side(law: Any, xp: Namespace, memory: SidedMemory, stress: Scalar) -> SidedMemory:
-    """The memory as it is seen from the side on which most of a leg to a stress lies."""
+    """Return the memory as it is seen from the side on which most of a leg to a stress lies."""
     middle = memory.stress + stress
     side = xp.where(middle > 0.0, 1.0, xp.where(middle < 0.0, -1.0, memory.side))
     turns, present = side * memory.side < 0.0, _see_fractions(memory.present, side * memory.side)
@@ -129,7 +129,7 @@ def _select(law: Any, xp: Namespace, memory: SidedMemory, stress: Scalar, kelvin
 
 
 def _find_reach(law: Any, xp: Namespace, move: SidedProcess, stress: Scalar, kelvin: Scalar) -> Scalar:
-    """Lowest distance of what is oriented against the stress, after the move."""
+    """Return the lowest distance of what is oriented against the stress, after the move."""
     side = move.memory.side
     strip = law.on_side(xp, -side).reverse_strip()
     distance = strip.distance(-side * stress, kelvin, xp)

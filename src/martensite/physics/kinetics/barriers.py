@@ -81,7 +81,7 @@ class RateStart(NamedTuple):
 
 
 def build_wells(xp: Namespace, material: BarrierConstants, threshold: Scalar, temperature: Scalar, form: str) -> Wells:
-    """The free energy whose threshold σ_A, before the limit at zero, is given [Pa]."""
+    """Return the free energy whose threshold σ_A, before the limit at zero, is given [Pa]."""
     per_energy = material.volume / (BOLTZMANN * xp.maximum(temperature, COLDEST))
     least = 0.0
     if form == "well":
@@ -101,7 +101,7 @@ class BarrierScales(NamedTuple):
 
 
 def compute_scales(xp: Namespace, material: BarrierConstants, at: Wells, form: str) -> BarrierScales:
-    """Reciprocals of the thermal widths; the bridge between the wells softens the saddle."""
+    """Return the reciprocals of the thermal widths; the bridge between the wells softens the saddle."""
     bridge = at.gap / material.width if form == "barrier" else 0.0
     half = 0.5 * at.per_energy
     return BarrierScales(xp.sqrt(half * (1.0 / material.E_A + bridge)), xp.sqrt(half * (1.0 / material.E_M + bridge)))
@@ -143,7 +143,7 @@ def _compute_saddle(
 
 
 def _out_of_well(xp: Namespace, u: Scalar, v: Scalar) -> Process:
-    """Rate over the edge at u of a well that ends at -v and u, in thermal widths."""
+    """Return the rate over the edge at u of a well that ends at -v and u, in thermal widths."""
     beyond, behind = u < 0.0, v < 0.0
     a, b = xp.abs(u), xp.abs(v)
     scaled_a, scaled_b = xp.erfcx(a), xp.erfcx(b)
@@ -164,7 +164,7 @@ def _half_line(xp: Namespace, z: Scalar) -> Scalar:
 
 
 def compute_rate(xp: Namespace, process: Process, time: Scalar) -> Scalar:
-    """Rate of a process at its point [1/s]."""
+    """Return the rate of a process at its point [1/s]."""
     a = xp.maximum(process.y, 0.0)
     return process.factor * xp.exp(-a * a) / time
 

@@ -35,7 +35,7 @@ def require_order(law: Parametrised, *pairs: tuple[str, str]) -> None:
 
 
 def find_side_strain(xp: Namespace, law: AbstractSidedLaw, name: str, fractions: Fractions) -> Scalar:
-    """Strain [-] of oriented martensite, by the parameter of that name, in compression its own."""
+    """Return the strain [-] of oriented martensite, by the parameter of that name, in compression its own."""
     own = getattr(law, name)
     if law.compression == "asymmetric":
         other = getattr(law, f"{name}_compression")
@@ -57,7 +57,7 @@ class AbstractTwoPhaseLaw(AbstractLaw):
 
     @property
     def tension_only(self) -> bool:
-        """True if it does not know compression."""
+        """Return True if it does not know compression."""
         return True
 
 
@@ -90,11 +90,11 @@ class AbstractSidedLaw(AbstractTwoPhaseLaw):
 
     @property
     def tension_only(self) -> bool:
-        """True if it does not know compression."""
+        """Return True if it does not know compression."""
         return self.compression == NONE
 
     def on_side(self, xp: Namespace, side: Scalar) -> Self:
-        """The law of tension [+1] or compression [-1], about the size of stress."""
+        """Return the law of tension [+1] or compression [-1], about the size of stress."""
         found: dict[str, Scalar] = {}
         for name in self.sided if self.compression == "asymmetric" else ():
             own, other = getattr(self, name), getattr(self, f"{name}_compression")
@@ -119,7 +119,7 @@ class AbstractShapes(Parametrised):
     widening_r: Number = param("K/Pa", "growth of the reverse range, if curved", low=0.0, high=1e-6, default=0.0)
 
     def describe_unused(self, hardening: str, surfaces: str) -> list[str]:
-        """Sentences about numbers that these choices do not call for."""
+        """Return the sentences about numbers that these choices do not call for."""
         found: list[str] = []
         if hardening != "waisted" and max(self.waist_f, self.waist_r) > 0.0:
             found.append('A waist counts only with the option `hardening = "waisted"` of the law.')
@@ -142,7 +142,7 @@ class AbstractPhaseDiagram(AbstractTwoPhaseLaw):
 
     @abstractmethod
     def young(self, fractions: Fractions) -> Scalar:
-        """Young's modulus [Pa]."""
+        """Return the Young's modulus [Pa]."""
 
     def mixture(self, fractions: Fractions) -> Scalar:
         """E_A + ξ (E_M - E_A) [Pa]."""
@@ -153,7 +153,7 @@ class AbstractPhaseDiagram(AbstractTwoPhaseLaw):
         require_order(self, *WIDTHS)
 
     def cautions(self) -> list[str]:
-        """The sign of Θ; a law adds what its strips may do."""
+        """Return the sign of Θ; a law adds what its strips may do."""
         if self.Theta > 0.0:
             return ["Theta > 0: a free bar shrinks on heating (the expansion enters as -E α)."]
         return []

@@ -41,11 +41,11 @@ class AbstractExchange(AbstractLayers):
     def remember(
         self, xp: Namespace, plus: Sequence[Scalar], minus: Sequence[Scalar], stress: Scalar, temperature: Scalar
     ) -> Any:
-        """The memory with these populations of every group."""
+        """Return the memory with these populations of every group."""
 
     @abstractmethod
     def jumps(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Callable[[Scalar], Flows]:
-        """Rates [1/s] of the four processes, by the quantile of a group."""
+        """Return the rates [1/s] of the four processes, by the quantile of a group."""
 
 
 class Flows(NamedTuple):
@@ -58,12 +58,12 @@ class Flows(NamedTuple):
 
 
 def mean_flows(xp: Namespace, starts: Sequence[RateStart], ends: Sequence[Process], share: Scalar) -> Flows:
-    """Flows of a step between the processes at its two ends; `share` is the step over τ."""
+    """Return the flows of a step between the processes at its two ends; `share` is the step over τ."""
     return Flows(*(share * mean_rate(xp, a, b) for a, b in zip(starts, ends, strict=True)))
 
 
 def exchange_fractions(xp: Namespace, before: VariantFractions, flows: Flows) -> VariantFractions:
-    """The fractions after a step at constant rates."""
+    """Return the fractions after a step at constant rates."""
     up, down, over, back = flows
     out_plus, out_minus = up + down, over + back
     half = 0.5 * (out_plus - out_minus)

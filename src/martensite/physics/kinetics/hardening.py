@@ -56,13 +56,13 @@ def compute_hardening(xp: Namespace, fraction: Scalar, start: Scalar, end: Scala
 
 
 def hardening_integral(xp: Namespace, fraction: Scalar, start: Scalar, end: Scalar) -> Scalar:
-    """An antiderivative of h over ξ [-]."""
+    """Return an antiderivative of h over ξ [-]."""
     left = raise_positive(xp, 1.0 - fraction, end + 1.0) / (end + 1.0)
     return 0.5 * (fraction + raise_positive(xp, fraction, start + 1.0) / (start + 1.0) + left)
 
 
 def invert_hardening(xp: Namespace, share: Scalar, start: Scalar, end: Scalar) -> Scalar:
-    """The fraction ξ with h(ξ) = share, limited to [0, 1]; exactly 0 and 1 at and beyond them."""
+    """Return the fraction ξ with h(ξ) = share, limited to [0, 1]; exactly 0 and 1 at and beyond them."""
     share = xp.clip(share, 0.0, 1.0)
     middle = compute_hardening(xp, 0.5, start, end)
     below = share < middle
@@ -99,7 +99,7 @@ def apply_waist(share: Scalar, waist: Scalar) -> Scalar:
 
 
 def remove_waist(xp: Namespace, share: Scalar, waist: Scalar) -> Scalar:
-    """The h [-] with h_w = share, limited to [0, 1]; exactly 0 and 1 at and beyond them."""
+    """Return the h [-] with h_w = share, limited to [0, 1]; exactly 0 and 1 at and beyond them."""
     share = xp.clip(share, 0.0, 1.0)
     wanted = 2.0 * share - 1.0
     root = _find_waist_root(xp, xp.detach(wanted), xp.detach(waist))

@@ -1,4 +1,4 @@
-"""History of transformations with two strips: who acts, from where, and what is remembered.
+"""History of transformations with two strips: who acts, from where, and the new memory.
 
 A process multiplies the remaining fraction by left(v₁)/left(v₀), where v is the distance to its finish line as a
 fraction of the strip (1 at the start line, 0 at the finish line) of the coordinate T - σ/C. Forward (austenite →
@@ -109,7 +109,7 @@ class Strip(NamedTuple):
     def find_level(
         self, xp: Namespace, start: LegStart, stress: Scalar, ends: tuple[Scalar, Scalar], level: Scalar
     ) -> Scalar:
-        """Share of a leg after which a distance that falls all along it comes down to a level; 1 if nowhere.
+        """Return the share of a leg after which a distance that falls all along it comes down to a level; 1 if nowhere.
 
         It is the root of (distance - level) · width, a parabola over the leg.
         """
@@ -122,7 +122,7 @@ class Strip(NamedTuple):
         return xp.where(ends[0] > level, xp.where(ends[1] < level, xp.clip(share, 0.0, 1.0), 1.0), 0.0)
 
     def find_turn(self, xp: Namespace, start: LegStart, stress: Scalar, temperature: Scalar) -> Scalar:
-        """Share of a leg of one sign after which the distance may turn; 1 if nowhere.
+        """Return the share of a leg of one sign after which the distance may turn; 1 if nowhere.
 
         There (distance - ½) = N/W is level, N'W = N W'; of both roots the one on this side of W = 0.
         """
@@ -136,7 +136,7 @@ class Strip(NamedTuple):
         return xp.where(xp.both(share > 0.0, xp.abs(down) > 0.0), xp.minimum(share, 1.0), 1.0)
 
     def _describe_leg(self, xp: Namespace, before: Scalar, stress: Scalar) -> tuple[Scalar, Scalar, Scalar]:
-        """Widths at both ends of a leg, positive, and what is square in the share of it of N [K]."""
+        """Return the widths at both ends of a leg, positive, and what is square in the share of it of N [K]."""
         curve, first, last = self.curve or STRAIGHT, xp.maximum(before, 0.0), xp.maximum(stress, 0.0)
         one, other = (xp.abs(1.0 / self.per_width + curve.growth * tension) for tension in (first, last))
         return one, other, xp.where(self.per_width > 0.0, -1.0, 1.0) * curve.bend * (last - first) * (last - first)
@@ -175,7 +175,7 @@ class OneFractionProcess(NamedTuple):
     """Curve of the lines, if they are not straight."""
 
     def distance(self, stress: Scalar, temperature: Scalar, xp: Namespace = floats) -> Scalar:
-        """Distance to the finish line of the process in widths of its strip [-]; unlimited."""
+        """Return the distance to the finish line of the process in widths of its strip [-]; unlimited."""
         strip = Strip(self.finish, self.per_width, self.per_slope, curve=self.curve)
         return strip.distance(stress, temperature, xp)
 
@@ -281,7 +281,7 @@ def select_process(
     stress: Scalar,
     temperature: Scalar,
 ) -> OneFractionProcess:
-    """The process that a straight leg to (stress, temperature) sets off first."""
+    """Return the process that a straight leg to (stress, temperature) sets off first."""
     f, r, back = follow_both_strips(xp, forward, reverse, memory, stress, temperature)
     direction = xp.where(back, -1.0, xp.where(f.acts, 1.0, 0.0))
     ahead = direction > 0.0
@@ -311,20 +311,20 @@ def select_process(
 
 
 def choose_curve(xp: Namespace, ahead: Flag, forward: Strip, reverse: Strip) -> StripCurve | tuple[()]:
-    """The curve of one of two strips; none if they are straight."""
+    """Return the curve of one of two strips; none if they are straight."""
     pairs = zip(forward.curve, reverse.curve, strict=True)
     return StripCurve(*(xp.where(ahead, *pair) for pair in pairs)) if forward.curve else ()
 
 
 def limit_distance(xp: Namespace, distance: Scalar, endless: bool) -> Scalar:
-    """The distance at which a process is looked at that remembers return points."""
+    """Return the distance at which a process is looked at that remembers return points."""
     return xp.clip(distance, -FARTHEST if endless else 0.0, 1.0)
 
 
 def follow_process(
     xp: Namespace, left: Left, move: OneFractionProcess, stress: Scalar, temperature: Scalar, endless: bool = False
 ) -> Scalar:
-    """Martensite fraction if the move ends at (stress, temperature)."""
+    """Return the martensite fraction if the move ends at (stress, temperature)."""
     distance, ahead = move.distance(stress, temperature, xp), move.direction > 0.0
     if move.course:
         share = find_left(left, xp, limit_distance(xp, distance, endless), ahead)
@@ -347,7 +347,7 @@ def commit_move(
     temperature: Scalar,
     endless: bool = False,
 ) -> OneFractionMemory:
-    """The memory after the accepted move; return points are those of before (`remember_points`)."""
+    """Return the memory after the accepted move; return points are those of before (`remember_points`)."""
     acted = xp.abs(move.direction) > 0.0
     scale = move.scale
     if endless and not move.course:
@@ -370,7 +370,7 @@ def remember_points(
     after: OneFractionMemory,
     endless: bool = False,
 ) -> OneFractionMemory:
-    """The memory after a move with its return points, if its rule has them."""
+    """Return the memory after a move with its return points, if its rule has them."""
     if not before.points or not move.course:
         return after
     ahead = move.direction > 0.0
@@ -466,7 +466,7 @@ def find_point_kinks(
 def find_handover(
     xp: Namespace, forward: Strip, reverse: Strip, memory: OneFractionMemory, stress: Scalar, temperature: Scalar
 ) -> tuple[Scalar, Scalar]:
-    """The point of a leg at which its first process is done and a second may begin.
+    """Return the point of a leg at which its first process is done and a second may begin.
 
     It lies some roundings beyond the finish line, so that the first process is complete. The
     second needs nothing to transform before: the first one makes it. Two endless processes may
@@ -484,7 +484,7 @@ def find_handover(
 
 
 def find_zero_stress(xp: Namespace, start: LegStart, stress: Scalar, temperature: Scalar) -> tuple[Scalar, Scalar]:
-    """The point of a leg where its stress changes sign; its end if nowhere."""
+    """Return the point of a leg where its stress changes sign; its end if nowhere."""
     crosses = start.stress * stress < 0.0
     share = start.stress / xp.where(crosses, start.stress - stress, 1.0)
     return turning_point(xp, start, stress, temperature, xp.where(crosses, share, 1.0))
@@ -502,7 +502,7 @@ def find_turn(
 def turning_point(
     xp: Namespace, start: LegStart, stress: Scalar, temperature: Scalar, done: Scalar
 ) -> tuple[Scalar, Scalar]:
-    """The point of a leg some roundings beyond a share of it; its end exactly at the end."""
+    """Return the point of a leg some roundings beyond a share of it; its end exactly at the end."""
     share = xp.minimum(1.0, done + 64.0 * xp.eps())
     whole = share >= 1.0
     turn_stress = start.stress + share * (stress - start.stress)

@@ -37,7 +37,7 @@ def split_variants(fractions: Fractions) -> VariantFractions:
 
 
 def join_variants(state: VariantFractions) -> Fractions:
-    """Phase state of x₊ and x₋."""
+    """Return the phase state of x₊ and x₋."""
     return Fractions(state.plus + state.minus, state.plus - state.minus)
 
 
@@ -106,7 +106,7 @@ class AbstractLayers(AbstractLaw):
         return self.heat_model == "constant"
 
     def material(self) -> BarrierConstants:
-        """Constants of the free energy and of the layers."""
+        """Return the constants of the free energy and of the layers."""
         return BarrierConstants(self.E_A, self.E_M, self.eps_T, self.Delta_sigma, self.layer_volume, self.layer_time)
 
     def linear_transition_stress(self, temperature: Scalar) -> Scalar:
@@ -127,7 +127,7 @@ class AbstractLayers(AbstractLaw):
         return martensite / self.E_M + (1.0 - martensite) / self.E_A
 
     def heat(self, xp: Namespace, latent: Scalar, stress: Scalar, temperature: Scalar) -> Scalar:
-        """Heat of the whole transformation [J/m³] by the chosen model."""
+        """Return the heat of the whole transformation [J/m³] by the chosen model."""
         if self.heat_model == "stress":
             elastic = 0.5 * stress * stress * (1.0 / self.E_A - 1.0 / self.E_M)
             return latent + elastic + stress * self.eps_T
@@ -144,7 +144,7 @@ class AbstractLayers(AbstractLaw):
         return 0.5 * (martensite - self.E_A * eps_A * eps_M)
 
     def strongest(self, xp: Namespace, present: VariantFractions, stress: Scalar, temperature: Scalar) -> Pull:
-        """The process that an elastic trial drives hardest, among those with layers left."""
+        """Return the process that an elastic trial drives hardest, among those with layers left."""
         austenite = 1.0 - present.plus - present.minus
         candidates = (
             (Pull(1.0, -1.0, 0.0), austenite),
@@ -166,7 +166,7 @@ class AbstractLayers(AbstractLaw):
         return pull.drive(stress, self.transition_stress(xp, temperature))
 
     def crossing(self, xp: Namespace, memory: Any, move: Any, stress: Scalar, temperature: Scalar) -> Scalar:
-        """Overshoot of the trial beyond the threshold, in widths of the hysteresis [-].
+        """Return the overshoot of the trial beyond the threshold, in widths of the hysteresis [-].
 
         Every move of these laws has a `pull`.
         """
@@ -199,7 +199,7 @@ class AbstractCrystal(AbstractLayers):
     """Layers that are all alike; a law adds how they move."""
 
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> CrystalMemory:
-        """Memory of a wire in a phase state that has no history."""
+        """Return the memory of a wire in a phase state that has no history."""
         return CrystalMemory(split_variants(fractions), stress, temperature)
 
     def fractions(self, memory: CrystalMemory) -> Fractions:
@@ -213,7 +213,7 @@ class AbstractCrystal(AbstractLayers):
     def remember(
         self, xp: Namespace, plus: Sequence[Scalar], minus: Sequence[Scalar], stress: Scalar, temperature: Scalar
     ) -> CrystalMemory:
-        """The memory with these populations."""
+        """Return the memory with these populations."""
         return CrystalMemory(VariantFractions(plus[0], minus[0]), stress, temperature)
 
     def commit(
@@ -226,6 +226,6 @@ class AbstractCrystal(AbstractLayers):
         temperature: Scalar,
         dt: Scalar,
     ) -> CrystalMemory:
-        """The memory after the accepted step."""
+        """Return the memory after the accepted step."""
         present = split_variants(fractions)
         return self.remember(xp, (present.plus,), (present.minus,), stress, temperature)

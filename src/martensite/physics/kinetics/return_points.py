@@ -105,7 +105,7 @@ def choose_branch(xp: Namespace, flag: Flag, yes: Branch, no: Branch) -> Branch:
 
 
 def draw_line(xp: Namespace, share: Scalar, rest: Scalar, target: Scalar, aim: Scalar) -> BranchLine:
-    """The line through (share, rest) and (target, aim)."""
+    """Return the line through (share, rest) and (target, aim)."""
     apart = share - target
     scale = xp.where(apart > 0.0, (rest - aim) / xp.where(apart > 0.0, apart, 1.0), 0.0)
     return BranchLine(scale, aim - scale * target)
@@ -120,7 +120,7 @@ def select_course(
     rest: Sequence[Scalar],
     admits: FallTest | None = None,
 ) -> BranchCourse:
-    """The course of a direction: on along the branch in progress, or from (share, rest) on if it `turns`."""
+    """Return the course of a direction: on along the branch in progress, or from (share, rest) on if it `turns`."""
     stack = [choose_branch(xp, ahead, *both) for both in zip(points.forward, points.reverse, strict=True)]
     count, complete = count_places(xp, points, ahead, turns), start_branch(len(rest))
     above = xp.where(turns, share, PASSED)
@@ -159,7 +159,7 @@ def compute_rests(xp: Namespace, course: BranchCourse, share: Scalar, rest: Sequ
 
 
 def follow_lines(xp: Namespace, course: BranchCourse, share: Scalar) -> tuple[BranchLine, ...]:
-    """The lines of the outermost branch that is met above L = share, or of the one in progress."""
+    """Return the lines of the outermost branch that is met above L = share, or of the one in progress."""
     branch = course.branch
     for one in reversed(course.outer):
         branch = choose_branch(xp, share < one.share, one, branch)
@@ -213,12 +213,12 @@ def commit_course(
 
 
 def put_branch(xp: Namespace, stack: tuple[Branch, ...], slot: Scalar, branch: Branch) -> tuple[Branch, ...]:
-    """The branches with another one in a slot; those behind it do not count."""
+    """Return the branches with another one in a slot; those behind it do not count."""
     return tuple(choose_branch(xp, slot <= float(k), branch, one) for k, one in enumerate(stack))
 
 
 def forget_loop(xp: Namespace, points: ReturnPoints, course: BranchCourse, ahead: Flag) -> tuple[Branch, Scalar]:
-    """The interrupted branch, without the innermost loop if all places are taken, and what that changes [-]."""
+    """Return the interrupted branch, without the innermost loop if all places are taken, and what that changes [-]."""
     own, other = (points.forward, points.reverse), (points.reverse, points.forward)
     last, facing = (choose_branch(xp, ahead, yes[-1], no[-1]) for yes, no in (own, other))
     outer, stopped = choose_branch(xp, ahead, other[0][-2], other[1][-2]), points.branch

@@ -57,7 +57,7 @@ class AbstractStripLaw(AbstractSidedDiagram):
         return (), ()
 
     def cautions(self) -> list[str]:
-        """Unusual orders of temperatures, the sign of Θ."""
+        """Return the unusual orders of temperatures, the sign of Θ."""
         found = super().cautions()
         if self.A_s < self.M_s:
             found.append("A_s is below M_s: the strips overlap at zero stress already.")
@@ -82,7 +82,7 @@ class AbstractStripLaw(AbstractSidedDiagram):
         )
 
     def strips(self) -> tuple[Strip, Strip]:
-        """The strips of the forward and of the reverse transformation."""
+        """Return the strips of the forward and of the reverse transformation."""
         forward, reverse = self.curves()
         return (
             Strip(self.M_f, 1.0 / (self.M_s - self.M_f), 1.0 / self.C_M, self.endless, forward),
@@ -90,7 +90,7 @@ class AbstractStripLaw(AbstractSidedDiagram):
         )
 
     def reverse_strip(self) -> Strip:
-        """The one of the reverse transformation."""
+        """Return the one of the reverse transformation."""
         return self.strips()[1]
 
     def find_stop(self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar) -> Point:
@@ -131,7 +131,7 @@ class AbstractStripLaw(AbstractSidedDiagram):
         return 1.0 if self.compression == NONE else side * self._orient(xp, side, xp.abs(stress))
 
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> OneFractionMemory:
-        """Memory of a wire that has no history; all martensite counts as oriented."""
+        """Return the memory of a wire that has no history; all martensite counts as oriented."""
         points = start_points(1) if self.history == RETURN_POINT else ()
         return OneFractionMemory(fractions.martensite, 0.0, 0.0, stress, temperature, points)
 
@@ -154,14 +154,14 @@ class AbstractStripLaw(AbstractSidedDiagram):
     def select(
         self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar
     ) -> OneFractionProcess:
-        """The process set off by a straight move to (stress [Pa], temperature [K])."""
+        """Return the process set off by a straight move to (stress [Pa], temperature [K])."""
         rule = self.history
         return history.select_process(xp, rule, BranchedLeft(self.left_of), *self.strips(), memory, stress, temperature)
 
     def follow(
         self, xp: Namespace, move: OneFractionProcess, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
-        """Fractions if the move ends at (stress, temperature); independent of dt."""
+        """Return the fractions if the move ends at (stress, temperature); independent of dt."""
         fraction = history.follow_process(xp, BranchedLeft(self.left_of), move, stress, temperature, self.endless)
         return Fractions(fraction, fraction)
 
@@ -175,7 +175,7 @@ class AbstractStripLaw(AbstractSidedDiagram):
         temperature: Scalar,
         dt: Scalar,
     ) -> OneFractionMemory:
-        """The memory after the accepted move."""
+        """Return the memory after the accepted move."""
         fraction = fractions.martensite
         after = history.commit_move(xp, memory, move, fraction, stress, temperature, self.endless)
         return history.remember_points(xp, BranchedLeft(self.left_of), memory, move, after, self.endless)
@@ -202,7 +202,7 @@ class AbstractStripLaw(AbstractSidedDiagram):
         return super().kinetics(xp, memory, stress, temperature, dt)
 
     def kinks(self, xp: Namespace, memory: OneFractionMemory) -> list[Scalar]:
-        """The start and finish lines of both strips, and where an interrupted branch goes on."""
+        """Return the start and finish lines of both strips, and where an interrupted branch goes on."""
         forward, reverse = self.strips()
         at = memory.stress, memory.temperature
         ahead, back = forward.distance(*at, xp), reverse.distance(*at, xp)
@@ -227,7 +227,7 @@ class AbstractStripLaw(AbstractSidedDiagram):
     def crossing(
         self, xp: Namespace, memory: OneFractionMemory, move: OneFractionProcess, stress: Scalar, temperature: Scalar
     ) -> Scalar:
-        """Share of the selected strip crossed by the move [-]; tails do not count."""
+        """Return the share of the selected strip crossed by the move [-]; tails do not count."""
         start = move.distance(memory.stress, memory.temperature, xp)
         end = move.distance(stress, temperature, xp)
         if self.endless:

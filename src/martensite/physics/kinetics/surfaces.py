@@ -102,7 +102,7 @@ class StraightPath(NamedTuple):
     warmer: Scalar
 
     def at(self, part: Scalar) -> tuple[Scalar, Scalar]:
-        """Stress [Pa] and temperature [K] after a part of the way [-]."""
+        """Return the stress [Pa] and temperature [K] after a part of the way [-]."""
         return self.stress + part * self.more, self.temperature + part * self.warmer
 
 
@@ -117,11 +117,11 @@ class TransformationRange(NamedTuple):
     """From the coolest to the warmest temperature [K]."""
 
     def share(self, temperature: Scalar) -> Scalar:
-        """Hardening share h [-] at a temperature; unlimited."""
+        """Return the hardening share h [-] at a temperature; unlimited."""
         return (self.start - temperature + self.shift) / self.width
 
     def temperature(self, share: Scalar) -> Scalar:
-        """Temperature [K] of a hardening share."""
+        """Return the temperature [K] of a hardening share."""
         return self.start + self.shift - self.width * share
 
 
@@ -189,11 +189,11 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
             )
 
     def gap(self) -> float:
-        """The least distance from the forward to the reverse surface at zero stress [K]."""
+        """Return the least distance from the forward to the reverse surface at zero stress [K]."""
         return next(self._find_gaps(0.0))
 
     def _find_gaps(self, *stresses: float) -> Iterator[float]:
-        """The least distance under each of some stresses [Pa], of cycles at it [K]."""
+        """Yield the least distance under each of some stresses [Pa], of cycles at it [K]."""
         parts = [i / (SAMPLES - 1) for i in range(SAMPLES)]
         shares = [(self.forward_hardening(floats, xi), self.reverse_hardening(floats, xi)) for xi in parts]
         scale = self.scale(floats)
@@ -203,7 +203,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
             yield min(reverse.temperature(back) - forward.temperature(forth) for forth, back in shares)
 
     def cautions(self) -> list[str]:
-        """A martensite that is stiffer than austenite, a waist without effect."""
+        """Return a martensite that is stiffer than austenite, a waist without effect."""
         found: list[str] = []
         if self.E_M > self.E_A:
             found.append("E_M is above E_A: martensite is usually the softer phase.")
@@ -217,7 +217,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         return found
 
     def _find_falling_finish(self) -> float | None:
-        """The stress [Pa] from which on the cool end of a range falls, of cycles at it, if there is one."""
+        """Return the stress [Pa] from which on the cool end of a range falls, of cycles at it, if there is one."""
         scale, before = self.scale(floats), (self.M_f, self.A_s)
         for k in range(1, STEPS + 1 if self.surfaces == "curved" else 1):
             at = k * SOUGHT
@@ -247,7 +247,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         )
 
     def constants(self, xp: Namespace) -> Constants:
-        """The seven constants, from temperatures at zero stress and slopes at `sigma_cal`."""
+        """Return the seven constants, from temperatures at zero stress and slopes at `sigma_cal`."""
         work = self._work(xp, self.sigma_cal)
         softer = work + self.sigma_cal * self.softening()
         share = softer / (self.C_M + self.C_A)
@@ -303,7 +303,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         return apply_waist(share, self.waist_r) if self.hardening == "waisted" else share
 
     def smooth(self, xp: Namespace, share: Scalar, waist: Scalar) -> Scalar:
-        """The share h [-] of smooth hardening that belongs to a share with its waist."""
+        """Return the share h [-] of smooth hardening that belongs to a share with its waist."""
         return remove_waist(xp, share, waist) if self.hardening == "waisted" else share
 
     def forward_share(self, xp: Namespace, scale: WorkScale, stress: Scalar, temperature: Scalar) -> Scalar:
@@ -334,7 +334,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         curvature: Scalar,
         widening: Scalar,
     ) -> TransformationRange:
-        """A range under a stress [Pa]; it ends at `ends` [K] at none, and work shifts it by `shift` [K]."""
+        """Return a range under a stress [Pa]; it ends at `ends` [K] at none, and work shifts it by `shift` [K]."""
         low, high = ends
         tension = xp.maximum(stress, 0.0)
         shift = shift + 0.5 * scale.elastic * tension * tension
@@ -346,7 +346,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         return TransformationRange(high, shift, width)
 
     def forward_meeting(self, xp: Namespace, scale: WorkScale, way: StraightPath, share: Scalar) -> Scalar:
-        """The part of a way after which `forward_share` rises beyond a share; 1 if it does not.
+        """Return the part of a way after which `forward_share` rises beyond a share; 1 if it does not.
 
         Sought from the end of the way, since the share may fall before it rises.
         """
@@ -360,7 +360,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         return xp.where(rises, xp.clip(part, 0.0, 1.0), 1.0)
 
     def forward_peak(self, xp: Namespace, scale: WorkScale, way: StraightPath) -> Scalar:
-        """The part of a way at which `forward_share` may have a maximum inside.
+        """Return the part of a way at which `forward_share` may have a maximum inside.
 
         Over t = k σ the slope of s_f falls about t = 3 only (if at all), and from there Newton's
         way to the point with the slope of the leg is monotone. Without a maximum any point does.
@@ -386,7 +386,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         return xp.where(moves, xp.clip((t / rate - way.stress) / size, 0.0, 1.0), 0.0)
 
     def reverse_peak(self, xp: Namespace, scale: WorkScale, way: StraightPath, strain: Scalar) -> Scalar:
-        """The part of a way at which `reverse_share` is least, if that is inside."""
+        """Return the part of a way at which `reverse_share` is least, if that is inside."""
         curve, slope = scale.elastic, scale.reverse * strain
         if self.surfaces == "curved":
             curve, slope = curve + 2.0 * self.curvature_r, slope - 2.0 * self.curvature_r * self.sigma_cal

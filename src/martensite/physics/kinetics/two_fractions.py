@@ -120,7 +120,7 @@ class TwoFractionDirection(NamedTuple):
     """1 if it is one of T."""
 
     def strip(self) -> Strip:
-        """The strip of S or of the reverse process, whichever acts."""
+        """Return the strip of S or of the reverse process, whichever acts."""
         return Strip(self.finish, self.per_width, self.per_slope)
 
 
@@ -137,7 +137,7 @@ class Courses(NamedTuple):
 
 
 def start_memory(rule: str, fractions: Fractions, stress: Scalar, temperature: Scalar) -> TwoFractionMemory:
-    """Memory of a wire that has no history."""
+    """Return the memory of a wire that has no history."""
     reaches, points = (UNSET, UNSET, UNSET), TwinPoints(start_points(2), 0.0) if rule == RETURN_POINT else ()
     return TwoFractionMemory(fractions.martensite, fractions.oriented, 0.0, *reaches, stress, temperature, points)
 
@@ -150,7 +150,7 @@ def relocate_memory(
     stress: Scalar,
     temperature: Scalar,
 ) -> TwoFractionMemory:
-    """The memory put at other fractions and another point, on the same branch.
+    """Return the memory put at other fractions and another point, on the same branch.
 
     Reaches go with the distances: what was going on goes on, what waited waits as far.
     """
@@ -258,7 +258,7 @@ def follow_all_strips(
 def find_handover(
     xp: Namespace, found: Courses, memory: TwoFractionMemory, stress: Scalar, temperature: Scalar
 ) -> tuple[Scalar, Scalar]:
-    """The point of a leg at which the first direction is done and the other may begin.
+    """Return the point of a leg at which the first direction is done and the other may begin.
 
     It lies some roundings beyond, so that the first is complete. The other direction needs
     nothing to transform before: the first one makes it.
@@ -273,7 +273,7 @@ def find_handover(
 def select_direction(
     xp: Namespace, rule: str, diagram: Diagram, memory: TwoFractionMemory, found: Courses
 ) -> TwoFractionDirection:
-    """The direction that a leg sets off first, and from where."""
+    """Return the direction that a leg sets off first, and from where."""
     course, twinned = select_points(xp, memory, found)
     whole = found.loading, found.cooling, found.reverse
     s, t, r = (xp.where(one.ahead, one.begin, 0.0) for one in whole)
@@ -315,7 +315,7 @@ def turn_points(
 
 
 def select_points(xp: Namespace, memory: TwoFractionMemory, found: Courses) -> tuple[BranchCourse | tuple[()], Scalar]:
-    """The course back to return points, and whether it is one of T (1)."""
+    """Return the course back to return points, and whether it is one of T (1)."""
     if not memory.recalled:
         return (), 0.0
     before = memory.recalled.twinned
@@ -341,7 +341,7 @@ def select_points(xp: Namespace, memory: TwoFractionMemory, found: Courses) -> t
 def compute_distances(
     xp: Namespace, diagram: Diagram, move: TwoFractionDirection, stress: Scalar, temperature: Scalar
 ) -> tuple[Scalar, Scalar]:
-    """Least distance of S or reverse on a leg that ends there, and the one of T at its end."""
+    """Return the least distance of S or reverse on a leg that ends there, and the one of T at its end."""
     strip = move.strip()
     crosses, _, turn = find_kink(xp, move.bend, PathPoint(move.stress, move.temperature), stress, temperature)
     end = strip.distance(stress, xp.maximum(temperature, move.bend))
@@ -361,7 +361,7 @@ def compute_rest_ratio(xp: Namespace, reach: Scalar, distance: Scalar) -> Scalar
 def follow_direction(
     xp: Namespace, diagram: Diagram, move: TwoFractionDirection, stress: Scalar, temperature: Scalar
 ) -> Fractions:
-    """Fractions if the move ends at (stress, temperature)."""
+    """Return the fractions if the move ends at (stress, temperature)."""
     distance, cooled = compute_distances(xp, diagram, move, stress, temperature)
     first, second = (compute_rest_ratio(xp, move.reach, distance), compute_rest_ratio(xp, move.cooling, cooled))
     oriented = move.oriented + (1.0 - move.oriented) * (1.0 - first)
@@ -395,7 +395,7 @@ def commit_move(
     stress: Scalar,
     temperature: Scalar,
 ) -> TwoFractionMemory:
-    """The memory after the accepted move: what acts clears the reach of the other direction."""
+    """Return the memory after the accepted move: what acts clears the reach of the other direction."""
     ahead, back = move.direction > 0.0, move.direction < 0.0
     branch = xp.where(xp.either(ahead, back), move.direction, memory.branch)
     reaches = memory.loading, memory.cooling, memory.reverse
@@ -425,7 +425,7 @@ def remember_points(
     distances: tuple[Scalar, Scalar],
     loading: Scalar,
 ) -> TwinPoints | tuple[()]:
-    """The return points after a move.
+    """Return the return points after a move.
 
     Args:
         xp: the namespace.
@@ -469,7 +469,7 @@ def compute_crossing(
     stress: Scalar,
     temperature: Scalar,
 ) -> Scalar:
-    """Largest share of a strip that the selected direction crosses on a move [-]."""
+    """Return the largest share of a strip that the selected direction crosses on a move [-]."""
     first, cooled = compute_distances(xp, diagram, move, stress, temperature)
     warm = xp.maximum(memory.temperature, move.bend)
     begin = xp.clip(move.strip().distance(memory.stress, warm), 0.0, 1.0)

@@ -38,12 +38,12 @@ class Fractions(NamedTuple):
 
     @property
     def rphase(self) -> Scalar:
-        """R-phase as a share of what is not martensite [-]; 0 unless a law says otherwise."""
+        """Return the R-phase as a share of what is not martensite [-]; 0 unless a law says otherwise."""
         return 0.0
 
     @property
     def rphase_fraction(self) -> Scalar:
-        """R-phase fraction ξ_R in [0, 1 - ξ]."""
+        """Return the R-phase fraction ξ_R in [0, 1 - ξ]."""
         return 0.0
 
 
@@ -54,19 +54,19 @@ class RPhaseFractions(Fractions):
     """
 
     def __new__(cls, martensite: Scalar, oriented: Scalar, rphase: Scalar) -> Self:
-        """All three of them."""
+        """Return all three of them."""
         return super(Fractions, cls).__new__(cls, (martensite, oriented, rphase))
 
     __repr__ = tuple[Scalar].__repr__
 
     @property
     def rphase(self) -> Scalar:
-        """R-phase as a share of what is not martensite [-]."""
+        """Return the R-phase as a share of what is not martensite [-]."""
         return self[-1]
 
     @property
     def rphase_fraction(self) -> Scalar:
-        """R-phase fraction ξ_R in [0, 1 - ξ]."""
+        """Return the R-phase fraction ξ_R in [0, 1 - ξ]."""
         return self.rphase * (1.0 - self.martensite)
 
 
@@ -101,16 +101,16 @@ class AbstractLaw(Parametrised):
 
     @property
     def tension_only(self) -> bool:
-        """True if all its martensite is that of tension, which compression drives back."""
+        """Return True if all its martensite is that of tension, which compression drives back."""
         return False
 
     @property
     def constant_heat(self) -> bool:
-        """True if the heat of transformation is the latent heat of the element, whatever else."""
+        """Return True if the heat of transformation is the latent heat of the element, whatever else."""
         return True
 
     def doubt(self) -> Doubt | None:
-        """A stress beyond which the law is doubtful, if there is one: a run near it says so."""
+        """Return a stress beyond which the law is doubtful, if there is one: a run near it says so."""
         return None
 
     def find_forgotten_change(self, memory: Any) -> Scalar | None:
@@ -119,10 +119,10 @@ class AbstractLaw(Parametrised):
 
     @abstractmethod
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> Any:
-        """Memory of a wire in a phase state that has no history."""
+        """Return the memory of a wire in a phase state that has no history."""
 
     def trained_share(self, xp: Namespace, stress: Scalar) -> Scalar:
-        """Share of martensite that is oriented once it has formed under a stress [Pa].
+        """Return the share of martensite that is oriented once it has formed under a stress [Pa].
 
         That of a wire that was cooled under this stress before: 1 unless the law says otherwise.
         """
@@ -152,7 +152,7 @@ class AbstractLaw(Parametrised):
 
     @abstractmethod
     def fractions(self, memory: Any) -> Fractions:
-        """The phase state stored in a memory."""
+        """Return the phase state stored in a memory."""
 
     def relocate(self, xp: Namespace, memory: Any, fractions: Fractions, stress: Scalar, temperature: Scalar) -> Any:
         """Return a memory moved to another point, as an observer corrects it; the same point changes nothing.
@@ -164,11 +164,11 @@ class AbstractLaw(Parametrised):
 
     @abstractmethod
     def select(self, xp: Namespace, memory: Any, stress: Scalar, temperature: Scalar) -> Any:
-        """The process that a straight move to (stress [Pa], temperature [K]) sets off."""
+        """Return the process that a straight move to (stress [Pa], temperature [K]) sets off."""
 
     @abstractmethod
     def follow(self, xp: Namespace, move: Any, stress: Scalar, temperature: Scalar, dt: Scalar) -> Fractions:
-        """Fractions at the end of the move if it ends at (stress, temperature) after dt [s].
+        """Return the fractions at the end of the move if it ends at (stress, temperature) after dt [s].
 
         The oriented fraction must not fall with stress, nor the total rise with temperature.
         """
@@ -184,7 +184,7 @@ class AbstractLaw(Parametrised):
         temperature: Scalar,
         dt: Scalar,
     ) -> Any:
-        """The memory after the accepted move."""
+        """Return the memory after the accepted move."""
 
     def kinetics(
         self, xp: Namespace, memory: Any, stress: Scalar, temperature: Scalar, dt: Scalar
@@ -196,26 +196,26 @@ class AbstractLaw(Parametrised):
 
     @abstractmethod
     def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
-        """Strain [-] at zero stress: transformation + thermal."""
+        """Return the strain [-] at zero stress: transformation + thermal."""
 
     @abstractmethod
     def compliance(self, xp: Namespace, fractions: Fractions) -> Scalar:
-        """Elastic strain per stress [1/Pa]."""
+        """Return the elastic strain per stress [1/Pa]."""
 
     def strain(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> Scalar:
-        """Total strain [-], affine in stress [Pa] at frozen fractions."""
+        """Return the total strain [-], affine in stress [Pa] at frozen fractions."""
         free = self.free_strain(xp, fractions, temperature)
         return free + self.compliance(xp, fractions) * stress
 
     def heat(self, xp: Namespace, latent: Scalar, stress: Scalar, temperature: Scalar) -> Scalar:
-        """Heat released per volume by the whole forward transformation [J/m³].
+        """Return the heat released per volume by the whole forward transformation [J/m³].
 
         It is the constant `latent` heat of the element unless the law says otherwise.
         """
         return latent
 
     def released(self, fractions: Fractions) -> Scalar:
-        """Share of that heat which has been released in a phase state [-]."""
+        """Return the share of that heat which has been released in a phase state [-]."""
         return fractions.martensite
 
     def drive(self, xp: Namespace, move: Any, stress: Scalar, temperature: Scalar, dt: Scalar) -> Scalar:
@@ -227,7 +227,7 @@ class AbstractLaw(Parametrised):
         return 0.0
 
     def kinks(self, xp: Namespace, memory: Any) -> list[Scalar]:
-        """Numbers that fall through 0 where a transformation starts or ends on the way on [-].
+        """Return the numbers that fall through 0 where a transformation starts or ends on the way on [-].
 
         Smooth on both sides, for a march that ends a step there. None where that is not known, or where nothing bends.
         """
@@ -235,4 +235,4 @@ class AbstractLaw(Parametrised):
 
     @abstractmethod
     def crossing(self, xp: Namespace, memory: Any, move: Any, stress: Scalar, temperature: Scalar) -> Scalar:
-        """Share of a transformation strip that a move crosses [-]: for the step control."""
+        """Return the share of a transformation strip that a move crosses [-]: for the step control."""

@@ -65,7 +65,7 @@ class Brinson(AbstractSidedDiagram):
                 )
 
     def cautions(self) -> list[str]:
-        """Unusual orders of temperatures, loops that would create work, the sign of Θ."""
+        """Return the unusual orders of temperatures, loops that would create work, the sign of Θ."""
         found = super().cautions()
         if self.A_s < self.M_s:
             found.append("A_s is below M_s: cooling and heating transform at the same temperature.")
@@ -82,17 +82,17 @@ class Brinson(AbstractSidedDiagram):
         )
 
     def overlap(self) -> Scalar:
-        """Stress [Pa] at which the start lines of S and of the reverse process meet."""
+        """Return the stress [Pa] at which the start lines of S and of the reverse process meet."""
         ends = self.sigma_s + self.C_A * self.A_s - self.C_M * self.M_s
         return max(self.sigma_s, self.C_A * (ends / (self.C_A - self.C_M) - self.A_s))
 
     def workless(self) -> Scalar:
-        """Temperature [K] at which a full isothermal loop does no work at a constant modulus."""
+        """Return the temperature [K] at which a full isothermal loop does no work at a constant modulus."""
         ends = 0.5 * (self.sigma_s + self.sigma_f) + 0.5 * self.C_A * (self.A_s + self.A_f)
         return (ends - self.C_M * self.M_s) / (self.C_A - self.C_M)
 
     def diagram(self) -> Diagram:
-        """The strips of the three processes."""
+        """Return the strips of the three processes."""
         per_slope = 1.0 / self.C_M
         width = self.sigma_f - self.sigma_s
         return Diagram(
@@ -103,7 +103,7 @@ class Brinson(AbstractSidedDiagram):
         )
 
     def reverse_strip(self) -> Strip:
-        """The one of the reverse transformation."""
+        """Return the one of the reverse transformation."""
         return self.diagram().reverse
 
     def find_stop(
@@ -126,11 +126,11 @@ class Brinson(AbstractSidedDiagram):
         return loading, loading * cooling
 
     def orient_martensite(self, xp: Namespace, side: Scalar, *_: object) -> tuple[Scalar, Scalar]:
-        """All that S forms is oriented along the stress, H_min/ε_L of what T forms along tension [-]."""
+        """Return all that S forms is oriented along the stress, H_min/ε_L of what T forms along tension [-]."""
         return 1.0, side * self.H_min / self.eps_L
 
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> TwoFractionMemory:
-        """Memory of a wire that has no history; needs 0 ≤ ξ_S ≤ ξ ≤ 1."""
+        """Return the memory of a wire that has no history; needs 0 ≤ ξ_S ≤ ξ ≤ 1."""
         return two_fractions.start_memory(self.history, fractions, stress, temperature)
 
     def relocate(
@@ -150,7 +150,7 @@ class Brinson(AbstractSidedDiagram):
     def select(
         self, xp: Namespace, memory: TwoFractionMemory, stress: Scalar, temperature: Scalar
     ) -> TwoFractionDirection:
-        """The direction set off by a straight move to (stress [Pa], temperature [K])."""
+        """Return the direction set off by a straight move to (stress [Pa], temperature [K])."""
         diagram = self.diagram()
         found = two_fractions.follow_all_strips(xp, diagram, memory, stress, temperature)
         return two_fractions.select_direction(xp, self.history, diagram, memory, found)
@@ -158,7 +158,7 @@ class Brinson(AbstractSidedDiagram):
     def follow(
         self, xp: Namespace, move: TwoFractionDirection, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
-        """Fractions if the move ends at (stress, temperature); independent of dt."""
+        """Return the fractions if the move ends at (stress, temperature); independent of dt."""
         return two_fractions.follow_direction(xp, self.diagram(), move, stress, temperature)
 
     def commit(
@@ -171,7 +171,7 @@ class Brinson(AbstractSidedDiagram):
         temperature: Scalar,
         dt: Scalar,
     ) -> TwoFractionMemory:
-        """The memory after the accepted move."""
+        """Return the memory after the accepted move."""
         end = fractions, stress, temperature
         return two_fractions.commit_move(xp, self.history, self.diagram(), memory, move, *end)
 
@@ -199,5 +199,5 @@ class Brinson(AbstractSidedDiagram):
     def crossing(
         self, xp: Namespace, memory: TwoFractionMemory, move: TwoFractionDirection, stress: Scalar, temperature: Scalar
     ) -> Scalar:
-        """Largest share of a strip crossed by the move [-]."""
+        """Return the largest share of a strip crossed by the move [-]."""
         return two_fractions.compute_crossing(xp, self.diagram(), memory, move, stress, temperature)

@@ -53,7 +53,7 @@ class StepReport(NamedTuple):
 def advance_memory(
     xp: Namespace, law: AbstractLaw, memory: Any, settle: Settle, dt: Scalar, change: Scalar = 0.0
 ) -> tuple[Any, StepReport]:
-    """The memory after a step of dt [s], and how well the step was solved.
+    """Return the memory after a step of dt [s], and the report of the step.
 
     About this `change` of the martensite fraction the solve begins to look; it changes nothing in what is found.
     """
@@ -81,7 +81,7 @@ def advance_memory(
 
 
 def _blend_fractions(start: Fractions, aim: Fractions, q: Scalar) -> Fractions:
-    """The point after a share q of the way; exact at both ends."""
+    """Return the point after a share q of the way; exact at both ends."""
     rest = 1.0 - q
     return type(start)(*(q * b + rest * a for a, b in zip(start, aim, strict=True)))
 
@@ -113,7 +113,7 @@ def _seek_on_chord(
     enough: float,
     smooth: bool,
 ) -> Fractions:
-    """The point of the chord from `start` through `aim` that the law answers with itself."""
+    """Return the point of the chord from `start` through `aim` that the law answers with itself."""
     ways = [b - a for a, b in zip(start, aim, strict=True)]
     size = sum_column([xp.abs(way) for way in ways])
     moves = size > LEAST
@@ -161,7 +161,7 @@ def _polish_fractions(
 
 
 def _limit_fractions(xp: Namespace, numbers: Fractions) -> Fractions:
-    """The nearest legal phase state: an iterate may lie outside."""
+    """Return the nearest legal phase state: an iterate may lie outside."""
     martensite = xp.clip(numbers.martensite, 0.0, 1.0)
     oriented = xp.clip(numbers.oriented, -martensite, martensite)
     return type(numbers)(martensite, oriented, *(xp.clip(x, 0.0, 1.0) for x in numbers[2:]))
@@ -170,7 +170,7 @@ def _limit_fractions(xp: Namespace, numbers: Fractions) -> Fractions:
 def _compute_newton_step(
     xp: Namespace, answer: Callable[[Namespace, Fractions], Fractions], at: Fractions
 ) -> tuple[Fractions, Scalar]:
-    """The Newton step of z - f(z) = 0, and the size of the mismatch."""
+    """Return the Newton step of z - f(z) = 0, and the size of the mismatch."""
     found, slopes = compute_jacobian(xp, lambda xp, x: answer(xp, type(at)(*x)), at)
     rows = [
         [1.0 - xp.detach(slope) if i == k else -xp.detach(slope) for k, slope in enumerate(row)]

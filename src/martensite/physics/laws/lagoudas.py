@@ -65,7 +65,7 @@ class LagoudasProcess(NamedTuple):
     """Part of the way after which all is martensite [-]; 1 if that is not reached."""
 
     def way(self, stress: Scalar, temperature: Scalar) -> StraightPath:
-        """The straight way from the state before to a point."""
+        """Return the straight way from the state before to a point."""
         begin = self.stress, self.temperature
         return StraightPath(*begin, stress - self.stress, temperature - self.temperature)
 
@@ -89,7 +89,7 @@ class Lagoudas(AbstractSurfaceLaw):
     T_ref: Number = param("K", "temperature of zero thermal strain", low=0.0, high=1000.0, default=293.15)
 
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> LagoudasMemory:
-        """Memory of a wire in any phase state; ε_t is `oriented` times H_sat."""
+        """Return the memory of a wire in any phase state; ε_t is `oriented` times H_sat."""
         some = fractions.martensite > 0.0
         ratio = fractions.oriented / xp.where(some, fractions.martensite, 1.0)
         ratio = xp.where(some, xp.clip(ratio, -1.0, 1.0), 0.0)
@@ -104,7 +104,7 @@ class Lagoudas(AbstractSurfaceLaw):
         return found._replace(ratio=xp.where(some, found.ratio, memory.ratio))
 
     def fractions(self, memory: LagoudasMemory) -> Fractions:
-        """The phase state stored in a memory."""
+        """Return the phase state stored in a memory."""
         return Fractions(memory.fraction, memory.ratio * memory.fraction)
 
     def select(self, xp: Namespace, memory: LagoudasMemory, stress: Scalar, temperature: Scalar) -> LagoudasProcess:
@@ -119,7 +119,7 @@ class Lagoudas(AbstractSurfaceLaw):
     def follow(
         self, xp: Namespace, move: LagoudasProcess, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
-        """Fractions if the move ends at (stress, temperature); independent of dt."""
+        """Return the fractions if the move ends at (stress, temperature); independent of dt."""
         scale, way = self.scale(xp), move.way(stress, temperature)
         strain = move.ratio * self.H_sat
         share = self.reverse_share(xp, scale, strain, stress, temperature)
@@ -147,7 +147,7 @@ class Lagoudas(AbstractSurfaceLaw):
         safe = xp.where(climbs, climb, 1.0)
 
         def reached(part: Scalar) -> tuple[Scalar, Scalar]:
-            """Stress at a part of the growth, and the share h_f reached there."""
+            """Return the stress at a part of the growth, and the share h_f reached there."""
             stress, kelvin = way.at(move.grows_from + part * (move.grows_to - move.grows_from))
             return stress, self.forward_share(xp, scale, stress, kelvin)
 
@@ -163,7 +163,7 @@ class Lagoudas(AbstractSurfaceLaw):
         return grown * (slow + bulge) + area * more
 
     def _halfway(self, xp: Namespace, middle: Scalar, first: Scalar, climb: Scalar) -> Scalar:
-        """The part of a growth after which h has done half of its climb, about.
+        """Return the part of a growth after which h has done half of its climb, about.
 
         Along it h_f is a parabola through both ends and what it reaches in the `middle`.
         """
@@ -187,7 +187,7 @@ class Lagoudas(AbstractSurfaceLaw):
         temperature: Scalar,
         dt: Scalar,
     ) -> LagoudasMemory:
-        """The memory after the accepted move."""
+        """Return the memory after the accepted move."""
         grown = fractions.martensite > memory.fraction
         if self.reorients:
             grown = xp.either(grown, xp.both(memory.ratio < 0.0, fractions.martensite > 0.0))
@@ -232,7 +232,7 @@ class Lagoudas(AbstractSurfaceLaw):
     def crossing(
         self, xp: Namespace, memory: LagoudasMemory, move: LagoudasProcess, stress: Scalar, temperature: Scalar
     ) -> Scalar:
-        """Share of a transformation range by which the move goes beyond its surface [-].
+        """Return the share of a transformation range by which the move goes beyond its surface [-].
 
         Shares without waist, since these tell how much of the fraction changes.
         """

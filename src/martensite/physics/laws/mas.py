@@ -67,7 +67,7 @@ class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
         return self.rates
 
     def barriers(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> tuple[Process, ...]:
-        """The four processes at a point."""
+        """Return the four processes at a point."""
         constants = self.material()
         at = build_wells(xp, constants, self.linear_transition_stress(temperature), temperature, self.form)
         plus = build_processes(xp, constants, at, stress, self.form)
@@ -75,13 +75,13 @@ class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
         return (*plus, *minus)
 
     def select(self, xp: Namespace, memory: CrystalMemory, stress: Scalar, temperature: Scalar) -> MasStep:
-        """The barriers at the start of a step."""
+        """Return the barriers at the start of a step."""
         found = self.barriers(xp, memory.stress, memory.temperature)
         starts = tuple(keep_process(xp, process) for process in found)
         return MasStep(memory.present, starts, self.strongest(xp, memory.present, stress, temperature))
 
     def follow(self, xp: Namespace, move: MasStep, stress: Scalar, temperature: Scalar, dt: Scalar) -> Fractions:
-        """Fractions if the step of dt [s] ends at (stress, temperature)."""
+        """Return the fractions if the step of dt [s] ends at (stress, temperature)."""
         ends = self.barriers(xp, stress, temperature)
         flows = mean_flows(xp, move.starts, ends, dt / self.layer_time)
         return join_variants(exchange_fractions(xp, move.present, flows))
@@ -96,7 +96,7 @@ class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
         return self.overshoot(xp, pull, stress, temperature) + inside
 
     def jump_rates(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Flows:
-        """Rates [1/s] of A → M+, M+ → A, A → M-, M- → A at a point."""
+        """Return the rates [1/s] of A → M+, M+ → A, A → M-, M- → A at a point."""
         found = self.barriers(xp, stress, temperature)
         return Flows(*(compute_rate(xp, process, self.layer_time) for process in found))
 

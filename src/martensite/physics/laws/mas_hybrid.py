@@ -61,19 +61,19 @@ class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
         return Rests(slow / scale.A, slow / scale.M)
 
     def rests(self, xp: Namespace, temperature: Scalar) -> Rests:
-        """Thresholds with thermal activation [Pa]."""
+        """Return the thresholds with thermal activation [Pa]."""
         inside, threshold = self.inside(xp), self.linear_transition_stress(temperature)
         return Rests(
             xp.maximum(threshold - inside.A, 0.0), self.transition_stress(xp, temperature) - self.Delta_sigma + inside.M
         )
 
     def select(self, xp: Namespace, memory: CrystalMemory, stress: Scalar, temperature: Scalar) -> HybridStep:
-        """The state in balance at the start, and the process that is driven hardest."""
+        """Return the state in balance at the start, and the process that is driven hardest."""
         present = self.balance(xp, memory.present, memory.stress, memory.temperature)
         return HybridStep(present, self.strongest(xp, present, stress, temperature))
 
     def follow(self, xp: Namespace, move: HybridStep, stress: Scalar, temperature: Scalar, dt: Scalar) -> Fractions:
-        """Fractions if the step ends at (stress, temperature); independent of dt."""
+        """Return the fractions if the step ends at (stress, temperature); independent of dt."""
         return join_variants(self.balance(xp, move.present, stress, temperature))
 
     def balance(

@@ -73,17 +73,17 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
     distribution: str = option("what differs between groups", "barriers", "internal-stress", default="barriers")
 
     def quantiles(self) -> tuple[float, ...]:
-        """Deviations of the groups in standard deviations [-]."""
+        """Return the deviations of the groups in standard deviations [-]."""
         count = int(self.groups)
         return tuple(NormalDist().inv_cdf((k + 0.5) / count) for k in range(count))
 
     def shifts(self, quantile: Scalar) -> tuple[Scalar, Scalar]:
-        """Shift of the threshold and of the stress of a group [Pa]."""
+        """Return the shift of the threshold and of the stress of a group [Pa]."""
         shift = self.spread * quantile
         return (shift, 0.0) if self.distribution == "barriers" else (0.0, shift)
 
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> PolycrystalMemory:
-        """Memory of a wire in a phase state that has no history; all groups are alike."""
+        """Return the memory of a wire in a phase state that has no history; all groups are alike."""
         present, count = split_variants(fractions), int(self.groups)
         columns = (present.plus,) * count, (present.minus,) * count
         return PolycrystalMemory(*columns, fractions, stress, temperature)
@@ -120,27 +120,27 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
     def remember(
         self, xp: Namespace, plus: Column, minus: Column, stress: Scalar, temperature: Scalar
     ) -> PolycrystalMemory:
-        """The memory with these populations of every group."""
+        """Return the memory with these populations of every group."""
         mean = self.mean(xp, plus, minus)
         return PolycrystalMemory(tuple(plus), tuple(minus), mean, stress, temperature)
 
     def jumps(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Callable[[Scalar], Flows]:
-        """Rates [1/s] of the four processes, by the quantile of a group."""
+        """Return the rates [1/s] of the four processes, by the quantile of a group."""
         four, time = self.group(xp, stress, temperature), self.layer_time
         return lambda quantile: Flows(*(compute_rate(xp, process, time) for process in four(quantile)))
 
     def fractions(self, memory: PolycrystalMemory) -> Fractions:
-        """Mean over the groups of ξ = x₊ + x₋ and of x₊ - x₋."""
+        """Return the mean over the groups of ξ = x₊ + x₋ and of x₊ - x₋."""
         return memory.mean
 
     def mean(self, xp: Namespace, plus: Column, minus: Column) -> Fractions:
-        """Fractions of all groups together."""
+        """Return the fractions of all groups together."""
         share = 1.0 / len(plus)
         a, b = share * sum_column(plus), share * sum_column(minus)
         return Fractions(xp.minimum(a + b, 1.0), a - b)
 
     def select(self, xp: Namespace, memory: PolycrystalMemory, stress: Scalar, temperature: Scalar) -> PolycrystalStep:
-        """The barriers of all groups at the start of a step."""
+        """Return the barriers of all groups at the start of a step."""
         group = self.group(xp, memory.stress, memory.temperature)
 
         def start(quantile: Scalar) -> tuple[Scalar, ...]:
@@ -152,7 +152,7 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         return PolycrystalStep(memory.plus, memory.minus, starts, pull, rest)
 
     def group(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Callable[[Scalar], tuple[Process, ...]]:
-        """The four processes at a point, as a function of the quantile of a group.
+        """Return the four processes at a point, as a function of the quantile of a group.
 
         The bridge between the wells is that of the mean threshold for all groups; beyond the
         far threshold, where nothing ever jumps, the barrier keeps growing as a parabola.
@@ -173,7 +173,7 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
     def groups_after(
         self, xp: Namespace, move: PolycrystalStep, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> tuple[Column, Column]:
-        """Variants of all groups if the step of dt [s] ends at (stress, temperature)."""
+        """Return the variants of all groups if the step of dt [s] ends at (stress, temperature)."""
         group = self.group(xp, stress, temperature)
 
         def advance(quantile: Scalar, plus: Scalar, minus: Scalar, *numbers: Scalar) -> tuple[Scalar, Scalar]:
@@ -187,7 +187,7 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
     def follow(
         self, xp: Namespace, move: PolycrystalStep, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
-        """Fractions if the step of dt [s] ends at (stress, temperature)."""
+        """Return the fractions if the step of dt [s] ends at (stress, temperature)."""
         return self.mean(xp, *self.groups_after(xp, move, stress, temperature, dt))
 
     def commit(
@@ -200,10 +200,10 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         temperature: Scalar,
         dt: Scalar,
     ) -> PolycrystalMemory:
-        """The memory after the accepted step."""
+        """Return the memory after the accepted step."""
         plus, minus = self.groups_after(xp, move, stress, temperature, dt)
         return self.remember(xp, plus, minus, stress, temperature)
 
     def drive(self, xp: Namespace, move: PolycrystalStep, stress: Scalar, temperature: Scalar, dt: Scalar) -> Scalar:
-        """Distance beyond the start of the process that the trial drives hardest [Pa]."""
+        """Return the distance beyond the start of the process that the trial drives hardest [Pa]."""
         return self.overshoot(xp, move.pull, stress, temperature) - move.rest

@@ -104,22 +104,22 @@ class RPhase(AbstractPhaseDiagram):
         return self.whole().doubt()
 
     def highest_stress(self) -> Scalar:
-        """Stress [Pa] at which the start lines meet: beyond it martensite forms before the R-phase."""
+        """Return the stress [Pa] at which the start lines meet: beyond it martensite forms before the R-phase."""
         return (self.R_s - self.M_s) / (1.0 / self.C_M - 1.0 / self.C_R)
 
     def whole(self) -> CosineStrips:
-        """The law of the martensite."""
+        """Return the law of the martensite."""
         law, own = object.__new__(CosineStrips), self.__dict__
         law.__dict__.update({name: own.get(name, one.default) for name, one in CosineStrips.declarations.items()})
         return law
 
     def parent(self) -> CosineStrips:
-        """The law of what is not martensite, whose martensite is the R-phase."""
+        """Return the law of what is not martensite, whose martensite is the R-phase."""
         law, back = self.whole(), {"A_s": self.R_f + self.dT_R, "A_f": self.R_s + self.dT_R}
         return law.rebuilt(back | {"M_s": self.R_s, "M_f": self.R_f, "C_A": self.C_R, "C_M": self.C_R})
 
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> RPhaseMemory:
-        """Memory of a wire that has no history; its R-phase is that of one that was cooled to this point."""
+        """Return the memory of a wire that has no history; its R-phase is that of one that was cooled to this point."""
         at, parent = (stress, temperature), self.parent()
         share = 1.0 - parent.left(xp, xp.clip(parent.strips()[0].distance(*at), 0.0, 1.0))
         own = self.whole().init(xp, fractions, *at)
@@ -128,7 +128,7 @@ class RPhase(AbstractPhaseDiagram):
     def relocate(
         self, xp: Namespace, memory: RPhaseMemory, fractions: Fractions, stress: Scalar, temperature: Scalar
     ) -> RPhaseMemory:
-        """The branches in progress go on; the R-phase, which no observer asks for, goes along its curve."""
+        """Return the branches in progress go on; the R-phase, which no observer asks for, goes along its curve."""
         at, parent, before = (stress, temperature), self.parent(), memory.rphase
         forward, reverse = parent.strips()
         cools = before.branch >= 0.0
@@ -141,7 +141,7 @@ class RPhase(AbstractPhaseDiagram):
         return RPhaseMemory(own, parent.relocate(xp, before, Fractions(share, share), *at))
 
     def find_forgotten_change(self, memory: RPhaseMemory) -> Scalar | None:
-        """The larger of both [-]."""
+        """Return the larger of both [-]."""
         own = self.whole().find_forgotten_change(memory.martensite)
         more = self.parent().find_forgotten_change(memory.rphase)
         return None if own is None or more is None else max(own, more)
@@ -151,14 +151,14 @@ class RPhase(AbstractPhaseDiagram):
         return RPhaseFractions(*self.whole().fractions(memory.martensite), memory.rphase.fraction)
 
     def select(self, xp: Namespace, memory: RPhaseMemory, stress: Scalar, temperature: Scalar) -> RPhaseMove:
-        """The processes set off by a straight move to (stress [Pa], temperature [K])."""
+        """Return the processes set off by a straight move to (stress [Pa], temperature [K])."""
         at = stress, temperature
         return RPhaseMove(self.whole().select(xp, memory.martensite, *at), self.parent().select(xp, memory.rphase, *at))
 
     def follow(
         self, xp: Namespace, move: RPhaseMove, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> RPhaseFractions:
-        """Fractions if the move ends at (stress, temperature); independent of dt."""
+        """Return the fractions if the move ends at (stress, temperature); independent of dt."""
         at = stress, temperature, dt
         share = self.parent().follow(xp, move.rphase, *at).martensite
         return RPhaseFractions(*self.whole().follow(xp, move.martensite, *at), share)
@@ -173,7 +173,7 @@ class RPhase(AbstractPhaseDiagram):
         temperature: Scalar,
         dt: Scalar,
     ) -> RPhaseMemory:
-        """The memory after the accepted move."""
+        """Return the memory after the accepted move."""
         at, share = (stress, temperature, dt), Fractions(fractions.rphase, fractions.rphase)
         own = self.whole().commit(xp, memory.martensite, move.martensite, fractions, *at)
         return RPhaseMemory(own, self.parent().commit(xp, memory.rphase, move.rphase, share, *at))
@@ -205,6 +205,6 @@ class RPhase(AbstractPhaseDiagram):
     def crossing(
         self, xp: Namespace, memory: RPhaseMemory, move: RPhaseMove, stress: Scalar, temperature: Scalar
     ) -> Scalar:
-        """The larger share of a strip crossed by the move [-]."""
+        """Return the larger share of a strip crossed by the move [-]."""
         own = self.whole().crossing(xp, memory.martensite, move.martensite, stress, temperature)
         return xp.maximum(own, self.parent().crossing(xp, memory.rphase, move.rphase, stress, temperature))

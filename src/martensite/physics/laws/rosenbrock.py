@@ -117,7 +117,7 @@ class _Stage(NamedTuple):
 def advance_rosenbrock(
     xp: Namespace, law: AbstractExchange, memory: Any, coupling: Coupling, dt: Scalar
 ) -> tuple[Any, Any, Any]:
-    """Memory after a step of dt [s], in its middle, and after it to the lower order.
+    """Return the memory after a step of dt [s], in its middle, and after it to the lower order.
 
     `dt` must be above 0.
     """
@@ -171,14 +171,14 @@ class _Stages:
         self._close(at)
 
     def solve(self) -> list[_Stage]:
-        """All stages, one after the other."""
+        """Return all stages, one after the other."""
         found: list[_Stage] = []
         for k in range(6):
             found.append(self._solve_stage(k, found))
         return found
 
     def _stress(self, at: Sequence[Scalar]) -> tuple[Scalar, list[Scalar]]:
-        """Stress on the load line, and its slopes."""
+        """Return the stress on the load line, and its slopes."""
 
         def stress(xp: Namespace, at: Column) -> Column:
             return [self.coupling.stress(xp, at)]
@@ -262,7 +262,7 @@ class _Stages:
         return _Stage(_Columns(*groups), m, o, change)
 
     def _state(self, weights: Sequence[float], before: Sequence[_Stage]) -> list[Scalar]:
-        """Fractions and temperature where a stage asks for rates."""
+        """Return the fractions and temperature where a stage asks for rates."""
         changes = zip(*(one.scalars() for one in (self.begin, *before)), strict=True)
         return [x + _weigh_numbers(weights, rest) for x, *rest in changes]
 

@@ -99,7 +99,7 @@ class LiangRogers(AbstractCosineLaw, AbstractShapes):
         return found
 
     def young(self, fractions: Fractions) -> Scalar:
-        """Young's modulus [Pa] by the chosen rule."""
+        """Return the Young's modulus [Pa] by the chosen rule."""
         if self.modulus == "mixture":
             return self.mixture(fractions)
         return self.E_A if self.modulus == "austenite" else self.E_M
@@ -154,7 +154,7 @@ class Tanaka(AbstractStripLaw):
         return xp.exp(-STEEPNESS * (1.0 - distance))
 
     def young(self, fractions: Fractions) -> Scalar:
-        """Young's modulus [Pa] of the chosen phase."""
+        """Return the Young's modulus [Pa] of the chosen phase."""
         return self.E_A if self.modulus == "austenite" else self.E_M
 
 

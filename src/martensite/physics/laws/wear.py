@@ -81,7 +81,7 @@ class Wear(Parametrised):
         return Worn(worn.cycles + more, self._grow(xp, worn, more), fractions.martensite, stress)
 
     def apply(self, xp: Namespace, law: AbstractLaw, worn: Worn) -> AbstractLaw:
-        """The law as it is worn."""
+        """Return the law as it is worn."""
         done = self._settle(xp, worn.cycles)
         shift, left = done * self.temperature_shift, 1.0 - done * self.stroke_loss
         numbers = {leaf.path: leaf.value for leaf in law.leaves()}
@@ -97,14 +97,14 @@ class Wear(Parametrised):
         return twin
 
     def _settle(self, xp: Namespace, cycles: Scalar) -> Scalar:
-        """Share of the change that is done."""
+        """Return the share of the change that is done."""
         return 1.0 - xp.exp(-cycles / self.settling_cycles)
 
     def _turn(self, xp: Namespace, worn: Worn, fractions: Fractions) -> Scalar:
-        """Cycles between two fractions."""
+        """Return the cycles between two fractions."""
         return 0.5 * xp.abs(fractions.martensite - worn.martensite)
 
     def _grow(self, xp: Namespace, worn: Worn, more: Scalar) -> Scalar:
-        """Residual strain so many cycles later."""
+        """Return the residual strain so many cycles later."""
         aim = self.residual_strain * (xp.maximum(worn.stress, 0.0) / self.reference_stress)
         return worn.residual + xp.maximum(aim - worn.residual, 0.0) * self._settle(xp, more)

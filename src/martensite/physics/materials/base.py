@@ -78,13 +78,13 @@ class Material:
         return f"Material({self.name!r}{kind}, {len(self.values)} parameters)"
 
     def cites(self) -> list[str]:
-        """Bibliography keys of all sources that stand behind a number, in file order."""
+        """Return the bibliography keys of all sources that stand behind a number, in file order."""
         used = {number.source for number in self.values.values()}
         return list(dict.fromkeys(s.cite for key, s in self.sources.items() if key in used))
 
 
 def material_names() -> list[str]:
-    """Names of the materials that come with the package."""
+    """Return the names of the materials that come with the package."""
     return sorted(path.stem for path in _DATA.glob("*.toml"))
 
 
@@ -109,7 +109,7 @@ def load_material(name: str | Path, folder: Path | None = None) -> Material:
 
 
 def read_toml(path: Path, what: str) -> dict[str, Any]:
-    """The document in a TOML file; `what` says in an error which kind of file it is."""
+    """Return the document in a TOML file; `what` says in an error which kind of file it is."""
     return toml_document(read_text_file(path, what), f"{what.capitalize()} file `{path}`")
 
 
@@ -132,7 +132,7 @@ def _read_optional(document: Mapping[str, Any], key: str, file: str) -> dict[str
 
 
 def read_sources(document: Mapping[str, Any], file: str) -> dict[str, Source]:
-    """The sources that a file names, by key."""
+    """Return the sources that a file names, by key."""
     found = read_table(document.get("sources", {}), f"{file}, [sources]")
     return {key: _read_source(entry, f"{file}, source `{key}`") for key, entry in found.items()}
 
@@ -150,7 +150,7 @@ def _read_number(name: str, entry: Mapping[str, Any], sources: dict[str, Source]
 
 
 def read_number(entry: Mapping[str, Any], unit: str, sources: Mapping[str, Source], where: str) -> MaterialNumber:
-    """A number declared in the SI `unit` from its table of value, kind, source, where and note.
+    """Return a number declared in the SI `unit` from its table of value, kind, source, where and note.
 
     Raises:
         InputError: something is missing, unknown, or of another dimension.
@@ -170,14 +170,14 @@ def read_number(entry: Mapping[str, Any], unit: str, sources: Mapping[str, Sourc
 
 
 def read_table(entry: Any, where: str) -> dict[str, Any]:
-    """The entry, which must be a table."""
+    """Return the entry, which must be a table."""
     if not isinstance(entry, dict):
         raise ParameterError(f"{where} must be a table, but is {entry!r}.")
     return cast("dict[str, Any]", entry)
 
 
 def read_text(entry: Mapping[str, Any], key: str, where: str) -> str:
-    """The text under a key, which must be there."""
+    """Return the text under a key, which must be there."""
     if key not in entry:
         raise ParameterError(f"{where} needs `{key}`; none given.")
     if not isinstance(entry[key], str):

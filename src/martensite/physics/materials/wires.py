@@ -63,21 +63,21 @@ class WireSize:
 
     @property
     def section(self) -> float:
-        """Cross-section [m²]."""
+        """Return the cross-section [m²]."""
         return 0.25 * math.pi * self.diameter.value**2
 
     @property
     def pull_force(self) -> float:
-        """Force of the hot wire at the maker's working stress [N]."""
+        """Return the force of the hot wire at the maker's working stress [N]."""
         return GRAVITY * self.pull.value
 
     @property
     def deformation_force(self) -> float:
-        """Force that stretches the cold wire [N]."""
+        """Return the force that stretches the cold wire [N]."""
         return GRAVITY * self.deformation.value
 
     def cells(self) -> dict[str, Cell]:
-        """The cells by column."""
+        """Return the cells by column."""
         return {name: getattr(self, name) for name in UNITS}
 
 
@@ -95,7 +95,7 @@ class WireCatalogue:
     """By name, from thin to thick."""
 
     def __getitem__(self, name: str) -> WireSize:
-        """A size by its name.
+        """Return a size by its name.
 
         Raises:
             UnknownNameError: the catalogue has no such size.
@@ -125,7 +125,7 @@ class WireCatalogue:
 
 
 def wire_catalogues() -> list[str]:
-    """Names of the wire catalogues that come with the package."""
+    """Return the names of the wire catalogues that come with the package."""
     return sorted(path.stem for path in _DATA.glob("*.toml"))
 
 

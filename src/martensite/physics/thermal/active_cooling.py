@@ -37,12 +37,12 @@ class AbstractActiveCooling(AbstractCooling):
 
     @abstractmethod
     def film_at(self, xp: Namespace, level: Scalar, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
-        """Film coefficient [W/(m² K)] at a level of the signal."""
+        """Return the film coefficient [W/(m² K)] at a level of the signal."""
 
     def pump_heat_at(
         self, xp: Namespace, level: Scalar, temperature: Scalar, ambient: Scalar, shape: Cylinder
     ) -> Scalar | None:
-        """Heat flow [W] beside that of the film at a level of the signal; None if there is none."""
+        """Return the heat flow [W] beside that of the film at a level of the signal; None if there is none."""
         return None
 
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
@@ -50,11 +50,11 @@ class AbstractActiveCooling(AbstractCooling):
         return self.film_at(xp, 0.0, temperature, ambient, shape)
 
     def pump_heat(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
-        """Heat flow [W] beside that of the film, as it stands still."""
+        """Return the heat flow [W] beside that of the film, as it stands still."""
         return self.pump_heat_at(xp, 0.0, temperature, ambient, shape)
 
     def signals(self) -> dict[str, str]:
-        """Its own, and those of the models in it."""
+        """Return its own, and those of the models in it."""
         return {self.signal: self.unit} | super().signals()
 
     def with_signals(self, xp: Namespace, signals: Mapping[str, Scalar | Moments]) -> AbstractCooling:
@@ -84,7 +84,7 @@ class CoolingAtLevel(AbstractCooling):
         return self.model.film_at(xp, self.level, temperature, ambient, shape)
 
     def pump_heat(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
-        """Heat flow [W] at this level."""
+        """Return the heat flow [W] at this level."""
         return self.model.pump_heat_at(xp, self.level, temperature, ambient, shape)
 
 
@@ -98,11 +98,11 @@ class AveragedCooling(AbstractCooling):
     at_high: Number = param("1", "weight of the highest level", low=0.0, high=1.0)
 
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
-        """Mean h [W/(m² K)]."""
+        """Return the mean h [W/(m² K)]."""
         return self._average(*(one.film(xp, temperature, ambient, shape) for one in self._three()))
 
     def pump_heat(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
-        """Mean heat flow [W]."""
+        """Return the mean heat flow [W]."""
         low, mean, high = (one.pump_heat(xp, temperature, ambient, shape) for one in self._three())
         return None if low is None or mean is None or high is None else self._average(low, mean, high)
 
@@ -210,7 +210,7 @@ class Peltier(AbstractActiveCooling):
         return self.still.film(xp, temperature, ambient, shape)
 
     def cold_side(self, xp: Namespace, level: Scalar, temperature: Scalar, ambient: Scalar) -> Scalar:
-        """Temperature T_c [K] at a current [A]."""
+        """Return the temperature T_c [K] at a current [A]."""
         current = xp.clip(level, -self.reverse, self.highest)
         pumped, heated = self.seebeck * current, 0.5 * current * current * self.resistance
         hot = self.sink + self.conductance - pumped
@@ -220,7 +220,7 @@ class Peltier(AbstractActiveCooling):
     def pump_heat_at(
         self, xp: Namespace, level: Scalar, temperature: Scalar, ambient: Scalar, shape: Cylinder
     ) -> Scalar | None:
-        """Heat [W] out of the wire at a current [A], and what `still` pumps."""
+        """Return the heat [W] out of the wire at a current [A], and what `still` pumps."""
         through = self.contact * (temperature - self.cold_side(xp, level, temperature, ambient))
         own, other = through * (shape.length / self.pitch), self.still.pump_heat(xp, temperature, ambient, shape)
         return own if other is None else own + other

@@ -31,18 +31,18 @@ class AbstractCooling(Parametrised):
 
     @abstractmethod
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
-        """Film coefficient h [W/(m² K)] of a cylinder at `temperature` in `ambient` [K]."""
+        """Return the film coefficient h [W/(m² K)] of a cylinder at `temperature` in `ambient` [K]."""
 
     def pump_heat(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
         """Return the heat flow [W] out of a cylinder that its film does not carry; None without such a flow."""
         return None
 
     def signals(self) -> dict[str, str]:
-        """Names of the signals that drive it, with their units: those of the models in it."""
+        """Return the names of the signals that drive it, with their units: those of the models in it."""
         return {name: unit for _, model in self._models() for name, unit in model.signals().items()}
 
     def with_signals(self, xp: Namespace, signals: Mapping[str, Scalar | Moments]) -> AbstractCooling:
-        """The model under its signals, as they are at an instant or over a step."""
+        """Return the model under its signals, as they are at an instant or over a step."""
         return self.drive_models(xp, signals)
 
     def drive_models(self, xp: Namespace, signals: Mapping[str, Scalar | Moments]) -> Self:
@@ -61,7 +61,7 @@ class Environment(Parametrised):
     cooling: AbstractCooling = part("heat-loss model", COOLING)
 
     def cautions(self) -> list[str]:
-        """An ambient temperature at which the properties of a fluid are not known."""
+        """Return an ambient temperature at which the properties of a fluid are not known."""
         fluids = [item for item in self.cooling.tree() if isinstance(item, AbstractFluid)]
         outside = [f for f in fluids if not f.span()[0] <= self.temperature <= f.span()[1]]
         return [

@@ -43,12 +43,12 @@ class AbstractFreeConvection(AbstractCooling):
         return driving * size * size * size / (found.viscosity * found.diffusivity)
 
     def size(self, shape: Cylinder) -> Scalar:
-        """The size s [m] on which Nu and Ra are built."""
+        """Return the size s [m] on which Nu and Ra are built."""
         return shape.diameter
 
     @abstractmethod
     def nusselt(self, xp: Namespace, rayleigh: Scalar, prandtl: Scalar, shape: Cylinder) -> Scalar:
-        """Mean Nusselt number h s/k [-]."""
+        """Return the mean Nusselt number h s/k [-]."""
 
 
 @COOLING.register("churchill-chu")
@@ -67,7 +67,7 @@ class ChurchillChu(AbstractFreeConvection):
     cites = ("churchill1975",)
 
     def nusselt(self, xp: Namespace, rayleigh: Scalar, prandtl: Scalar, shape: Cylinder) -> Scalar:
-        """Mean Nusselt number on the diameter [-]."""
+        """Return the mean Nusselt number on the diameter [-]."""
         damping = raise_constant(xp, 1.0 + raise_constant(xp, 0.559 / prandtl, 9.0 / 16.0), 8.0 / 27.0)
         root = 0.60 + 0.387 * raise_constant(xp, rayleigh, 1.0 / 6.0) / damping
         return root * root
@@ -99,7 +99,7 @@ class Morgan(AbstractFreeConvection):
     cites = ("morgan1975",)
 
     def nusselt(self, xp: Namespace, rayleigh: Scalar, prandtl: Scalar, shape: Cylinder) -> Scalar:
-        """Mean Nusselt number on the diameter [-]."""
+        """Return the mean Nusselt number on the diameter [-]."""
         log = xp.log(rayleigh)
         found = LAWS[0][0] * xp.exp(LAWS[0][1] * log)
         for factor, exponent in LAWS[1:]:
@@ -125,11 +125,11 @@ class LeFevreEde(AbstractFreeConvection):
     cites = ("lefevre-ede", "kossoski2018")
 
     def size(self, shape: Cylinder) -> Scalar:
-        """The length [m]."""
+        """Return the length [m]."""
         return shape.length
 
     def nusselt(self, xp: Namespace, rayleigh: Scalar, prandtl: Scalar, shape: Cylinder) -> Scalar:
-        """Mean Nusselt number on the length [-]."""
+        """Return the mean Nusselt number on the length [-]."""
         plate = 7.0 * rayleigh * prandtl / (5.0 * (20.0 + 21.0 * prandtl))
         slenderness = shape.length / shape.diameter
         curvature = 4.0 * (272.0 + 315.0 * prandtl) / (35.0 * (64.0 + 63.0 * prandtl))
@@ -161,7 +161,7 @@ class ChurchillBernstein(AbstractCooling):
         return self.nusselt(xp, reynolds, found.prandtl) * found.conductivity / shape.diameter
 
     def nusselt(self, xp: Namespace, reynolds: Scalar, prandtl: Scalar) -> Scalar:
-        """Mean Nusselt number on the diameter [-]."""
+        """Return the mean Nusselt number on the diameter [-]."""
         return STILL_NUSSELT + correlate_stream(xp, reynolds, prandtl)
 
 

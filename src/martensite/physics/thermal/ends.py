@@ -31,7 +31,7 @@ class AbstractEnds(Parametrised):
 
     @abstractmethod
     def conductance(self, xp: Namespace, film: Scalar, shape: Cylinder) -> Scalar:
-        """Heat flow per mean overtemperature [W/K] of a cylinder with a film [W/(m² K)]."""
+        """Return the heat flow per mean overtemperature [W/K] of a cylinder with a film [W/(m² K)]."""
 
 
 @ENDS.register("adiabatic")

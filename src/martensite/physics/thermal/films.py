@@ -12,7 +12,7 @@ class ConstantCooling(AbstractCooling):
     h: Number = param("W/m^2/K", "film coefficient", low=0.0, high=1e5, typical="100 W/m^2/K")
 
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
-        """The constant h [W/(m² K)]."""
+        """Return the constant h [W/(m² K)]."""
         return self.h
 
 
