@@ -40,11 +40,11 @@ class ArrayNamespace:
         return now
 
     def minimum(self, a: Any, b: Any) -> Any:
-        """The smaller of two; as on floats, `b` if they cannot be compared."""
+        """Return the smaller of two; as on floats, `b` if they cannot be compared."""
         return self.np.where(a < b, a, b)
 
     def maximum(self, a: Any, b: Any) -> Any:
-        """The larger of two; as on floats, `b` if they cannot be compared."""
+        """Return the larger of two; as on floats, `b` if they cannot be compared."""
         return self.np.where(a > b, a, b)
 
     def clip(self, x: Any, low: Any, high: Any) -> Any:
@@ -52,7 +52,7 @@ class ArrayNamespace:
         return self.minimum(self.maximum(x, low), high)
 
     def sqrt(self, x: Any) -> Any:
-        """Square root; 0 (with slope 0) for negative arguments."""
+        """Return the square root; 0 (with slope 0) for negative arguments."""
         positive = x > 0.0
         return self.np.where(positive, self.np.sqrt(self.np.where(positive, x, 1.0)), 0.0)
 
@@ -61,7 +61,7 @@ class ArrayNamespace:
         return self.np.exp(self.minimum(x, 700.0))
 
     def log(self, x: Any) -> Any:
-        """Natural logarithm; the argument is at least 1e-300."""
+        """Return the natural logarithm; the argument is at least 1e-300."""
         return self.np.log(self.maximum(x, 1e-300))
 
     def power(self, base: Any, exponent: Any) -> Any:
@@ -75,7 +75,7 @@ class ArrayNamespace:
         return self.np.where(positive, self.np.where(fits, value, floats.LARGEST), 0.0)
 
     def nearest(self, x: Any) -> Any:
-        """The nearest whole number, the even one of two; to differentiation `x` itself."""
+        """Return the nearest whole number, the even one of two; to differentiation `x` itself."""
         return x + self.detach(self.np.rint(x) - x)
 
     def quarter_sine(self, x: Any) -> Any:
@@ -89,7 +89,7 @@ class ArrayNamespace:
 
 
 def evaluate_horner(coefficients: Sequence[float], x: Any) -> Any:
-    """A polynomial with the coefficients of ascending powers."""
+    """Return a polynomial with the coefficients of ascending powers."""
     total: Any = coefficients[-1]
     for coefficient in reversed(coefficients[:-1]):
         total = total * x + coefficient

@@ -40,7 +40,7 @@ def solve_bracketed(
     enough: float = SMALL,
     smooth: bool = True,
 ) -> Scalar:
-    """Root of an increasing `function(xp, x)` inside the bracket, from `start`.
+    """Return the root of an increasing `function(xp, x)` inside the bracket, from `start`.
 
     A bracket that reaches beyond a possible end of the solutions lets a root there be hit
     exactly. With slopes of at least 1, |function(root)| bounds the error of the root. A step of

@@ -30,7 +30,7 @@ def _print_constant(value: float | bool) -> str:
 
 
 def c_number(value: float) -> str:
-    """A number in C."""
+    """Return a number in C."""
     return repr(value).replace("inf", "HUGE_VAL")
 
 
@@ -44,7 +44,7 @@ def _print_assignment(name: str, expression: str, kind: str, types: Mapping[str,
 
 
 def _print_loop(loop: LoopText, types: Mapping[str, str] = _TYPES) -> list[str]:
-    """A loop over arrays on the stack."""
+    """Return a loop over arrays on the stack."""
     rows = len(loop.columns[0])
     kinds = [_declare_kind(kind, types) for kind in loop.row_kinds]
     columns = [f"{loop.name}_{name}" for name in loop.row]
@@ -214,7 +214,7 @@ def write_prelude() -> str:
 
 
 def _print_polynomial(coefficients: list[float]) -> str:
-    """A polynomial in z, with the powers that it needs."""
+    """Return a polynomial in z, with the powers that it needs."""
     powers, text = evaluate_estrin(coefficients)
     return "".join(f", {name} = {power}" for name, power in powers) + f";\n    return {text}"
 

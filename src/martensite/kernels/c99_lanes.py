@@ -98,7 +98,7 @@ def _write_prelude() -> str:
 
 
 def _print_polynomial(coefficients: list[float], result: str) -> str:
-    """A polynomial in z, with the powers that it needs, in what is returned."""
+    """Return a polynomial in z, with the powers that it needs, in what is returned."""
     powers, text = evaluate_estrin(coefficients, "times({}, {})", "plus({}, {})", "all({!r})")
     lines = "".join(f", {name} = {power}" for name, power in powers)
     return f"{lines};\n    return {result.format(text)};\n"

@@ -53,7 +53,7 @@ class CompiledProgram:
 
 
 def get_address(array: Any) -> ctypes.c_void_p:
-    """Address of an array in C's order, which keeps the array as long as it is there itself."""
+    """Return the address of an array in C's order, which keeps the array as long as it is there itself."""
     return array.ctypes.data_as(ctypes.c_void_p)
 
 

@@ -45,7 +45,7 @@ WIDE = ("-mprefer-vector-width=512",)
 
 
 def find_compiler() -> str | None:
-    """The C compiler that would be used, or None.
+    """Return the C compiler that would be used, or None.
 
     That of the machine: the one that `CC` names, `cc` or `gcc`; else the one of the package
     `ziglang`, which the extra `cc` installs.
@@ -61,7 +61,7 @@ exec {python} cc "$@"
 
 @cache
 def _find_zig() -> str | None:
-    """A program that calls the C compiler of the package `ziglang`; None without it, or Windows."""
+    """Return a program that calls the C compiler of the package `ziglang`; None without it, or Windows."""
     if find_spec("ziglang") is None or os.name != "posix":
         return None
     text = _ZIG.format(python=shlex.join(python_command("-m", "ziglang")))
@@ -78,7 +78,7 @@ def _find_zig() -> str | None:
 
 
 def read_source(room: str, name: str, constants: Mapping[str, Any]) -> str:
-    """The C of a file that lies in a room, below definitions of its constants."""
+    """Return the C of a file that lies in a room, below definitions of its constants."""
     text = (Path(__file__).parents[1] / room / name).read_text(encoding="utf-8")
     return "".join([*(f"#define {key} {value}\n" for key, value in constants.items()), text])
 
@@ -143,13 +143,13 @@ def _name_library(command: Sequence[str], source: str) -> str:
 
 
 def _locate_folder() -> Path:
-    """The folder for libraries, kept from process to process; `OSError` if it is unusable or not trusted."""
+    """Return the folder for libraries, kept from process to process; `OSError` if it is unusable or not trusted."""
     return make_cache("c")
 
 
 @cache
 def _make_own_folder() -> Path:
-    """A folder of this process, which goes with it."""
+    """Return a folder of this process, which goes with it."""
     folder = tempfile.mkdtemp(prefix="martensite-")
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     return Path(folder)
@@ -166,7 +166,7 @@ def _describe_machine() -> str:
 
 
 def _load_from(path: Path, command: Sequence[str], source: str) -> Any:
-    """A library, made where it is missing, damaged, or of another machine."""
+    """Return a library, made where it is missing, damaged, or of another machine."""
     if _is_whole(path):
         with suppress(OSError):
             return ctypes.CDLL(str(path))
@@ -197,7 +197,7 @@ def _digest(raw: bytes) -> bytes:
 
 
 def _name_mark(path: Path) -> str:
-    """The symbol at the end of a library's source: a library without it was made of another source."""
+    """Return the symbol at the end of a library's source: a library without it was made of another source."""
     return f"martensite_{path.stem}"
 
 

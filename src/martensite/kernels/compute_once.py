@@ -17,7 +17,7 @@ _LOCK = RLock()
 
 
 def cache_answers(maxsize: int) -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """A decorator: keep the last `maxsize` answers; others wait while one is being made."""
+    """Return a decorator: keep the last `maxsize` answers; others wait while one is being made."""
 
     def decorate(function: Callable[P, R]) -> Callable[P, R]:
         kept = lru_cache(maxsize)(function)

@@ -21,7 +21,7 @@ Pair = tuple[Any, Tangent]
 
 
 def compare_values(comparison: Callable[[Any, Any], Any]) -> Callable[..., Any]:
-    """A comparison of dual numbers, which is one of their values."""
+    """Return a comparison of dual numbers, which is one of their values."""
 
     def compare(a: Dual, b: Any) -> Any:
         _, (v, _), (w, _) = raise_levels(a, b)
@@ -79,46 +79,46 @@ class Dual(TracedNumber):
 
 
 def split_dual(x: Any, level: int) -> Pair:
-    """Value and tangent of a number as seen at a level."""
+    """Return the value and tangent of a number as seen at a level."""
     if isinstance(x, Dual) and x.level == level:
         return x.value, x.tangent
     return x, None
 
 
 def raise_levels(a: Dual, b: Any) -> tuple[int, Pair, Pair]:
-    """The higher level of two numbers, and both as seen at it."""
+    """Return the higher level of two numbers, and both as seen at it."""
     level = max(a.level, b.level) if isinstance(b, Dual) else a.level
     return level, split_dual(a, level), split_dual(b, level)
 
 
 def add_tangents(a: Tangent, b: Tangent) -> Tangent:
-    """Sum of two tangents."""
+    """Return the sum of two tangents."""
     if a is None or b is None:
         return b if a is None else a
     return a + b
 
 
 def subtract_tangents(a: Tangent, b: Tangent) -> Tangent:
-    """Difference of two tangents."""
+    """Return the difference of two tangents."""
     if b is None:
         return a
     return -b if a is None else a - b
 
 
 def scale_tangent(a: Tangent, factor: Any) -> Tangent:
-    """A tangent times a value."""
+    """Return a tangent times a value."""
     return None if a is None else a * factor
 
 
 def divide_duals(top: Pair, bottom: Pair, level: int) -> Dual:
-    """Division of two (value, tangent) pairs."""
+    """Return the division of two (value, tangent) pairs."""
     ratio = top[0] / bottom[0]
     change = subtract_tangents(top[1], scale_tangent(bottom[1], ratio))
     return Dual(ratio, None if change is None else change / bottom[0], level)
 
 
 def chain_rule(operation: str, slope: Callable[[Any, Any, Any], Any]) -> Callable[..., Any]:
-    """A function of one number, from its slope: of the base, the argument and the value of the function."""
+    """Return a function of one number, from its slope: of the base, the argument and the value of the function."""
 
     def apply(xp: DualNamespace, x: Any) -> Any:
         v, t = xp.parts(x)
@@ -143,15 +143,15 @@ class DualNamespace:
         raise make_operation_error(operation)
 
     def parts(self, x: Any) -> Pair:
-        """Value and tangent at this namespace's level."""
+        """Return the value and tangent at this namespace's level."""
         return split_dual(x, self.level)
 
     def pair(self, value: Any, tangent: Tangent) -> Any:
-        """A dual number, or the bare value if it is constant."""
+        """Return a dual number, or the bare value if it is constant."""
         return value if tangent is None else Dual(value, tangent, self.level)
 
     def where(self, flag: Any, yes: Any, no: Any) -> Any:
-        """Choice of value and tangent."""
+        """Return the choice of value and tangent."""
         (yv, yt), (nv, nt) = self.parts(yes), self.parts(no)
         value = self.base.where(flag, yv, nv)
         if yt is None and nt is None:
@@ -160,11 +160,11 @@ class DualNamespace:
         return self.pair(value, self.base.where(flag, yt, nt))
 
     def minimum(self, a: Any, b: Any) -> Any:
-        """The smaller of two."""
+        """Return the smaller of two."""
         return self.where(self.parts(a)[0] < self.parts(b)[0], a, b)
 
     def maximum(self, a: Any, b: Any) -> Any:
-        """The larger of two."""
+        """Return the larger of two."""
         return self.where(self.parts(a)[0] > self.parts(b)[0], a, b)
 
     def clip(self, x: Any, low: Any, high: Any) -> Any:
@@ -172,12 +172,12 @@ class DualNamespace:
         return self.minimum(self.maximum(x, low), high)
 
     def abs(self, x: Any) -> Any:
-        """Absolute value."""
+        """Return the absolute value."""
         v, t = self.parts(x)
         return self.pair(self.base.abs(v), None if t is None else self.base.where(v < 0.0, -t, t))
 
     def sqrt(self, x: Any) -> Any:
-        """Square root; slope 0 where the argument is not positive."""
+        """Return the square root; slope 0 where the argument is not positive."""
         v, t = self.parts(x)
         root = self.base.sqrt(v)
         if t is None:
@@ -210,12 +210,12 @@ class DualNamespace:
         return self.pair(value, None if t is None else -(t * self.base.sin(v)))
 
     def nearest(self, x: Any) -> Any:
-        """The nearest whole number, with the tangent of `x`."""
+        """Return the nearest whole number, with the tangent of `x`."""
         v, t = self.parts(x)
         return self.pair(self.base.nearest(v), t)
 
     def each(self, body: Callable[..., Sequence[Any]], *columns: Sequence[Any]) -> tuple[Sequence[Any], ...]:
-        """Columns of values and tangents through the base's loop."""
+        """Return the columns of values and tangents through the base's loop."""
         split_columns = [_separate_pairs([self.parts(item) for item in column]) for column in columns]
         moving = [tangents is not None for _, tangents in split_columns]
         flat = [part for pair in split_columns for part in pair if part is not None]
@@ -232,11 +232,11 @@ class DualNamespace:
         return tuple(self._zip(next(found), next(found) if m else None) for m in shape)
 
     def repeat(self, count: int, body: Callable[..., Sequence[Any]], *state: Any) -> Sequence[Any]:
-        """The state after `count` turns of `body`, written out."""
+        """Return the state after `count` turns of `body`, written out."""
         return floats.repeat(count, body, *state)
 
     def iterate(self, most: int, body: Callable[..., Sequence[Any]], *state: Any) -> Sequence[Any]:
-        """Values and tangents through the base's loop; all but the first number may move."""
+        """Return the values and tangents through the base's loop; all but the first number may move."""
         pairs = [self.parts(s) for s in state]
         first, *values = [value for value, _ in pairs]
         tangents = [self.zero if t is None else t for _, t in pairs[1:]]
@@ -258,17 +258,17 @@ class DualNamespace:
         return [self.pair(v, t) for v, t in zip(values, tangents, strict=True)]
 
     def implicit_root(self, root: Any, newton: Any) -> Any:
-        """The value of a root with the tangent of a Newton step from it."""
+        """Return the value of a root with the tangent of a Newton step from it."""
         (v, _), (w, t) = self.parts(root), self.parts(newton)
         return self.pair(self.base.implicit_root(v, w), t)
 
     def detach(self, x: Any) -> Any:
-        """The value alone."""
+        """Return the value alone."""
         return self.base.detach(self.parts(x)[0])
 
 
 def _separate_pairs(pairs: Sequence[Pair]) -> tuple[list[Any], list[Any] | None]:
-    """Values, and tangents (0 where constant) if there are any."""
+    """Return the values, and tangents (0 where constant) if there are any."""
     values = [value for value, _ in pairs]
     if all(tangent is None for _, tangent in pairs):
         return values, None
@@ -293,7 +293,7 @@ def values_and_slopes(
 def compute_jacobian(
     xp: Namespace, function: Callable[[Namespace, Sequence[Scalar]], Sequence[Scalar]], at: Sequence[Scalar]
 ) -> tuple[list[Scalar], list[list[Scalar]]]:
-    """Values f_i and slopes df_i/dx_k of a kernel of one or several variables."""
+    """Return the values f_i and slopes df_i/dx_k of a kernel of one or several variables."""
     values: list[Scalar] = []
     columns: list[list[Scalar]] = []
     for k in range(len(at)):

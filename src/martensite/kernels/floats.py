@@ -23,27 +23,27 @@ def where(flag: bool, yes: float, no: float) -> float:
 
 
 def both(a: bool, b: bool) -> bool:
-    """Logical and."""
+    """Return the logical and."""
     return a and b
 
 
 def either(a: bool, b: bool) -> bool:
-    """Logical or."""
+    """Return the logical or."""
     return a or b
 
 
 def negate(a: bool) -> bool:
-    """Logical not."""
+    """Return the logical not."""
     return not a
 
 
 def minimum(a: float, b: float) -> float:
-    """The smaller of two."""
+    """Return the smaller of two."""
     return a if a < b else b
 
 
 def maximum(a: float, b: float) -> float:
-    """The larger of two."""
+    """Return the larger of two."""
     return a if a > b else b
 
 
@@ -53,12 +53,12 @@ def clip(x: float, low: float, high: float) -> float:
 
 
 def abs(x: float) -> float:
-    """Absolute value."""
+    """Return the absolute value."""
     return -x if x < 0.0 else x
 
 
 def sqrt(x: float) -> float:
-    """Square root; 0 for negative arguments."""
+    """Return the square root; 0 for negative arguments."""
     return math.sqrt(x) if x > 0.0 else 0.0
 
 
@@ -68,7 +68,7 @@ def exp(x: float) -> float:
 
 
 def log(x: float) -> float:
-    """Natural logarithm; the argument is at least 1e-300."""
+    """Return the natural logarithm; the argument is at least 1e-300."""
     return math.log(x if x > 1e-300 else 1e-300)
 
 
@@ -90,7 +90,7 @@ def expand_power(x: Any, exponent: int) -> Any:
 
 
 def find_whole_exponent(exponent: Any) -> int | None:
-    """The whole number that an exponent is, if it is one: `2` and `2.0` are."""
+    """Return the whole number that an exponent is, if it is one: `2` and `2.0` are."""
     if isinstance(exponent, float):
         return int(exponent) if exponent.is_integer() else None
     return exponent.__index__() if hasattr(exponent, "__index__") else None
@@ -115,7 +115,7 @@ tanh = math.tanh
 
 
 def nearest(x: float) -> float:
-    """The nearest whole number, the even one of two; large numbers are whole."""
+    """Return the nearest whole number, the even one of two; large numbers are whole."""
     return float(round(x)) if -WHOLE < x < WHOLE else x
 
 
@@ -135,12 +135,12 @@ def erfcx(x: float) -> float:
 
 
 def each(body: Callable[..., Sequence[float]], *columns: Sequence[float]) -> tuple[tuple[float, ...], ...]:
-    """Columns of results of `body` over the rows of equally long columns."""
+    """Return the columns of results of `body` over the rows of equally long columns."""
     return tuple(zip(*(body(*row) for row in zip(*columns, strict=True)), strict=True))
 
 
 def repeat(count: int, body: Callable[..., Sequence[float]], *state: float) -> Sequence[float]:
-    """The state after `count` turns of `body`."""
+    """Return the state after `count` turns of `body`."""
     found: Sequence[float] = state
     for _ in range(count):
         found = body(*found)
@@ -148,7 +148,7 @@ def repeat(count: int, body: Callable[..., Sequence[float]], *state: float) -> S
 
 
 def iterate(most: int, body: Callable[..., Sequence[float]], *state: float) -> Sequence[float]:
-    """The state after turns of `body` for as long as its first number is above 0."""
+    """Return the state after turns of `body` for as long as its first number is above 0."""
     found: Sequence[float] = state
     for _ in range(most):
         if not found[0] > 0.0:
@@ -168,5 +168,5 @@ def implicit_root(root: float, newton: float) -> float:
 
 
 def eps() -> float:
-    """Distance from 1 to the next number."""
+    """Return the distance from 1 to the next number."""
     return 2.220446049250313e-16

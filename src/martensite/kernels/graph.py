@@ -93,11 +93,11 @@ class Graph:
         self._known: dict[tuple[Any, ...], int] = {}
 
     def input(self, name: str, depends: int) -> Expr:
-        """A named number from outside."""
+        """Return a named number from outside."""
         return self._node("input", (name,), depends)
 
     def constant(self, value: float | bool) -> Expr:
-        """A number known while tracing."""
+        """Return a number known while tracing."""
         try:
             value = value if isinstance(value, bool) else float(value)
         except (TypeError, ValueError) as error:
@@ -108,7 +108,7 @@ class Graph:
         return self._node("constant", (value,), 0, type(value))
 
     def apply(self, operation: str, *values: Any) -> Expr:
-        """A new node, or an equal or simpler one that exists."""
+        """Return a new node, or an equal or simpler one that exists."""
         nodes = [self._expr(v) for v in values]
         simple = self._simplify(operation, nodes)
         if simple is not None:
@@ -184,7 +184,7 @@ class Graph:
         return VARYING | (self._join_dependencies(needed) & ~PARAMETER)
 
     def _outside(self, outputs: Sequence[int], bit: int) -> list[int]:
-        """The nodes that the body of a loop takes from around it."""
+        """Return the nodes that the body of a loop takes from around it."""
 
         def below(index: int) -> tuple[int, ...]:
             inside = self.depends[index] & bit and self.operations[index] != "input"
@@ -202,14 +202,14 @@ class Graph:
         return value if isinstance(value, Expr) else self.constant(value)
 
     def children(self, index: int) -> tuple[int, ...]:
-        """The nodes that a node is computed from: a root is not computed from its slopes."""
+        """Return the nodes that a node is computed from: a root is not computed from its slopes."""
         operation, arguments = self.operations[index], self.arguments[index]
         if operation in ("input", "constant"):
             return ()
         return arguments[:1] if operation == "implicit_root" else arguments
 
     def walk(self, start: Iterable[int], below: Callable[[int], Iterable[int]]) -> Iterator[int]:
-        """Some nodes and all that they lead to, each once; `below` says where one leads."""
+        """Yield some nodes and all that they lead to, each once; `below` says where one leads."""
         seen, left = set[int](), list(start)
         while left:
             index = left.pop()
@@ -219,7 +219,7 @@ class Graph:
                 left += below(index)
 
     def value_of(self, node: Expr) -> float | bool | None:
-        """The value of a constant node, else None."""
+        """Return the value of a constant node, else None."""
         i = node.index
         return self.arguments[i][0] if self.operations[i] == "constant" else None
 
@@ -281,7 +281,7 @@ class Graph:
         return None
 
     def _signs(self, operation: str, nodes: list[Expr], known: list[Any]) -> Expr | None:
-        """Rules for minus signs, which are exact as well."""
+        """Return the rules for minus signs, which are exact as well."""
         a, b = nodes
         if operation == "mul" and -1.0 in known:
             return -b if known[0] == -1.0 else -a
@@ -303,7 +303,7 @@ class Graph:
 
 
 def _apply_identities(operation: str, nodes: list[Expr], known: list[Any]) -> Expr | None:
-    """Rules that are exact in floating point for finite numbers."""
+    """Return the rules that are exact in floating point for finite numbers."""
     a, b = nodes
     if operation == "add":
         return b if known[0] == 0.0 else a if known[1] == 0.0 else None
@@ -381,7 +381,7 @@ class GraphNamespace:
         return build
 
     def power(self, base: Any, exponent: Any) -> Any:
-        """A power as one operation; an `int` is multiplied out."""
+        """Return a power as one operation; an `int` is multiplied out."""
         if isinstance(exponent, int):
             return expand_power(base, exponent)
         return self.graph.apply("power", base, exponent)

@@ -64,7 +64,7 @@ class KernelPrinter:
         self.printer.share(hoisted, lambda i: tests[i])
 
     def print_function(self, function: Function, inputs: Sequence[str] | None = None) -> Statements:
-        """A function of the program, with its inputs where they are told to be, by default in x."""
+        """Return a function of the program, with its inputs where they are told to be, by default in x."""
         every = range(len(function.inputs))
         self._share_inputs(function.inputs, inputs or [self.place.format("x", i) for i in every])
         if self.moving is not None:
@@ -74,7 +74,7 @@ class KernelPrinter:
         return self._print(function.outputs)
 
     def list_places(self, array: str, nodes: Sequence[Expr]) -> list[tuple[str, int]]:
-        """Array and place of each of some nodes: numbers and derivatives are counted apart."""
+        """Return the array and place of each of some nodes: numbers and derivatives are counted apart."""
         counts = {array: 0, f"d{array}": 0}
         found: list[tuple[str, int]] = []
         for node in nodes:

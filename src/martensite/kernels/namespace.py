@@ -23,34 +23,34 @@ class Namespace(Protocol):
         """`yes` where the flag holds, else `no`; both are evaluated."""
 
     def both(self, a: Flag, b: Flag, /) -> Flag:
-        """Logical and."""
+        """Return the logical and."""
 
     def either(self, a: Flag, b: Flag, /) -> Flag:
-        """Logical or."""
+        """Return the logical or."""
 
     def negate(self, a: Flag, /) -> Flag:
-        """Logical not."""
+        """Return the logical not."""
 
     def minimum(self, a: Scalar, b: Scalar, /) -> Scalar:
-        """The smaller of two."""
+        """Return the smaller of two."""
 
     def maximum(self, a: Scalar, b: Scalar, /) -> Scalar:
-        """The larger of two."""
+        """Return the larger of two."""
 
     def clip(self, x: Scalar, low: Scalar, high: Scalar, /) -> Scalar:
         """`x` limited to [low, high]."""
 
     def abs(self, x: Scalar, /) -> Scalar:
-        """Absolute value."""
+        """Return the absolute value."""
 
     def sqrt(self, x: Scalar, /) -> Scalar:
-        """Square root; 0 for negative arguments."""
+        """Return the square root; 0 for negative arguments."""
 
     def exp(self, x: Scalar, /) -> Scalar:
         """Exponential; the argument is limited to 700."""
 
     def log(self, x: Scalar, /) -> Scalar:
-        """Natural logarithm; the argument is at least 1e-300."""
+        """Return the natural logarithm; the argument is at least 1e-300."""
 
     def power(self, base: Scalar, exponent: Scalar, /) -> Scalar:
         """`base` to the `exponent`, for a base above 0; at most 1e304.
@@ -67,10 +67,10 @@ class Namespace(Protocol):
         """Cosine."""
 
     def tanh(self, x: Scalar, /) -> Scalar:
-        """Hyperbolic tangent."""
+        """Return the hyperbolic tangent."""
 
     def nearest(self, x: Scalar, /) -> Scalar:
-        """The nearest whole number, the even one of two.
+        """Return the nearest whole number, the even one of two.
 
         To differentiation it is `x` itself: a staircase has no derivative that is of use.
         """
@@ -82,16 +82,16 @@ class Namespace(Protocol):
         """exp(x²) erfc(x) for x ≥ 0 only: the scaled complementary error function."""
 
     def each(self, body: Callable[..., Sequence[Scalar]], *columns: Sequence[Scalar]) -> tuple[Sequence[Scalar], ...]:
-        """Columns of results of `body` over the rows of equally long columns.
+        """Return the columns of results of `body` over the rows of equally long columns.
 
         Traced, the body is one loop instead of as many copies as there are rows.
         """
 
     def repeat(self, count: int, body: Callable[..., Sequence[Scalar]], *state: Scalar) -> Sequence[Scalar]:
-        """The state after `count` turns of `body`, as one loop."""
+        """Return the state after `count` turns of `body`, as one loop."""
 
     def iterate(self, most: int, body: Callable[..., Sequence[Scalar]], *state: Scalar) -> Sequence[Scalar]:
-        """The state after turns of `body` for as long as its first number is above 0.
+        """Return the state after turns of `body` for as long as its first number is above 0.
 
         At most `most` turns, none if that number is 0 from the beginning. Every lane of a batch
         stops by itself.
@@ -109,7 +109,7 @@ class Namespace(Protocol):
         """
 
     def eps(self) -> Scalar:
-        """Distance from 1 to the next number of the working precision."""
+        """Return the distance from 1 to the next number of the working precision."""
 
 
 OPERATIONS = frozenset(name for name in vars(Namespace) if not name.startswith("_"))

@@ -17,7 +17,7 @@ class NestedShape:
         self.example = example
 
     def rebuild(self, flat: Sequence[Any]) -> Any:
-        """The nested tuple with the numbers of `flat` in order."""
+        """Return the nested tuple with the numbers of `flat` in order."""
         return self._fill(self.example, iter(flat))
 
     def _fill(self, example: Any, numbers: Iterator[Any]) -> Any:
@@ -28,14 +28,14 @@ class NestedShape:
 
 
 def flatten_numbers(nested: Any) -> list[Any]:
-    """All numbers of nested tuples, in order."""
+    """Return all numbers of nested tuples, in order."""
     if isinstance(nested, tuple):
         return [number for item in nested for number in flatten_numbers(item)]  # type: ignore[misc]
     return [nested]
 
 
 def name_numbers(nested: Any, path: str = "") -> list[str]:
-    """Dotted names of all numbers of nested tuples, in order, such as `elements.0.memory.stress`."""
+    """Return the dotted names of all numbers of nested tuples, in order, such as `elements.0.memory.stress`."""
     if not isinstance(nested, tuple):
         return [path]
     names: tuple[str, ...] = getattr(cast("Any", nested), "_fields", ())
@@ -51,7 +51,7 @@ def choose_tuple(xp: Namespace, flag: Flag, one: Chosen, other: Chosen) -> Chose
 
 
 def sum_column(column: Sequence[Scalar]) -> Scalar:
-    """Sum of the numbers of a column."""
+    """Return the sum of the numbers of a column."""
     result = column[0]
     for number in column[1:]:
         result = result + number
@@ -59,7 +59,7 @@ def sum_column(column: Sequence[Scalar]) -> Scalar:
 
 
 def find_largest(xp: Namespace, column: Sequence[Scalar]) -> Scalar:
-    """The largest number of a column."""
+    """Return the largest number of a column."""
     result = column[0]
     for number in column[1:]:
         result = xp.maximum(result, number)

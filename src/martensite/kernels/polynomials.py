@@ -44,7 +44,7 @@ ERFCX = [
 def evaluate_estrin(
     coefficients: list[float], times: str = "{} * {}", plus: str = "({} + {})", constant: str = "{!r}"
 ) -> tuple[list[tuple[str, str]], str]:
-    """A polynomial in z as pairs of pairs, which do not wait for each other.
+    """Return a polynomial in z as pairs of pairs, which do not wait for each other.
 
     Returns the powers that it needs, such as ("z2", "z * z"), and its text.
     """

@@ -45,7 +45,7 @@ class LoopText:
     output_kinds: Sequence[str]
 
     def results(self) -> list[str]:
-        """Names of the columns of results."""
+        """Return the names of the columns of results."""
         return [f"{self.name}_{k}" for k in range(len(self.outputs))]
 
 
@@ -67,7 +67,7 @@ class RepeatText:
     """Which results are used afterwards."""
 
     def results(self) -> list[str]:
-        """Names of the results."""
+        """Return the names of the results."""
         return [f"{self.name}_{k}" for k in range(len(self.outputs))]
 
 
@@ -87,7 +87,7 @@ class Printer:
         return lines, [text[i] for i in wanted]
 
     def _lines(self, uses: Mapping[int, int], text: dict[int, str], assigned: str) -> list[str]:
-        """Assignments of the named ones among the used nodes; puts all into `text`."""
+        """Return the assignments of the named ones among the used nodes; puts all into `text`."""
         depth: dict[int, int] = {}
         lines: list[str] = []
         inverses = self._inverses(uses)
@@ -121,7 +121,7 @@ class Printer:
         return lines
 
     def _inverses(self, uses: Mapping[int, int]) -> dict[int, int]:
-        """Divisions that share an inverse -> the first of them."""
+        """Return the divisions that share an inverse -> the first of them."""
         by: dict[int, list[int]] = {}
         for index in sorted(uses) if self.dialect.shares_inverses else ():
             if self.graph.operations[index] == "div" and index not in self.shared:
@@ -175,7 +175,7 @@ class Printer:
         return SLOPES if self.graph.depends[index] & SLOPE else NUMBER
 
     def is_flag(self, index: int) -> bool:
-        """True for nodes that are true or false."""
+        """Return True for nodes that are true or false."""
         return index in self.graph.flags
 
     def _children(self, index: int) -> tuple[int, ...]:
@@ -225,7 +225,7 @@ class Printer:
 
 
 def parameter_nodes(graph: Graph, outputs: Iterable[Expr]) -> list[Expr]:
-    """The nodes that depend on parameters only and feed nodes that depend on more."""
+    """Return the nodes that depend on parameters only and feed nodes that depend on more."""
 
     def below(index: int) -> tuple[int, ...]:
         return graph.children(index) if graph.depends[index] & ~SLOPE not in (0, PARAMETER) else ()
@@ -235,7 +235,7 @@ def parameter_nodes(graph: Graph, outputs: Iterable[Expr]) -> list[Expr]:
 
 
 def python_constant(value: float | bool) -> str:
-    """A literal; infinities are written as numbers that overflow."""
+    """Return a literal; infinities are written as numbers that overflow."""
     return repr(value).replace("inf", "1e999")
 
 
@@ -257,7 +257,7 @@ PYTHON_OPERATORS = {
 
 
 def _float_loop(loop: LoopText) -> list[str]:
-    """A Python loop that appends to lists."""
+    """Return a Python loop that appends to lists."""
     columns = ", ".join(f"({', '.join(column)},)" for column in loop.columns)
     results = list(zip(loop.results(), loop.outputs, strict=True))
     inner = [*loop.body, *(f"{name}.append({value})" for name, value in results)]
@@ -269,7 +269,7 @@ def _float_loop(loop: LoopText) -> list[str]:
 
 
 def _float_repeat(loop: RepeatText) -> list[str]:
-    """A Python loop that replaces numbers."""
+    """Return a Python loop that replaces numbers."""
     state = ", ".join(loop.state)
     return [
         f"{state}, = {', '.join(loop.begin)},",

@@ -51,7 +51,7 @@ class Program:
 
     @property
     def xp(self) -> GraphNamespace:
-        """The namespace in which kernels are traced into this program."""
+        """Return the namespace in which kernels are traced into this program."""
         return GraphNamespace(self.graph)
 
     def parameter(self, name: str) -> Expr:
@@ -78,12 +78,12 @@ class Program:
 
     @cached_property
     def hoisted_nodes(self) -> list[Expr]:
-        """Nodes computed once per set of parameters."""
+        """Return the nodes computed once per set of parameters."""
         return parameter_nodes(self.graph, [node for f in self.functions.values() for node in f.outputs])
 
     @property
     def constants(self) -> int:
-        """Length of the array of what depends on parameters alone; C has none of length 0."""
+        """Return the length of the array of what depends on parameters alone; C has none of length 0."""
         return max(1, len(self.hoisted_nodes) - self._count_slopes())
 
     @property

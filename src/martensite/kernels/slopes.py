@@ -31,14 +31,14 @@ as rates that underflow, would have an infinite one."""
 
 
 def slope_input(name: str) -> str:
-    """Name of the input with the derivatives of another."""
+    """Return the name of the input with the derivatives of another."""
     return f"d{name}"
 
 
 def differentiate_program(
     program: Program, wrt: Sequence[int], states: Mapping[str, int], shown: Sequence[int]
 ) -> Program:
-    """The functions of a program (`init`, `step`, `observe`, …) with their derivatives, over the same graph.
+    """Return the functions of a program (`init`, `step`, `observe`, …) with their derivatives, over the same graph.
 
     Derivatives of the parameters at the places `wrt` are given, as inputs `dp…`; `states` says for each wanted function
     how many of its first inputs have derivatives, `shown` which results of `observe` are wanted. Every function then
@@ -84,7 +84,7 @@ def differentiate_along(
 
 
 def _seed_inputs(graph: Graph, duals: _Slopes, moving: Mapping[str, int]) -> dict[int, Any]:
-    """Inputs, with what they depend on, as dual numbers whose tangents are inputs too."""
+    """Return the inputs, with what they depend on, as dual numbers whose tangents are inputs too."""
     return {
         graph.input(name, depends).index: duals.pair(
             graph.input(name, depends), graph.input(slope_input(name), depends | SLOPE)
@@ -101,7 +101,7 @@ class _Slopes(DualNamespace):
         self.zero = zero
 
     def apply(self, operation: str, arguments: Sequence[Any]) -> Any:
-        """The result of an operation of the graph, with its tangent if an argument has one."""
+        """Return the result of an operation of the graph, with its tangent if an argument has one."""
         if operation == "div":
             return self._divide_once(*arguments)
         rule = OPERATORS.get(operation)
@@ -143,17 +143,17 @@ class TangentWalk:
         self._levels = [_Level(0, dict(moving))]
 
     def pair(self, index: int) -> tuple[Expr, Expr | None]:
-        """Value of a node, and its derivatives if it has any."""
+        """Return the value of a node, and its derivatives if it has any."""
         value, slope = self._duals.parts(self._read(index))
         return value, slope
 
     def _level(self, index: int) -> _Level:
-        """The innermost level that a node belongs to."""
+        """Return the innermost level that a node belongs to."""
         depends = self._graph.depends[index]
         return next(x for x in reversed(self._levels) if not x.bit or depends & x.bit)
 
     def _read(self, index: int) -> Any:
-        """A node as a dual number, or bare if it has no derivative."""
+        """Return a node as a dual number, or bare if it has no derivative."""
         for needed in self._list_needed(index):
             level = self._level(needed)
             if needed not in level.known:
@@ -161,7 +161,7 @@ class TangentWalk:
         return self._level(index).known[index]
 
     def _list_needed(self, index: int) -> list[int]:
-        """The nodes to be read first, in the order in which they were made."""
+        """Return the nodes to be read first, in the order in which they were made."""
         found: set[int] = set()
         stack = [index]
         while stack:
@@ -214,7 +214,7 @@ class TangentWalk:
     # ------------------------------------------------------------ loops
 
     def _each(self, index: int) -> list[list[Any]]:
-        """A loop over rows: its results by place and row."""
+        """Return a loop over rows: its results by place and row."""
         loop = self._graph.loops[index]
         columns = [[self._duals.parts(self._read(i)) for i in column] for column in loop.columns]
         moving = [any(slope is not None for _, slope in column) for column in columns]
@@ -239,7 +239,7 @@ class TangentWalk:
         ]
 
     def _repeat(self, index: int) -> list[list[Any]]:
-        """A loop over a state: its results by place, in rows of one."""
+        """Return a loop over a state: its results by place, in rows of one."""
         loop, graph = self._graph.repeats[index], self._graph
         begin = [self._duals.parts(self._read(i)) for i in loop.begin]
         moving = [slope is not None for _, slope in begin]
@@ -272,7 +272,7 @@ class TangentWalk:
     def _inside(
         self, bit: int, inputs: Sequence[int], row: Sequence[Expr], moving: Sequence[bool], outputs: Iterable[int]
     ) -> tuple[list[Expr], list[bool]]:
-        """Values, then slopes, of the results of a body; and which of them have slopes."""
+        """Return the values, then slopes, of the results of a body; and which of them have slopes."""
         slopes = iter(row[len(inputs) :])
         known = {
             i: self._duals.pair(value, next(slopes) if moves else None)
@@ -369,7 +369,7 @@ class _PartialsWalk(TangentWalk):
 
 
 def compute_partials(values: Sequence[Expr], variables: Sequence[Expr]) -> tuple[list[Expr], list[dict[int, Expr]]]:
-    """Traced values as they are computed beside their derivatives, and these, forwards.
+    """Return the traced values as they are computed beside their derivatives, and these, forwards.
 
     For each value a row: number of the variable -> derivative, those that are zero left out.
     """

@@ -66,7 +66,7 @@ _STANDARD = str(Path(linecache.__file__).parent)
 
 
 def make_kernel_error(reason: str, instead: str = "", called: str = "") -> KernelError:
-    """An error about what the kernel that is running just did.
+    """Return an error about what the kernel that is running just did.
 
     It says what to write instead, unless a function is called that kernels have too, whose name is read from the source
     if it is not given.
@@ -84,7 +84,7 @@ def make_kernel_error(reason: str, instead: str = "", called: str = "") -> Kerne
 
 
 def make_operation_error(name: str) -> UnknownOperationError:
-    """An error about an operation that kernels have not."""
+    """Return an error about an operation that kernels have not."""
     place, _ = _find_place()
     valid = suggest_name(name, [_SAME[name]] if name in _SAME else OPERATIONS)
     return UnknownOperationError(f"Kernels have no operation `{name}`, used in {place}. {valid}")
@@ -110,7 +110,7 @@ def _is_kernel(frame: FrameType) -> bool:
 
 
 def _read_expression(frame: FrameType) -> str:
-    """The expression that a frame is in, as it is written; empty if that is not known."""
+    """Return the expression that a frame is in, as it is written; empty if that is not known."""
     places = islice(frame.f_code.co_positions(), frame.f_lasti // 2, None)
     line, last, start, end = next(places, (None,) * 4)
     if line is None or line != last:
@@ -120,7 +120,7 @@ def _read_expression(frame: FrameType) -> str:
 
 
 def refuse(reason: str, instead: str = "") -> Callable[..., Any]:
-    """A method of what Python asks of numbers, that raises the error for it."""
+    """Return a method of what Python asks of numbers, that raises the error for it."""
 
     def refused(*_: Any, **__: Any) -> NoReturn:
         raise make_kernel_error(reason, instead)

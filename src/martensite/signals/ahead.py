@@ -15,7 +15,7 @@ class Ahead(AbstractWaveform):
     lead: Number = param("s", "how far it looks ahead", low=0.0)
 
     def value(self, time: float) -> float:
-        """The value of the waveform at `time` + lead [s]."""
+        """Return the value of the waveform at `time` + lead [s]."""
         return self.waveform.value(time + self.lead + HAIR)
 
     def edges(self, duration: float) -> list[float]:

@@ -30,11 +30,11 @@ class AbstractDrive(Parametrised):
 
     @abstractmethod
     def init(self) -> Any:
-        """Memory before the first call."""
+        """Return the memory before the first call."""
 
     @abstractmethod
     def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Any]:
-        """Signal at `time` [s] and the new memory."""
+        """Return the signal at `time` [s] and the new memory."""
 
 
 class AbstractWaveform(AbstractDrive):
@@ -52,14 +52,14 @@ class AbstractWaveform(AbstractDrive):
 
     @abstractmethod
     def value(self, time: float) -> float:
-        """Signal at `time` [s], in the unit of the source; right-continuous at jumps."""
+        """Return the signal at `time` [s], in the unit of the source; right-continuous at jumps."""
 
     def signals(self, times: Sequence[float]) -> list[float]:
-        """Signals at many times, the same numbers as one by one."""
+        """Return the signals at many times, the same numbers as one by one."""
         return list(map(self.value, times))
 
     def edges(self, duration: float) -> list[float]:
-        """Times in (0, duration) at which the signal jumps or bends, ascending [s]."""
+        """Return the times in (0, duration) at which the signal jumps or bends, ascending [s]."""
         return []
 
     def count_edges(self, duration: float) -> float:
@@ -84,10 +84,10 @@ class AbstractWaveform(AbstractDrive):
         return ()
 
     def shape(self, begin: float, end: float) -> SignalShape:
-        """The waveform as segments and tones in [begin, end] [s]."""
+        """Return the waveform as segments and tones in [begin, end] [s]."""
         known = takewhile(lambda segment: segment.start < end, self.segments(begin))
         return SignalShape(list(known) or [next(self.segments(begin))], self.tones())
 
     def moments(self, begin: float, end: float) -> Moments:
-        """Mean, mean square and range over [begin, end] [s], exactly."""
+        """Return the mean, mean square and range over [begin, end] [s], exactly."""
         return self.shape(begin, end).moments(begin, end)

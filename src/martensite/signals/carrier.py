@@ -18,7 +18,7 @@ from martensite.signals.pulses import AbstractPulses
 
 
 def limit_duty(duty: float, shortest: float) -> float:
-    """Share of a period that is on, for a duty and a `shortest` pulse as a share of the period."""
+    """Return the share of a period that is on, for a duty and a `shortest` pulse as a share of the period."""
     duty = min(max(duty, 0.0), 1.0)
     if duty < shortest:
         return shortest if duty >= 0.5 * shortest else 0.0
@@ -48,7 +48,7 @@ class Carrier(AbstractPulses):
             )
 
     def share(self, k: int) -> float:
-        """The duty at the start of period k, as the switch can make it."""
+        """Return the duty at the start of period k, as the switch can make it."""
         return limit_duty(self.duty.value(self._start(k)), self.shortest * self.frequency)
 
     def value(self, time: float) -> float:

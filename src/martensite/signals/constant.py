@@ -17,11 +17,11 @@ class Constant(AbstractWaveform):
     level: Number = param(DRIVE, "level", typical=HIGH)
 
     def value(self, time: float) -> float:
-        """The level, at any time."""
+        """Return the level, at any time."""
         return self.level
 
     def signals(self, times: Sequence[float]) -> list[float]:
-        """The level, as often as it is asked for."""
+        """Return the level, as often as it is asked for."""
         return [self.level] * len(times)
 
     def segments(self, begin: float) -> Iterator[Segment]:

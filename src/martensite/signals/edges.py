@@ -36,7 +36,7 @@ def require_countable(owner: str, edges: float, duration: float) -> None:
 
 
 def find_interval(time: float, guess: float, start: Callable[[int], float]) -> int:
-    """The number k with start(k) ≤ time < start(k + 1), looked for next to a guess of it."""
+    """Return the number k with start(k) ≤ time < start(k + 1), looked for next to a guess of it."""
     k = int(guess)
     while start(k + 1) <= time:
         k += 1

@@ -17,11 +17,11 @@ class Held(AbstractWaveform):
     frequency: Number = param("Hz", "values per second", above=0.0, high=1e9, typical="2 Hz")
 
     def value(self, time: float) -> float:
-        """The value of the period at `time` [s]; the new one at its start."""
+        """Return the value of the period at `time` [s]; the new one at its start."""
         return self.values[self._period(time)]
 
     def edges(self, duration: float) -> list[float]:
-        """Starts of the periods in (0, duration) [s]."""
+        """Return the starts of the periods in (0, duration) [s]."""
         return select_inside((self._start(k) for k in range(1, len(self.values))), duration)
 
     def segments(self, begin: float) -> Iterator[Segment]:
@@ -30,7 +30,7 @@ class Held(AbstractWaveform):
             yield Segment(self._start(k), self.values[k])
 
     def _period(self, time: float) -> int:
-        """Number of the value at `time` [s]."""
+        """Return the number of the value at `time` [s]."""
         k = find_interval(time, time * self.frequency, self._start)
         return min(max(k, 0), len(self.values) - 1)
 

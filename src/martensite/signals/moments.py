@@ -50,7 +50,7 @@ class Segment(NamedTuple):
     """Half of the second derivative [1/s²]."""
 
     def value(self, time: float) -> float:
-        """The parabola at `time` [s]."""
+        """Return the parabola at `time` [s]."""
         along = time - self.start
         return self.level + (self.slope + self.bend * along) * along
 
@@ -65,7 +65,7 @@ class Tone(NamedTuple):
     """φ [rad]"""
 
     def value(self, time: float) -> float:
-        """The tone at `time` [s]."""
+        """Return the tone at `time` [s]."""
         return self.amplitude * math.cos(self.rate * time + self.phase)
 
 
@@ -100,12 +100,12 @@ class SignalShape(NamedTuple):
     tones: Sequence[Tone] = ()
 
     def value(self, time: float) -> float:
-        """The signal at `time` [s]; right-continuous at jumps."""
+        """Return the signal at `time` [s]; right-continuous at jumps."""
         at = max(0, bisect_right(self.segments, time, key=_get_start) - 1)
         return self.segments[at].value(time) + math.fsum(tone.value(time) for tone in self.tones)
 
     def moments(self, begin: float, end: float) -> Moments:
-        """Moments over [begin, end] [s]."""
+        """Return the moments over [begin, end] [s]."""
         at = max(0, bisect_right(self.segments, begin, key=_get_start) - 1)
         swings = [_Swing(tone, begin, end) for tone in self.tones]
         found, left = _Sum(begin, end, swings), begin
@@ -118,7 +118,7 @@ class SignalShape(NamedTuple):
         return found.moments()
 
     def many(self, begins: Sequence[float], ends: Sequence[float]) -> list[Moments]:
-        """Moments over many intervals; in arrays those that lie within a segment each."""
+        """Return the moments over many intervals; in arrays those that lie within a segment each."""
         if len(begins) < MANY or self.tones:
             return [self.moments(a, b) for a, b in zip(begins, ends, strict=True)]
         import numpy as np
@@ -180,7 +180,7 @@ class _Sum:
         self.marks.append((right - self.begin, self.mean, self.square))
 
     def moments(self) -> Moments:
-        """All together."""
+        """Return all together."""
         swings, per = self.swings, 12.0 / (self.length * self.length)
         low, high = self.low + sum(s.low for s in swings), self.high + sum(s.high for s in swings)
         mean, slope, second = self.mean, per * self.lean, per * self.square_lean
@@ -261,7 +261,7 @@ def _average_product(tone: Tone, begin: float, end: float, d0: float, d1: float,
 
 
 def _average_beats(swings: Sequence[_Swing]) -> float:
-    """Mean square of the sum of tones."""
+    """Return the mean square of the sum of tones."""
     found = 0.0
     for j, a in enumerate(swings):
         for k, b in enumerate(swings[: j + 1]):
@@ -276,7 +276,7 @@ def _get_start(segment: Segment) -> float:
 
 
 def add_segments(terms: Sequence[tuple[float, Iterator[Segment]]]) -> Iterator[Segment]:
-    """Segments of a sum of signals, each times a factor, from those of all."""
+    """Yield the segments of a sum of signals, each times a factor, from those of all."""
     here = [next(segments) for _, segments in terms]
     ahead = [next(segments, None) for _, segments in terms]
     start = max(segment.start for segment in here)
@@ -296,7 +296,7 @@ def add_segments(terms: Sequence[tuple[float, Iterator[Segment]]]) -> Iterator[S
 
 
 def fit_parabolas(value: Callable[[float], float], first: float, last: float) -> Iterator[Segment]:
-    """Parabolas through a signal that is smooth in [first, last), ascending."""
+    """Yield the parabolas through a signal that is smooth in [first, last), ascending."""
     stack = [(first, last)]
     while stack:
         begin, end = stack.pop()

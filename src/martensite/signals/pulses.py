@@ -22,7 +22,7 @@ class AbstractPulses(AbstractWaveform):
 
     @abstractmethod
     def share(self, k: int) -> float:
-        """Share of period k that is on."""
+        """Return the share of period k that is on."""
 
     def levels(self) -> tuple[float, float]:
         """Signal while a pulse is on, and while it is off."""
@@ -40,11 +40,11 @@ class AbstractPulses(AbstractWaveform):
         return select_inside((t for k in periods for t in (self._start(k), self._end(k))), duration)
 
     def count_edges(self, duration: float) -> float:
-        """Two in every period."""
+        """Return two in every period."""
         return 2.0 * self.frequency * duration
 
     def segments(self, begin: float) -> Iterator[Segment]:
-        """A pulse and a gap by turns, as far as they have a length."""
+        """Yield a pulse and a gap by turns, as far as they have a length."""
         on, off = self.levels()
         for k in count(max(find_interval(begin, begin * self.frequency, self._start), 0)):
             start, end, after = self._start(k), self._end(k), self._start(k + 1)

@@ -23,7 +23,7 @@ class PulseWidthModulation(AbstractPulses):
         require_order("pwm", self.low, self.high)
 
     def share(self, k: int) -> float:
-        """The duty, in every period."""
+        """Return the duty, in every period."""
         return self.duty
 
     def levels(self) -> tuple[float, float]:
@@ -31,13 +31,13 @@ class PulseWidthModulation(AbstractPulses):
         return self.high, self.low
 
     def value(self, time: float) -> float:
-        """Level at `time` [s]; the new one at a jump itself."""
+        """Return the level at `time` [s]; the new one at a jump itself."""
         return self.high if self.is_on(time) else self.low
 
     def edges(self, duration: float) -> list[float]:
-        """All jumps in (0, duration) [s]: k/f and (k + duty)/f."""
+        """Return all jumps in (0, duration) [s]: k/f and (k + duty)/f."""
         return [] if self.duty in (0.0, 1.0) else super().edges(duration)
 
     def count_edges(self, duration: float) -> float:
-        """Two in every period, unless it is always on or off."""
+        """Return two in every period, unless it is always on or off."""
         return 0.0 if self.duty in (0.0, 1.0) else super().count_edges(duration)

@@ -35,11 +35,11 @@ class Ramp(AbstractWaveform):
             )
 
     def value(self, time: float) -> float:
-        """Level at `time` [s]."""
+        """Return the level at `time` [s]."""
         return blend_levels(self.low, self.high, (time - self.start) / (self.end - self.start))
 
     def signals(self, times: Sequence[float]) -> list[float]:
-        """Levels at many times, the same numbers as one by one."""
+        """Return the levels at many times, the same numbers as one by one."""
         if len(times) < MANY:
             return super().signals(times)
         import numpy as np
@@ -52,7 +52,7 @@ class Ramp(AbstractWaveform):
         return select_inside((self.start, self.end), duration)
 
     def segments(self, begin: float) -> Iterator[Segment]:
-        """Level, rising, level."""
+        """Yield the level, rising, level."""
         if self.start > 0.0:
             yield Segment(0.0, self.low)
         yield Segment(self.start, self.low, (self.high - self.low) / (self.end - self.start))

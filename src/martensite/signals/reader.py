@@ -26,7 +26,7 @@ class Reader:
         """Highest ω of its tones [rad/s]."""
 
     def moments(self, begin: float, end: float) -> Moments:
-        """Moments over [begin, end] [s]."""
+        """Return the moments over [begin, end] [s]."""
         self._need(end)
         first = self._place(begin)
         if not self.tones:
@@ -37,7 +37,7 @@ class Reader:
         return SignalShape(self._known[first : self._place(end) + 1], self.tones).moments(begin, end)
 
     def value(self, time: float) -> float:
-        """Signal at `time` [s]; the new one at a jump."""
+        """Return the signal at `time` [s]; the new one at a jump."""
         self._need(time)
         return SignalShape([self._known[self._place(time)]], self.tones).value(time)
 

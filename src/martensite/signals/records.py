@@ -46,7 +46,7 @@ class Record:
             raise DataError(f"Record `{self.name}` holds no rows.")
 
     def __getitem__(self, name: str) -> list[float]:
-        """A column by name, in SI.
+        """Return a column by name, in SI.
 
         Raises:
             DataError: there is none of that name.
@@ -65,7 +65,7 @@ class Record:
         return Summary("", [DataTable(("column", "lowest", "highest"), rows, right=(1, 2))], data, lead)
 
     def __repr__(self) -> str:
-        """A few lines; every column is in `summary()`."""
+        """Return a few lines; every column is in `summary()`."""
         return self.summary().brief()
 
     def _repr_html_(self) -> str:
@@ -73,35 +73,35 @@ class Record:
 
     @property
     def times(self) -> list[float]:
-        """Times of the rows [s]."""
+        """Return the times of the rows [s]."""
         return self.columns["time"]
 
     def __len__(self) -> int:
-        """Number of rows."""
+        """Return the number of rows."""
         return len(self.times)
 
 
 def _find_ends(column: Sequence[float]) -> tuple[float, float]:
-    """The lowest and the highest number, NaN where there is none."""
+    """Return the lowest and the highest number, NaN where there is none."""
     known = [one for one in column if not math.isnan(one)] or [math.nan]
     return min(known), max(known)
 
 
 def out_of_order(times: list[float]) -> int | None:
-    """Index of the first time that is not above the one before; None if all are."""
+    """Return the index of the first time that is not above the one before; None if all are."""
     pairs = enumerate(pairwise(times), start=1)
     return next((i for i, (before, time) in pairs if not time > before), None)
 
 
 def not_finite(numbers: list[float]) -> int | None:
-    """Index of the first number that is NaN or infinite; None if all are finite."""
+    """Return the index of the first number that is NaN or infinite; None if all are finite."""
     if all(map(math.isfinite, numbers)):
         return None
     return next(i for i, number in enumerate(numbers) if not math.isfinite(number))
 
 
 def table_waveform(record: Record, column: str) -> Table:
-    """The waveform that follows a column of a record: linear between rows, held outside.
+    """Return the waveform that follows a column of a record: linear between rows, held outside.
 
     Raises:
         DataError: the record has no such column.

@@ -34,12 +34,12 @@ class Sine(AbstractWaveform):
         require_order("sine", self.low, self.high)
 
     def value(self, time: float) -> float:
-        """Level at `time` [s]."""
+        """Return the level at `time` [s]."""
         turns = math.fmod(time * self.frequency, 1.0) + _TURNS[self.phase]
         return blend_levels(self.low, self.high, 0.5 - 0.5 * math.cos(2.0 * math.pi * turns))
 
     def segments(self, begin: float) -> Iterator[Segment]:
-        """Its middle."""
+        """Yield its middle."""
         yield Segment(0.0, 0.5 * (self.low + self.high))
 
     def tones(self) -> tuple[Tone, ...]:

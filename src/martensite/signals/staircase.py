@@ -32,11 +32,11 @@ class Staircase(AbstractWaveform):
             raise ParameterError(f"Parameter `count` of `staircase` must be a whole number, but is {self.count:.6g}.")
 
     def value(self, time: float) -> float:
-        """Level at `time` [s]; the new one at a jump itself."""
+        """Return the level at `time` [s]; the new one at a jump itself."""
         return self._level(self._step(time))
 
     def edges(self, duration: float) -> list[float]:
-        """All jumps in (0, duration) [s]."""
+        """Return all jumps in (0, duration) [s]."""
         jumps = min(self._last, int(duration / self.hold) + 1)
         return select_inside((self._start(k) for k in range(1, jumps + 1)), duration)
 
@@ -46,7 +46,7 @@ class Staircase(AbstractWaveform):
             yield Segment(self._start(step), self._level(step))
 
     def _step(self, time: float) -> int:
-        """Number of the level at `time` [s]."""
+        """Return the number of the level at `time` [s]."""
         return min(max(find_interval(time, time / self.hold, self._start), 0), self._last)
 
     def _level(self, step: int) -> float:
@@ -58,6 +58,6 @@ class Staircase(AbstractWaveform):
 
     @property
     def _last(self) -> int:
-        """Number of jumps."""
+        """Return the number of jumps."""
         top = int(self.count) - 1
         return top if self.direction == "up" else 2 * top

@@ -33,11 +33,11 @@ class Step(AbstractWaveform):
             )
 
     def value(self, time: float) -> float:
-        """Level at `time` [s]; the new one at the step itself."""
+        """Return the level at `time` [s]; the new one at the step itself."""
         return self.high if self.at <= time < self.until else self.low
 
     def edges(self, duration: float) -> list[float]:
-        """The step and the step back, where they lie in (0, duration) [s]."""
+        """Return the step and the step back, where they lie in (0, duration) [s]."""
         return select_inside((self.at, self.until), duration)
 
     def segments(self, begin: float) -> Iterator[Segment]:

@@ -46,11 +46,11 @@ class Table(AbstractWaveform):
                 )
 
     def value(self, time: float) -> float:
-        """Level at `time` [s]."""
+        """Return the level at `time` [s]."""
         return self.factor * self._sample(time / self.stretch)
 
     def signals(self, times: Sequence[float]) -> list[float]:
-        """Signals at many times, the same numbers as one by one."""
+        """Return the signals at many times, the same numbers as one by one."""
         if len(times) < MANY:
             return super().signals(times)
         import numpy as np
@@ -63,7 +63,7 @@ class Table(AbstractWaveform):
         return (self.factor * blend_arrays(first, last, share)).tolist()
 
     def segments(self, begin: float) -> Iterator[Segment]:
-        """Straight lines between the samples, and the levels before and behind them."""
+        """Yield the straight lines between the samples, and the levels before and behind them."""
         at = max(0, bisect_right(self.times, begin / self.stretch) - 1)
         factor, stretch = self.factor, self.stretch
         if at == 0 and self.times[0] > 0.0:
@@ -84,7 +84,7 @@ class Table(AbstractWaveform):
         return blend_levels(self.values[right - 1], self.values[right], share)
 
     def edges(self, duration: float) -> list[float]:
-        """The samples in (0, duration) at which the signal does not just stay level [s]."""
+        """Return the samples in (0, duration) at which the signal does not just stay level [s]."""
         v = self.values
         around = zip((v[0], *v[:-1]), v, (*v[1:], v[-1]), self.times, strict=True)
         return select_inside((t * self.stretch for a, b, c, t in around if not a == b == c), duration)

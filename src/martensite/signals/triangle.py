@@ -25,7 +25,7 @@ class Triangle(AbstractWaveform):
         require_order("triangle", self.low, self.high)
 
     def value(self, time: float) -> float:
-        """Level at `time` [s]."""
+        """Return the level at `time` [s]."""
         k = find_interval(time, 2.0 * time * self.frequency, self._bend)
         begin, end = self._bend(k), self._bend(k + 1)
         share = (time - begin) / (end - begin)
@@ -34,13 +34,13 @@ class Triangle(AbstractWaveform):
         return blend_levels(self.low, self.high, share)
 
     def edges(self, duration: float) -> list[float]:
-        """All bends in (0, duration) [s]: k/(2 f)."""
+        """Return all bends in (0, duration) [s]: k/(2 f)."""
         count = self.count_edges(duration)
         require_countable("triangle", count, duration)
         return select_inside((self._bend(k) for k in range(1, int(count) + 2)), duration)
 
     def count_edges(self, duration: float) -> float:
-        """Two in every period."""
+        """Return two in every period."""
         return 2.0 * self.frequency * duration
 
     def segments(self, begin: float) -> Iterator[Segment]:

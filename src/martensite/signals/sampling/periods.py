@@ -83,7 +83,7 @@ def average_periods(record: Sampled, period: float, skip: float = 0.0) -> Period
 
 
 def _describe_differing(record: Sampled, u: Numbers) -> list[str]:
-    """Sentences on inputs that do not repeat themselves."""
+    """Return the sentences on inputs that do not repeat themselves."""
     spread, size = u.std(axis=0).max(axis=0), u.std(axis=(0, 1))
     return [
         f"Input `{name}` differs between periods by up to {s:.3g}; its mean was taken."

@@ -38,7 +38,7 @@ def from_record(
     interval: float | None = None,
     units: Mapping[str, str] | None = None,
 ) -> Sampled:
-    """A measured table as a record at equal intervals.
+    """Return a measured table as a record at equal intervals.
 
     Args:
         record: the table, in SI.
@@ -178,7 +178,7 @@ def _list_columns(
 def _fill_held_inputs(
     record: str, columns: Mapping[str, Numbers], inputs: Sequence[str], outputs: Sequence[str]
 ) -> tuple[Numbers, Numbers, int, list[str]]:
-    """Inputs without gaps, outputs, the first row at which all inputs are known, remarks."""
+    """Return the inputs without gaps, outputs, the first row at which all inputs are known, remarks."""
     first, remarks = 0, list[str]()
     filled: list[Numbers] = []
     for name in inputs:
@@ -210,7 +210,7 @@ class _Grid:
 
 
 def _find_grid(times: Numbers, wanted: float | None) -> _Grid:
-    """The grid that times lie on, or else the one that they are to be brought onto."""
+    """Return the grid that times lie on, or else the one that they are to be brought onto."""
     if len(times) < 2:
         return _Grid(wanted or 1.0, np.zeros(len(times), int))
     steps = np.diff(times)
@@ -225,7 +225,7 @@ def _find_grid(times: Numbers, wanted: float | None) -> _Grid:
 
 
 def _round_interval(interval: float, rows: int) -> float:
-    """An interval without the rounding errors of its times: the shortest number near it."""
+    """Return an interval without the rounding errors of its times: the shortest number near it."""
     for digits in range(1, 12):
         short = float(f"{interval:.{digits}g}")
         if abs(short - interval) * rows <= 1e-3 * interval:
@@ -234,7 +234,7 @@ def _round_interval(interval: float, rows: int) -> float:
 
 
 def _on_grid(times: Numbers, u: Numbers, y: Numbers, grid: _Grid) -> tuple[tuple[Numbers, Numbers], list[str]]:
-    """Inputs and outputs on the grid, and what was done for it."""
+    """Return the inputs and outputs on the grid, and what was done for it."""
     if grid.places is None:
         return _interpolate_record(times, u, y, grid.interval)
     count = int(grid.places[-1]) + 1
@@ -266,7 +266,7 @@ def _interpolate_record(
 
 
 def _interpolate_column(at: Numbers, times: Numbers, column: Numbers) -> Numbers:
-    """A column at other times; NaN where the known rows around are too far apart."""
+    """Return a column at other times; NaN where the known rows around are too far apart."""
     known = np.isfinite(column)
     times, column = times[known], column[known]
     if len(times) < 2:

@@ -21,7 +21,7 @@ NEAR = 1e-9
 
 
 def resample_record(record: Sampled, interval: float | None = None, *, ratio: float | None = None) -> Sampled:
-    """The record at another sample time.
+    """Return the record at another sample time.
 
     Args:
         record: what is resampled.
@@ -48,7 +48,7 @@ def resample_record(record: Sampled, interval: float | None = None, *, ratio: fl
 
 
 def _average_samples(record: Sampled, factor: float) -> tuple[Numbers, Numbers]:
-    """Means over new samples; NaN where less than half of one is known."""
+    """Return the means over new samples; NaN where less than half of one is known."""
     edges = factor * np.arange(int(len(record) / factor * (1.0 + NEAR)) + 1)
     known = np.isfinite(record.outputs)
     shares = _average_held(known.astype(float), edges)
@@ -59,7 +59,7 @@ def _average_samples(record: Sampled, factor: float) -> tuple[Numbers, Numbers]:
 
 
 def _average_held(values: Numbers, edges: Numbers) -> Numbers:
-    """Means of columns held from sample to sample, between edges counted in samples."""
+    """Return the means of columns held from sample to sample, between edges counted in samples."""
     if not len(values) or len(edges) < 2:
         return np.empty((0, values.shape[1]))
     first = values[0]
@@ -81,7 +81,7 @@ def _refine_samples(record: Sampled, factor: float) -> tuple[Numbers, Numbers]:
 
 
 def split_record(record: Sampled, *, share: float | None = None, time: float | None = None) -> tuple[Sampled, Sampled]:
-    """The record before and after a moment, as two records.
+    """Return the record before and after a moment, as two records.
 
     Args:
         record: what is divided.
@@ -149,7 +149,7 @@ def _list_names(names: Sequence[str]) -> str:
 
 
 def select_signals(record: Sampled, inputs: Sequence[str], outputs: Sequence[str]) -> Sampled:
-    """The record of some of its signals; an output may become an input.
+    """Return the record of some of its signals; an output may become an input.
 
     Missing samples of such an output are interpolated, because inputs must be known.
 

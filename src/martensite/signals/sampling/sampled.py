@@ -68,17 +68,17 @@ class Sampled:
             raise DataError(f"The sample time of record `{self.name}` must be above 0 s, but is {self.interval} s.")
 
     def __len__(self) -> int:
-        """Number of samples."""
+        """Return the number of samples."""
         return len(self.inputs)
 
     @property
     def times(self) -> Numbers:
-        """Times of the samples [s]."""
+        """Return the times of the samples [s]."""
         return self.start + self.interval * np.arange(len(self))
 
     @property
     def duration(self) -> float:
-        """Length of the record [s]."""
+        """Return the length of the record [s]."""
         return self.interval * len(self)
 
     @cached_property

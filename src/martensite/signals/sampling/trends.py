@@ -31,11 +31,11 @@ class Trend:
     output_slopes: Numbers
 
     def remove_from(self, record: Sampled) -> Sampled:
-        """A record without the trend."""
+        """Return a record without the trend."""
         return self._moved(record, -1.0)
 
     def restore_to(self, record: Sampled) -> Sampled:
-        """A record with the trend put back."""
+        """Return a record with the trend put back."""
         return self._moved(record, 1.0)
 
     def _moved(self, record: Sampled, sign: float) -> Sampled:
@@ -74,19 +74,19 @@ def find_trend(record: Sampled, kind: str = "mean", rest: float | None = None) -
 
 
 def remove_trend(record: Sampled, kind: str = "mean", rest: float | None = None) -> tuple[Sampled, Trend]:
-    """A record without its trend, and the trend, which puts it back."""
+    """Return a record without its trend, and the trend, which puts it back."""
     found = find_trend(record, kind, rest)
     return found.remove_from(record), found
 
 
 def _count_resting(record: Sampled) -> int:
-    """Samples until an input changes for the first time."""
+    """Return the samples until an input changes for the first time."""
     moved = np.any(record.inputs != record.inputs[0], axis=1)
     return int(np.argmax(moved)) if moved.any() else len(record)
 
 
 def _fit_line(t: Numbers, values: Numbers, sloped: bool, what: str) -> tuple[float, float]:
-    """Level at the first sample, and slope."""
+    """Return the level at the first sample, and slope."""
     known = np.isfinite(values)
     if not known.any():
         raise DataError(f"Signal {what} has no known samples to find its level from.")
