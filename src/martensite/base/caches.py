@@ -19,7 +19,7 @@ _SHARED = stat.S_IWGRP | stat.S_IWOTH
 
 
 def cache_folder() -> Path:
-    """The user's cache folder for this package."""
+    """Return the user's cache folder for this package."""
     if os.environ.get("XDG_CACHE_HOME"):
         return Path(os.environ["XDG_CACHE_HOME"]) / "martensite"
     if sys.platform == "darwin":

@@ -20,7 +20,7 @@ class MartensiteError(Exception):
     exit_code = 1
 
     def __str__(self) -> str:
-        """The sentence; of a word without end its beginning."""
+        """Return the sentence; of a word without end its beginning."""
         said = super().__str__()
         return LONG_WORD.sub(lambda word: f"{word[0][:60]}… ({len(word[0])} characters)", said)
 

@@ -164,7 +164,7 @@ def check_ordinary(path: Path, most: int) -> int:
 
 
 def read_bounded(path: Path, most: int) -> bytes:
-    """The bytes of an ordinary file, of which there are at most so many.
+    """Return the bytes of an ordinary file, of which there are at most so many.
 
     Raises:
         OSError: it cannot be read.
@@ -176,7 +176,7 @@ def read_bounded(path: Path, most: int) -> bytes:
 
 
 def read_unpacked(path: Path, most: int) -> bytes:
-    """The bytes of an ordinary file, or what is packed in it where it ends in `.gz`; at most so many.
+    """Return the bytes of an ordinary file, or what is packed in it where it ends in `.gz`; at most so many.
 
     Raises:
         OSError: it cannot be read.
@@ -199,7 +199,7 @@ def read_unpacked(path: Path, most: int) -> bytes:
 
 
 def read_text_file(path: Path, what: str) -> str:
-    """The text of a UTF-8 file; `what` says in an error which kind of file it is.
+    """Return the text of a UTF-8 file; `what` says in an error which kind of file it is.
 
     Raises:
         DataError: it is missing, with the nearest name beside it, or cannot be read.
@@ -220,7 +220,7 @@ def read_text_file(path: Path, what: str) -> str:
 
 
 def toml_document(text: str, name: str = "The scenario") -> dict[str, Any]:
-    """The document in a text; `name` is how an error calls it; `DataError` if it is not TOML."""
+    """Return the document in a text; `name` is how an error calls it; `DataError` if it is not TOML."""
     try:
         return tomllib.loads(text)
     except RecursionError:

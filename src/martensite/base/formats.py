@@ -24,24 +24,24 @@ def write_quantity(value: float, unit: str, digits: int = 6) -> str:
 
 
 def write_difference(value: float, unit: str, digits: int = 4) -> str:
-    """A difference of two quantities given in the SI `unit`, in a readable one."""
+    """Return a difference of two quantities given in the SI `unit`, in a readable one."""
     shown, factor = choose_difference_unit(unit)
     return f"{value / factor:.{digits}g}" + (f" {shown}" if shown != "1" else "")
 
 
 def choose_difference_unit(unit: str) -> tuple[str, float]:
-    """The unit in which a difference is read, and its size in the SI `unit`."""
+    """Return the unit in which a difference is read, and its size in the SI `unit`."""
     shown = units.choose_readable_unit(unit)
     return {"degC": "K"}.get(shown, shown), units.find_conversion(shown, unit)[0]
 
 
 def write_percent(share: float, digits: int = 0) -> str:
-    """A share in percent."""
+    """Return a share in percent."""
     return f"{100.0 * share:.{digits}f} %"
 
 
 def typeset_unit(unit: str, plain: str = "") -> str:
-    """A unit as it is printed; `plain` for a number without one."""
+    """Return a unit as it is printed; `plain` for a number without one."""
     if unit in ("", "1"):
         return plain
     for spelling, printed in _TYPESET:
@@ -50,7 +50,7 @@ def typeset_unit(unit: str, plain: str = "") -> str:
 
 
 def spell_symbol(name: str) -> str:
-    """The symbol that a name spells, with `_` before its index; empty if it is a word.
+    """Return the symbol that a name spells, with `_` before its index; empty if it is a word.
 
     `E_A` is E_A, `rho_inf` ρ_∞, `dsigma_dT` dσ/dT, `Kp` K_p; `diameter` has none.
     """
@@ -72,5 +72,5 @@ def spell_symbol(name: str) -> str:
 
 
 def spell_title(name: str) -> str:
-    """A name in words: `coil_diameter` is coil diameter."""
+    """Return a name in words: `coil_diameter` is coil diameter."""
     return name.replace("_", " ").replace(".", " ")

@@ -17,7 +17,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def require_where(flag: str) -> Callable[[F], F]:
-    """A decorator: classes whose attribute `flag` is true must define the method."""
+    """Return a decorator: classes whose attribute `flag` is true must define the method."""
 
     def mark(method: F) -> F:
         method.require_where = flag  # type: ignore[attr-defined]
@@ -36,7 +36,7 @@ def require_methods(cls: type[Any]) -> None:
 
 
 def make_missing_error(cls: type[Any], names: Iterable[str]) -> MissingMethodError:
-    """An error whose sentence says which methods a class lacks, and what they must give."""
+    """Return an error whose sentence says which methods a class lacks, and what they must give."""
     missing = [(name, *_find_base(cls, name)) for name in names]
     asked = "; ".join(f"`{_write_call(name, f)}`: {_read_purpose(f)}" for name, _, f in missing)
     bases = {f"`{base.__qualname__}` in {base.__module__}": None for _, base, _ in missing}
@@ -47,7 +47,7 @@ def make_missing_error(cls: type[Any], names: Iterable[str]) -> MissingMethodErr
 
 
 def _find_missing(cls: type[Any]) -> list[str]:
-    """Names of the methods that a class must define and does not, in the order of its bases."""
+    """Return the names of the methods that a class must define and does not, in the order of its bases."""
     asked = {
         name: None for base in reversed(cls.__mro__) for name, value in vars(base).items() if _is_required(value, cls)
     }
@@ -61,19 +61,19 @@ def _is_required(value: Any, cls: type[Any]) -> bool:
 
 
 def _find_attribute(cls: type[Any], name: str) -> Any:
-    """An attribute as it is written in the nearest class that has it."""
+    """Return an attribute as it is written in the nearest class that has it."""
     return next(vars(base)[name] for base in cls.__mro__ if name in vars(base))
 
 
 def _find_base(cls: type[Any], name: str) -> tuple[type[Any], Any]:
-    """The base that describes a method, and the method."""
+    """Return the base that describes a method, and the method."""
     method = _find_attribute(cls, name)
     base = next(base for base in reversed(cls.__mro__) if vars(base).get(name) is method)
     return base, getattr(method, "fget", method)
 
 
 def _write_call(name: str, method: Any) -> str:
-    """A method with the arguments that it takes after `self`."""
+    """Return a method with the arguments that it takes after `self`."""
     code = method.__code__
     given = code.co_varnames[1 : code.co_argcount + code.co_kwonlyargcount]
     return f"{name}({', '.join(given)})"
@@ -84,7 +84,7 @@ def _read_purpose(method: Any) -> str:
 
 
 def _suggest_names(cls: type[Any], missing: Iterable[str]) -> Iterator[str]:
-    """Questions about methods that no base knows and whose names are nearly those that miss."""
+    """Yield the questions about methods that no base knows and whose names are nearly those that miss."""
     known = {name for base in cls.__mro__[1:] for name in vars(base)}
     own = [name for name in vars(cls) if name not in known]
     for name in missing:

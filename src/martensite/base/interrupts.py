@@ -191,7 +191,7 @@ def _end_process() -> None:
 
 
 def _rescue_all() -> str:
-    """The sentence of the innermost block that has one; all of them keep what they have."""
+    """Return the sentence of the innermost block that has one; all of them keep what they have."""
     found = ""
     for rescue in reversed(_state.rescues):
         try:

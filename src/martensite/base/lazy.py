@@ -59,7 +59,7 @@ def write_install_line(extra: str) -> str:
 
 
 def list_public_names(package: str) -> dict[str, tuple[str, str]]:
-    """Public name of a package -> the module that defines it, and its name there."""
+    """Return the public name of a package -> the module that defines it, and its name there."""
     return _read_stub(Path(str(sys.modules[package].__file__)).with_suffix(".pyi"))
 
 
@@ -166,7 +166,7 @@ def describe_mismatch(function: Callable[..., Any], values: tuple[Any, ...], nam
 
 
 def _resolve_classes(annotation: Any, function: Callable[..., Any]) -> tuple[type, ...]:
-    """Classes that an annotation allows; none if it allows what cannot be told here."""
+    """Return the classes that an annotation allows; none if it allows what cannot be told here."""
     if isinstance(annotation, str):
         scope = dict(vars(sys.modules[function.__module__]))
         try:

@@ -86,7 +86,7 @@ def _name_class(value: Any) -> str:
 
 
 def _find_class(name: str) -> Any:
-    """The class of a name, `MODULE:CLASS`; `DataError` if it is not to be had, or is of no kind that is kept."""
+    """Return the class of a name, `MODULE:CLASS`; `DataError` if it is not to be had, or is of no kind that is kept."""
     home, _, path = name.partition(":")
     if home not in sys.modules and home.partition(".")[0] in _list_packages():
         import_module(home)

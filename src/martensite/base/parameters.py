@@ -55,7 +55,7 @@ class Declared:
     part are made of it. `ByUnit` where the unit depends on the place. Assumed, never data."""
 
     def typical_in(self, unit: str) -> Any:
-        """The typical value in a place where the SI unit is this one; None if there is none."""
+        """Return the typical value in a place where the SI unit is this one; None if there is none."""
         if self.typical is None and self.registry is not None:
             return self.registry.typical or None
         return self.typical.get(unit) if isinstance(self.typical, ByUnit) else self.typical
@@ -96,7 +96,7 @@ class Declared:
         return number
 
     def allowed(self) -> str:
-        """The allowed range in words, in readable units."""
+        """Return the allowed range in words, in readable units."""
         unit = self._readable()
         label = self._label(unit)
         low, high = (f"{units.from_si(v, unit, self.unit):.6g}{label}" for v in self.bounds)
@@ -124,14 +124,14 @@ class Declared:
         return "" if unit in ("1", *units.OF_PLACE) else f" {unit}"
 
     def _readable(self) -> str:
-        """The unit a person would rather read, unless it makes the bounds unwieldy."""
+        """Return the unit a person would rather read, unless it makes the bounds unwieldy."""
         unit = units.choose_readable_unit(self.unit)
         sizes = [abs(units.from_si(v, unit, self.unit)) for v in self.bounds if math.isfinite(v)]
         return unit if all(size == 0.0 or 1e-3 <= size < 1e5 for size in sizes) else self.unit
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Lowest and highest allowed value in SI."""
+        """Return the lowest and highest allowed value in SI."""
         return self.low, self.high
 
 
@@ -248,18 +248,18 @@ class Parametrised:
         """Raise `ParameterError` where values contradict each other; override as needed."""
 
     def layout(self) -> tuple[int, ...]:
-        """Counts that follow from the numbers and decide how large a traced program is."""
+        """Return the counts that follow from the numbers and decide how large a traced program is."""
         return ()
 
     def cautions(self) -> list[str]:
-        """Sentences about values that are allowed but probably not meant."""
+        """Return the sentences about values that are allowed but probably not meant."""
         return []
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(f"`{type(self).__name__}` is frozen; use `.with_values(...)`.")
 
     def __repr__(self) -> str:
-        """Values that differ from their defaults, long lists shortened."""
+        """Return the values that differ from their defaults, long lists shortened."""
         shown = (
             (name, self.__dict__[name]) for name, d in self.declarations.items() if self.__dict__[name] != d.default
         )
@@ -272,14 +272,14 @@ class Parametrised:
         return hash((type(self), *(repr(self.__dict__[name]) for name in self.declarations)))
 
     def children(self) -> Iterator[tuple[str, Parametrised]]:
-        """The components that are parametrised themselves."""
+        """Yield the components that are parametrised themselves."""
         for name in self.declarations:
             value = self.__dict__[name]
             if isinstance(value, Parametrised):
                 yield name, value
 
     def leaves(self, prefix: str = "") -> Iterator[Leaf]:
-        """All numbers of the tree with their dotted paths, depth first."""
+        """Yield all numbers of the tree with their dotted paths, depth first."""
         owner = type(self).registered_name or type(self).__name__
         for name, declared in self.declarations.items():
             if declared.kind == "parameter":
@@ -294,7 +294,7 @@ class Parametrised:
             yield from child.tree()
 
     def rebuilt(self, values: Mapping[str, Any], prefix: str = "") -> Self:
-        """A twin whose numbers are replaced by path, unchecked: for tracing kernels."""
+        """Return a twin whose numbers are replaced by path, unchecked: for tracing kernels."""
         twin = object.__new__(type(self))
         for name, value in self.__dict__.items():
             if isinstance(value, Parametrised):
@@ -303,7 +303,7 @@ class Parametrised:
         return twin
 
     def with_values(self, values: Mapping[str, Any]) -> Self:
-        """A checked copy with the numbers at the given paths (or unique endings) changed."""
+        """Return a checked copy with the numbers at the given paths (or unique endings) changed."""
         if not hasattr(values, "items"):
             raise ParameterError(f"Values must be a table by name, such as `{{'diameter': 2e-4}}`, but are {values!r}.")
         paths = [leaf.path for leaf in self.leaves()]
@@ -326,17 +326,17 @@ class Parametrised:
         return type(self)(**own)
 
     def value_of(self, name: str) -> float:
-        """The number, in SI, of a parameter given by its path or by a unique ending of it."""
+        """Return the number, in SI, of a parameter given by its path or by a unique ending of it."""
         full = self.resolve(name)
         return next(leaf.value for leaf in self.leaves() if leaf.path == full)
 
     def resolve(self, name: str) -> str:
-        """The full path of a parameter given by its path or by a unique ending of it."""
+        """Return the full path of a parameter given by its path or by a unique ending of it."""
         return _resolve_path(name, [leaf.path for leaf in self.leaves()])
 
 
 def _shorten(value: Any) -> str:
-    """A value as text; of a long list its first numbers and its length."""
+    """Return a value as text; of a long list its first numbers and its length."""
     listed = cast("list[Any]", value)
     if not isinstance(value, tuple | list) or len(listed) <= SHOWN:
         return repr(listed)
@@ -344,13 +344,13 @@ def _shorten(value: Any) -> str:
 
 
 def find_paths(name: str, paths: Iterable[str]) -> list[str]:
-    """The path that a name is, or else all that it ends."""
+    """Return the path that a name is, or else all that it ends."""
     known = list(paths)
     return [p for p in known if p == name] or [p for p in known if p.endswith(f".{name}")]
 
 
 def _resolve_path(name: str, paths: Sequence[str]) -> str:
-    """The one among some paths that a name is, or ends."""
+    """Return the one among some paths that a name is, or ends."""
     found = find_paths(name, paths)
     if len(found) == 1:
         return found[0]
@@ -366,7 +366,7 @@ Part = TypeVar("Part", bound=Parametrised)
 
 
 def describe_structure(part: Parametrised) -> tuple[Any, ...]:
-    """A hashable description of everything but the numbers."""
+    """Return a hashable description of everything but the numbers."""
     options = tuple(
         (name, getattr(part, name))
         for name, declared in part.declarations.items()
@@ -396,6 +396,6 @@ class Keyed(Generic[Part]):
 
 
 def values_at(part: Parametrised, paths: Sequence[str]) -> list[Any]:
-    """The numbers at some paths, in their order."""
+    """Return the numbers at some paths, in their order."""
     known = {leaf.path: leaf.value for leaf in part.leaves()}
     return [known[path] for path in paths]

@@ -78,7 +78,7 @@ class Registry(Generic[T]):
         return self._entries[name]
 
     def names(self) -> list[str]:
-        """All names, those from installed plug-ins included."""
+        """Return all names, those from installed plug-ins included."""
         self._scan()
         self._plug()
         return sorted(self._entries)
@@ -89,7 +89,7 @@ class Registry(Generic[T]):
         return self._folder.list_failures()
 
     def _find_holder(self, name: str, cls: type[Any]) -> type[T] | None:
-        """The class that has a name which another asks for."""
+        """Return the class that has a name which another asks for."""
         # two files of this package meet when both are imported; looking further for each of them
         # would import all of a folder at the start of every run
         if name not in self._entries and not self._is_own(cls):
@@ -136,7 +136,7 @@ class Registry(Generic[T]):
 
 
 def _find_file(cls: type[Any]) -> str | None:
-    """The file in which a class is defined; None if it is not defined in one."""
+    """Return the file in which a class is defined; None if it is not defined in one."""
     return getattr(sys.modules.get(cls.__module__), "__file__", None)
 
 

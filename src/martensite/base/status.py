@@ -27,7 +27,7 @@ class Status(IntEnum):
 
     @property
     def failed(self) -> bool:
-        """True if the results after this step cannot be trusted."""
+        """Return True if the results after this step cannot be trusted."""
         return self >= Status.UNSOLVED
 
 

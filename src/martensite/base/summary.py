@@ -76,7 +76,7 @@ class DataTable:
     """Title of a table that only some will want to see, on a page; empty for all others."""
 
     def drop_details(self) -> DataTable:
-        """The table with the columns that fit a terminal."""
+        """Return the table with the columns that fit a terminal."""
         kept = [k for k in range(len(self.head)) if k not in self.detail]
         return DataTable(
             [self.head[k] for k in kept],
@@ -115,7 +115,7 @@ class Summary:
     """Subject, in one line."""
 
     def __str__(self) -> str:
-        """Plain text that fits a page."""
+        """Return the plain text that fits a page."""
         return "\n".join(self.format_lines())
 
     def brief(self, most: int = 8) -> str:

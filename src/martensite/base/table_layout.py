@@ -27,12 +27,12 @@ class _Column:
 
     @property
     def narrowest(self) -> int:
-        """Width below which a word or a number would be broken."""
+        """Return the width below which a word or a number would be broken."""
         numbers = self.cells if self.right else [w for cell in self.cells for w in cell.replace("\n", " ").split(" ")]
         return max(map(len, ["", *self.head.split(), *numbers]))
 
     def align(self, text: str, width: int) -> str:
-        """A line of a cell, padded."""
+        """Return a line of a cell, padded."""
         return text.rjust(width) if self.right else text.ljust(width)
 
 
@@ -61,7 +61,7 @@ def format_table(
 
 
 def _group_columns(columns: list[_Column], width: int) -> Iterator[list[_Column]]:
-    """Columns that stand side by side; all groups begin with the first."""
+    """Yield the columns that stand side by side; all groups begin with the first."""
     first, *others = columns
     group = [first]
     for column in others:
@@ -74,7 +74,7 @@ def _group_columns(columns: list[_Column], width: int) -> Iterator[list[_Column]
 
 
 def _fit_widths(group: Sequence[_Column], width: int) -> list[int]:
-    """Widths of columns: as wide as their texts, the widest narrowed until all fit."""
+    """Return the widths of columns: as wide as their texts, the widest narrowed until all fit."""
     found, least = [one.width for one in group], [one.narrowest for one in group]
     excess = sum(found) + GAP * (len(group) - 1) - width
     for _ in range(excess):

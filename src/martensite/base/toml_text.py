@@ -22,7 +22,7 @@ def as_toml(document: Mapping[str, Any]) -> str:
 
 
 def toml_value(value: Any) -> str:
-    """A value as TOML, tables inline."""
+    """Return a value as TOML, tables inline."""
     if isinstance(value, dict):
         table = cast("dict[str, Any]", value)
         return "{ " + ", ".join(f"{toml_key(k)} = {toml_value(v)}" for k, v in table.items()) + " }"
@@ -34,5 +34,5 @@ def toml_value(value: Any) -> str:
 
 
 def toml_key(key: str) -> str:
-    """A key as TOML, in quotes where it needs them."""
+    """Return a key as TOML, in quotes where it needs them."""
     return key if _BARE.match(key) else json.dumps(key, ensure_ascii=False)

@@ -124,11 +124,11 @@ class AbstractQuantity(Protocol):
 
     @property
     def magnitude(self) -> Any:
-        """The number."""
+        """Return the number."""
 
     @property
     def units(self) -> Any:
-        """The unit of the number."""
+        """Return the unit of the number."""
 
 
 Numeric: TypeAlias = float | str | AbstractQuantity
@@ -195,23 +195,23 @@ def require_unit(unit: str) -> None:
 
 
 def choose_readable_unit(unit: str) -> str:
-    """The unit in which a person would rather read a quantity declared in `unit`."""
+    """Return the unit in which a person would rather read a quantity declared in `unit`."""
     return READABLE.get(unit, unit)
 
 
 def of_column(name: str, unit: str) -> str:
-    """The unit in which a column is read: percent for strains, else what is readable."""
+    """Return the unit in which a column is read: percent for strains, else what is readable."""
     return "%" if unit == "1" and name.rpartition(".")[2] in PERCENT else choose_readable_unit(unit)
 
 
 def choose_familiar_unit(value: float, unit: str) -> str:
-    """The unit in which a value of this size, in SI, is best read: GPa for a modulus."""
+    """Return the unit in which a value of this size, in SI, is best read: GPa for a modulus."""
     larger = _LARGER.get(unit)
     return larger[0] if larger and abs(value) >= larger[1] else choose_readable_unit(unit)
 
 
 def of_reading(unit: str, reading: str) -> str:
-    """The SI unit of a number declared in `unit`, for a reading in the SI unit `reading`."""
+    """Return the SI unit of a number declared in `unit`, for a reading in the SI unit `reading`."""
     if unit == RATE:
         return f"{reading}/s"
     if unit == DIFFERENCE:
@@ -220,7 +220,7 @@ def of_reading(unit: str, reading: str) -> str:
 
 
 def of_loop(unit: str, signal: str, reading: str) -> str:
-    """The SI unit of a gain or a rate declared in `unit`, of a signal and a reading in these SI units."""
+    """Return the SI unit of a gain or a rate declared in `unit`, of a signal and a reading in these SI units."""
     if unit not in OF_GAINS:
         return f"{signal if unit == SIGNAL_RATE else reading}/{unit.partition('/')[2]}"
     above = f"{'' if signal == '1' else signal + '*'}s" if unit == DERIVATIVE_GAIN else signal
@@ -287,7 +287,7 @@ MEANT = {other: name for name, others in _SAME.items() for other in others.split
 
 
 def _suggest_unit(spelling: str, unit: str) -> str:
-    """A sentence with the spelling that was probably meant; nothing if there is none."""
+    """Return a sentence with the spelling that was probably meant; nothing if there is none."""
     small = spelling.lower().strip(". ").removesuffix(" dc").removeprefix("deg ").removeprefix("degree ")
     known = {name.lower(): name for name, (declared, _, _) in EVERYDAY.items() if declared == unit}
     with suppress(ValueError, TypeError, AssertionError, AttributeError):  # the unit itself may be none

@@ -64,14 +64,14 @@ class BatchRunner:
         return self.paths.index(path)
 
     def table(self, values: Mapping[str, Any], count: int) -> Numbers:
-        """Numbers of runs (count, parameters): those of the system but for some by path."""
+        """Return the numbers of runs (count, parameters): those of the system but for some by path."""
         found = np.repeat(self.base[None, :], count, axis=0)
         for path, column in values.items():
             found[:, self.place(path)] = column
         return found
 
     def run_many(self, table: Numbers) -> Numbers:
-        """Outputs (runs, samples, outputs) of a table (runs, parameters); NaN where a run fails."""
+        """Return the outputs (runs, samples, outputs) of a table (runs, parameters); NaN where a run fails."""
         if not self.native:
             found = [self._march_floats(row) for row in table]
             failed = np.full((self._samples, len(self.outputs)), np.nan)
@@ -80,7 +80,7 @@ class BatchRunner:
         return np.concatenate(pieces)
 
     def run_one(self, values: Numbers) -> Numbers | None:
-        """Outputs (samples, outputs) of one run; None if it fails."""
+        """Return the outputs (samples, outputs) of one run; None if it fails."""
         if not self.native:
             return self._march_floats(values)
         from martensite.simulate.native import march_lanes

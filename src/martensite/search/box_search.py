@@ -51,7 +51,7 @@ class JudgedPoints(NamedTuple):
 
     @property
     def violation(self) -> Numbers:
-        """Sum of what constraints miss, (points,)."""
+        """Return the sum of what constraints miss, (points,)."""
         return np.maximum(-self.slack, 0.0).sum(axis=1)
 
     @property
@@ -60,7 +60,7 @@ class JudgedPoints(NamedTuple):
         return (self.slack >= -FEASIBLE_VIOLATION).all(axis=1) & (self.goal < FAILED_GOAL)
 
     def order(self) -> list[int]:
-        """Points from best to worst: those that keep all by goal, then others by violation."""
+        """Return the points from best to worst: those that keep all by goal, then others by violation."""
         lost = np.where(self.kept, 0.0, FEASIBLE_VIOLATION + self.violation)
         return [int(k) for k in np.lexsort((self.goal, lost))]
 
@@ -106,12 +106,12 @@ class BoxObjective(Protocol):
 
     @property
     def widths(self) -> Numbers:
-        """Width of the box, (free,): a step of 1 is a large one."""
+        """Return the width of the box, (free,): a step of 1 is a large one."""
         ...
 
     @property
     def scatter(self) -> Numbers:
-        """Standard deviation of a cloud, (free,)."""
+        """Return the standard deviation of a cloud, (free,)."""
         ...
 
     @property
@@ -130,7 +130,7 @@ class BoxObjective(Protocol):
         ...
 
     def judge(self, z: Numbers) -> JudgedPoints:
-        """Goals and slacks of points (points, free), in one batch."""
+        """Return the goals and slacks of points (points, free), in one batch."""
         ...
 
     def differentiate(self, z: Numbers) -> PointSlopes | None:
@@ -166,7 +166,7 @@ class BoxSearch:
         return self.note_points(z, self.objective.judge(z))
 
     def note_points(self, z: Numbers, judged: JudgedPoints) -> list[BoxPoint]:
-        """Points that were judged; the best is remembered."""
+        """Return the points that were judged; the best is remembered."""
         rows = zip(z, judged.goal, judged.violation, judged.kept, strict=True)
         points = [BoxPoint(p, float(g), float(v), bool(k)) for p, g, v, k in rows]
         for point in points:
@@ -178,7 +178,7 @@ class BoxSearch:
         return points
 
     def differentiate(self, z: Numbers) -> PointSlopes | None:
-        """A point with its derivatives, computed once; None if the run fails."""
+        """Return a point with its derivatives, computed once; None if the run fails."""
         key = z.tobytes()
         if key not in self._memory:
             found = self._memory[key] = self.objective.differentiate(z)
@@ -188,7 +188,7 @@ class BoxSearch:
 
     @property
     def found(self) -> BoxPoint:
-        """The best so far."""
+        """Return the best so far."""
         if self.best is None:
             raise SolveError("Nothing was judged.")
         return self.best
@@ -196,7 +196,7 @@ class BoxSearch:
     def scatter_points(
         self, z: Numbers, count: int, wide: float = 1.0, fixed: NDArray[np.bool_] | None = None
     ) -> Numbers:
-        """Points around one, (count, free), so many times as far as those of a cloud."""
+        """Return the points around one, (count, free), so many times as far as those of a cloud."""
         spread = wide * self.objective.scatter * self._rng.standard_normal((count, self.size))
         if fixed is not None:
             spread[:, fixed] = 0.0
@@ -294,7 +294,7 @@ class _MovingPart:
         self._left = 2 * search.iterations
 
     def whole(self, u: Numbers) -> Numbers:
-        """All numbers, from those that move."""
+        """Return all numbers, from those that move."""
         found = self._begin.copy()
         found[self._moving] = u
         return np.clip(found, 0.0, self._search.objective.widths)
@@ -314,7 +314,7 @@ class _MovingPart:
         return self.last
 
     def __call__(self, u: Any) -> PointSlopes:
-        """Goal and slacks with derivatives."""
+        """Return the goal and slacks with derivatives."""
         z = self.whole(np.asarray(u, float))
         if not np.array_equal(z, self.last):
             self._left -= 1

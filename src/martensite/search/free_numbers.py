@@ -73,7 +73,7 @@ class Target:
 
     @classmethod
     def from_leaf(cls, leaf: Leaf, name: str | None = None) -> Target:
-        """A parameter of a system, under its path in the scenario."""
+        """Return a parameter of a system, under its path in the scenario."""
         declared = leaf.declared
         return cls(
             leaf.path if name is None else name,
@@ -138,7 +138,7 @@ class FreeNumber:
     @overload
     def value(self, share: NDArray[np.float64]) -> NDArray[np.float64]: ...
     def value(self, share: float | NDArray[np.float64]) -> float | NDArray[np.float64]:
-        """The number [SI] at a share of its range."""
+        """Return the number [SI] at a share of its range."""
         if self.logarithmic:
             return self.low * (self.high / self.low) ** share
         return self.low + share * (self.high - self.low)
@@ -150,7 +150,7 @@ class FreeNumber:
         return self.high - self.low
 
     def share(self, value: float) -> float:
-        """The inverse of `value`, limited to [0, 1]."""
+        """Return the inverse of `value`, limited to [0, 1]."""
         within = min(max(value, self.low), self.high)
         if self.logarithmic:
             return math.log(within / self.low) / math.log(self.high / self.low)
@@ -158,7 +158,7 @@ class FreeNumber:
 
     @property
     def width(self) -> float:
-        """The range in units of the number, or in powers of e on a logarithmic scale."""
+        """Return the range in units of the number, or in powers of e on a logarithmic scale."""
         if self.logarithmic:
             return abs(math.log(self.high / self.low))
         return self.high - self.low
@@ -175,7 +175,7 @@ class FreeNumber:
 
 
 def find_targets(name: str, known: Iterable[Target]) -> list[Target]:
-    """The numbers of a path in system or scenario, or else all whose paths it ends."""
+    """Return the numbers of a path in system or scenario, or else all whose paths it ends."""
     targets = list(known)
     names = {*find_paths(name, [one.name for one in targets])}
     paths = {*find_paths(name, [one.path for one in targets])}
@@ -244,7 +244,7 @@ def is_bare(text: str) -> bool:
 
 
 def build_free(wanted: SearchRange, targets: Sequence[Target], name: str, record: str | None = None) -> FreeNumber:
-    """A free number with its bounds and scale; the first target gives start, unit and what is allowed.
+    """Return a free number with its bounds and scale; the first target gives start, unit and what is allowed.
 
     Raises:
         ParameterError: there are no bounds, or they are none.
@@ -283,7 +283,7 @@ def build_free(wanted: SearchRange, targets: Sequence[Target], name: str, record
 def choose_bounds(
     wanted: SearchRange, target: Target, starts: Sequence[float], factor: float = BOX_FACTOR
 ) -> tuple[float, float]:
-    """Bounds as asked for, and a box around starts [SI] where they are not; the last of these gives the sign.
+    """Return bounds as asked for, and a box around starts [SI] where they are not; the last of these gives the sign.
 
     Raises:
         ParameterError: all starts are 0, and the declaration sets no bounds.

@@ -63,7 +63,7 @@ class Identifiability:
 
     @property
     def without_effect(self) -> tuple[str, ...]:
-        """Parameters that change nothing at all."""
+        """Return the parameters that change nothing at all."""
         return tuple(one.names[0] for one in self.weak if one.exact and len(one.names) == 1)
 
     @property
@@ -79,7 +79,7 @@ class Identifiability:
         return (f"{held}, in the least certain direction to {worst} % of the search range.",)
 
     def to_dict(self) -> dict[str, Any]:
-        """All numbers by name and the sentences, for JSON."""
+        """Return all numbers by name and the sentences, for JSON."""
         return {
             "sensitivities": dict(zip(self.names, self.sensitivities, strict=True)),
             "singular_values": list(self.singular_values),
@@ -142,7 +142,7 @@ def assess_identifiability(
 def _find_directions(
     matrix: Matrix, free: ScaledParameters, noise: float, precision: float
 ) -> tuple[WeakDirection, ...]:
-    """Redundant directions, then weak ones, of the fewest parameters each."""
+    """Return the redundant directions, then weak ones, of the fewest parameters each."""
 
     def gauge(direction: Vector) -> bool:
         moves = [i for i in range(len(free)) if direction[i] != 0.0]
@@ -167,7 +167,7 @@ def _drop_negligible(matrix: Matrix, direction: Vector, limit: float) -> Vector:
 def _describe_direction(
     matrix: Matrix, free: ScaledParameters, direction: Vector, noise: float, exact: bool
 ) -> WeakDirection:
-    """A unit vector per search range as parameters and amounts."""
+    """Return a unit vector per search range as parameters and amounts."""
     order = sorted(np.flatnonzero(direction).tolist(), key=lambda i: -abs(float(direction[i])))
     moved = direction * _choose_stretch(free, direction, order)
     seen = float(np.linalg.norm(matrix @ direction))
@@ -183,7 +183,7 @@ def _describe_direction(
 
 
 def _choose_stretch(free: ScaledParameters, direction: Vector, order: Sequence[int]) -> float:
-    """Factor that makes the largest mover rise by a round amount, up to half its range.
+    """Return the factor that makes the largest mover rise by a round amount, up to half its range.
 
     A single parameter rises by its whole range; the values of a gauge change by a tenth.
     """

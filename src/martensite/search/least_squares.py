@@ -25,12 +25,12 @@ class Residuals(Protocol):
 
     @property
     def residuals(self) -> Numbers:
-        """Scaled residuals (n,)."""
+        """Return the scaled residuals (n,)."""
         ...
 
     @property
     def jacobian(self) -> Numbers:
-        """Their derivatives (n, numbers)."""
+        """Return their derivatives (n, numbers)."""
         ...
 
 
@@ -55,7 +55,7 @@ def descend_squares(
     held: Sequence[int] = (),
     weights: Numbers | float = 1.0,
 ) -> Descended:
-    """The nearest minimum from a start.
+    """Return the nearest minimum from a start.
 
     Args:
         evaluate: residuals at a point, with their Jacobian if the second argument is true; None

@@ -34,7 +34,7 @@ class LeastSquaresCost(Protocol):
     """Cost to be minimised."""
 
     def value(self, theta: Numbers) -> float:
-        """The sum of squares; not finite where there is none."""
+        """Return the sum of squares; not finite where there is none."""
         ...
 
     def normal(self, theta: Numbers) -> Normal:
@@ -62,7 +62,7 @@ def minimise_cost(
     free: NDArray[np.bool_] | None = None,
     watch: Callable[[int, float, Numbers], None] | None = None,
 ) -> Found:
-    """The nearest minimum from a start, in so many iterations at most.
+    """Return the nearest minimum from a start, in so many iterations at most.
 
     So many steps in a row (`patience`) with less relative gain than the tolerance end it. `free` is True for every
     number that may change, by default all; `watch` is called after every step with its number, the value and θ.
@@ -88,7 +88,7 @@ def minimise_cost(
 def _try_step(
     cost: LeastSquaresCost, theta: Numbers, normal: Normal, damping: float, moving: NDArray[np.intp]
 ) -> tuple[Numbers, float] | None:
-    """The next point and damping, or None if no step makes it better."""
+    """Return the next point and damping, or None if no step makes it better."""
     gradient, hessian = normal.gradient[moving], normal.hessian[np.ix_(moving, moving)]
     scale = np.sqrt(np.maximum(np.diag(hessian), 0.0))
     positive = scale[scale > 0.0]

@@ -46,7 +46,7 @@ class Score:
 
     @property
     def sentence(self) -> str:
-        """The numbers in everyday units."""
+        """Return the numbers in everyday units."""
         fit = "no fit: it does not vary" if math.isnan(self.fit_percent) else ""
         return (
             f"`{self.record}`, `{self.output}` ({self.part}): "
@@ -57,11 +57,11 @@ class Score:
 
     @property
     def where(self) -> str:
-        """The place of the largest error, in words."""
+        """Return the place of the largest error, in words."""
         return self.place or f"{format_number(self.maximum_at)} s"
 
     def to_dict(self) -> dict[str, Any]:
-        """All fields by name, for JSON."""
+        """Return all fields by name, for JSON."""
         return asdict(self)
 
     def _amount(self, value: float) -> str:

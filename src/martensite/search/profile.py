@@ -83,14 +83,14 @@ class Profile:
 
     @property
     def interval(self) -> Interval:
-        """Confidence interval; infinite on a side that is open."""
+        """Return the confidence interval; infinite on a side that is open."""
         low = self.below.at if self.below.reason == "limit" else -math.inf
         high = self.above.at if self.above.reason == "limit" else math.inf
         return low, high
 
     @property
     def sentence(self) -> str:
-        """The interval, or why it is open, in everyday units."""
+        """Return the interval, or why it is open, in everyday units."""
         share, shown = f"{100.0 * self.level:g} %", format_quantity(self.value, self.unit)
         low, high = (format_quantity(end.at, self.unit) for end in (self.below, self.above))
         below, above = self.below.reason == "limit", self.above.reason == "limit"
@@ -109,7 +109,7 @@ class Profile:
         return f"`{self.name}` = {shown}, {words}.{warning}"
 
     def to_dict(self) -> dict[str, Any]:
-        """All fields by name and the interval, for JSON."""
+        """Return all fields by name and the interval, for JSON."""
         return asdict(self) | {"interval": list(self.interval), "sentence": self.sentence}
 
     def _open(self, side: Literal["lower", "upper"]) -> str:
@@ -216,7 +216,7 @@ class _Walk:
         return ProfileEnd(bound, "bound")
 
     def _stretch(self, inner: ProfilePoint, outer: ProfilePoint) -> float:
-        """Factor on the step, from half to double."""
+        """Return the factor on the step, from half to double."""
         gained = self._root(outer) - self._root(inner)
         return min(max(_PART / gained, 0.5), 2.0) if gained > 0.0 else 2.0
 
@@ -243,7 +243,7 @@ class _Walk:
         return math.sqrt(max(point.excess, 0.0) / self.limit)
 
     def _point(self, at: float, start: ProfilePoint) -> ProfilePoint | None:
-        """The profile at one value; None if it could not be solved."""
+        """Return the profile at one value; None if it could not be solved."""
         first = (*start.values[: self.place], at, *start.values[self.place + 1 :])
         try:
             values, cost = self.solve({self.place: at}, first)

@@ -10,43 +10,43 @@ from martensite.base.units import choose_readable_unit, from_si
 
 
 def format_number(value: float, digits: int = 4) -> str:
-    """A number of so many digits; without an exponent as long as it is easily read."""
+    """Return a number of so many digits; without an exponent as long as it is easily read."""
     return f"{float(f'{value:.{digits}g}'):g}"
 
 
 def format_quantity(value: float, unit: str) -> str:
-    """A value given in the SI `unit`: `47.5 degC`."""
+    """Return a value given in the SI `unit`: `47.5 degC`."""
     spelling = choose_readable_unit(unit)
     return _append_unit(from_si(value, spelling, unit), spelling)
 
 
 def format_change(amount: float, unit: str, digits: int = 4) -> str:
-    """A difference given in the SI `unit`: `5 K`, where the value itself is read in degC."""
+    """Return a difference given in the SI `unit`: `5 K`, where the value itself is read in degC."""
     spelling, factor = choose_difference_unit(unit)
     return _append_unit(amount / factor, spelling, digits)
 
 
 def format_quotient(above: str, below: str) -> str:
-    """Unit of a ratio: `K/MPa`, `MPa/(MPa/K)`; empty for two plain numbers."""
+    """Return the unit of a ratio: `K/MPa`, `MPa/(MPa/K)`; empty for two plain numbers."""
     if above == below or below == "1":
         return "" if above in ("1", below) else above
     return f"{above}/({below})" if "/" in below else f"{above}/{below}"
 
 
 def list_names(names: Sequence[str]) -> str:
-    """Names in backquotes: "`a`, `b` and `c`"."""
+    """Return the names in backquotes: "`a`, `b` and `c`"."""
     return join_phrases([f"`{name}`" for name in names])
 
 
 def join_phrases(phrases: Sequence[str]) -> str:
-    """Phrases as a list: "this, that and the other"."""
+    """Return the phrases as a list: "this, that and the other"."""
     if len(phrases) < 2:
         return "".join(phrases)
     return f"{', '.join(phrases[:-1])} and {phrases[-1]}"
 
 
 def round_below(value: float) -> float:
-    """The largest of …, 0.1, 0.2, 0.5, 1, 2, 5, 10, … that is not above a positive number."""
+    """Return the largest of …, 0.1, 0.2, 0.5, 1, 2, 5, 10, … that is not above a positive number."""
     decade = 10.0 ** math.floor(math.log10(value))
     return max((m * decade for m in (1.0, 2.0, 5.0) if m * decade <= value), default=decade)
 

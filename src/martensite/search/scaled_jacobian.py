@@ -42,7 +42,7 @@ class ScaledParameters:
         return float(direction[place]) * self.scales[place] / value if value else math.nan
 
     def jacobian(self, jacobian: Any) -> Matrix:
-        """The Jacobian per search range as an array, (residuals, parameters).
+        """Return the Jacobian per search range as an array, (residuals, parameters).
 
         Raises:
             DataError: it is not finite, or not of this many parameters.
@@ -61,7 +61,7 @@ class ScaledParameters:
 def scale_parameters(
     names: Sequence[str], values: Sequence[float], scales: Sequence[float], units: Sequence[str] | None = None
 ) -> ScaledParameters:
-    """Free parameters by their names, values, scales and units (plain numbers if left out).
+    """Return free parameters by their names, values, scales and units (plain numbers if left out).
 
     Raises:
         ParameterError: they are none, or not equally many, or a scale is 0 or not finite.
@@ -85,7 +85,7 @@ def is_gauge(relative: Sequence[float]) -> bool:
 
 
 def balance_columns(jacobian: Matrix) -> tuple[Matrix, Vector]:
-    """Columns scaled to norm 1, or zeros where only rounding is left of them, and their norms.
+    """Return the columns scaled to norm 1, or zeros where only rounding is left of them, and their norms.
 
     Whether columns depend on each other must not depend on the search ranges.
     """
@@ -96,7 +96,7 @@ def balance_columns(jacobian: Matrix) -> tuple[Matrix, Vector]:
 
 
 def reduce_rows(jacobian: Matrix) -> Matrix:
-    """A square matrix with the same singular values and right vectors."""
+    """Return a square matrix with the same singular values and right vectors."""
     upper: Matrix = np.asarray(np.linalg.qr(jacobian, mode="r"))
     missing = upper.shape[1] - upper.shape[0]
     return np.vstack([upper, np.zeros((missing, upper.shape[1]))])

@@ -36,12 +36,12 @@ class Start:
 
 
 def start_sobol(size: int, seed: int = 0) -> Any:
-    """A sequence of points in `size` numbers; its `random(n)` gives the next n, (n, size)."""
+    """Return a sequence of points in `size` numbers; its `random(n)` gives the next n, (n, size)."""
     return import_module("scipy.stats.qmc").Sobol(size, seed=seed)
 
 
 def draw_points(size: int, count: int, seed: int = 0) -> Numbers:
-    """Points spread evenly over the box, (count, size); `ParameterError` if no point is asked for."""
+    """Return the points spread evenly over the box, (count, size); `ParameterError` if no point is asked for."""
     if count < 1:
         raise ParameterError(f"Argument `count` must be at least 1, but is {count}.")
     points = start_sobol(size, seed).random_base2(math.ceil(math.log2(count)))
@@ -49,7 +49,7 @@ def draw_points(size: int, count: int, seed: int = 0) -> Numbers:
 
 
 def choose_apart(points: Numbers, order: Iterable[int], keep: int, apart: float = START_DISTANCE) -> list[int]:
-    """The first points (points, size) of an order, the best first, that lie apart from those before them.
+    """Return the first points (points, size) of an order, the best first, that lie apart from those before them.
 
     The least distance is a share of the diagonal of the box.
     """
@@ -65,7 +65,7 @@ def choose_apart(points: Numbers, order: Iterable[int], keep: int, apart: float 
 def find_starts(
     costs: Costs, size: int, *, count: int = 64, keep: int = 4, apart: float = START_DISTANCE, seed: int = 0
 ) -> tuple[Start, ...]:
-    """Starts for descents, the best first; fewer than asked for if others are too near.
+    """Return the starts for descents, the best first; fewer than asked for if others are too near.
 
     A count of points tried that is a power of 2 spreads best; the least distance of two starts is a share of the
     diagonal of the box.
@@ -84,7 +84,7 @@ def find_starts(
 
 
 def evolve_start(costs: Costs, size: int, *, generations: int = 20, population: int = 8, seed: int = 0) -> Start:
-    """The best point of differential evolution, not polished: follow it with a descent.
+    """Return the best point of differential evolution, not polished: follow it with a descent.
 
     The population has so many points for each number, and is renewed `generations` times at most.
 

@@ -62,7 +62,7 @@ class Uncertainty:
 
     @property
     def freedom(self) -> int:
-        """Samples to spare, n - p."""
+        """Return the samples to spare, n - p."""
         return self.samples - self.rank
 
     @property
@@ -72,7 +72,7 @@ class Uncertainty:
 
     @property
     def covariance(self) -> tuple[tuple[float, ...], ...]:
-        """Covariance for independent samples; infinite or NaN where it is not determined."""
+        """Return the covariance for independent samples; infinite or NaN where it is not determined."""
         rows = zip(self.errors, self.correlation, strict=True)
         return tuple(tuple(c * one * other for c, other in zip(row, self.errors, strict=True)) for one, row in rows)
 
@@ -81,12 +81,12 @@ class Uncertainty:
         return self._about(name, level, self.freedom, 1.0)
 
     def widened(self, name: str, level: float = LEVEL) -> Interval:
-        """Confidence interval of a parameter from as many samples as are independent."""
+        """Return the confidence interval of a parameter from as many samples as are independent."""
         spare = max(int(self.effective) - self.rank, 1) if self.freedom > 0 else 0
         return self._about(name, level, min(spare, self.freedom), self.widening)
 
     def confounded(self, limit: float = CONFOUNDED) -> list[tuple[str, str, float]]:
-        """Pairs of parameters with a stronger correlation, the strongest first."""
+        """Return the pairs of parameters with a stronger correlation, the strongest first."""
         count = len(self.names)
         pairs = [
             (self.names[i], self.names[j], self.correlation[i][j])
@@ -116,7 +116,7 @@ class Uncertainty:
         return tuple(found)
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
-        """All numbers by name and the sentences, for JSON."""
+        """Return all numbers by name and the sentences, for JSON."""
         columns = zip(self.names, self.values, self.errors, strict=True)
         return {
             "parameters": {
@@ -157,7 +157,7 @@ def estimate_uncertainty(
     precision: float = PRECISION,
     uneven: bool = False,
 ) -> Uncertainty:
-    """Errors of the parameters of a fit from its residuals and their derivatives.
+    """Return the errors of the parameters of a fit from its residuals and their derivatives.
 
     Args:
         residuals: (samples,), weighted, at the optimum.
@@ -203,7 +203,7 @@ def estimate_uncertainty(
 
 
 def _estimate_uneven(matrix: Matrix, errors: Any, spread: Matrix) -> Any:
-    """Standard errors of HC3: every residual stands for its own scatter, made larger by its leverage.
+    """Return the standard errors of HC3: every residual stands for its own scatter, made larger by its leverage.
 
     MacKinnon and White (1985), Journal of Econometrics 29; NaN of what is not determined.
     """

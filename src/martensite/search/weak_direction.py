@@ -67,7 +67,7 @@ class WeakDirection:
         return f"{self._determined()}: {self._moves()} {self._outcome()}."
 
     def to_dict(self) -> dict[str, Any]:
-        """All fields by name and the sentence, for JSON."""
+        """Return all fields by name and the sentence, for JSON."""
         return asdict(self) | {"gauge": self.gauge, "sentence": self.sentence}
 
     def _single(self) -> str:
@@ -112,7 +112,7 @@ class WeakDirection:
 
     @staticmethod
     def _parted(phrases: list[str], signs: Sequence[float]) -> tuple[list[str], list[str]]:
-        """Phrases of what rises and of what falls."""
+        """Return the phrases of what rises and of what falls."""
         pairs = list(zip(phrases, signs, strict=True))
         return [p for p, s in pairs if s > 0.0], [p for p, s in pairs if not s > 0.0]
 
@@ -123,7 +123,7 @@ def find_weak_directions(
     known: Sequence[Vector] = (),
     prefer: Callable[[Vector], bool] = lambda direction: False,
 ) -> list[Vector]:
-    """Independent unit vectors v of few components each with ‖J v‖ ≤ limit, but for those known before.
+    """Return the independent unit vectors v of few components each with ‖J v‖ ≤ limit, but for those known before.
 
     `prefer` says which of two directions with equally many components to name first.
     """
@@ -143,7 +143,7 @@ def find_weak_directions(
 
 
 def _search_sets(square: Matrix, limit: float, size: int, smaller: Sequence[tuple[int, ...]]) -> list[Vector]:
-    """Weak directions of all sets of one size that hold no smaller one; the weakest first."""
+    """Return the weak directions of all sets of one size that hold no smaller one; the weakest first."""
     held = [set(one) for one in smaller]
     sets = [one for one in combinations(range(square.shape[1]), size) if not any(small <= set(one) for small in held)]
     if not sets:
@@ -155,7 +155,7 @@ def _search_sets(square: Matrix, limit: float, size: int, smaller: Sequence[tupl
 
 
 def _search_by_elimination(square: Matrix, limit: float, chosen: Sequence[Vector], wanted: int) -> list[Vector]:
-    """The directions still missing, of as few components as leaving columns out one by one finds.
+    """Return the directions still missing, of as few components as leaving columns out one by one finds.
 
     Of every direction known the largest mover is held fixed, so that the next one is another.
     """
@@ -171,7 +171,7 @@ def _search_by_elimination(square: Matrix, limit: float, chosen: Sequence[Vector
 
 
 def _eliminate_columns(square: Matrix, columns: Sequence[int], limit: float) -> Vector:
-    """A weak direction of which no component can be left out."""
+    """Return a weak direction of which no component can be left out."""
     left = list(columns)
     while True:
         _, direction = _find_weakest(square, left)
@@ -185,7 +185,7 @@ def _eliminate_columns(square: Matrix, columns: Sequence[int], limit: float) -> 
 
 
 def _find_weakest(square: Matrix, columns: Sequence[int]) -> tuple[float, Vector]:
-    """Smallest singular value of some columns, and its vector among all parameters."""
+    """Return the smallest singular value of some columns, and its vector among all parameters."""
     if not columns:
         return math.inf, _embed_vector(np.zeros(0), columns, square.shape[1])
     _, sizes, right = np.linalg.svd(square[:, np.asarray(columns)], full_matrices=False)

@@ -63,13 +63,13 @@ class Whiteness:
 
     @property
     def memory(self) -> int | None:
-        """First lag at which the autocorrelation is within the band; None if beyond the last."""
+        """Return the first lag at which the autocorrelation is within the band; None if beyond the last."""
         lags = enumerate(self.autocorrelation, 1)
         return next((k for k, rho in lags if abs(rho) <= self.band), None)
 
     @property
     def sentence(self) -> str:
-        """The verdict with its numbers."""
+        """Return the verdict with its numbers."""
         outside = sum(abs(rho) > self.band for rho in self.autocorrelation)
         test = "p < 0.0001" if self.p_value < 1e-4 else f"p = {self.p_value:.2g}"
         counted = f"{outside} of {len(self.autocorrelation)} autocorrelations outside"
@@ -87,7 +87,7 @@ class Whiteness:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """All fields by name and the verdict, for JSON."""
+        """Return all fields by name and the verdict, for JSON."""
         return asdict(self) | {"white": self.white, "sentence": self.sentence}
 
 
@@ -166,7 +166,7 @@ def count_effective_samples(residuals: Any, lengths: Sequence[int] | None = None
 
 
 def require_residuals(residuals: Any) -> Vector:
-    """The residuals as an array, scaled to at most 1 so that no square over- or underflows.
+    """Return the residuals as an array, scaled to at most 1 so that no square over- or underflows.
 
     Raises:
         DataError: they are none, or not finite.

@@ -21,21 +21,21 @@ Array = NDArray[np.float64]
 
 
 def make_record(channels: int) -> Array:
-    """Inputs that turn back several times, at other places in every channel."""
+    """Return the inputs that turn back several times, at other places in every channel."""
     t = np.arange(SAMPLES)[:, None] + 0.3
     k = np.arange(channels)
     return 0.8 * np.sin(0.41 * t + k) + 0.37 * np.sin(0.17 * t + 2.0 * k) + 0.05 * k
 
 
 def draw_numbers(block: AbstractBlock, seed: int = 3) -> Array:
-    """Free numbers, none of them exactly where a start leaves it."""
+    """Return free numbers, none of them exactly where a start leaves it."""
     rng = np.random.default_rng(seed)
     made = block.sample_parameters(rng, SAMPLES * DT, DT)
     return made + 0.03 * rng.uniform(0.5, 1.0, len(made))
 
 
 def lead_block(block: AbstractBlock, share: float = 1.0) -> list[AbstractBlock]:
-    """The block behind polynomials, adapted to a share of what reaches it.
+    """Return the block behind polynomials, adapted to a share of what reaches it.
 
     With 1 the greatest and least inputs are the ends of its range, with less they are beyond.
     """
@@ -46,7 +46,7 @@ def lead_block(block: AbstractBlock, share: float = 1.0) -> list[AbstractBlock]:
 
 
 def find_slope_error(blocks: list[AbstractBlock]) -> float:
-    """Greatest difference of a slope from a central difference, over those of its number."""
+    """Return the greatest difference of a slope from a central difference, over those of its number."""
     theta = np.concatenate([draw_numbers(block) for block in blocks])
     engine, u = ChainEngine(blocks, DT, compiled=False), make_record(blocks[0].inputs)
     found = engine.jacobian(theta, u)[1]
@@ -63,7 +63,7 @@ def find_slope_error(blocks: list[AbstractBlock]) -> float:
 
 
 def list_unusual(block: AbstractBlock) -> set[str]:
-    """Names of the options that are not what they usually are."""
+    """Return the names of the options that are not what they usually are."""
     options = {n: d.default for n, d in block.declarations.items() if d.kind == "option"}
     return {name for name, usual in options.items() if getattr(block, name) != usual}
 

@@ -98,7 +98,7 @@ class Conformance:
 
 
 def find_checks(kind: str, cls: type[Any]) -> list[Check]:
-    """The suite of a kind of part, such as `law`, for a class of it; empty if there is none.
+    """Return the suite of a kind of part, such as `law`, for a class of it; empty if there is none.
 
     These are the functions `check_…` of its module whose argument is of the class, or of one above
     it: what holds for some of a kind is a check of their common class.

@@ -34,7 +34,7 @@ def list_readings(controller: AbstractController) -> dict[str, float]:
 
 
 def find_target(controller: AbstractController) -> float:
-    """A reference at which a plant at rest needs nothing."""
+    """Return a reference at which a plant at rest needs nothing."""
     return list_readings(controller).get(controller.measured, 0.0)
 
 
@@ -96,7 +96,7 @@ def check_rest(controller: AbstractController) -> None:
 
 
 def find_limits(controller: AbstractController) -> tuple[float, float] | None:
-    """Least and largest signal that a controller declares, itself or in its law."""
+    """Return the least and largest signal that a controller declares, itself or in its law."""
     for part in (controller, getattr(controller, "law", None)):
         levels = [getattr(part, name) for name in ("low", "high", "near") if hasattr(part, name)]
         if "high" in getattr(part, "declarations", {}):

@@ -112,7 +112,7 @@ TEMPERATURES = np.linspace(260.0, 450.0, 96)
 
 
 def find_losses(cooling: AbstractCooling) -> np.ndarray:
-    """Heat flow per surface [W/m²] at all temperatures, surroundings at 295 K."""
+    """Return the heat flow per surface [W/m²] at all temperatures, surroundings at 295 K."""
     shape = Cylinder(0.2e-3, 0.2)
     films = [cooling.film(floats, t, AMBIENT, shape) for t in TEMPERATURES.tolist()]
     return np.array(films) * (TEMPERATURES - AMBIENT)

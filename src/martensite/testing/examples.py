@@ -25,7 +25,7 @@ LEVEL = {DRIVE: "V"}
 
 
 def build_example(cls: type[Some], /, **choices: Any) -> Some:
-    """An instance of a part, of typical values but for some choices.
+    """Return an instance of a part, of typical values but for some choices.
 
     Raises:
         ParameterError: something is required of which no typical value is declared.
@@ -39,12 +39,12 @@ def build_example(cls: type[Some], /, **choices: Any) -> Some:
 
 @cache
 def build_plant() -> System:
-    """A wire of typical numbers under a voltage: what parts of a loop are tried on."""
+    """Return a wire of typical numbers under a voltage: what parts of a loop are tried on."""
     return build_example(System, source=VoltageSource())
 
 
 def list_variants(cls: type[Some], **choices: Any) -> list[Some]:
-    """An example of a part, and one for every other choice of each of its options."""
+    """Return an example of a part, and one for every other choice of each of its options."""
     options = {n: d for n, d in cls.declarations.items() if d.kind == "option" and n not in choices}
     usual = {n: d.typical if d.default is REQUIRED else d.default for n, d in options.items()}
     others = [usual | {n: w} for n, d in options.items() for w in d.choices if w != usual[n]]
@@ -52,7 +52,7 @@ def list_variants(cls: type[Some], **choices: Any) -> list[Some]:
 
 
 def label_part(part: Parametrised) -> str:
-    """Name and options of a part."""
+    """Return the name and options of a part."""
     words = [getattr(part, n) for n, d in part.declarations.items() if d.kind == "option"]
     return "-".join([type(part).registered_name or type(part).__name__, *words])
 
@@ -81,7 +81,7 @@ def _find_value(cls: type[Parametrised], name: str, declared: Declared, values: 
 
 
 def _read_level(cls: type[Parametrised], name: str, value: Any) -> Any:
-    """A choice; in SI if it is a text with a unit for what has the unit of some reading."""
+    """Return a choice; in SI if it is a text with a unit for what has the unit of some reading."""
     declared = cls.declarations.get(name)
     if isinstance(value, str) and declared is not None and declared.unit in units.OF_READINGS:
         for unit in (one for one in HIGH if one not in ("1", "delta_degC")):
@@ -91,14 +91,14 @@ def _read_level(cls: type[Parametrised], name: str, value: Any) -> Any:
 
 
 def _to_number(typical: Any, unit: str) -> float:
-    """A typical number in SI; differences of a reading in kelvin are no temperatures."""
+    """Return a typical number in SI; differences of a reading in kelvin are no temperatures."""
     if not isinstance(typical, str):
         return float(typical)
     return units.parse_quantity(typical, unit)
 
 
 def _find_part(cls: type[Parametrised], name: str, declared: Declared, typical: Any) -> Any:
-    """A component: the typical one, the default, or what its class has."""
+    """Return a component: the typical one, the default, or what its class has."""
     inner = component_class(cls, name)
     if declared.typical is None and declared.default is not REQUIRED:
         return declared.default
@@ -121,7 +121,7 @@ def _unit_of(value: Any) -> str:
 
 
 def _build_typical(typical: Any, registry: Registry[Any] | None, inner: type[Parametrised] | None) -> Any:
-    """A component from a name or a table, as files have it."""
+    """Return a component from a name or a table, as files have it."""
     table: dict[str, Any] = {"kind": typical} if isinstance(typical, str) else dict(typical)
     if registry is not None:
         return build_example(registry[table.pop("kind")], **table)

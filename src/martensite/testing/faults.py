@@ -19,14 +19,14 @@ MOMENTS = ((0.7, 320.0, 300.0), (0.2, 300.0, 320.0))
 
 @cache
 def build_switched_plant() -> System:
-    """The typical wire under a switched supply, which may sag."""
+    """Return the typical wire under a switched supply, which may sag."""
     return build_plant().with_parts(source=build_example(PwmVoltage))
 
 
 def list_effects(
     fault: AbstractFault, xp: Namespace, time: Scalar, u: Scalar, reading: Scalar, held: Scalar
 ) -> list[Scalar]:
-    """Current, heat loss, position, signal, reading, its travel, and whether it is new, with a fault at work.
+    """Return current, heat loss, position, signal, reading, its travel, and whether it is new, with a fault at work.
 
     The fault acts on the first drive and the first sensor that it names.
     """
@@ -62,13 +62,13 @@ def find_healthy(u: float, reading: float, held: float) -> list[float]:
 
 
 def find_position(xp: Namespace, plant: Any) -> Scalar:
-    """Position [m] of the mechanism with an element 1 mm shorter than at assembly."""
+    """Return the position [m] of the mechanism with an element 1 mm shorter than at assembly."""
     memory = plant.mechanism.init(xp, [plant.element], [2e-3], [])
     return plant.mechanism.position(xp, memory, 1.0, 1e-3)
 
 
 def find_moments(fault: AbstractFault) -> tuple[list[float], list[float]]:
-    """Times in which it is not there, and in which it is."""
+    """Return the times in which it is not there, and in which it is."""
     end = fault.end if math.isfinite(fault.end) else fault.start + 1.0
     outside = [0.5 * fault.start] if fault.start > 0.0 else []
     outside += [fault.end, fault.end + 1.0] if math.isfinite(fault.end) else []

@@ -32,7 +32,7 @@ def trace_kinetics(law: AbstractLaw) -> Callable[[Any, float, float, float], Any
 
 
 def _bind_law(law: AbstractLaw) -> tuple[Callable[..., Sequence[float]], Callable[..., Sequence[float]], NestedShape]:
-    """Functions of the numbers of a memory, `kinetics` and strain, and the shape of a memory.
+    """Return the functions of the numbers of a memory, `kinetics` and strain, and the shape of a memory.
 
     What takes many steps keeps to the numbers: to make a memory of them takes longer than a step.
     """
@@ -64,7 +64,7 @@ def _trace_law(keyed: Keyed[Any]) -> Any:
 def follow_path(
     law: AbstractLaw, points: Sequence[Point], fraction: float, substeps: int = 1, dt: float = 1.0
 ) -> list[Any]:
-    """Memories of a law at points of (stress [Pa], temperature [K]), its martensite at the first all oriented.
+    """Return memories of a law at points of (stress [Pa], temperature [K]), its martensite at the first all oriented.
 
     Straight legs of dt [s] lead from each to the next, each cut into `substeps` of equal length.
     """
@@ -84,17 +84,17 @@ def follow_path(
 def find_end(
     law: AbstractLaw, points: Sequence[Point], fraction: float, substeps: int = 1, dt: float = 1.0
 ) -> Fractions:
-    """Fractions at the end of a path."""
+    """Return the fractions at the end of a path."""
     return law.fractions(follow_path(law, points, fraction, substeps, dt)[-1])
 
 
 def find_strain(law: AbstractLaw, memory: Any) -> float:
-    """Strain [-] stored in a memory."""
+    """Return the strain [-] stored in a memory."""
     return law.strain(floats, law.fractions(memory), memory.stress, memory.temperature)
 
 
 def depends_on_time(law: AbstractLaw) -> bool:
-    """True for laws with rates; those with a history rule must never be."""
+    """Return True for laws with rates; those with a history rule must never be."""
     legs = [(0.0, 290.0), (0.0, 360.0), (300e6, 330.0), (50e6, 330.0)]
     slow, fast = (find_end(law, legs, 0.5, dt=dt) for dt in (1e3, 1e-3))
     return slow != fast
@@ -242,7 +242,7 @@ def check_stiffness(law: AbstractLaw) -> None:
 
 
 def find_austenite(law: AbstractLaw) -> float:
-    """The lowest whole temperature [K] at which unloaded martensite is gone.
+    """Return the lowest whole temperature [K] at which unloaded martensite is gone.
 
     Raises:
         ConformanceError: it is not gone below 480 K.
@@ -304,7 +304,7 @@ def check_extremes(law: AbstractLaw) -> None:
 
 
 def _draw_extremes(law: AbstractLaw, rng: Any, count: int) -> tuple[Any, Any]:
-    """Stresses and temperatures, a third of them absurd or on the law's own numbers."""
+    """Return the stresses and temperatures, a third of them absurd or on the law's own numbers."""
     own = {"K": [0.0, 1e-300, CELSIUS, 1e5], "Pa": [0.0, -1e9, 1e12, 1e-300, -1e-300]}
     for leaf in law.leaves():
         if leaf.declared.unit in own:

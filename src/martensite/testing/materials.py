@@ -16,7 +16,7 @@ ASCENDING = (("M_f", "M_s"), ("A_s", "A_f"), ("M_s", "A_f"), ("sigma_s", "sigma_
 
 
 def build_laws(material: Material) -> list[AbstractLaw]:
-    """The law that a material names, else every law that its numbers are enough for."""
+    """Return the law that a material names, else every law that its numbers are enough for."""
     values = {name: number.value for name, number in material.values.items()}
     options: dict[str, Any] = dict(material.law or {})
     names = [options.pop("kind")] if options else LAWS.names()

@@ -34,7 +34,7 @@ def is_consistent(mechanism: AbstractMultibody) -> bool:
 
 
 def choose_places(mechanism: AbstractMultibody, share: float = 0.2) -> list[Numbers]:
-    """Some positions near home."""
+    """Return some positions near home."""
     rng = np.random.default_rng(3)
     sizes = np.array([c.size for c in mechanism.coordinates()])
     home = np.array(mechanism.home(floats))
@@ -42,13 +42,13 @@ def choose_places(mechanism: AbstractMultibody, share: float = 0.2) -> list[Numb
 
 
 def choose_rates(mechanism: AbstractMultibody) -> list[Numbers]:
-    """Some velocities."""
+    """Return some velocities."""
     sizes = [c.size for c in mechanism.coordinates()]
     return [tuple(s * math.sin(1 + i + 3 * k) for k, s in enumerate(sizes)) for i in range(4)]
 
 
 def find_demand(mechanism: AbstractMultibody, *motion: Column) -> Array:
-    """Demand for position, velocity, acceleration (zero if not given), without signals."""
+    """Return the demand for position, velocity, acceleration (zero if not given), without signals."""
     rest = (0.0,) * len(mechanism.coordinates())
     numbers = (tuple(motion[k]) if k < len(motion) else rest for k in range(3))
     signals = [0.0] * len(mechanism.signals())
@@ -56,7 +56,7 @@ def find_demand(mechanism: AbstractMultibody, *motion: Column) -> Array:
 
 
 def find_inertia(mechanism: AbstractMultibody, position: Column) -> Array:
-    """Slope of the demand in the acceleration."""
+    """Return the slope of the demand in the acceleration."""
     rest = find_demand(mechanism, position)
     still, unit = [0.0] * len(rest), np.eye(len(rest)).tolist()
     return np.array([find_demand(mechanism, position, still, e) - rest for e in unit]).T

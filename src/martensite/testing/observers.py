@@ -23,7 +23,7 @@ Sigma points beyond an end are put there, and pull the mean away from it.
 
 
 def find_readings(observer: AbstractObserver, xp: Namespace, signal: Scalar) -> dict[str, Any]:
-    """Readings of the model under a signal from rest, and their ages."""
+    """Return the readings of the model under a signal from rest, and their ages."""
     model, count = observer.model, len(observer.model.drives())
     signals = [signal] * count
     seen = model.observe(xp, model.init(xp, *signals), *signals)

@@ -49,7 +49,7 @@ def find_range(name: str) -> tuple[float, float]:
 
 
 def draw_readings(names: Iterable[str], rng: np.random.Generator) -> dict[str, float]:
-    """Random readings of these names, and their ages."""
+    """Return the random readings of these names, and their ages."""
     both = [entry for name in names for entry in (name, f"{name}.age")]
     return {name: float(rng.uniform(*find_range(name))) for name in both}
 

@@ -20,12 +20,12 @@ OWN_UNIT = ("noise", "resolution", "offset", "bias", "lowest", "highest", "range
 
 
 def change_sensor(sensor: AbstractSensor, **numbers: float) -> AbstractSensor:
-    """A sensor with those of some numbers that it has."""
+    """Return a sensor with those of some numbers that it has."""
     return sensor.with_parts(**{n: v for n, v in numbers.items() if n in sensor.declarations})
 
 
 def silence_sensor(sensor: AbstractSensor, **numbers: float) -> AbstractSensor:
-    """A sensor without noise and rounding."""
+    """Return a sensor without noise and rounding."""
     none = dict.fromkeys(("noise", "relative_noise", "resolution"), 0.0)
     return change_sensor(sensor, **none, **numbers)
 
@@ -36,13 +36,13 @@ def choose_truth(sensor: AbstractSensor, share: float = 0.6) -> list[float]:
 
 
 def record_readings(sensor: AbstractSensor, truth: list[float], count: int) -> np.ndarray:
-    """Readings of what stays as it is."""
+    """Return the readings of what stays as it is."""
     rng = np.random.default_rng(7)
     return simulate_readings(sensor, np.tile(truth, (count, 1)), 0.01, rng)
 
 
 def find_deviation(sensor: AbstractSensor, truth: list[float]) -> float:
-    """Standard deviation of a reading that it declares."""
+    """Return the standard deviation of a reading that it declares."""
     share = getattr(sensor, "relative_noise", 0.0)
     return math.hypot(sensor.noise, share * truth[0] / truth[1] if share else 0.0)
 

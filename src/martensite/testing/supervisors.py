@@ -21,13 +21,13 @@ WIDE = 3.0
 
 
 def name_drives(part: AbstractSupervisor | AbstractCheck) -> list[str]:
-    """Drives that it speaks of, or one."""
+    """Return the drives that it speaks of, or one."""
     named = part.names() if isinstance(part, AbstractCheck) else part.drives()
     return list(dict.fromkeys(named)) or [DRIVE]
 
 
 def separate_readings(check: AbstractCheck) -> AbstractCheck:
-    """A check of other readings where it would compare a reading with itself."""
+    """Return a check of other readings where it would compare a reading with itself."""
     names, texts = check.reads(), dict[str, str]()
     for name, declared in check.declarations.items():
         value = getattr(check, name)
@@ -90,7 +90,7 @@ def check_traced_check(check: AbstractCheck) -> None:
 
 
 def place_readings(names: tuple[str, ...], shares: tuple[Scalar, ...]) -> dict[str, Scalar]:
-    """Readings and ages, each a share of the way through where it usually is."""
+    """Return the readings and ages, each a share of the way through where it usually is."""
     both = dict.fromkeys(entry for name in names for entry in (name, f"{name}.age"))
     found: dict[str, Scalar] = {}
     for k, name in enumerate(both):
