@@ -53,9 +53,9 @@ class Assembly:
 
     document: Table
     folder: Path
-    """Where files that are named are looked for."""
+    """Folder in which named files are looked up."""
     log: Record | None = None
-    """What waveforms of kind `log` follow."""
+    """Log that waveforms of kind `log` follow."""
     lead: float = 0.0
     """Time before the log [s]."""
     origins: dict[str, str] = field(default_factory=dict[str, str])
@@ -70,7 +70,7 @@ class Assembly:
     cautions: list[str] = field(default_factory=list[str])
     """Sentences on materials whose numbers are used in another law than theirs."""
     controlled: bool = False
-    """Whether a controller may have a drive, which then needs no waveform."""
+    """True if a controller may have a drive, which then needs no waveform."""
 
     @property
     def drive(self) -> str:
@@ -250,7 +250,7 @@ def section_of(document: Table, name: str, default: Table | None = None) -> dict
 
 
 def drive_section(document: Table) -> str:
-    """What the section of the source is called: `drive`, or `driver`.
+    """Return the name of the section of the source: `drive` or `driver`.
 
     Raises:
         ParameterError: both are there.

@@ -72,11 +72,11 @@ if TYPE_CHECKING:
 
 CONTROLLER = "controller"
 READING = "reading"
-"""What a sensor calls its own reading."""
+"""Name of the reading that a sensor gives out."""
 
 
 class BenchSettings(Parametrised):
-    """How a bench runs."""
+    """Settings of a bench."""
 
     period: Number = param("s", "time from one sample to the next", above=0.0, default=math.inf)
     substeps: Number = param(
@@ -103,7 +103,7 @@ class BenchBuilder:
 
     assembly: Assembly
     plant: AbstractSystem
-    """What everything is around."""
+    """Plant at the centre of the bench."""
     places: Places
 
     def build(self) -> tuple[Bench, bool]:
@@ -230,7 +230,7 @@ class BenchBuilder:
             return model.system()
 
     def _fault(self, bench: Bench, row: Row) -> tuple[str, AbstractFault]:
-        """What goes wrong on a bench, and its name; levels are in the unit of what it disturbs."""
+        """Return the name and the fault of a row; levels are in the unit of the disturbed quantity."""
         name, table, path = row
         where = f"{FAULTS}.{check_name(name, path)}"
         drives = {drive.name: drive.unit for drive in self.plant.drives()}
@@ -264,7 +264,7 @@ class BenchBuilder:
         name, table, path = row
         name, unit = self._find_drive(name, path)
         given, below = self._find_reference(name, table, path)
-        if given is None:  # what it does not follow is no number of the scenario
+        if given is None:  # a reference that the controller does not follow is not a parameter of the scenario
             self.places.note_system(f"controllers.{name}.{REFERENCE}", below)
             return name, self._build_idle(bench, (f"controllers.{name}", table, path), PlaceUnits(unit))
         where, readings = f"controllers.{name}", _list_units(bench)
@@ -309,7 +309,7 @@ class BenchBuilder:
         return name, drives[name]
 
     def _find_reference(self, name: str, table: Table, path: str) -> tuple[Any, str]:
-        """What a controller shall follow, and where that stands."""
+        """Return the reference of a controller and the path of its section."""
         single = path == CONTROLLER
         outer = REFERENCE if single else PAIRS[REFERENCE]
         given = section_of(self.assembly.document, outer, {})

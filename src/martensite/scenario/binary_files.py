@@ -1,7 +1,7 @@
 """Columns of numbers in Parquet, MAT and netCDF files.
 
-MAT and netCDF files are read in a process of their own, for so long and into so much memory at most: a damaged one can
-end the process that reads it, or keep it busy.
+MAT and netCDF files are read in a separate process with limits of time and memory. A damaged file can crash or block
+the process that reads it.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from martensite.scenario.sheets import describe_unreadable
 from martensite.scenario.tables import BINARY, TEXT
 
 LONGEST = 60.0
-"""Time [s] for reading a file in a process of its own, besides that for its size."""
+"""Time limit for reading a file in a separate process [s], without the allowance for its size."""
 SLOWEST = 1e7
 """Bytes that are read in a second at least."""
 MOST_MEMORY = 2**33
@@ -47,7 +47,7 @@ def head_column(heading: str, unit: str) -> str:
 
 
 def read_arrays(path: Path) -> dict[str, Any]:
-    """Columns of a file that is no text, by heading, with its unit if the file knows it.
+    """Return the columns of a binary file by heading, with the unit if the file contains it.
 
     Raises:
         DataError: the file is missing, of no known kind, or malformed.
@@ -62,7 +62,7 @@ def read_arrays(path: Path) -> dict[str, Any]:
 
 
 def read_apart(path: Path, reader: str, size: int) -> Columns:
-    """What `reader`, `MODULE:FUNCTION` of a path, finds in a file of so many bytes, in a process of its own.
+    """Read a file of `size` bytes in a separate process with `reader`, a `MODULE:FUNCTION` of a path.
 
     Raises:
         DataError: the file is damaged, or the reader says so.
@@ -83,7 +83,7 @@ def read_apart(path: Path, reader: str, size: int) -> Columns:
 
 def _answer_apart(reader: str, path: Path) -> None:
     """Write the columns of a file to the standard output, or why there are none as an error."""
-    with suppress(ImportError, ValueError):  # there is no such limit elsewhere
+    with suppress(ImportError, ValueError):  # other systems lack this limit
         import resource
 
         resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
@@ -217,7 +217,7 @@ def read_netcdf(path: Path) -> Columns:
 
 
 _APART = {".mat": read_mat.__name__, ".nc": read_netcdf.__name__}
-"""Kinds of files that a process of its own reads."""
+"""Readers that run in a separate process, by suffix."""
 
 if __name__ == "__main__":
     _answer_apart(sys.argv[1], Path(sys.argv[2]))

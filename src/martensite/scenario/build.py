@@ -44,7 +44,7 @@ class Builder:
     extra: tuple[str, ...] = ()
     """Keys of the outermost table that are read elsewhere."""
     plain: bool = False
-    """Whether parts that are whole numbers, or rows of numbers, may be given as such."""
+    """True if parts that are whole numbers, or rows of numbers, may be given as such."""
     made: Mapping[str, Any] = field(default_factory=dict[str, Any])
     """Components of the outermost object that are made elsewhere."""
 
@@ -229,7 +229,7 @@ def _list_parts(cls: type[Parametrised]) -> Iterator[str]:
 
 
 def _list_declared(cls: type[Parametrised]) -> Collection[str]:
-    """Entries that a class declares; none of one whose instances have numbers of their own."""
+    """Return the entries that a class declares; empty for a class whose instances declare their own parameters."""
     return () if isinstance(cls.declarations, property) else cls.declarations
 
 

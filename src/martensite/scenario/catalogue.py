@@ -19,7 +19,7 @@ from martensite.signals.base import DRIVE
 
 
 class EntryDescription(TypedDict):
-    """What is declared of one entry of a part."""
+    """Declaration of one entry of a part."""
 
     name: str
     declares: str
@@ -36,12 +36,12 @@ class EntryDescription(TypedDict):
     """Bounds in SI; null for none."""
     allowed: str
     choices: list[str]
-    """Of an option, and of a part from a registry."""
+    """Allowed names, for an option and for a part from a registry."""
     required: bool
     default: Any
-    """Null if one is required, or there is no limit."""
+    """Default value; null for a required entry or an unlimited value."""
     typical: Any
-    """As files write it; null for none. Assumed, never data."""
+    """Typical value as files write it, or null. Always an assumption, never data."""
 
 
 class NamedPart(TypedDict):
@@ -107,10 +107,10 @@ def list_registries(blocks: bool = False) -> dict[str, Registry[Any]]:
 
 
 def find_registry(kind: str) -> Registry[Any]:
-    """The registry of a kind of parts, by its word or the plural of it.
+    """Return the registry of a kind of parts, given by its name or the plural of it.
 
     Raises:
-        UnknownNameError: there is no such kind.
+        UnknownNameError: the kind does not exist.
     """
     known = list_registries(blocks=True)
     for one in (kind, kind.removesuffix("s")):
@@ -125,7 +125,7 @@ def summarise_class(cls: type[Any]) -> str:
 
 
 def describe_words(cls: type[Any]) -> str:
-    """What the module of a class says, then what the class itself adds to its summary."""
+    """Return the docstring of the module of a class, then the text below the summary of the class."""
     own = (inspect.getdoc(cls) or "").partition("\n\n")[2]
     return "\n\n".join(filter(None, (inspect.getdoc(sys.modules[cls.__module__]), own)))
 
@@ -169,7 +169,7 @@ def describe_class(kind: str, cls: type[Parametrised]) -> PartDescription:
 
 
 def describe_entry(name: str, declared: Declared) -> EntryDescription:
-    """What is declared of one entry, ready for JSON."""
+    """Return the declaration of one entry, ready for JSON."""
     required = declared.default is REQUIRED
     default = None if required else declared.default
     if isinstance(default, Parametrised):

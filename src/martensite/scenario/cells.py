@@ -24,7 +24,7 @@ OVERFLOW = 9.9e36
 DAY = 86_400.0
 MISSING = {*GAPS, "-", "--", "---", "none", "ol", "ovld", "over", "overload", "#n/a", "#num!", "#div/0!", "∞", "-∞"}
 MISSING |= {"+over", "-over", "err", "error", "open", "invalid", "no data", "inf", "-inf", "+inf", "infinity"}
-"""What stands in the cell of a sample that is missing or out of range, in small letters."""
+"""Cells of a sample that is missing or out of range, in lower case."""
 
 _NUMBER = r"[+\-−]?(?:\d+(?:[.,'’]\d{3})*(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][+\-]?\d+)?"
 _CLOCK = r"(\d{1,3}):([0-5]?\d)(?::([0-5]?\d)(?:[.,:](\d+))?|[.](\d+))?(?:\s*([AaPp])\.?[Mm]\.?)?"
@@ -42,14 +42,14 @@ _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct",
 
 @dataclass(frozen=True)
 class NumberStyle:
-    """How the numbers of a table are written."""
+    """Notation of the numbers of a table."""
 
     comma: bool = False
     """Decimal comma."""
     thousands: str = ""
     """Sign between thousands."""
     unsure: bool = False
-    """Whether `1,234` may mean both."""
+    """True if `1,234` is ambiguous."""
 
 
 @dataclass(frozen=True)
@@ -65,11 +65,11 @@ class ReadCells:
     unit: str = ""
     """Unit that stands behind the numbers."""
     unsure: bool = False
-    """Whether day and month could not be told apart."""
+    """True if day and month could not be told apart."""
 
 
 def is_missing(cell: str) -> bool:
-    """Whether a cell stands for a sample that is missing."""
+    """Return whether a cell stands for a sample that is missing."""
     return cell.strip().strip('"').lower() in MISSING
 
 
@@ -91,7 +91,7 @@ def find_kind(cell: str) -> str:
 
 
 def find_style(cells: Iterable[str]) -> NumberStyle:
-    """How the numbers of some cells are written."""
+    """Return the notation of the numbers in some cells."""
     texts = [t for t in (cell.strip() for cell in cells) if _PATTERNS["number"].fullmatch(t)]
     commas, points = [t for t in texts if "," in t], [t for t in texts if "." in t]
     quote = next((sign for sign in "'’" if any(sign in t for t in texts)), "")
@@ -195,7 +195,7 @@ def _read_dates(cells: Sequence[str], kind: str) -> ReadCells:
 
 
 def _count_days(texts: Sequence[str]) -> tuple[list[float], bool]:
-    """Days of the calendar, NaN for what is no date; and whether day and month may have changed places."""
+    """Return days of the calendar, NaN for other texts, and whether the order of day and month is ambiguous."""
     known = {text: tuple(re.split(r"[-/. ]", text)) for text in dict.fromkeys(texts)}
     written = [part for part in known.values() if len(part[0]) < 3 and part[1].isdigit()]
     over = [any(int(part[k]) > 12 for part in written) for k in (0, 1)]

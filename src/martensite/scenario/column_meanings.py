@@ -1,4 +1,4 @@
-"""What the columns of a raw table are: by what is given, by heading and unit, and by their values."""
+"""Assignment of the columns of a raw table, by given names, by heading and unit, and by value."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ COUNTER = re.compile(r"(?:#|no\.?|nr\.?|index|scan|sample|reading|point|row|reco
 
 @dataclass(frozen=True)
 class Meaning:
-    """What a column is taken for; an empty name for nothing."""
+    """Assigned meaning of a column; an empty name for an unknown column."""
 
     name: str
     unit: str
@@ -34,10 +34,10 @@ class Meaning:
 
 
 def guess_meanings(raw: RawTable, named: Mapping[str, str]) -> list[Meaning]:
-    """What the columns of a table are; of two that are the same, the second keeps its heading as a name.
+    """Return the meanings of the columns of a table; the second of two equal columns keeps its heading as a name.
 
     Raises:
-        DataError: `named` names no column, or what is none.
+        DataError: `named` refers to an unknown column, or assigns an unknown meaning.
     """
     given = _read_named(raw, named)
     found = [given.get(place) or _guess_column(raw, place) for place in range(len(raw.columns))]
@@ -58,7 +58,7 @@ def guess_meanings(raw: RawTable, named: Mapping[str, str]) -> list[Meaning]:
 
 
 def _guess_column(raw: RawTable, place: int) -> Meaning:
-    """What one column is by its heading and unit, and the unit by its values where neither names one."""
+    """Return the meaning of one column by heading and unit; if neither gives the unit, guess it from the values."""
     column = raw.columns[place]
     if column.kind in ("clock", "stamp"):
         return Meaning("time", CLOCK, "values" if not column.heading else "heading")
@@ -89,7 +89,7 @@ def _guess_column(raw: RawTable, place: int) -> Meaning:
 
 
 def _find_headed_time(raw: RawTable, found: list[Meaning]) -> list[Meaning]:
-    """Where nothing is called time, a nameless first column that rises by equal steps is."""
+    """Take a nameless first column with equal rising steps as the time, if no other column is the time."""
     first = next((k for k, column in enumerate(raw.columns) if column.kind == "number"), None)
     if first is None or found[first].name or raw.columns[first].heading or not is_even_time(raw.columns[first].numbers):
         return found
@@ -137,10 +137,10 @@ def _keep_heading(column: RawColumn, place: int, one: Meaning, taken: set[str]) 
 
 
 def find_places(headings: Sequence[str], named: Mapping[str, str], where: str) -> dict[int, str]:
-    """Place of a column -> what it is said to be, from headings or numbers.
+    """Return the assigned meaning by place of the column; columns are given by heading or number.
 
     Raises:
-        DataError: there is no such column, or more than one.
+        DataError: the column does not exist, or is ambiguous.
     """
     found: dict[int, str] = {}
     for key, text in named.items():

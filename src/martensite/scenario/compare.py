@@ -24,7 +24,7 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class Agreement:
-    """How far the computed values of one quantity are from the measured ones."""
+    """Deviation between the computed and the measured values of one quantity."""
 
     quantity: str
     unit: str

@@ -32,7 +32,7 @@ def component_class(owner: type[Parametrised], name: str) -> type[Parametrised] 
 
 
 def is_members(cls: type[Parametrised] | None) -> bool:
-    """Whether a class holds components by names of the user's own."""
+    """Return whether a class holds components by names of the user's own."""
     return cls is not None and issubclass(cls, Members)
 
 
@@ -49,7 +49,7 @@ def list_nested(owner: type[Parametrised], path: str = "") -> Iterator[tuple[str
 
 
 def gather_nested(cls: type[Parametrised], table: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
-    """A table with numbers of its components in tables of their own, and what was moved.
+    """Return a table with the parameters of components moved into nested tables, and the moved paths.
 
     A component whose class is known, such as the `law` of a PID controller, may have its numbers
     beside those of the whole where only one of them has the name.
@@ -74,7 +74,7 @@ def gather_nested(cls: type[Parametrised], table: Mapping[str, Any]) -> tuple[di
 
 
 def is_plain(owner: type[Parametrised], name: str) -> bool:
-    """Whether a part is a whole number, or numbers in a row."""
+    """Return whether a part is a whole number, or numbers in a row."""
     declared = owner.declarations[name]
     return declared.kind == "part" and declared.registry is None and _read_annotation(owner, name) in PLAIN
 

@@ -1,7 +1,7 @@
-"""Tables in files that are no text: spreadsheets, MAT, Parquet, netCDF, TDMS (LabVIEW) and MCAP (robots).
+"""Tables in binary files: spreadsheets, MAT, Parquet, netCDF, TDMS (LabVIEW) and MCAP (robots).
 
-All but Parquet are read in a process of their own (`scenario.binary_files.read_apart`): a damaged file can end the one
-that reads it.
+All but Parquet are read in a separate process (`scenario.binary_files.read_apart`), since a damaged file can crash its
+reader.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _TITLES = {".mat": "MATLAB file", ".parquet": "Parquet file", ".nc": "netCDF fil
 
 
 def read_container(path: Path) -> RawTable:
-    """The table of a file that is no text.
+    """Return the table of a binary file.
 
     Raises:
         DataError: it is missing, damaged, or holds no table of numbers.

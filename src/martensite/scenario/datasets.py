@@ -49,7 +49,7 @@ class DataSet:
     title: str
     summary: str
     caution: str
-    """What the numbers are not."""
+    """Limits of the data: claims that they do not support."""
     licence: str
     notice: str
     """Copyright notice, to be kept with copies."""
@@ -74,10 +74,10 @@ def dataset_names() -> list[str]:
 
 
 def describe_dataset(name: str) -> DataSet:
-    """What is listed about a data set.
+    """Return the listing of a data set.
 
     Raises:
-        UnknownNameError: there is none of that name.
+        UnknownNameError: the data set does not exist.
     """
     require_known("data set", name, dataset_names())
     text = (_LISTED / f"{name}.toml").read_text(encoding="utf-8")
@@ -94,16 +94,16 @@ def _locate_file(entry: dict[str, Any], shared: dict[str, Any]) -> DataFile:
 
 
 def describe_layout(key: str) -> Layout:
-    """How the file `<data set>/<file>` is to be read."""
+    """Return the layout of the file `<data set>/<file>`."""
     return _find_entry(key)[1].layout
 
 
 def locate_file(key: str) -> Path:
-    """The verified local copy of `<data set>/<file>`.
+    """Return the path of the verified local copy of `<data set>/<file>`.
 
     Raises:
-        UnknownNameError: there is no such data set, or no such file in it.
-        DataError: there is no copy on this machine, or it is not the file listed.
+        UnknownNameError: the data set or the file in it does not exist.
+        DataError: this machine lacks a copy, or the copy differs from the listed file.
     """
     dataset, file = _find_entry(key)
     path = _find_copy(dataset, file)
@@ -114,10 +114,10 @@ def locate_file(key: str) -> Path:
 
 
 def is_here(key: str) -> bool:
-    """Whether there is a copy of `<data set>/<file>` on this machine, verified or not.
+    """Return whether this machine has a copy of `<data set>/<file>`, verified or not.
 
     Raises:
-        UnknownNameError: there is no such data set, or no such file in it.
+        UnknownNameError: the data set or the file in it does not exist.
     """
     return _find_copy(*_find_entry(key)) is not None
 
@@ -131,7 +131,7 @@ def fetch_dataset(name: str, force: bool = False, progress: Callable[[str, int, 
         progress: called after each file with its name, its number, and the number of files.
 
     Raises:
-        UnknownNameError: there is no such data set.
+        UnknownNameError: the data set does not exist.
         DataError: a file cannot be had, or is not the one listed; what is there stays as it is.
     """
     dataset = describe_dataset(name)

@@ -55,7 +55,7 @@ def _format_number(number: str, spelling: str) -> str:
 
 
 def convert_to_plain(value: Any) -> Any:
-    """What JSON can hold: tables, lists, texts, finite numbers, null."""
+    """Return a value as JSON types: tables, lists, texts, finite numbers, null."""
     if isinstance(value, Mapping):
         return {str(k): convert_to_plain(v) for k, v in cast("Mapping[Any, Any]", value).items()}
     if hasattr(value, "tolist"):  # of NumPy

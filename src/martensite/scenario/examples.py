@@ -1,4 +1,4 @@
-"""Where the example scenarios lie: they come with the package."""
+"""Location of the example scenarios that come with the package."""
 
 from __future__ import annotations
 

@@ -1,17 +1,17 @@
-"""The guard of a scenario: checks that it names, those that its plant gives, or the default.
+"""Guard of a scenario: named checks, checks derived from the plant, or the default.
 
     [supervisor]
     kind = "guard"
     from_plant = true                    # or a table: { hottest = "40 degC", least_cooling = 0.8 }
 
-    [supervisor.checks.bound_drive]      # numbers of such a check, where others are wanted
+    [supervisor.checks.bound_drive]      # changed parameters of a derived check
     limit = "110 degC"
 
-A check of another name, or of another kind, is one of its own. A check that lacks its limit takes that of the element
-that it reads (`temperature_limit`, `stress_limit`), if there is one, and is refused otherwise.
+A check of another name or kind is added to the derived checks. A check without a limit takes the limit of the element
+that it reads (`temperature_limit`, `stress_limit`). An element without this limit is an error.
 
-A loop without a section gets the default guard (`martensite.control.supervisors.default_guard`), and so does one whose
-section names no kind, which may change its numbers. `kind = "none"` is for a loop that nothing shall guard.
+A loop without a section gets the default guard (`martensite.control.supervisors.default_guard`). A section without a
+kind changes the parameters of the default guard. `kind = "none"` removes the guard.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ UNGUARDED = "Nothing guards this loop: [supervisor] turns it off."
 
 
 class FromPlant(Parametrised):
-    """What is known beside the plant for a guard that is made from it."""
+    """Conditions for a guard that is derived from the plant."""
 
     temperature_limit: Number = param(
         "K", "highest temperature; by default that of [element.limits]", above=0.0, default=math.inf
@@ -94,7 +94,7 @@ def complete_guard(
 
 
 def _read_knowledge(given: Any, builder: Builder) -> FromPlant | None:
-    """What is known beside the plant; None if no checks shall come from it."""
+    """Return the conditions for a guard that is derived from the plant; None for a guard without derived checks."""
     if given is False:
         return None
     if given is not True and not isinstance(given, Mapping):

@@ -1,4 +1,4 @@
-"""What the guard of a scenario would do: every check with its limit and its answer, and the worst it lets through."""
+"""Report on the guard of a scenario: every check with limit and response, and the worst state that it allows."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ LIMITS = ("limit", "timeout", "longest")
 LIMITED = (".limits.temperature_limit", ".limits.stress_limit")
 """Ends of the paths of what limits an element."""
 KELVIN = 1.0
-"""Excess over a limit of the temperature that is none [K]."""
+"""Excess of temperature above its limit that is ignored [K]."""
 
 
 def collect_guard(scenario: Scenario) -> dict[str, Any] | None:
@@ -54,7 +54,7 @@ def collect_guard(scenario: Scenario) -> dict[str, Any] | None:
 
 
 def describe_guard(found: Mapping[str, Any]) -> Iterator[Block]:
-    """The same as a table and a sentence for every drive."""
+    """Yield the report of the guard as a table, and a sentence for every drive."""
     if found["checks"]:
         rows = [(one["check"], one["trips"], one["from"], one["then"]) for one in found["checks"]]
         yield DataTable(("check", "trips when", "limit from", "then it"), rows)
@@ -92,7 +92,7 @@ def _collect_check(scenario: Scenario, bench: Bench, name: str, check: AbstractC
 
 
 def _tell_answer(bench: Bench, check: AbstractCheck) -> str:
-    """What the guard does with the signals of a check that trips."""
+    """Describe the response of the guard to a tripped check."""
     guard: Any = bench.supervisor
     drives = ", ".join(check.cuts() or [drive.name for drive in bench.plant.drives()])
     if isinstance(check, ThermalBound) and guard.answer == "limit":
@@ -103,7 +103,7 @@ def _tell_answer(bench: Bench, check: AbstractCheck) -> str:
 
 
 def _find_origin(scenario: Scenario, path: str, limit: float) -> str:
-    """Where a limit came from: the scenario, the sensors, or a limit of the element, and where that did."""
+    """Return the origin of a limit: the scenario, the sensors, or a limit of the element with its own origin."""
     where = scenario.origins.get(path, "default")
     if where != "plant":
         return where

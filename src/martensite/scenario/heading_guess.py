@@ -1,7 +1,7 @@
-"""What the heading of a column probably means: a known name, and the unit it is written in.
+"""Guess of the meaning of a column heading: a known name and its unit.
 
-`T [degC]`, `temp (C)`, `Time_s`, `F/N`, `U in V`, `strain %` are read alike. What reads logs to the letter
-(`martensite.scenario.tables`) guesses nothing; `martensite.scenario.lab_files` says what it guessed. A unit that a
+`T [degC]`, `temp (C)`, `Time_s`, `F/N`, `U in V`, `strain %` are read alike. The strict reader
+(`martensite.scenario.tables`) does not guess; `martensite.scenario.lab_files` reports its guesses. A unit that a
 heading does not name is not guessed here.
 """
 
@@ -83,21 +83,21 @@ _BRACKETS = re.compile(r"^(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
 _APART = re.compile(r"^(.*\S)\s*/\s*(\S.*)$|^(.*\S)\s+in\s+(\S+)$|^(.*\S)[\s_]+(\S+?)$")
 _PORT = re.compile(r"^([A-Za-z_]\w*\.)(\w+)$")
 _NUMBERED = ("channel", "ch", "kanal", "sensor", "probe", "input", "trace", "analog", "digital")
-"""Words behind which a letter is no unit: `Channel A`."""
+"""Words before a letter that is a channel name, not a unit: `Channel A`."""
 
 
 @dataclass(frozen=True)
 class Guess:
-    """What a column may mean; empty where nothing speaks for anything."""
+    """Guessed meaning of a column; empty if unknown."""
 
     name: str
     """A known column (`layout.CANONICAL`), perhaps with a port in front; empty for none."""
     unit: str
-    """As `martensite.base.units` reads it; empty where the heading names none."""
+    """Unit as `martensite.base.units` reads it; empty if the heading names no unit."""
 
 
 def guess_heading(heading: str) -> Guess:
-    """What a heading means."""
+    """Return the guessed meaning of a heading."""
     words, spelling = _part_heading(heading.strip())
     unit = _find_unit(spelling)
     found = _PORT.match(words)
@@ -118,7 +118,7 @@ def usual_units(name: str) -> list[str]:
 
 
 def _part_heading(heading: str) -> tuple[str, str]:
-    """What names the column, and what may be its unit."""
+    """Split a heading into the name of the column and the text that may be its unit."""
     found = _BRACKETS.match(heading)
     if found is not None:
         return found[1], found[2]
@@ -133,7 +133,7 @@ def _part_heading(heading: str) -> tuple[str, str]:
 
 
 def _find_unit(spelling: str) -> str:
-    """A unit as it is written here; what is no unit is passed on if it can be read."""
+    """Return a unit in the spelling of this package; an unlisted spelling is passed on if it can be read."""
     spelling = spelling.strip()
     if not spelling or spelling == IGNORED:
         return "1" if spelling else ""

@@ -22,10 +22,10 @@ from martensite.scenario.sampled_files import is_columnar, read_pieces
 from martensite.signals.sampling.sampled import Sampled
 
 DRIVING = (*list_quantities("drive"), "u", "input")
-"""What goes in, the first that a log has."""
+"""Columns taken as input: the first that a log has."""
 ANSWERING = (*reversed(list_quantities("shape")), "angle", *reversed(list_quantities("load")), "temperature")
 ANSWERING += ("resistance", "rotor_speed", "y", "output")
-"""What comes out, the first that a log has."""
+"""Columns taken as output: the first that a log has."""
 
 
 def list_columns(log: str, given: Mapping[str, str] | None = None) -> list[str]:

@@ -34,12 +34,12 @@ from martensite.signals.records import Record
 
 @dataclass(frozen=True)
 class ReadColumn:
-    """What a column of a file was taken for."""
+    """Assigned meaning of a column of a file."""
 
     number: int
     """Its place in the file, from 1."""
     heading: str
-    """As it is written."""
+    """Heading in the file."""
     name: str
     """Column of the record; `-` where it is passed over."""
     written: str
@@ -62,23 +62,23 @@ class LabFile:
 
     path: Path
     format: str
-    """How it is written, in one sentence."""
+    """Format of the file, in one sentence."""
     record: Record
     """In SI; without times its rows are one second apart (`has_time`)."""
     columns: tuple[ReadColumn, ...]
     dropped: tuple[LeftOut, ...]
     """Rows left out, by reason."""
     notes: tuple[str, ...]
-    """What is not certain, and what was put right."""
+    """Uncertain assignments and corrections."""
     has_time: bool
     start: float | None = None
     """Absolute time of the record's zero [s] since the first day of the calendar; below 86 400 it is that of a day."""
     titled: bool = False
-    """Whether lines stand above the table."""
+    """True if lines stand above the table."""
 
     @property
     def is_given(self) -> bool:
-        """Whether nothing in it was guessed, left out or put right."""
+        """Return whether nothing in it was guessed, left out or put right."""
         guessed = any(one.si and one.known != "given" for one in self.columns)
         return not (self.notes or self.dropped or self.titled or guessed)
 
@@ -102,7 +102,7 @@ class LabFile:
 
 
 class UntoldError(DataError):
-    """What the columns of a file are cannot be told; the sentence says what to write."""
+    """Error for columns of unknown meaning; the sentence names the option to give."""
 
 
 def read_lab_file(path: str | Path, named: Mapping[str, str] | None = None) -> LabFile:
@@ -207,7 +207,7 @@ def choose_time(raw: RawTable, meant: list[Meaning]) -> int:
 
 
 def _find_times(raw: RawTable, meant: list[Meaning]) -> tuple[TableTimes | None, int]:
-    """Times of the rows, and the place of their column; none and -1 where there is no time."""
+    """Return the times of the rows and the place of their column; None and -1 without a time column."""
     seconds, start = find_start(raw)
     place = choose_time(raw, meant)
     if place < 0:

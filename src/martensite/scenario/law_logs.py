@@ -37,7 +37,7 @@ Column = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class LawComparison:
-    """What a law says along a log."""
+    """Response of a law to the excitation of a log."""
 
     configured: ConfiguredLaw
     log: str
@@ -48,11 +48,11 @@ class LawComparison:
     result: PointResult
     """At these rows; its strains are those of the law."""
     shift: float
-    """What is added to strains of the law to compare them with those of the log [-]."""
+    """Offset added to strains of the law to compare them with strains of the log [-]."""
 
     @property
     def computed(self) -> Column:
-        """What is compared, as the log counts it."""
+        """Return the compared column of the law, with the offset of the log."""
         return self.result[self.compared] + (self.shift if self.compared == "strain" else 0.0)
 
     @property

@@ -1,8 +1,8 @@
-"""What the columns of a measured table mean: names, units, and how the file is laid out.
+"""Meaning of the columns of a measured table: names, units and layout of the file.
 
 A heading is a name with its unit in brackets: `temperature [degC]`, `stress (MPa)`. The known names have a fixed SI
-unit; a heading that leaves it out is an error, since a guessed unit is worse than none. `-` is a column to be passed
-over, and the unit `clock` reads times of day (17:27:33) as seconds since the first row.
+unit; a heading that leaves it out is an error, since a guessed unit can be wrong. `-` marks a column to skip, and the
+unit `clock` reads times of day (17:27:33) as seconds since the first row.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from martensite.signals.base import DRIVE
 
 
 class Quantity(NamedTuple):
-    """What a column may hold."""
+    """Quantity in a column."""
 
     unit: str
     """In SI; that of the drive depends on the source."""
@@ -88,7 +88,7 @@ class FileColumn:
 
 @dataclass(frozen=True)
 class Layout:
-    """How a file without (or with unusable) headings is to be read."""
+    """Layout of a file without usable headings."""
 
     columns: tuple[str, ...]
     """Headings, one per column of the file."""

@@ -16,7 +16,7 @@ from martensite.signals.records import Record
 
 
 def parse_named(texts: Iterable[str]) -> dict[str, str]:
-    """What columns are, from `2=stress[MPa]`.
+    """Return the meanings of columns, by column, from texts such as `2=stress[MPa]`.
 
     Raises:
         InputError: a text names no column.
@@ -44,15 +44,15 @@ def read_log_table(source: str | Path, interval: float | None = None, named: Map
 def read_log(
     source: str | Path, interval: float | None = None, named: Mapping[str, str] | None = None, known: bool = False
 ) -> tuple[Record, LabFile | None]:
-    """A log with headings `name [unit]` as `read_table` reads it, with gaps; any other as `read_lab_file` does.
+    """Read a log; headings `name [unit]` select `read_table`, with gaps, and other headings `read_lab_file`.
 
-    A fault below such headings is no reason to guess.
+    A fault below headings `name [unit]` is an error, without a guess.
 
     Args:
         source: a file, or `data:<data set>/<file>`.
         interval: time between rows [s] of a file without times.
         named: what columns are, by heading or number, as `read_lab_file` takes it.
-        known: whether headings that are none of the known columns are guessed as well, such as `Load [N]`.
+        known: whether unknown headings are guessed as well, such as `Load [N]`.
 
     Returns:
         The record, with NaN for missing samples, and how the file was understood where it was not to the letter.
@@ -89,7 +89,7 @@ def read_log(
 
 
 def has_own_headings(path: Path) -> bool:
-    """Whether a text file begins with headings that are read to the letter."""
+    """Return whether a text file begins with headings that are read to the letter."""
     if path.suffix.lower() in KINDS:
         return False
     try:

@@ -1,10 +1,10 @@
-"""What a model has that is different from the plant: numbers, or parts of another kind.
+"""Differences of a model from the plant: parameters, or parts of another kind.
 
     [observer.model]
     "element.diameter" = "0.37 mm"
     "element.law" = { kind = "r-phase", R_s = "56 degC", … }
 
-A part of another kind keeps those numbers of the part in the plant that both kinds have; its own go over them.
+A part of another kind keeps the parameters of the plant that both kinds have. Parameters in the table take precedence.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ KINDS: dict[str, Registry[Any]] = {
 
 
 def change_parts(document: Table, table: Any) -> dict[str, Any]:
-    """A copy of a scenario with what is different in a model.
+    """Return a copy of a scenario with the changes of a model.
 
     Raises:
-        InputError: it is no table, or a part is of no kind that there is.
+        InputError: the change is not a table, or the kind of a part is unknown.
     """
     found = dict(document)
     for path, value in list_changes(table):
@@ -50,10 +50,10 @@ def change_parts(document: Table, table: Any) -> dict[str, Any]:
 
 
 def list_changes(table: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Dotted paths of numbers, and of parts of a kind, with what they shall be.
+    """Yield the dotted paths of changed parameters and parts, with their new values.
 
     Raises:
-        ParameterError: it is no table.
+        ParameterError: the change is not a table.
     """
     if not isinstance(table, dict):
         raise ParameterError(

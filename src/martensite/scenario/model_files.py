@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 FORMAT = "martensite-model"
 VERSION = 1
 KEYS = ("format", "version", "name", "interval", "inputs", "outputs", "units", "taps", "blocks")
-"""What every file holds."""
+"""Keys of every model file."""
 NUMBERS = {"inf": math.inf, "-inf": -math.inf}
 """Numbers that JSON has no words for."""
 
@@ -43,9 +43,8 @@ def write_model(chain: Chain, path: str | Path, provenance: Mapping[str, Any] | 
         path: the file to write, ending in .json; its folder must exist.
         provenance: where the model comes from, of plain values (see `model_provenance`).
 
-    Raises:
-        DataError: the path does not end in .json, or the file cannot be written.
-        InputError: a block or the provenance holds what is no plain value, or a free number is not finite.
+    Raises:         DataError: the path does not end in .json, or the file cannot be written.         InputError: a
+        block or the provenance holds a value that JSON cannot represent, or a free number is not finite.
     """
     path = Path(path)
     if path.suffix.lower() != ".json":
@@ -84,10 +83,10 @@ def model_text(chain: Chain, provenance: Mapping[str, Any] | None = None) -> str
 
 
 def read_model(path: str | Path) -> Chain:
-    """The chain of a file that `write_model` wrote.
+    """Read the chain from a file of `write_model`.
 
     Raises:
-        DataError: there is no such file, it is damaged, or it names a block that is not known.
+        DataError: the file does not exist, is damaged, or it names a block that is not known.
     """
     document = _read_document(Path(path))
     where = f"The model file `{path}`"
@@ -100,9 +99,9 @@ def read_model(path: str | Path) -> Chain:
 
 
 def model_provenance(found: ChainEstimate) -> dict[str, Any]:
-    """What an estimated model rests on: records with hashes, fits, and options.
+    """Return the provenance of an estimated model: records with hashes, fits, and options.
 
-    Nothing in it depends on when or where it was made.
+    The result is independent of the time and place of the estimation.
     """
     return {
         "by": _describe_program(),
@@ -225,7 +224,7 @@ def _require_finite(value: Any, what: str) -> float:
 
 
 def block_table(block: AbstractBlock) -> dict[str, Any]:
-    """A block as a table of plain values; blocks inside it are tables of their own.
+    """Return a block as a table of plain values; inner blocks are nested tables.
 
     Raises:
         InputError: the block is not registered, or has a value that no file can hold.
@@ -243,11 +242,11 @@ def block_table(block: AbstractBlock) -> dict[str, Any]:
 
 
 def block_of(table: dict[str, Any]) -> AbstractBlock:
-    """The block of a table.
+    """Build the block of a table.
 
     Raises:
         InputError: no block of its kind is registered, or a value is out of range.
-        KeyError, TypeError, ValueError: it is no such table.
+        KeyError, TypeError, ValueError: the table does not describe a block.
     """
     kind, given = str(table["kind"]), dict(table["parameters"])
     return BLOCKS[kind](**{name: _read_value(value) for name, value in given.items()})

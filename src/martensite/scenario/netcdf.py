@@ -41,7 +41,7 @@ ACTUATOR = "actuator"
 VARIANT = "variant"
 RESTART = "restart"
 KEPT, WORST = ("lowest", "highest", "gap of"), ("ripple", "residual")
-"""What is known of what is judged at a restart, and of the march."""
+"""Numbers stored at a restart: per judged quantity, and of the time integration."""
 LABELS = "labels of all variables"
 KEPT_RESULT = "martensite_result"
 """Attribute with everything else that a `Result` holds, as `martensite.base.object_text` writes it."""
@@ -117,7 +117,7 @@ def describe_result(
 
 
 def _describe_restarts(result: Result) -> dict[str, Variable]:
-    """What was kept at restarts, to the last bit: for every pass its numbers in the order of their names."""
+    """Return the stored numbers at restarts, to the last bit: for every pass, in the order of their names."""
     if not result.restarts:
         return {}
     judged = list(result.system.convergence_scales())
@@ -203,7 +203,7 @@ def read_labelled(path: str | os.PathLike[str]) -> LabelledData:
     """Read the variables and attributes of a saved result into memory.
 
     Raises:
-        DataError: there is no such file, or it holds no result.
+        DataError: the file does not exist, or is not a result.
     """
     path = Path(path)
     if not path.is_file():
@@ -252,7 +252,7 @@ def _describe_column(result: Result, name: str) -> Variable:
 
 
 def _by_variant(result: Result, variants: Variants) -> dict[str, Variable]:
-    """Of a batch: its columns over variants and time, in what they differ, and how they ended."""
+    """Return the columns of a batch over variants and time, with the varied parameters and the end of each run."""
     leaves = {leaf.path: leaf.declared for leaf in result.system.leaves()}
     found = {
         path: _label((VARIANT,), leaves[path].unit, leaves[path].doc, path, _to_array(values))
@@ -349,7 +349,7 @@ def _keep_result(result: Result) -> str | None:
 
 
 def _name_balance(name: str, balance: Mapping[str, float | None]) -> dict[str, float | None]:
-    """Those of a balance, called `heat_lost` or `work_springs` [J]; the work itself is `work`."""
+    """Prefix the terms of a balance with its name: `heat_lost`, `work_springs` [J]; `work` stays."""
     return {key if key == name else f"{name}_{key}": value for key, value in balance.items()}
 
 

@@ -18,7 +18,7 @@ from martensite.signals.base import DRIVE
 
 @dataclass(frozen=True)
 class PlaceUnits:
-    """What units are there, and which of the readings is meant."""
+    """Units of drive and readings at a place in the document."""
 
     drive: str = "1"
     """SI unit of the signal."""
@@ -29,10 +29,10 @@ class PlaceUnits:
     controlled: str = ""
     """SI unit of the reading that a controller controls."""
     sampled: bool = False
-    """Whether gains are per sample."""
+    """True if gains are per sample."""
 
     def within(self, cls: type[Parametrised], texts: Mapping[str, Any]) -> PlaceUnits:
-        """Those of the numbers of a component with these texts."""
+        """Return the units that apply inside a component with these texts."""
         measured, kind = texts.get("measured"), texts.get("gains_are")
         controlled = self.readings.get(measured, "") if isinstance(measured, str) else ""
         found = replace(

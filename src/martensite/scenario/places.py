@@ -1,6 +1,6 @@
-"""Where a scenario holds a number: the path by which `--set` reaches it, and its unit.
+"""Place of every number in a scenario: the path for `--set`, and its unit.
 
-A bench calls things by their part in it, `controllers.drive.law.high`, a scenario by its sections, `controller.high`.
+A bench names parameters by component, `controllers.drive.law.high`; a scenario by section, `controller.high`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ class Places:
     """From the numbers of a system, or of a bench, to those of its scenario."""
 
     drive: str = DRIVE
-    """What the section of the source is called."""
+    """Name of the section of the source."""
     written: dict[str, str] = field(default_factory=dict[str, str])
     """Beginning of a path in the bench -> its beginning in the scenario."""
     scales: dict[str, PlaceUnits] = field(default_factory=dict[str, PlaceUnits])
@@ -56,7 +56,7 @@ class Places:
         return ".".join(filter(None, (self.written[begin], rest)))
 
     def is_copy(self, path: str) -> bool:
-        """Whether a number belongs to another system than that of the scenario, to a model."""
+        """Return whether a number belongs to another system than that of the scenario, to a model."""
         begin = _find_longest(self.written, path)
         return begin in self.systems and bool(self.written[begin or ""])
 

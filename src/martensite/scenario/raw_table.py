@@ -1,8 +1,8 @@
 """A table as an instrument wrote it: its headings, units and numbers, without a meaning yet.
 
-Nothing is known beforehand: encoding, separator and decimal sign are those with which most cells of most rows are
-numbers; the table is the rows of the most frequent width; above it stand a row of units, one of headings, and lines
-that may say how far apart the samples are. Rows that are none of the table are left out and counted.
+Nothing is assumed: the chosen encoding, separator and decimal sign give the most numeric cells; the table is the rows
+of the most frequent width; above it stand a row of units, one of headings, and lines that may say how far apart the
+samples are. Rows outside the table are left out and counted.
 """
 
 from __future__ import annotations
@@ -33,17 +33,17 @@ class RawColumn:
 
     heading: str
     unit: str
-    """As it is written in a row of units or behind the numbers; a unit within the heading stays there."""
+    """Unit in a row of units or behind the numbers; a unit within the heading stays there."""
     kind: str
     """`number`, `clock`, `date`, `stamp` (both, in seconds), or `text`."""
     numbers: Numbers
-    """As they stand in the file; NaN where there is none."""
+    """Numbers of the file, NaN for other cells."""
     sample: str = ""
     """Its first cell that is not empty."""
     wrong: tuple[str, ...] = ()
     """Rows and texts of cells that are neither numbers nor empty."""
     unsure: bool = False
-    """Whether day and month of a date may have changed places."""
+    """True if day and month of a date may have changed places."""
 
 
 @dataclass(frozen=True)
@@ -62,9 +62,9 @@ class RawTable:
 
     name: str
     form: str
-    """How it is written, in words."""
+    """Format of the table, in words."""
     separator: str
-    """A key of `SEPARATORS`; empty for a file that is no text."""
+    """Key of `SEPARATORS`; empty for a binary file."""
     headed: bool
     columns: tuple[RawColumn, ...]
     numbers: list[int]
@@ -72,7 +72,7 @@ class RawTable:
     preview: list[list[str]]
     left_out: tuple[LeftOut, ...] = ()
     said: Mapping[str, str] = field(default_factory=dict[str, str])
-    """What lines above the table say: word, in small letters -> text beside it."""
+    """Entries in the lines above the table: lower-case word -> text next to it."""
     notes: tuple[str, ...] = ()
 
     @property
@@ -82,7 +82,7 @@ class RawTable:
 
 
 def count_rows(reason: str, rows: Sequence[int]) -> tuple[LeftOut, ...]:
-    """What is said of rows left out; nothing of none."""
+    """Return the count of rows left out with its reason; empty if all rows are kept."""
     return (LeftOut(reason, len(rows), tuple(rows[:3])),) if rows else ()
 
 
@@ -180,14 +180,14 @@ def _list_left(
 
 
 def _stands_above(rows: Sequence[Row], body: Sequence[int], places: Sequence[int]) -> bool:
-    """Whether the first row is a number with a word among the lines above, far from the table or labelled."""
+    """Return whether the first row is a number with a word among the lines above, far from the table or labelled."""
     apart = body[1] - body[0]
     words = [cell for place, cell in enumerate(rows[body[0]][1]) if place not in places and cell.strip()]
     return apart > ABOVE or (apart > 1 and bool(words))
 
 
 def _list_spoilt(rows: Sequence[Row], first: int, same: set[int], used: set[int]) -> list[int]:
-    """Rows right above the table that would be of it but for a cell that is no number."""
+    """Return the rows directly above the table that were excluded only because of non-numeric cells."""
     found: list[int] = []
     for k in range(first - 1, -1, -1):
         if k not in same or rows[k][0] in used:
@@ -213,7 +213,7 @@ def _find_places(rows: Sequence[Sequence[str]]) -> list[int]:
 
 
 def _is_data(row: Sequence[str], places: Sequence[int]) -> bool:
-    """Whether all cells that should be are values or missing, and at least one is a value."""
+    """Return whether all cells that should be are values or missing, and at least one is a value."""
     kinds = [(find_kind(row[p]), row[p]) for p in places]
     return all(kind or is_missing(cell) for kind, cell in kinds) and any(kind for kind, _ in kinds)
 
@@ -221,7 +221,7 @@ def _is_data(row: Sequence[str], places: Sequence[int]) -> bool:
 def _choose_block(
     rows: Sequence[Row], body: list[int], headings: Sequence[str], where: str
 ) -> tuple[list[int], tuple[str, ...]]:
-    """Of tables with the same headings in one file the longest, and a sentence about the others."""
+    """Choose the longest of several tables with the same headings; return its rows and a sentence about the others."""
     plain = [cell.strip() for cell in headings]
     if not any(plain):
         return body, ()

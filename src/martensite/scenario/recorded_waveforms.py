@@ -44,18 +44,18 @@ NATURAL = {
 }
 """Unit of a signal -> column that a waveform of kind `log` follows if it names none."""
 UNKNOWN_LOG = Record("log", {"time": [0.0, 1.0]}, {"time": "s"})
-"""Stands for a log that nobody gave, so that the rest of a scenario can be looked at: what follows it rests at 0, or
-at 20 degC."""
+"""Placeholder for a missing log, with which the rest of a scenario can be inspected; waveforms that follow it rest at 0
+or at 20 degC."""
 DUTY = "duty"
-"""The same for the share of the time that a switch is closed."""
+"""Name of the column of the duty cycle, the fraction of time that a switch is closed."""
 LINEAR, HOLD = "linear", "hold"
-"""What a column does between its rows."""
+"""Interpolation of a column between its rows."""
 STEPPED = ("V", "A", "W", "1")
 """Units of drives that are switched; a column of them that rests and jumps is held by itself."""
 JUMP, RESTING, MOSTLY = 0.1, 0.02, 0.9
 """Change from row to row that is a jump, and the one that is rest, over the range; share of jumps between rests."""
 JUST_BEFORE = 1e-4
-"""How long before a row the level before it ends, in intervals."""
+"""Time before a row at which the previous level ends, in sampling intervals."""
 _KEYS = ("file", "columns", "interval")
 _LISTED = ("kind", "times", "values")
 
@@ -150,7 +150,7 @@ def build_followed(
 
 
 def is_stepped(values: Sequence[float]) -> bool:
-    """Whether a column rests at levels and jumps between them, as a command that is switched does."""
+    """Return whether a column rests at levels and jumps between them, as a command that is switched does."""
     reach = max(values) - min(values)
     changes = [abs(b - a) for a, b in pairwise(values)]
     jumps = [k for k, change in enumerate(changes) if change > JUMP * reach]

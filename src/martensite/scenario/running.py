@@ -48,8 +48,8 @@ def run(
 
     Args:
         what: the path of a scenario file, a scenario, or a `System`, a `Machine` or a bench, which
-            need a `drive` (a bench without signals of its own does not) and a `duration`.
-        drive: waveform in the unit of the source, or a table of them by name; of a scenario, in place of its own.
+            need a `drive` (a bench with built-in signals does not) and a `duration`.
+        drive: waveform in the unit of the source, or a table of them by name; it replaces the waveform of a scenario.
         duration: end of the run, in seconds from 0 or as text with a unit; likewise.
         over: runs a batch: by parameter path (or unique ending) one value per variant, in SI or
             as text with a unit; all of them equally many.
@@ -101,11 +101,11 @@ def run(
 
 
 def go_on_from(scenario: Scenario, what: Result | str | Path, at: units.Numeric | None = None) -> Scenario:
-    """A scenario that goes on from a result, or its file, at a time [s] or a text; by default at its end.
+    """Return a scenario that continues a result, or its file, at a time [s] or a text; by default at its end.
 
     Raises:
         DataError: the file holds no result.
-        InputError: no state was kept then, it is no state, or it was another system.
+        InputError: no state was stored at that time, the state is invalid, or the system differs.
     """
     from martensite.simulate.restarts import find_restart, require_names, require_sound
     from martensite.simulate.result import Result

@@ -97,7 +97,7 @@ def read_log(
 
 
 def read_array_table(path: Path, columns: Sequence[str] | None, interval: float | None, gaps: bool) -> Record:
-    """All columns over time of a file that is no text, in SI; arguments and errors as of `read_table`."""
+    """Read all columns of a binary file over time, in SI; arguments and errors as in `read_table`."""
     found = read_arrays(path)
     length = len(found.get("time", found.get("time [s]", max(found.values(), key=len))))
     found = {heading: values for heading, values in found.items() if len(values) == length}
@@ -116,7 +116,7 @@ def read_array_table(path: Path, columns: Sequence[str] | None, interval: float 
 
 
 def is_columnar(path: str | Path) -> bool:
-    """Whether a log is a file of named arrays, and not of a published data set."""
+    """Return whether a log is a file of named arrays, and not of a published data set."""
     return not str(path).startswith(PREFIX) and Path(path).suffix.lower() in BINARY
 
 
@@ -135,7 +135,7 @@ def write_sampled(record: Sampled, path: str | Path) -> None:
 
 
 def _read_text(path: str | Path, interval: float | None, named: Mapping[str, str] | None) -> Record:
-    """A text table; the interval is that of the rows only where there is no time."""
+    """Read a text table; `interval` applies only to tables without a time column."""
     from martensite.scenario.log_tables import read_log_table
 
     record = read_log_table(path, named=named)

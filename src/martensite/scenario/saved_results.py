@@ -65,7 +65,7 @@ def open_result(path: str | os.PathLike[str]) -> Result:
         The result with its columns, accuracy, balances, alarms, warnings and restarts.
 
     Raises:
-        DataError: there is no such file, it holds no result, or it holds a part whose module is not imported.
+        DataError: the file does not exist, is not a result, or holds a part whose module is not imported.
     """
     saved = read_labelled(path)
     if KEPT_RESULT not in saved.attrs:

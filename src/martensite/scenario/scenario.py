@@ -65,7 +65,7 @@ SECTIONS = (
 
 
 class Run(Parametrised):
-    """How long, how accurately, and with how many samples."""
+    """Duration, tolerance and number of samples of a run."""
 
     duration: Number = param("s", "length of the run", above=0.0, default=math.inf)
     tolerance: Number = param(
@@ -121,15 +121,15 @@ class Scenario:
     bench: Bench | None = None
     """The system with sensors, observers, controllers and faults around it, if there are any."""
     seed: int | None = None
-    """Of the noise on the bench; None for a run without."""
+    """Seed of the noise on the bench; None for a run without noise."""
     places: Places = field(default_factory=Places)
-    """Where the document holds each number of the system, or bench."""
+    """Places of the numbers of the system, or bench, in the document."""
     initial: dict[str, Any] = field(default_factory=dict[str, Any])
-    """What is given of where a run starts, in SI, or said to be found; else it starts at home and at rest."""
+    """Given quantities of the initial state in SI, or requests to find them; empty for the home position at rest."""
     restart_at: tuple[float, ...] = ()
     """Times [s] at which the result keeps a state."""
     start: Restart | None = None
-    """Where the run goes on from; None if it starts at 0."""
+    """Restart from which the run continues; None for a start at time 0."""
 
     def summary(self) -> Summary:
         """Return what is simulated, for how long, and every number with its origin."""
@@ -158,7 +158,7 @@ class Scenario:
 
     @property
     def whole(self) -> AbstractSystem:
-        """What runs: the bench, or the system alone."""
+        """Return the simulated system: the bench, or the system alone."""
         return self.system if self.bench is None else self.bench
 
     @property
@@ -244,7 +244,7 @@ class Scenario:
         return self
 
     def find_start(self, tolerance: float) -> Restart:
-        """Where it starts; `InputError` if the system cannot be there, or a search does not find it."""
+        """Return the initial state; raise `InputError` if the system cannot take it, or if the search fails."""
         if self.start is None and self.initial:
             from martensite.simulate.initial import find_start
 
@@ -389,7 +389,7 @@ def _read_restarts(given: str | tuple[str, ...]) -> tuple[float, ...]:
 
 
 def _read_initial(document: Table, system: AbstractSystem) -> dict[str, Any]:
-    """Where the run starts, if the document says it; what reads that is loaded only then."""
+    """Return the initial conditions of the document; their reader is imported only if they are given."""
     if "initial" not in document:
         return {}
     from martensite.simulate.initial import read_initial

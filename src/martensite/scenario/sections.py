@@ -12,7 +12,7 @@ PAIRS = {"sensor": "sensors", "observer": "observers", "controller": "controller
 """Section of a single one -> section of several."""
 BENCH, SUPERVISOR, FAULTS, RUN = "bench", "supervisor", "faults", "run"
 SECTIONS = (*PAIRS, *PAIRS.values(), SUPERVISOR, FAULTS, BENCH)
-"""What is around a system."""
+"""Sections of the components around a system."""
 MAKING = tuple(name for name in SECTIONS if "reference" not in name and name != BENCH)
 """Sections that make a bench of a scenario."""
 PERIOD, NAME, MODEL, MODELS, REFERENCE = "period", "name", "model", "models", "reference"
@@ -21,12 +21,12 @@ Row = tuple[str, Table, str]
 
 
 def is_bench(document: Table) -> bool:
-    """Whether a scenario describes a bench."""
+    """Return whether a scenario describes a bench."""
     return any(name in document for name in MAKING)
 
 
 def has_controllers(document: Table) -> bool:
-    """Whether a scenario has controllers."""
+    """Return whether a scenario has controllers."""
     return "controller" in document or "controllers" in document
 
 

@@ -21,7 +21,7 @@ from martensite.base.files import MOST_LOG, read_unpacked
 from martensite.scenario.layout import CLOCK, FileColumn, Layout
 
 GAPS = ("", "nan", "na", "n/a", "null")
-"""What a logger writes into the cell of a sample that it missed, in small letters."""
+"""Cells that a logger writes for a missing sample, in lower case."""
 SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", "whitespace": ""}
 _TIME_OF_DAY = re.compile(r"([0-9]{1,2}):([0-5]?[0-9]):([0-5]?[0-9](?:[.,][0-9]*)?)")
 _HEADING = re.compile(r"[^\s\[(]+(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?")
@@ -42,7 +42,7 @@ class Sheet:
         return replace(self, numbers=numbers, rows=rows)
 
     def parser(self, column: FileColumn) -> Callable[[str], float]:
-        """How a cell of this column becomes a number; it raises ValueError where it does not."""
+        """Return the function that converts a cell of this column to a number; it raises ValueError for other texts."""
         if column.spelling == CLOCK:
             return _read_clock
         return _comma_number if self.decimal_comma else _read_number
@@ -162,7 +162,7 @@ def _describe_missing(path: Path) -> str:
 
 
 def can_parse(parse: Callable[[str], float], cell: str) -> bool:
-    """Whether a cell can be read."""
+    """Return whether a cell can be read."""
     try:
         parse(cell)
     except ValueError:
@@ -171,7 +171,7 @@ def can_parse(parse: Callable[[str], float], cell: str) -> bool:
 
 
 def can_read(parse: Callable[[str], float], cell: str) -> bool:
-    """Whether a cell can be read, and is a finite number."""
+    """Return whether a cell can be read, and is a finite number."""
     try:
         return math.isfinite(parse(cell))
     except ValueError:
@@ -179,12 +179,12 @@ def can_read(parse: Callable[[str], float], cell: str) -> bool:
 
 
 def is_gap(cell: str) -> bool:
-    """Whether a cell is that of a missing sample."""
+    """Return whether a cell is that of a missing sample."""
     return cell.strip().lower() in GAPS
 
 
 def is_number(cell: str) -> bool:
-    """Whether a cell is a number, with decimal point or comma."""
+    """Return whether a cell is a number, with decimal point or comma."""
     return can_parse(_comma_number, cell)
 
 

@@ -51,7 +51,7 @@ def find_headings(
 
 
 def _names_more(cells: Sequence[tuple[int, str]]) -> bool:
-    """Whether a row of symbols, `t;T;F`, is rather one of names than of units."""
+    """Return whether a row of symbols, `t;T;F`, is rather one of names than of units."""
     return all(len(cell) == 1 for _, cell in cells) and "t" in [cell for _, cell in cells]
 
 

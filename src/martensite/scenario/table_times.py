@@ -58,7 +58,7 @@ def find_start(raw: RawTable) -> tuple[Numbers | None, float | None]:
 
 
 def is_part_of_clock(raw: RawTable, column: RawColumn) -> bool:
-    """Whether a column holds the milliseconds of the clock beside it."""
+    """Return whether a column holds the milliseconds of the clock beside it."""
     if column.kind != "number" or column.heading.lower() not in ("milliseconds", "ms", "millisecond"):
         return False
     clocked = any(one.kind in ("clock", "stamp") for one in raw.columns)

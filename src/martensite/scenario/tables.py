@@ -43,7 +43,7 @@ def read_table(
         source: a file, of a result too, or `data:<data set>/<file>` for one of the published data sets.
         columns: headings such as `temperature [degC]`, for files that have none; they
             replace the headings of a file that has some. `-` passes a column over.
-        interval: time between rows [s] where there is no time column; 1 s if left out.
+        interval: time between rows [s] of a file without a time column; 1 s if left out.
         separator: `auto`, `comma`, `semicolon`, `tab` or `whitespace`.
         drop: leave out rows that cannot be read or that repeat the time before, and count
             them in `Record.dropped`. A number that was cut short cannot be told from one
@@ -52,7 +52,7 @@ def read_table(
 
     Raises:
         DataError: the file is missing, empty or malformed; the sentence says where.
-        UnknownNameError: there is no such data set, or no such file in it.
+        UnknownNameError: the data set or the file in it does not exist.
     """
     if interval is not None and not 0.0 < interval < math.inf:
         raise ParameterError(f"Argument `interval` must be above 0 s, but is {interval} s.")

@@ -22,7 +22,7 @@ SWITCHES = "automatic_from", "automatic_until"
 
 
 def find_one(name: str, targets: Mapping[str, Target]) -> Target:
-    """What can be varied under a path, or its unique ending; `ParameterError` if there is none, or several."""
+    """Return the target of a path, or of its unique ending; raise `ParameterError` if it is missing or ambiguous."""
     found = find_paths(name, targets)
     if len(found) == 1:
         return targets[found[0]]

@@ -100,7 +100,7 @@ def _split_line(line: str, sign: str) -> list[str]:
 
 
 def _is_single(lines: Sequence[str]) -> bool:
-    """Whether lines have no comma, or a heading without one stands above them."""
+    """Return whether lines have no comma, or a heading without one stands above them."""
     first = next((k for k, line in enumerate(lines) if find_kind(line)), 0)
     return not any("," in line for line in lines[first:]) or (first > 0 and "," not in lines[first - 1])
 

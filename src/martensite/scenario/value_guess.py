@@ -1,9 +1,9 @@
-"""What columns without headings or units are, by their values.
+"""Guess of the meaning of columns without headings or units, from their values.
 
-Shape-memory records are told by their physics: a strain is a few percent at most, written as a fraction up to 0.12;
-in an isobaric loop the stress stays and the strain falls while the temperature rises (the wire shortens on heating),
-in an isothermal test the temperature stays and the strain rises with the stress; a supply is stepped, and the current
-follows with noise. What the values leave open is said.
+The physics of shape-memory records decides: a strain is a few percent at most, written as a fraction up to 0.12; in an
+isobaric loop the stress stays and the strain falls while the temperature rises (the wire shortens on heating), in an
+isothermal test the temperature stays and the strain rises with the stress; a supply is stepped, and the current follows
+with noise. Ambiguous columns are reported.
 """
 
 from __future__ import annotations
@@ -18,23 +18,23 @@ from martensite.scenario.cells import Numbers
 from martensite.scenario.layout import CANONICAL
 
 LARGEST_STRAIN = 0.12
-"""Of a record in fractions; larger numbers are percent."""
+"""Largest strain of a record in fractions; larger values are percent."""
 STEADY = 0.15
 """Largest standard deviation of a held quantity, as a share of its mean."""
 STIFFEST = 1.2e11
-"""Largest modulus of these alloys [Pa], with a margin: what would be stiffer is no stress beside a strain."""
+"""Largest modulus of these alloys [Pa], with a margin; a stiffer column is not a stress."""
 EVEN = 0.02
 """Largest deviation of the steps of a counter of time from their median."""
 
 
 @dataclass(frozen=True)
 class ValueGuess:
-    """What a column is by its values."""
+    """Meaning of a column, guessed from its values."""
 
     name: str
     unit: str
     sure: bool
-    """Whether nothing else comes into question."""
+    """True if nothing else comes into question."""
 
 
 def guess_unit(name: str, numbers: Numbers) -> ValueGuess:
@@ -85,7 +85,7 @@ def _guess_time_unit(times: Numbers) -> tuple[str, bool]:
 
 
 def guess_columns(found: Mapping[int, Numbers]) -> dict[int, ValueGuess]:
-    """What columns are of which nothing but the numbers is known, by place; what is not told is left out."""
+    """Guess the meaning of columns from their values alone, by place; ambiguous columns are left out."""
     left = {place: one for place, one in found.items() if np.isfinite(one).sum() > 2}
     times = next((place for place, one in left.items() if is_even_time(one)), None)
     guesses: dict[int, ValueGuess] = {}
@@ -96,7 +96,7 @@ def guess_columns(found: Mapping[int, Numbers]) -> dict[int, ValueGuess]:
 
 
 def is_even_time(numbers: Numbers) -> bool:
-    """Whether numbers rise from row to row by equal steps."""
+    """Return whether numbers rise from row to row by equal steps."""
     if not np.all(np.isfinite(numbers)) or len(numbers) < 3:
         return False
     steps = np.diff(numbers)
