@@ -29,7 +29,7 @@ Numbers: TypeAlias = NDArray[Any]
 """Arrays of floats, or of what counts them."""
 
 MOST = 10_000
-"""Of anything that is counted in a block: what is traced for each would not end."""
+"""Largest count of a block parameter (order, units, knots); tracing time grows with the count."""
 
 
 class AbstractBlock(Parametrised):
@@ -76,7 +76,7 @@ class AbstractBlock(Parametrised):
         return ()
 
     def states(self) -> int:
-        """How many numbers it remembers from one sample to the next."""
+        """Return the number of states that the block stores from one sample to the next."""
         return 0
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
@@ -110,9 +110,9 @@ class AbstractBlock(Parametrised):
         return self.start()
 
     def twin(self) -> AbstractBlock | None:
-        """The linear block that it is without its nonlinear terms; itself if it is linear.
+        """Return the linear block without the nonlinear terms; the block itself if it is linear.
 
-        None if it has no linear dynamics of its own. A search begins at the best linear one.
+        None for a block without linear dynamics. A search begins at the best linear block.
         """
         return None
 

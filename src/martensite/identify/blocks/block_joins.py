@@ -47,12 +47,12 @@ class Series(AbstractComposite):
 
     @property
     def inputs(self) -> int:
-        """Of the first block."""
+        """Return the number of inputs of the first block."""
         return self.blocks[0].inputs
 
     @property
     def outputs(self) -> int:
-        """Of the last block."""
+        """Return the number of outputs of the last block."""
         return self.blocks[-1].outputs
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
@@ -95,7 +95,7 @@ class SummedBlocks(AbstractComposite):
 
     @property
     def inputs(self) -> int:
-        """Of each block."""
+        """Return the number of inputs of each block."""
         return self.blocks[0].inputs
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
@@ -140,20 +140,20 @@ class FeedbackLoop(AbstractComposite):
             )
 
     def numbers(self) -> tuple[str, ...]:
-        """Of both, then the gain of what is fed back."""
+        """Return the names of the parameters of both blocks, then the feedback gain."""
         return (*super().numbers(), "gain")
 
     def states(self) -> int:
-        """Of both, and the output before."""
+        """Return the number of states of both blocks and of the previous output."""
         return super().states() + 1
 
     @property
     def fixed(self) -> tuple[str, ...]:  # type: ignore[override]
-        """Of both, then the fence."""
+        """Return the names of the fixed parameters of both blocks, then of the fence."""
         return (*super().fixed, "fence_low", "fence_high")
 
     def given(self) -> tuple[float, ...]:
-        """Of both, then the fence."""
+        """Return the fixed parameters of both blocks, then the fence."""
         return (*super().given(), self.fence_low, self.fence_high)
 
     def with_given(self, values: Any) -> Self:
@@ -219,15 +219,15 @@ class FeedbackLoop(AbstractComposite):
         return made.with_parts(fence_low=middle - BEYOND * half, fence_high=middle + BEYOND * half)
 
     def start(self) -> Numbers:
-        """Of both; nothing fed back."""
+        """Return the start parameters of both blocks, with zero feedback."""
         return np.append(super().start(), 0.0)
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Of both; a feedback that stiffens or, within bounds, softens."""
+        """Draw parameters of both blocks, and a feedback that stiffens or, within bounds, softens."""
         return np.append(super().sample_parameters(rng, duration, dt), rng.uniform(-0.4, 2.0))
 
     def priors(self) -> tuple[Numbers, Numbers]:
-        """Of both."""
+        """Return the priors of both blocks."""
         expected, weights = super().priors()
         return np.append(expected, 0.0), np.append(weights, 0.0)
 
@@ -242,7 +242,7 @@ class FeedbackLoop(AbstractComposite):
         return made, np.concatenate([own, made.blocks[1].start(), [0.0]])
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """Of both, then the gain of what is fed back."""
+        """Return the parameters of both blocks, then the feedback gain."""
         return [*super().describe_numbers(theta[:-1]), ("feedback gain", float(theta[-1]), "1")]
 
 

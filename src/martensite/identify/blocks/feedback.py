@@ -33,7 +33,7 @@ from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 
 BEYOND = 1.5
-"""How far beyond the largest output and change of the records terms grow, over these."""
+"""Range in which terms grow, over the largest output and change of the records."""
 LEAST = 1e-3
 """Least limit, over half the range of the input."""
 WIDE = 1e300
@@ -80,7 +80,7 @@ class Feedback(AbstractRanged):
 
     @property
     def _earlier(self) -> bool:
-        """Whether the output two samples back is a state of its own."""
+        """Return whether the output two samples back is a separate state."""
         return self.past > 1.5 and int(self.order) == 1
 
     def states(self) -> int:
@@ -127,7 +127,7 @@ class Feedback(AbstractRanged):
         )
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """What is fed back comes from the samples before: nothing is to be solved."""
+        """Compute the step with feedback of earlier samples, which avoids an algebraic loop."""
         order, half = int(self.order), self.half
         poles, zeros = list(theta[:order]), theta[order : order + self._zeros]
         past, held = list(state[:order]), list(state[order : 2 * order])

@@ -162,7 +162,7 @@ class HeatedDuhem(AbstractBlock):
         return rise, z, rise, z
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """What is measured now, and heat, transformation and lags until the next sample."""
+        """Return the measured quantities now, and the states of heat, transformation and lags at the next sample."""
         rise, z, seen, moved = state
         new_rise, new_z = _heat_step(xp, self._heat(xp, theta), rise, z, x[0], dt)
         temperature = theta[5] + theta[16] * seen

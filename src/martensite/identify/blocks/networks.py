@@ -68,7 +68,7 @@ class AbstractNetwork(AbstractCurve):
         """The two numbers of all units to start with: log b and centres."""
 
     def spread(self, rng: np.random.Generator) -> tuple[Numbers, Numbers]:
-        """The same at random: around the frame."""
+        """Return random weights and offsets around the frame."""
         first, second = self.frame()
         gap = 2.0 / len(first)
         return first + rng.normal(0.0, 0.3, len(first)), second + gap * rng.normal(0.0, 0.5, len(second))
@@ -158,7 +158,7 @@ class TanhNetwork(AbstractNetwork):
         return (*(f"weight{i}" for i in units), *(f"bias{i}" for i in units))
 
     def frame(self) -> tuple[Numbers, Numbers]:
-        """As steep as their number asks for, at even distances."""
+        """Return weights and offsets of evenly spaced units, with a steepness that grows with their number."""
         count = int(self.units)
         weights = np.full(count, 0.5 * (count + 1.0))
         return weights, -weights * ((2.0 * np.arange(count) + 1.0) / count - 1.0)

@@ -1,17 +1,16 @@
-"""Where a map comes to rest: Newton's method in a loop, with the derivatives of the root.
+"""Fixed point of a map: Newton's method in a loop, with the derivatives of the root.
 
 Polynomial nonlinear state space: a stable linear system with nonlinear terms in every state.
 
     s⁺ = A s + B (u + h E φ),   y = y₀ + C s + h F φ,   φ = monomials of degree 2 … d
 
-A, B, C are those of the linear block (`state_space`), so that without nonlinear terms this is the
-best linear approximation. The monomials are of the states before the sample and of the input, on
-the scale of the range of the input, (v - c)/(h g) and Δ/(h g √d₂), u as (u - c)/h, and limited:
-to 1.5 times the reach during a search, then each state to where it was in the records (`fence_in`). What is fed
-back is then bounded, and no larger than what the records show; outside of them the linear system goes on alone.
-c and h are middle and half width of the range of the input; g is the reach of the states beyond
-it, as that of a resonance. The general block where nothing is known of where the nonlinearity
-sits; it has many numbers, so keep order and degree low.
+A, B, C are the matrices of the linear block (`state_space`), so that without nonlinear terms this is the best linear
+approximation. The monomials are of the states before the sample and of the input, on the scale of the range of the
+input, (v - c)/(h g) and Δ/(h g √d₂), u as (u - c)/h, and limited: to 1.5 times the reach during a search, then each
+state to where it was in the records (`fence_in`). What is fed back is then bounded by the records; outside of their
+range only the linear system acts. c and h are middle and half width of the range of the input; g is the reach of the
+states beyond it, for example of a resonance. Use this general block if the location of the nonlinearity is unknown. It
+has many parameters, so keep order and degree low.
 
 Source: Paduart et al. 2010.
 """
@@ -40,9 +39,9 @@ Map = Callable[[Namespace, Column, Column], Column]
 
 
 def fixed_point(xp: Namespace, held: Map, start: Column, given: Column) -> list[Scalar]:
-    """The state s = held(xp, s, given) that is reached from a start.
+    """Return the fixed point s = held(xp, s, given) that Newton's method reaches from `start`.
 
-    Derivatives are those of the root with respect to what is given, not of the iteration.
+    Derivatives are of the root with respect to `given`, not of the iteration.
     """
     fixed = [xp.detach(value) for value in given]
 
@@ -57,7 +56,7 @@ def fixed_point(xp: Namespace, held: Map, start: Column, given: Column) -> list[
 
 
 def _compute_newton_step(xp: Namespace, held: Map, state: Column, fixed: Column, given: Column) -> list[Scalar]:
-    """Newton's step: the matrix at what is fixed, the residual at what is given."""
+    """Return Newton's step with the matrix at `fixed` and the residual at `given`."""
 
     def away(xp: Namespace, s: Column) -> Column:
         return [a - b for a, b in zip(s, held(xp, s, fixed), strict=True)]
@@ -72,7 +71,7 @@ FARTHEST = 1.5
 USUAL = 3.0
 """Size of usual nonlinear terms; the weak pull to 0 tames those that records do not tell."""
 BEYOND = 1.05
-"""How far beyond the largest state of the records a state counts, over that."""
+"""Range of the states that counts, over the largest state of the records."""
 LEAST = 1e-3
 """Least reach of the states."""
 
@@ -109,7 +108,7 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
         return [m for d in degrees for m in combinations_with_replacement(range(count), d)]
 
     def numbers(self) -> tuple[str, ...]:
-        """Those of the linear system, then E state by state and F output by output."""
+        """Return the names of the parameters of the linear system, then E state by state and F output by output."""
         words = ["".join(map(str, m)) for m in self.monomials()]
         e = tuple(f"e{k}_{w}" for k in range(1, int(self.order) + 1) for w in words)
         outs = range(1, self.outputs + 1) if self.output_terms == "yes" else ()
@@ -117,7 +116,7 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
 
     @property
     def _linear(self) -> int:
-        """How many numbers the linear system has."""
+        """Return the number of parameters of the linear system."""
         return len(super().numbers())
 
     def _products(self, xp: Namespace, poles: Column, held: Column, u: Scalar, dt: Scalar) -> list[Scalar]:

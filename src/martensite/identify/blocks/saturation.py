@@ -112,5 +112,5 @@ class DeadZone(AbstractInterval):
     begun = (0.02, 0.4)
 
     def shape_input(self, xp: Namespace, low: Scalar, high: Scalar, r: Scalar) -> Scalar:
-        """How far the input is beyond a limit."""
+        """Return the distance of the input beyond a limit."""
         return xp.maximum(r - high, 0.0) + xp.minimum(r - low, 0.0)

@@ -1,6 +1,6 @@
-"""Blocks made of blocks; and side by side, each on signals of its own: `[poly2 & unit]`.
+"""Composite blocks, and blocks in parallel on separate signals: `[poly2 & unit]`.
 
-Inputs, outputs, states, free and fixed numbers are those of the blocks, one after the other. So a
+Inputs, outputs, states, free and fixed parameters of the blocks are concatenated. So a
 chain of several signals has a static block, a delay or a hysteresis for each of them.
 """
 
@@ -23,7 +23,7 @@ class AbstractComposite(AbstractBlock):
     """Blocks as one, written between square brackets: their states and numbers one after the other."""
 
     sign: ClassVar[str]
-    """What stands between them in a text."""
+    """Sign between the blocks in the text form."""
     blocks: tuple[AbstractBlock, ...] = part("the blocks", default=(UnitGain(), UnitGain()))
 
     def check(self) -> None:
@@ -36,11 +36,11 @@ class AbstractComposite(AbstractBlock):
         """Every block adapted to what reaches it."""
 
     def numbers(self) -> tuple[str, ...]:
-        """Of all blocks, with the place of each."""
+        """Return the names of the parameters of all blocks, prefixed by the place of the block."""
         return tuple(f"{place}.{n}" for place, b in self._place_blocks for n in b.numbers())
 
     def states(self) -> int:
-        """Of all blocks."""
+        """Return the number of states of all blocks."""
         return sum(block.states() for block in self.blocks)
 
     @property
@@ -63,7 +63,7 @@ class AbstractComposite(AbstractBlock):
 
     @property
     def fenced(self) -> bool:  # type: ignore[override]
-        """Whether one of the blocks is."""
+        """Return whether one of the blocks is."""
         return any(block.fenced for block in self.blocks)
 
     def fence_in(self, theta: Numbers, states: Numbers, dt: float) -> Self:
@@ -74,21 +74,21 @@ class AbstractComposite(AbstractBlock):
         return self.with_parts(blocks=tuple(b.fence_in(numbers, seen.T, dt) for (b, numbers), (_, seen) in both))
 
     def start(self) -> Numbers:
-        """Of all blocks."""
+        """Return the start parameters of all blocks."""
         return np.concatenate([np.zeros(0), *(block.start() for block in self.blocks)])
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Of all blocks."""
+        """Draw parameters of all blocks."""
         drawn = (block.sample_parameters(rng, duration, dt) for block in self.blocks)
         return np.concatenate([np.zeros(0), *drawn])
 
     def priors(self) -> tuple[Numbers, Numbers]:
-        """Of all blocks."""
+        """Return the priors of all blocks."""
         expected, weights = zip(*(block.priors() for block in self.blocks), strict=True)
         return np.concatenate(expected), np.concatenate(weights)
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """Of all blocks, with the place of each."""
+        """Return the parameters of all blocks, prefixed by the place of the block."""
         shares = self.split(theta, lambda block: len(block.numbers()))
         return [
             (f"{place}.{name}", value, unit)
@@ -106,7 +106,7 @@ class AbstractComposite(AbstractBlock):
         return tuple(f"{place}.{name}" for place, b in self._place_blocks for name in b.fixed)
 
     def given(self) -> tuple[float, ...]:
-        """Of all blocks."""
+        """Return the fixed parameters of all blocks."""
         return tuple(value for block in self.blocks for value in block.given())
 
     def with_given(self, values: Sequence[Any]) -> Self:
@@ -115,7 +115,7 @@ class AbstractComposite(AbstractBlock):
         return self.rebuilt({"blocks": tuple(block.with_given(own) for block, own in shares)})
 
     def structure(self) -> tuple[Any, ...]:
-        """Those of all blocks."""
+        """Return the structures of all blocks."""
         return type(self), tuple(block.structure() for block in self.blocks)
 
 
@@ -127,12 +127,12 @@ class SideBySide(AbstractComposite):
 
     @property
     def inputs(self) -> int:
-        """Of all blocks."""
+        """Return the number of inputs of all blocks."""
         return sum(block.inputs for block in self.blocks)
 
     @property
     def outputs(self) -> int:
-        """Of all blocks."""
+        """Return the number of outputs of all blocks."""
         return sum(block.outputs for block in self.blocks)
 
     def _shares(self, theta: Column, x: Column) -> list[tuple[AbstractBlock, Column, Column]]:
@@ -162,6 +162,6 @@ class SideBySide(AbstractComposite):
         return self.with_parts(blocks=tuple(block.adapt_to(own.T, dt) for block, own in columns))
 
     def gains(self) -> tuple[str, ...]:
-        """Of all blocks, with the place of each."""
+        """Return the names of the gains of all blocks, prefixed by the place of the block."""
         named = ((place, name) for place, block in self._place_blocks for name in block.gains())
         return tuple(f"{place}.{name}" if name else "" for place, name in named)

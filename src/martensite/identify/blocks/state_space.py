@@ -1,17 +1,17 @@
-"""Linear state-space system of several inputs and outputs, stable whatever its free numbers are.
+"""Linear state-space system of several inputs and outputs, stable for any value of its parameters.
 
     s⁺ = A s + B u(t - nk),   y = y₀ + C s (+ D u if nk = 0)
 
-A is a series of sections (`operators.sections`), each fed by the one before it; B feeds every state
-of them, and C sums the signals of all. The sum Σ r_i b_i of the columns of B, with fixed weights
-r_i = 1/i, enters the first section alone: that removes the freedom to transform the state, and
-for one input leaves B without free numbers. As the sections answer within the sample, C s with
-nk = 1 is the strictly proper system of this order, and nk = 0 with D that with feed-through.
+A is a series of sections (`operators.sections`), each fed by the previous section; B feeds every state, and C sums the
+signals of all sections. The sum Σ r_i b_i of the columns of B, with fixed weights r_i = 1/i, enters the first section
+alone: that removes the freedom to transform the state, and for one input leaves B without free numbers. As the sections
+answer within the sample, C s with nk = 1 is the strictly proper system of this order, and nk = 0 with D that with
+feed-through.
 
-It spans every system of the order that is stable, whose A has one Jordan block per pole, no
-single pole at 0 or on the negative real axis, and whose states are all reached by Σ r_i u_i; the
-others, such as two equal systems side by side, are limits of these. Gains are free: give static
-blocks beside it a gain of their own and the product alone can be told.
+It spans every system of the order that is stable, whose A has one Jordan block per pole, no single pole at 0 or on the
+negative real axis, and whose states are all reached by Σ r_i u_i; the others, such as two equal systems side by side,
+are limits of these. Gains are free: next to static blocks with a free gain, only the product of the gains is
+identifiable.
 """
 
 from __future__ import annotations
@@ -40,12 +40,12 @@ class StateSpace(AbstractBlock):
 
     @property
     def inputs(self) -> int:
-        """As declared."""
+        """Return the declared number of inputs."""
         return int(self.ins)
 
     @property
     def outputs(self) -> int:
-        """As declared."""
+        """Return the declared number of outputs."""
         return int(self.outs)
 
     def numbers(self) -> tuple[str, ...]:

@@ -5,7 +5,7 @@
 The poles are sections in series (`operators.sections`), the numerator is a weighted sum of their
 signals: the first nb of them, from the last section back, span exactly the numerators of nb
 coefficients; beyond nf, samples of the input itself follow. The delay of nk samples comes first.
-The gain at rest is 1, because the static blocks around it have gains of their own.
+The gain at rest is 1, because the static blocks around it have free gains.
 """
 
 from __future__ import annotations

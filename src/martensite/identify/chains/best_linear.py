@@ -49,7 +49,7 @@ class LinearStart(NamedTuple):
     gain: float
     """1 for a block whose gain is free."""
     offset: float
-    """0 for a block with offsets of its own, or of several outputs."""
+    """Offset of the output; 0 for a block with free offsets, or with several outputs."""
     error: float
     """Sum of squared errors over the outputs' variances."""
 
@@ -112,7 +112,7 @@ def _solve_squares(
 def _collect_signals(
     engine: ChainEngine, theta: Numbers, own: NDArray[np.intp], pairs: Sequence[Pair]
 ) -> Iterator[Pair]:
-    """What the linear numbers weigh, with a constant, and the outputs: rows known in all."""
+    """Yield the regressors of the linear parameters, with a constant, and the outputs; only fully known rows."""
     single = isinstance(engine.blocks[0], TransferFunction)
     for u, y in pairs:
         for chunk in engine.sensitivities(theta, u):

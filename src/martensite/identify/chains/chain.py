@@ -17,10 +17,10 @@ from martensite.signals.sampling.sampled import Sampled
 
 
 class RecordStart(NamedTuple):
-    """How a record begins that a chain was fitted to."""
+    """Start of a record of the fit."""
 
     name: str
-    """Of the record."""
+    """Name of the record."""
     kind: str
     """`rest` under its first inputs, `zero`, or `estimate`: with the state that was found with the model."""
     state: tuple[float, ...] = ()
@@ -48,7 +48,7 @@ class Chain:
     """Outputs as (block, its output); by default those of the last block."""
     name: str = "model"
     starts: Mapping[str, RecordStart] = field(default_factory=dict[str, RecordStart])
-    """How the records begin that it was fitted to, by their hashes (`Sampled.hash`)."""
+    """Starts of the records of the fit, by hash (`Sampled.hash`)."""
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
     """Least and greatest value that every signal had in these records; empty if they are not known."""
 
@@ -71,7 +71,7 @@ class Chain:
 
     @cached_property
     def engine(self) -> ChainEngine:
-        """What runs it."""
+        """Return the engine that simulates the chain."""
         return ChainEngine(self.blocks, self.interval, self.taps)
 
     @property
@@ -90,11 +90,11 @@ class Chain:
         return np.split(values, np.cumsum(counts)[:-1])
 
     def with_theta(self, theta: Numbers) -> Chain:
-        """The same blocks with other numbers."""
+        """Return the chain with other parameters."""
         return replace(self, theta=np.array(theta, dtype=float))
 
     def with_records(self, starts: Mapping[str, RecordStart], ranges: Mapping[str, tuple[float, float]]) -> Chain:
-        """The same chain with what it keeps of the records that it was fitted to."""
+        """Return the chain with the stored starts and ranges of the records of its fit."""
         return replace(self, starts=starts, ranges=ranges)
 
     def simulate(self, inputs: Numbers | Sampled, state: Numbers | None = None) -> Numbers:
@@ -133,7 +133,7 @@ class Chain:
         return u
 
     def before(self, block: int, inputs: Numbers | Sampled) -> Numbers:
-        """What enters a block, shape (samples, inputs of the block)."""
+        """Return the input of a block, shape (samples, inputs of the block)."""
         u = self._checked(inputs)
         if block == 0:
             return u

@@ -4,10 +4,10 @@
     stage = block  or  "[" chain { "&" chain } "]"  or  "[" chain { "+" chain } "]"  or  "[" chain "<" chain "]"
     block = name [ number ]  or  name "(" word { "," word } ")"
 
-A block is its short name with its structure: numbers, then choices such as `pwl(10,fixed)`, in
-brackets or, if it is one number, behind the name. Blocks between `&` in square brackets stand
-side by side, each on signals of its own: `[poly2 & unit]`; between `+` they are summed; what follows `<`
-is in the feedback of what stands before. Each may be a chain, or in brackets again. Capitals and blanks do not matter.
+A block is its short name with its structure: numbers, then choices such as `pwl(10,fixed)`, in brackets or, if it is
+one number, behind the name. Blocks between `&` in square brackets are in parallel on separate signals: `[poly2 &
+unit]`; between `+` they are summed; the chain behind `<` is the feedback of the chain in front of it. Each may be a
+chain, or in brackets again. Capitals and blanks do not matter.
 
 Patterns of structures: `poly{1..3} | oe({2..3},3,1) | {pwl,sigmoid}{5,10}`.
 
@@ -174,7 +174,7 @@ def _drop_offset(block: AbstractBlock, after: list[bool]) -> tuple[AbstractBlock
 
 
 def _fix_joined(block: AbstractComposite, after: list[bool]) -> tuple[AbstractBlock, list[bool]]:
-    """The same of blocks in series, summed, and with feedback."""
+    """Fix gains and offsets of blocks in series, of sums, and of feedback."""
     if isinstance(block, Series):
         children, flags = _fix_series(block.blocks, after)
         return block.with_parts(blocks=children), flags

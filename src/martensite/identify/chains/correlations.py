@@ -1,14 +1,14 @@
-"""Correlation of residuals with what a model was given: what it leaves unexplained.
+"""Correlation of residuals with inputs and past outputs: the unexplained part of a model.
 
 For residuals ε and a signal w, both without their means,
 
     r(τ) = Σ_t ε_{t+τ} w_t / √(Σ ε² Σ w²),    var r(τ) ≈ Σ_k ρ_ε(k) ρ_w(k)/n
 
-if ε does not depend on w (Bartlett; Ljung (1999), System Identification, section 16.6). The sum
-runs over all lags of both estimated autocorrelations, which is the mean of the product of their
-periodograms, so the band holds for coloured inputs and coloured residuals alike. Only pairs of
-which both are known count. Neighbouring lags say almost the same, so that a count of lags
-outside is no test; what is judged is the largest of them, with the level shared among the lags.
+if ε does not depend on w (Bartlett; Ljung (1999), System Identification, section 16.6). The sum runs over all lags of
+both estimated autocorrelations, which is the mean of the product of their periodograms, so the band holds for coloured
+inputs and coloured residuals alike. Only pairs of which both are known count. Neighbouring lags are strongly
+correlated, so a count of lags outside the band proves nothing. The test uses the largest lag, with the level shared
+among the lags.
 
 At lags τ > 0 residuals follow the signal: the model lacks some of its effect. At lags τ < 0 they
 lead it: the input was made from the output, by a controller.
@@ -32,9 +32,9 @@ from martensite.search.whiteness import compute_autocorrelation
 LAGS = 25
 """Lags tested on either side."""
 LEVELS = (0.95, 0.99)
-"""Of the bands that are shown."""
+"""Confidence levels of the displayed bands."""
 LEVEL = 0.99
-"""Of the verdict, for all lags together."""
+"""Confidence level of the verdict, for all lags together."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class Crossed:
 
     @property
     def explained(self) -> bool:
-        """Whether nothing of the signal is left in the residuals that follow it."""
+        """Return whether nothing of the signal is left in the residuals that follow it."""
         return abs(self.following[1]) <= self.limit
 
     @property

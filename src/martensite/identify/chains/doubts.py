@@ -43,14 +43,14 @@ def describe_copies(records: Sequence[Sampled]) -> Iterator[str]:
 
 
 def _measure_rest(u: Numbers, y: Numbers) -> float:
-    """Share of y that is no straight line of u."""
+    """Return the fraction of y that a straight line in u leaves unexplained."""
     spread = float(np.std(y))
     left = y - np.polyval(np.polyfit(u, y, 1), u)
     return float(np.std(left)) / spread if spread > 0.0 else 1.0
 
 
 def describe_exchange(records: Sequence[Sampled], fit: float) -> Iterator[str]:
-    """Whether a poor fit is one of exchanged columns: the output explains the input better than it the output."""
+    """Yield a sentence per record whose output explains the input better than the input explains the output."""
     if fit >= POOR or any(r.inputs.shape[1] != 1 or r.outputs.shape[1] != 1 for r in records):
         return
     for record in coarsen_records(records):

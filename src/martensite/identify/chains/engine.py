@@ -63,7 +63,7 @@ class FloatChain:
                         y[t, place] = x[channel]
 
     def slopes(self, p: Numbers, u: Numbers, s: Numbers, ds: Numbers, y: Numbers, dy: Numbers) -> None:
-        """The same with derivatives: dy is (samples, outputs, extra + columns)."""
+        """Simulate with derivatives: dy is (samples, outputs, extra + columns)."""
         functions, m = self._bound(p), ds.shape[1]
         extra = m - self._plan.columns
         for t, row in enumerate(u):
@@ -120,7 +120,7 @@ class CompiledChain:
         call_compiled(self._library.run, len(u), p, u, s, y)
 
     def slopes(self, p: Numbers, u: Numbers, s: Numbers, ds: Numbers, y: Numbers, dy: Numbers) -> None:
-        """The same with derivatives: dy is (samples, outputs, extra + columns).
+        """Simulate with derivatives: dy is (samples, outputs, extra + columns).
 
         The first columns are those of the initial state; there are as many as ds has beyond
         those of the free numbers. Samples of dy must be next to each other, and behind them

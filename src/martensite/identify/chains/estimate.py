@@ -40,7 +40,7 @@ from martensite.search.levenberg_marquardt import Found, Numbers, minimise_cost
 from martensite.signals.sampling.sampled import Sampled
 
 INTERRUPTED = "interrupted"
-"""What `watch` is told when Ctrl-C ended a search early; the best so far is kept."""
+"""Message to `watch` if Ctrl-C ended a search early; the best chain so far is kept."""
 ALIKE = 0.1
 """Points of fit within which two searches found the same."""
 SHORT = 30
@@ -63,7 +63,7 @@ class ChainEstimate:
     records: tuple[Sampled, ...]
     aims: tuple[RecordResidual, ...]
     found: Found
-    """Where the last search ended, which ran at the full rate."""
+    """End of the last search, at the full sample rate."""
     fits: tuple[float, ...]
     """Fit [%] at the ends of all refined searches, best first; of long records over the thinner
     ones that these ran on."""
@@ -73,11 +73,11 @@ class ChainEstimate:
     complete: bool = True
     """False if it was interrupted: the best until then, which no further search has refined."""
     remarks: tuple[str, ...] = ()
-    """What is doubtful, a sentence each."""
+    """Doubts, one sentence each."""
 
     @property
     def agreeing(self) -> int:
-        """How many refined searches ended within 0.1 point of the best."""
+        """Return the number of refined searches that ended within 0.1 point of the best."""
         return sum(fit >= self.fits[0] - ALIKE for fit in self.fits)
 
     def squares(self) -> ResidualSquares:
@@ -86,7 +86,7 @@ class ChainEstimate:
 
 
 class SearchEnd(NamedTuple):
-    """Where a search ended."""
+    """End of a search."""
 
     cost: float
     """Sum of squares per known output, each over its scale."""
@@ -184,7 +184,7 @@ class _Estimation:
         return self._describe(last, sorted(fits, reverse=True), [end.cost for end in first])
 
     def _guard_short(self) -> None:
-        """Where records are short for their free numbers, pull these towards a linear model."""
+        """Pull the parameters towards a linear model if the records are short for their number."""
         known = sum(int(np.isfinite(record.outputs[self.options.skip :]).sum()) for record in self.records)
         count = len(self.chain.theta)
         if known >= SHORT * count:
@@ -201,7 +201,7 @@ class _Estimation:
         )
 
     def _choose_strength(self, bases: Sequence[Chain]) -> float:
-        """The pull with which chains predict best what was left out of their records; the stronger of equals."""
+        """Return the pull with the best prediction of left-out parts of the records; the stronger of equals."""
         errors = dict.fromkeys(STRENGTHS, 0.0)
         for fold in range(THIRDS):
             seen = [hide_block(r, cut_block(r, fold, THIRDS)) for r in self.thin]
@@ -249,7 +249,7 @@ class _Estimation:
         """The ends from rest, or better ones with initial states that are estimated."""
         starts = tuple("estimate" if doubt else "rest" for doubt in doubted)
         free = replace(self.goal, starts=starts)
-        # searches of their own: those from rest may have ended where no other state helps
+        # separate searches: those from rest may have ended where other initial states do not help
         found = self._search_thin(free, [end.chain for end in ends[:PROBES]])
         rested = min(self._bare_cost(end, self.goal) for end in ends[:PROBES])
         if not found or min(self._bare_cost(end, free) for end in found[:PROBES]) > DOUBT * rested:
@@ -280,7 +280,7 @@ class _Estimation:
         return _refine_all(begin, records, self._goal_for(records, goal, 2), self._share("start", 0.0, 0.5))
 
     def _share(self, word: str, low: float, high: float) -> Callable[[int, int], None]:
-        """What tells how many searches have ended of how many; none is an interruption."""
+        """Return a callback for the number of ended searches and their total; a count of 0 is an interruption."""
 
         def told(count: int, of: int) -> None:
             if count:
@@ -347,7 +347,7 @@ def _measure_left_out(end: SearchEnd, whole: Sequence[Sampled], seen: Sequence[S
 
 
 def _find_rested(squares: ResidualSquares, theta: Numbers) -> tuple[str, ...]:
-    """How records begin: at rest where the state that was estimated makes little difference."""
+    """Return the start of every record: at rest if the estimated state makes little difference."""
     found: list[str] = []
     place = squares.columns
     for aim in squares.aims:
@@ -424,7 +424,7 @@ def _stop_at(chain: Chain, records: Sequence[Sampled], goal: Goal) -> SearchEnd:
 
 
 def _compute_cost(chain: Chain, records: Sequence[Sampled], goal: Goal) -> float:
-    """What a search minimises, with the best initial states where these are estimated."""
+    """Return the cost of a search, with the best initial states if they are estimated."""
     squares = goal.squares(chain, records)
     if "estimate" not in goal.starts:
         return squares.value(chain.theta)

@@ -28,7 +28,7 @@ class StateWatch(AbstractBlock):
 
     @property
     def inputs(self) -> int:
-        """Those of the block."""
+        """Return the number of inputs of the block."""
         return self.watched.inputs
 
     @property
@@ -38,11 +38,11 @@ class StateWatch(AbstractBlock):
 
     @property
     def fixed(self) -> tuple[str, ...]:  # type: ignore[override]
-        """Those of the block."""
+        """Return the names of the fixed parameters of the block."""
         return self.watched.fixed
 
     def given(self) -> tuple[float, ...]:
-        """Those of the block."""
+        """Return the fixed parameters of the block."""
         return self.watched.given()
 
     def with_given(self, values: Sequence[Any]) -> Self:
@@ -54,11 +54,11 @@ class StateWatch(AbstractBlock):
         return type(self), self.watched.structure()
 
     def numbers(self) -> tuple[str, ...]:
-        """Those of the block."""
+        """Return the names of the parameters of the block."""
         return self.watched.numbers()
 
     def states(self) -> int:
-        """Those of the block."""
+        """Return the number of states of the block."""
         return self.watched.states()
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:

@@ -1,16 +1,15 @@
-"""How a chain is estimated: what is searched, what counts, and for how long.
+"""Options of an estimation: structure of the search, weights and effort.
 
-What records must hold before a chain is estimated from them; one clear sentence if not.
+Requirements on records for an estimation, each with one clear sentence if it is not met.
 
-What an estimation aims at: outputs of records on one scale, rest, and what blocks expect.
+Goal of an estimation: outputs of records on one scale, rest, and the priors of blocks.
 
 Noise models: the whitening filter of coloured residuals, for the prediction-error focus.
 
     L(q) v_t = e_t,   L = 1 + l_1 q^-1 + … + l_n q^-n
 
-is autoregressive least squares over samples whose n predecessors are known. With L in the sum of
-squares the model is the one of least prediction error; the residuals of that give another L, and
-so on in turns.
+is autoregressive least squares over samples whose n predecessors are known. With L in the sum of squares the model has
+the least prediction error. Its residuals give another L, and so on in turns.
 """
 
 from __future__ import annotations
@@ -34,12 +33,12 @@ AUTO = "auto"
 
 @dataclass(frozen=True)
 class Options:
-    """How a chain is estimated."""
+    """Options of the estimation of a chain."""
 
     starts: int = 12
     """Searches from different starts; 1 takes the plainest start only."""
     refined: int = 3
-    """How many of the best go on with more samples."""
+    """Number of best searches that continue with more samples."""
     iterations: int = 100
     """Most steps of these; first searches take half, the last at the full rate a quarter."""
     seed: int = 0
@@ -56,7 +55,7 @@ class Options:
     sigma: tuple[float, ...] = ()
     """Size of a usual residual of every output, such as 1 K and 0.1 mm; by default its spread."""
     priors: bool = True
-    """Whether what blocks expect of their free numbers counts; see `AbstractBlock.priors`."""
+    """True if what blocks expect of their free numbers counts; see `AbstractBlock.priors`."""
     noise: int = 0
     """Order of the noise model; 0 minimises the simulation error, else the prediction error."""
     threads: int = 2
@@ -112,7 +111,7 @@ def check_enough(chain: Chain, records: Sequence[Sampled], skip: int) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Goal:
-    """What searches minimise: how, with which states at the first samples, and until when."""
+    """Goal of searches: cost, states at the first samples, and end."""
 
     options: Options
     starts: tuple[str, ...]
@@ -120,7 +119,7 @@ class Goal:
     halt: Event = field(default_factory=Event)
     """Once it is set, searches end with what they have."""
     strength: float = 0.0
-    """Of the pull towards `bases`, over what moves the outputs."""
+    """Strength of the pull towards `bases`, relative to the effect on the outputs."""
     bases: tuple[Chain, ...] = ()
     """The plainest chain and the linear one, where records are too short for more."""
 
@@ -148,7 +147,7 @@ class Goal:
 
 
 def _has_same_blocks(one: Chain, other: Chain) -> bool:
-    """Whether free numbers of two chains of one structure mean the same."""
+    """Return whether free numbers of two chains of one structure mean the same."""
     return [b.given() for b in one.blocks] == [b.given() for b in other.blocks]
 
 
@@ -161,7 +160,7 @@ def _find_floor(moved: Numbers) -> float:
 def build_aims(
     records: Sequence[Sampled], options: Options, starts: Sequence[str] | None = None
 ) -> list[RecordResidual]:
-    """What is fitted: the records, on one scale, and what those that begin at rest say of it."""
+    """Return the residuals to fit: the records on one scale, and the anchors of records that begin at rest."""
     weights = 1.0 / _find_spread(records, options)
     starts = starts or [options.start] * len(records)
     found = [RecordResidual(r, options.skip, weights, s) for r, s in zip(records, starts, strict=True)]
@@ -185,7 +184,7 @@ def at_rest(record: Sampled) -> Sampled:
 
 
 def _find_spread(records: Sequence[Sampled], options: Options) -> Numbers:
-    """What a residual of every output is measured in."""
+    """Return the scale of the residuals of every output."""
     if not options.sigma:
         spread = np.nanstd(np.concatenate([r.outputs for r in records]), axis=0)
         return np.where(spread > 0.0, spread, 1.0)
@@ -198,7 +197,7 @@ def _find_spread(records: Sequence[Sampled], options: Options) -> Numbers:
 
 
 def find_expected(chain: Chain, options: Options) -> tuple[Numbers, Numbers]:
-    """Where θ is pulled, and the 1/σ of priors: to what blocks expect, else to where it is."""
+    """Return the centre of the pull on θ and the 1/σ of the priors: the prior of a block, else the present θ."""
     found = [block.priors() for block in chain.blocks]
     centres, weights = (np.concatenate([np.zeros(0), *part]) for part in zip(*found, strict=True))
     weights = weights * options.priors
@@ -206,7 +205,7 @@ def find_expected(chain: Chain, options: Options) -> tuple[Numbers, Numbers]:
 
 
 TURNS = 3
-"""How often noise model and chain follow each other."""
+"""Number of turns between noise model and chain."""
 
 
 def noise_model(residuals: Sequence[Numbers], order: int) -> Numbers:

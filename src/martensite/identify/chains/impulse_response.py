@@ -41,7 +41,7 @@ Pair = tuple[Numbers, Numbers]
 
 
 class _Sums(NamedTuple):
-    """What the normal equations need."""
+    """Sums for the normal equations."""
 
     count: int
     square: Numbers

@@ -38,7 +38,7 @@ FEWEST = 30
 
 @dataclass(frozen=True, eq=False)
 class Sums:
-    """What one pass over the records gives."""
+    """Sums of one pass over the records."""
 
     square: Numbers
     """H."""
@@ -47,7 +47,7 @@ class Sums:
     squares: Numbers
     """Sum of the squared weighted residuals of every output of every record."""
     counts: Numbers
-    """How many of them count."""
+    """Number of counted samples of the outputs."""
     blocks: int
 
 
@@ -108,14 +108,14 @@ def _by_block(scores: Numbers, first: int, length: int) -> Iterator[tuple[int, N
 
 
 STEP = 1e-5
-"""Of central differences, as a share of the number, or of 1."""
+"""Step of central differences, relative to the parameter, or to 1."""
 NEGLIGIBLE = 1e-6
 """Change of a value with numbers that are not determined, over the largest value of its kind in
 the block, that does not matter: a weight that is 0 whatever the number behind it is."""
 
 
 class PrintedNumber(NamedTuple):
-    """What free numbers mean, with its standard error."""
+    """Physical quantity of free parameters, with its standard error."""
 
     block: int
     name: str
@@ -186,11 +186,11 @@ class Flat:
     changes: tuple[float, ...]
     """Changes that make up for each other; of a single number 1."""
     more: int
-    """How many others move a little."""
+    """Number of other parameters that move a little."""
 
     @property
     def sentence(self) -> str:
-        """What is not determined."""
+        """Describe the undetermined parameters in a sentence."""
         if len(self.names) == 1 and not self.more:
             return (
                 f"{list_names(self.names)} is not determined: it has no effect on these records, "
@@ -250,7 +250,7 @@ def _find_flat(root: Numbers, lost: Numbers, scale: Numbers, names: Sequence[str
 
 
 def _part_directions(lost: Numbers) -> Numbers:
-    """The same directions, combined: as many numbers as there are directions are in one each."""
+    """Combine the directions so that each contains as few parameters as there are directions."""
     count = lost.shape[1]
     order = np.asarray(qr(lost.T, pivoting=True, mode="r")[-1], dtype=int)
     return lost @ np.linalg.inv(lost[order[:count]])

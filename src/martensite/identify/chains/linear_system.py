@@ -1,4 +1,4 @@
-"""A linear system in discrete time, as what a chain is for small signals.
+"""Linear system in discrete time, which describes a chain for small signals.
 
     x_{t+1} = A x_t + B u_t,    y_t = C x_t + D u_t
 
@@ -10,8 +10,8 @@ Linear blocks as linear systems: state space, poles and zeros.
 
     s⁺ = A s + B x,   y = C s + D x
 
-The kernel of a linear block is linear, so the matrices are what it gives for each state and each
-input alone. They belong to the sample time; delays are states of their own.
+The kernel of a linear block is linear, so its response to each state and each input alone gives the matrices. They
+belong to the sample time; delays are separate states.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.kernels import floats
 
 CIRCLE = 1e-12
-"""Distance of a pole from 1 below which there is no gain at rest."""
+"""Distance of a pole from 1 below which the gain at rest is undefined."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,11 +64,11 @@ class LinearSystem:
 
     @property
     def standing(self) -> int:
-        """How many states small signals do not move, or nobody feels."""
+        """Return the number of states that are unreachable for small signals or without effect on the outputs."""
         return len(self.a) - len(self.active)
 
     def reduce_states(self) -> LinearSystem:
-        """The same system with its active states alone."""
+        """Return the system with its active states alone."""
         kept = self.active
         return replace(self, a=self.a[np.ix_(kept, kept)], b=self.b[kept], c=self.c[:, kept], state=self.state[kept])
 

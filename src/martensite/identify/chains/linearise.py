@@ -1,9 +1,9 @@
 """Operating points of a chain, its linear system there, and its static curve.
 
-The linear system follows from the partial derivatives of every block (`plan`), put together
-along the chain: exact, whatever the blocks are.
+The linear system follows from the partial derivatives of every block (`plan`), put together along the chain. It is
+exact for all blocks.
 
-A block with hysteresis has no slope of its own, but one for every history and direction. Without a
+A block with hysteresis has a different slope for every history and direction. Without a
 history it is at rest as it was made: every play stands in the middle of its gap, and small signals
 do not move it. After a history a play may stand at the edge of its gap, where inputs that go on
 move it one for one and inputs that turn do not. A small `push` says which way: blocks with memory
@@ -28,7 +28,7 @@ from martensite.signals.sampling.sampled import Sampled
 SETTLED = 1e-9
 """Change of the state in one more stretch, over its size, at which it has settled."""
 DOUBLINGS = 12
-"""How often the stretch held after a history is doubled."""
+"""Number of times that the held stretch after a history is doubled."""
 
 
 class LinearisationPoint(NamedTuple):
@@ -145,7 +145,7 @@ def _bind_blocks(chain: Chain) -> Any:
 
 
 def _find_entering(chain: Chain, u: Numbers, state: Numbers) -> list[Numbers]:
-    """What enters every block in a state."""
+    """Return the input of every block in a state."""
     functions, x, found, first = _bind_blocks(chain), u, [], 0
     for piece in chain.engine.plan.pieces:
         last = first + piece.block.states()

@@ -51,7 +51,7 @@ def list_own(piece: ChainPiece) -> list[Entry]:
 
 
 def _count_begun(piece: ChainPiece) -> int:
-    """How many outputs and states depend directly on free numbers."""
+    """Return the number of outputs and states that depend directly on free parameters."""
     return max(len({e.row for e in list_own(piece)}), 1)
 
 

@@ -17,7 +17,7 @@ from martensite.kernels.c99 import C_DIALECT, write_prelude
 from martensite.kernels.kernel_printer import KernelPrinter, Statements
 
 Taps = tuple[tuple[int, int], ...]
-"""What is given out: numbers of blocks, and of their outputs."""
+"""Outputs to write: pairs of block and output index."""
 
 
 def chain_source(plan: ChainPlan, taps: Taps, extra: bool) -> str:
@@ -43,7 +43,7 @@ class _Writer:
 
     @property
     def direct(self) -> bool:
-        """Whether just the outputs of the last block are given out: it may write where they go."""
+        """Return whether just the outputs of the last block are given out: it may write where they go."""
         last = len(self.plan.pieces) - 1
         return self.taps == tuple((last, i) for i in range(self.plan.pieces[last].block.outputs))
 

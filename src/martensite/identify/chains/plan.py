@@ -30,7 +30,7 @@ class Entry:
     column: int
     place: int
     constant: bool = False
-    """Whether it depends on numbers only, and is the same in every sample."""
+    """True if it depends on numbers only, and is the same in every sample."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class TracedBlock:
     """One function of a block: rows are its results, columns what it depends on."""
 
     name: str
-    """Of the function with derivatives; that of values alone is `v` + name."""
+    """Name of the function with derivatives; the function of values alone is `v` + name."""
     rows: int
     entries: tuple[Entry, ...]
 
@@ -57,7 +57,7 @@ class ChainPiece:
 
     @property
     def count(self) -> int:
-        """How many free numbers it has."""
+        """Return the number of free parameters."""
         return len(self.block.numbers())
 
 

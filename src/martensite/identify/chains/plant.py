@@ -1,12 +1,11 @@
 """Models of blocks as plants: driven by the library's own waveforms and controllers.
 
-A model is a mechanism without elements whose signals are its inputs and whose outputs are its
-own, so that it runs wherever a system runs: under `simulate`, in `simulate_controlled`, from a
-scenario. It is known at its samples alone: runs go from sample to sample, inputs are those at
-the start of a sample and are held, and no accuracy is estimated because there is none to gain.
+A model is a mechanism without elements. Its signals are the inputs of the model, its outputs the outputs of the model.
+So a model runs like any system: under `simulate`, in `simulate_controlled`, from a scenario. It is defined at its
+samples alone: runs go from sample to sample, inputs are held from the start of a sample, and accuracy is not estimated.
 
 Inside the library all numbers are in SI; the plant converts from there to the units of the model
-and back. A unit that is no physical unit, or none, is left as it is.
+and back. Unknown units and missing units are left as they are.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""How a record begins: at rest, as it began at the fit, or in a state that its first samples tell.
+"""Start of a record: at rest, as at the fit, or in a state estimated from its first samples.
 
-The state at the first sample belongs to the record and not to the model. That of a fitted record is found with
-the model and kept with it (`Chain.starts`); that of another one is inferred from its first samples, unless rest
-explains these nearly as well. A model that is run from a wrong state is judged for what it did not do.
+The state at the first sample belongs to the record and not to the model. The state of a fitted record is found with the
+model and kept with it (`Chain.starts`). The state of another record is estimated from its first samples, unless rest
+explains these nearly as well. A run from a wrong state would distort the score of the model.
 
 Source: the option `InitialCondition` of `compare` in the System Identification Toolbox, which estimates the state
 on the whole record; here a short window keeps the score one of a free run.
@@ -23,13 +23,13 @@ from martensite.search.quantity_text import format_number
 from martensite.signals.sampling.sampled import Sampled
 
 SHARE = 0.1
-"""Of a record, from which its state is inferred."""
+"""Fraction of a record from which its state is estimated."""
 FEWEST = 50
 """Samples for that at least."""
 WORTH = 0.8
 """Squared error with another state than rest, over that from rest, from which on rest is given up."""
 STEPS = 20
-"""Of the search for a state."""
+"""Number of steps of the search for a state."""
 HELD = 20
 """Samples for which inputs must be held at first to tell rest from the record alone."""
 FLAT = 0.05
@@ -122,7 +122,7 @@ def _find_ranges(records: Sequence[Sampled]) -> dict[str, tuple[float, float]]:
 
 
 def shows_rest(record: Sampled) -> bool:
-    """Whether a record alone shows that it begins at rest.
+    """Return whether a record alone shows that it begins at rest.
 
     Its inputs are held at an end of their ranges at first, where nothing has come from further away, and its
     outputs stay: at their pace then they would not drift far.

@@ -25,7 +25,7 @@ from martensite.search.levenberg_marquardt import Found, Normal, minimise_cost
 from martensite.signals.sampling.sampled import Sampled
 
 STARTS = ("rest", "zero", "estimate")
-"""How the state at the first sample of a record is chosen."""
+"""Choices of the state at the first sample of a record."""
 PIECE = 32_256
 """Samples that are simulated at a time."""
 
@@ -38,7 +38,7 @@ class RecordResidual:
     skip: int = 0
     """Samples at the start that do not count."""
     weights: Numbers | None = None
-    """Of the outputs, 1/σ each; by default 1 over the standard deviation of each."""
+    """Weights of the outputs, 1/σ each; by default 1 over the standard deviation of each output."""
     start: str = "rest"
     """State at the first sample: at rest under the first input, zero, or estimated."""
     whitening: Numbers = field(default_factory=lambda: np.ones(1))
@@ -73,11 +73,11 @@ class Part(NamedTuple):
     residuals: Numbers
     """Shape (samples, outputs); 0 where nothing counts."""
     slopes: Numbers
-    """Of ŷ, shape (samples, outputs, columns)."""
+    """Derivatives of ŷ, shape (samples, outputs, columns)."""
 
 
 Memory = tuple[Numbers, Numbers]
-"""What the filter remembers of residuals and of slopes."""
+"""Memory of the filter: residuals and slopes."""
 
 
 class HaltedSearchError(Exception):

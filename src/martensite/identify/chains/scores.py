@@ -1,7 +1,7 @@
 """Scores of a chain on records: always of free runs, in which no measured output is fed back.
 
-A fit on the records that the chain was estimated from is no proof: a slow linear block can stand
-for hysteresis at one cadence and fail at any other. `role` says what a record was used for.
+A fit on the records of the estimation proves little: a slow linear block can imitate hysteresis at one cadence and fail
+at any other. `role` is the use of a record.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from martensite.signals.sampling.resampling import resample_record
 from martensite.signals.sampling.sampled import Sampled
 
 ROLES = ("estimation", "validation", "other")
-"""What a record was used for: to fit, to choose, or for nothing yet."""
+"""Use of a record: to fit, to choose, or not used yet."""
 
 
 @dataclass(frozen=True)
 class OutputScore:
-    """How one output of one record is reproduced in free run."""
+    """Score of one output of one record in free run."""
 
     model: str
     role: str
@@ -42,7 +42,7 @@ class OutputScore:
 
 
 def fit_percent(measured: Numbers, computed: Numbers, skip: int = 0) -> Numbers:
-    """NRMSE fit 100 (1 - |y - ŷ|/|y - mean y|) [%] of every output, over what is known."""
+    """NRMSE fit 100 (1 - |y - ŷ|/|y - mean y|) [%] of every output, over the known samples."""
     y, error = measured[skip:], (measured - computed)[skip:]
     away = np.sqrt(np.nansum((y - np.nanmean(y, axis=0)) ** 2, axis=0))
     return 100.0 * (1.0 - np.sqrt(np.nansum(error**2, axis=0)) / away)

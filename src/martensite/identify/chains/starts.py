@@ -1,19 +1,17 @@
-"""Where searches for a chain begin: random dynamics, then a straight line through the data.
+"""Starts of searches for a chain: random dynamics, then a straight line through the data.
 
-Whatever the random numbers are, two of the static block that carries the gain follow from least
-squares: its line is fitted to the outputs over what reaches it.
+For any random numbers, two parameters of the static block with the gain follow from least squares: its line is fitted
+to the outputs over the input of the block.
 
-Where searches for a chain begin if there are linear blocks: at the best linear approximation.
+Starts of searches for a chain with linear blocks: the best linear approximation.
 
-The poles of a linear block between static ones are those of the best linear approximation of the
-whole (see `best_linear`), so these begin some of the searches, with static blocks as lines or as
-drawn; blocks with linear dynamics of their own, such as nonlinear feedback, begin as the linear
-system that they are without their nonlinear terms, or with some of these. Ranges of the blocks are
-those of what reaches them then. Where there is hysteresis, a linear model takes it for lag and
-these ranges are too narrow: half of the searches that begin at random keep those of the plainest
-numbers, with which one search begins.
+The poles of a linear block between static ones are those of the best linear approximation of the whole (see
+`best_linear`), so these begin some of the searches, with static blocks as lines or as drawn; blocks with both linear
+dynamics and nonlinear terms, such as nonlinear feedback, begin as a linear system without these terms, or with some of
+them. Ranges of the blocks are the ranges of their inputs then. A linear model describes hysteresis as lag, and these
+ranges are then too narrow. So half of the random searches keep the ranges of the plainest start.
 
-A chain that begins where another ended: an earlier estimate, or one of simpler blocks.
+Start of a chain from another chain: an earlier estimate, or a chain of simpler blocks.
 
 Blocks of the same structure are taken over with their numbers. Any other block is fitted to what
 the block in its place made of the records: a static one to its curve, a dynamic one to its output.
@@ -88,7 +86,7 @@ def _fit_gains(chain: Chain, records: Sequence[Sampled]) -> Chain:
 
 
 def _find_reaching(chain: Chain, place: int, record: Sampled) -> Numbers:
-    """What enters a block, delayed as much as the linear blocks after it delay."""
+    """Return the input of a block, delayed by the delay of the linear blocks after it."""
     own = chain.before(place, record)[:, 0]
     after = chain.blocks[place + 1 :]
     if not after:
@@ -141,7 +139,7 @@ def list_informed_starts(
 
 
 def _shared_out(chain: Chain, records: Sequence[Sampled], rng: np.random.Generator, count: int) -> list[Chain]:
-    """Of linear | static | linear: one linear model shared out, then at random."""
+    """Return starts for linear | static | linear: a linear model shared between both blocks, then random ones."""
     shared = wiener_hammerstein_starts(chain, max(records, key=len), count - 1)
     base = shared[0] if shared else chain
     more = range(max(count - 1 - len(shared), 0))
@@ -201,7 +199,7 @@ def _adapt_again(chain: Chain, place: int, own: Numbers, record: Sampled) -> Cha
 
 
 def _bend_start(chain: Chain, rng: np.random.Generator, record: Sampled) -> Chain:
-    """The same linear dynamics, between static blocks and with nonlinear terms as drawn."""
+    """Return the same linear dynamics with drawn static blocks and nonlinear terms."""
     parts: list[Numbers] = []
     for block, own in zip(chain.blocks, chain.split(), strict=True):
         some = block.sample_parameters(rng, record.duration, record.interval)
@@ -214,7 +212,7 @@ def _bend_start(chain: Chain, rng: np.random.Generator, record: Sampled) -> Chai
 
 
 STEPS = 40
-"""Of the search by which a block follows another."""
+"""Number of steps of the search by which a block follows another."""
 
 
 def begin_from_chain(chain: Chain, given: Chain, records: Sequence[Sampled]) -> Chain:

@@ -1,11 +1,11 @@
-"""How far the free numbers of an estimated chain, and its outputs, can be trusted.
+"""Uncertainty of the free parameters and outputs of an estimated chain.
 
     C = P M P,    P = (JᵀJ)⁺,    M = Σ_b (Σ_{t in b} J_tᵀ e_t)(Σ_{t in b} J_tᵀ e_t)ᵀ
 
-The residuals of a model are coloured: neighbouring samples tell the same error again. Counted as
-independent they would give errors many times too small, so they are summed in blocks longer than
-the time for which they are alike (White (1982), Econometrica 50; Newey and West (1987),
-Econometrica 55). Directions that the records do not determine are cut from P and named.
+The residuals of a model are coloured: neighbouring samples repeat the same error. Counted as independent they would
+give errors many times too small, so they are summed in blocks longer than their correlation time (White (1982),
+Econometrica 50; Newey and West (1987), Econometrica 55). Directions that the records do not determine are cut from P
+and named.
 
     band of an output    ŷ ± z √(j C jᵀ + σ_e²)
 
@@ -67,7 +67,7 @@ class ChainUncertainty:
     scale: Numbers
     """Norms of the columns of the Jacobian."""
     flat: tuple[Flat, ...]
-    """The same in words."""
+    """Undetermined directions in words."""
     residual: Numbers
     """Standard deviation of the residuals of every output, in its unit."""
     blocks: tuple[int, ...]
@@ -86,7 +86,7 @@ class ChainUncertainty:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """What was assumed and found."""
+        """Return the assumptions and results, one sentence each."""
         count = len(self.chain.theta)
         longest = format_number(max(self.blocks) * self.chain.interval, 3)
         rank = count - self.null.shape[1]
@@ -102,7 +102,7 @@ class ChainUncertainty:
         return (first, kind, *(one.sentence for one in self.flat))
 
     def describe_numbers(self) -> list[PrintedNumber]:
-        """What the free numbers mean, block by block, with standard errors (delta method)."""
+        """Return the physical quantities of the free parameters by block, with standard errors (delta method)."""
         lost = np.isinf(self.errors)
         found: list[PrintedNumber] = []
         first = 0

@@ -54,13 +54,13 @@ class Validation:
     parts: dict[str, Numbers]
     """Truth values of the samples of every part."""
     scores: tuple[Score, ...]
-    """Of every output, whole and part by part; in the units of the record."""
+    """Scores of every output, whole and part by part, in the units of the record."""
     stretches: tuple[ErrorStretch, ...]
     """Errors of every output in stretches of equal length."""
     whiteness: tuple[Whiteness, ...]
-    """Of the longest stretch without gaps of every output."""
+    """Whiteness of the longest stretch without gaps of every output."""
     crossed: tuple[Crossed, ...]
-    """Of every output with every input and its square."""
+    """Correlation of every output with every input and its square."""
     begins: str
     """In which state the run begins, in words."""
 
@@ -95,12 +95,12 @@ class Validation:
 
     @property
     def explained(self) -> bool:
-        """Whether no input is left in the residuals."""
+        """Return whether no input is left in the residuals."""
         return all(one.explained for one in self.crossed)
 
     @property
     def failures(self) -> tuple[str, ...]:
-        """What is wrong, a sentence each; empty if nothing was found."""
+        """Return the failed checks, one sentence each; empty if all pass."""
         found = [one.sentence for one in self.crossed if not one.explained]
         for name in self.record.output_names:
             found += self._offset(name)

@@ -31,7 +31,7 @@ from martensite.search.levenberg_marquardt import minimise_cost
 from martensite.signals.sampling.sampled import Sampled
 
 DEGREE = 5
-"""Of the polynomial that scores a partition."""
+"""Degree of the polynomial that scores a partition."""
 MOST = 400
 """Partitions that are scored; of more, an even selection."""
 SCORED = 12_000
@@ -53,7 +53,7 @@ class Shared(NamedTuple):
 
 
 def is_wiener_hammerstein(blocks: Sequence[AbstractBlock]) -> bool:
-    """Whether it is `linear | static | linear` of one signal, linear blocks `oe` or `ss`."""
+    """Return whether it is `linear | static | linear` of one signal, linear blocks `oe` or `ss`."""
     return (
         len(blocks) == 3
         and isinstance(blocks[1], AbstractStatic)

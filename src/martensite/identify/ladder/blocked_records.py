@@ -60,7 +60,7 @@ class BlockedRecord:
 
 
 class BlockErrors(NamedTuple):
-    """How a model does on some blocks of all records."""
+    """Errors of a model on some blocks of all records."""
 
     fit: float
     """NRMSE fit [%], mean over the outputs."""
@@ -80,7 +80,7 @@ class ErrorFall(NamedTuple):
 
     @property
     def certain(self) -> bool:
-        """Whether it is beyond chance and worth having."""
+        """Return whether it is beyond chance and worth having."""
         return self.value > self.uncertainty and self.share > LEAST
 
     @property
@@ -170,7 +170,7 @@ def describe_silence(blocked: Sequence[BlockedRecord], held: bool) -> str:
 
 
 def _keeps_still(signals: Numbers, block: slice, share: float) -> bool:
-    """Whether all signals stay within a share of their range."""
+    """Return whether all signals stay within a share of their range."""
     with np.errstate(all="ignore"):
         whole, part = (np.nanmax(one, axis=0) - np.nanmin(one, axis=0) for one in (signals, signals[block]))
     return bool(np.all(~(part > share * whole)))

@@ -56,9 +56,9 @@ RESERVED = 0.15
 """Share of it for the last fit."""
 ORDERS = (1, 2, 3, 4)
 LEAST_ORDER = 2
-"""Of the linear blocks above the linear rung."""
+"""Smallest order of the linear blocks above the linear rung."""
 PROBE = Options(starts=4, refined=1, iterations=60, start=AUTO, anchor=0.1, ridge=1e-6)
-"""How every structure is tried."""
+"""Options of the trial of every structure."""
 LIKELY = 0.84
 """Probability of one standard error, with which structures of one rung, and orders, must differ."""
 DOUBTFUL = 0.01
@@ -109,7 +109,7 @@ class _Climb:
 
     @contextmanager
     def _keep_stopped(self) -> Iterator[None]:
-        """What ends the climb ends the block only, and is kept in `stopped`."""
+        """Turn exceptions that end the climb into the end of the block, with the reason in `stopped`."""
         try:
             yield
         except KeyboardInterrupt:
@@ -191,7 +191,7 @@ class _Climb:
         return self.blocked[0].record
 
     def exhausts(self) -> bool:
-        """Whether the residuals of the model so far are white and hold nothing of the inputs."""
+        """Return whether the residuals of the model so far are white and hold nothing of the inputs."""
         if self.best is None or self.best.chain is None:
             return False
         chain, fitted = self.best.chain, [one for one in self.blocked if one.fitted]

@@ -1,4 +1,4 @@
-"""What a climb of the ladder found: every structure that was tried, the model, and what that is worth."""
+"""Result of a climb of the ladder: every tried structure, the model, and its predictive value."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ class LadderTrial:
 
 @dataclass(frozen=True, eq=False)
 class LadderRung:
-    """What was tried on a rung, best first, and what became of the best."""
+    """Trials of a rung, best first, and the outcome of the best."""
 
     name: str
     trials: tuple[LadderTrial, ...]
     gain: ErrorFall
-    """Of the best over the model before."""
+    """Improvement of the best trial over the model before."""
     kept: bool
 
 
@@ -60,15 +60,15 @@ class Ladder:
     model: Chain
     """Its structure, fitted to all that is not held out."""
     held: BlockErrors
-    """Of the model."""
+    """Errors of the model on the blocks held out."""
     checks: tuple[Validation, ...]
     """The model on what is held out."""
     tests: tuple[str, ...]
-    """What was tested before, a sentence each."""
+    """Tests before the climb, one sentence each."""
     apart: tuple[str, ...]
     """Records of another regime, a sentence each."""
     apart_scores: tuple[OutputScore, ...]
-    """How these are predicted."""
+    """Scores of the model on these records."""
     doubts: tuple[str, ...]
     """Why records are uninformative, or the result must not be trusted; empty if nothing is wrong."""
     remarks: tuple[str, ...] = ()
@@ -82,12 +82,12 @@ class Ladder:
 
     @property
     def predicts(self) -> bool:
-        """Whether it predicts what is held out: better than the mean, and than a constant of its own there."""
+        """Return whether the model predicts held-out blocks better than the mean, and than a constant fitted there."""
         return self.gain.certain and self.held.fit > 0.0
 
     @property
     def verdict(self) -> str:
-        """What the model is worth, in a sentence."""
+        """Describe the predictive value of the model in a sentence."""
         text = f"`{self.model.text()}`"
         scores = f"fit {self.held.fit:.1f} % on the blocks held out, the mean {self.baseline.held.fit:.1f} %"
         sizes = [f"{format_number(s.rms, 2)} {s.unit}" for one in self.checks for s in one.scores if s.part == WHOLE]
@@ -98,12 +98,12 @@ class Ladder:
 
     @property
     def advice(self) -> tuple[str, ...]:
-        """What to record next, a sentence each."""
+        """Return advice for the next records, one sentence each."""
         return tuple(_advise(self))
 
 
 def _advise(found: Ladder) -> Iterator[str]:
-    """What to record next."""
+    """Yield advice for the next records."""
     records = [one.record for one in found.blocked if one.fitted]
     if found.doubts:
         yield "An input that moves throughout: steps and ramps of several heights, at least two rates, minor loops."

@@ -1,10 +1,10 @@
-"""What records say before a structure is chosen: rest, delay, order, whether they are linear.
+"""Tests of records before a structure is chosen: rest, delay, order, linearity.
 
-The delay is profiled: inputs are shifted and a linear model is fitted for each shift. Delays whose squared error V
-is not beyond V₀ exp(3.84/n) are within its interval of 95 %, n being the number of independent residuals.
-Whether a record is linear is asked of the residuals of its best linear approximation: correlation with the square
-of the input (a bend), errors that differ between rising and falling inputs (a loop); and of the coherence
-|S_yu|²/(S_u S_y), the share of the output that a linear system could give at all.
+The delay is profiled: inputs are shifted and a linear model is fitted for each shift. Delays whose squared error V is
+not beyond V₀ exp(3.84/n) are within its interval of 95 %, n being the number of independent residuals. The linearity of
+a record is tested on the residuals of its best linear approximation: correlation with the square of the input (a bend),
+errors that differ between rising and falling inputs (a loop); and on the coherence |S_yu|²/(S_u S_y), the largest
+fraction of the output that a linear system could explain.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ WORSE = 1.5
 CHI2 = 3.84
 """Quantile of 95 % of χ² with one degree of freedom."""
 STEPS = 12
-"""Of each search."""
+"""Number of steps of each search."""
 UNKNOWN = 0.9
 """Share of the variance that a linear model leaves, from which a delay cannot be told."""
 
@@ -116,7 +116,7 @@ def _measure_shift(records: Sequence[Sampled], shift: int, order: int) -> tuple[
 
 
 def describe_rest(records: Sequence[Sampled]) -> list[str]:
-    """How every record begins, in a sentence each."""
+    """Return the start of every record, in a sentence each."""
     return [
         f"`{record.name}` begins at rest: inputs are held at an end of their range and outputs stay."
         if shows_rest(record)
@@ -126,7 +126,7 @@ def describe_rest(records: Sequence[Sampled]) -> list[str]:
 
 
 def describe_coherence(record: Sampled) -> Iterator[str]:
-    """How much of the output a linear system could give, in a sentence; none where it is too short."""
+    """Yield the fraction of the output that a linear system could explain, in a sentence; empty for short records."""
     share = measure_coherence(record)
     if np.isfinite(share):
         yield (
@@ -151,7 +151,7 @@ def measure_coherence(record: Sampled) -> float:
 
 
 def describe_linearity(linear: Chain, checks: Sequence[Validation]) -> list[str]:
-    """What speaks against a linear system, a sentence each."""
+    """Return the evidence against a linear system, one sentence each."""
     found: list[str] = []
     for one in checks:
         bends = [test for test in one.crossed if "²" in test.signal and not test.explained]
@@ -167,6 +167,6 @@ def describe_linearity(linear: Chain, checks: Sequence[Validation]) -> list[str]
 
 
 def find_memory(record: Sampled, errors: Numbers) -> float:
-    """How long residuals remember [s]: the record over its number of independent residuals."""
+    """Return the memory of residuals [s]: the duration over the number of independent residuals."""
     known = errors[np.isfinite(errors)]
     return record.duration / count_effective_samples(known) if len(known) > 1 else np.nan

@@ -19,11 +19,11 @@ from martensite.search.quantity_text import format_number
 from martensite.signals.sampling.sampled import Sampled
 
 RATIO = 2.0
-"""Of the ranges of an input from which the amplitude is another."""
+"""Ratio of the ranges of an input above which the amplitude differs."""
 SHIFT = 0.5
-"""Of the middle of a signal, over the larger range, from which its level is another."""
+"""Shift of the middle of a signal, over the larger range, above which its level differs."""
 FOREIGN = 2.0
-"""Error of the linear model of another record, over that of its own, from which dynamics differ."""
+"""Ratio of the errors of the linear model of another record and of the same record, above which dynamics differ."""
 POOR = 0.25
 """Such an error at least, over the spread of the output."""
 
@@ -41,7 +41,7 @@ def set_apart(records: Sequence[Sampled]) -> tuple[list[Sampled], dict[int, str]
 
 
 def _explain_range(first: Sampled, record: Sampled) -> str:
-    """What of sample time, amplitude and level differs, in words; empty if nothing does."""
+    """Describe differences in sample time, amplitude and level; empty if they agree."""
     if abs(record.interval / first.interval - 1.0) > 1e-6:
         return f"its sample time is {record.interval:.4g} s, not {first.interval:.4g} s"
     pairs = zip((*first.inputs.T, *first.outputs.T), (*record.inputs.T, *record.outputs.T), strict=True)
@@ -62,7 +62,7 @@ def _write_range(ends: tuple[float, float]) -> str:
 
 
 def _explain_dynamics(first: Sampled, record: Sampled) -> str:
-    """Whether the linear model of one record fails on the other where that has a better one of its own."""
+    """Describe the failure of the linear model of one record on another with a better model; empty if it fits."""
     try:
         ours, its = coarsen_records([first, record], 2000)
         model, own = (best_linear(one, 2, iterations=20) for one in (ours, its))

@@ -34,7 +34,7 @@ def list_rungs(order: int, delay: int, ins: int = 1, outs: int = 1) -> list[tupl
         parts = [_repeat_block(before, ins) if before else "", line, _repeat_block(after, outs) if after else ""]
         return " | ".join(part for part in parts if part)
 
-    last = "" if single else "poly1"  # an `ss` behind a static block has no offset of its own
+    last = "" if single else "poly1"  # an `ss` behind a static block cannot have an offset
     rungs = [
         ("Hammerstein", [join(curve, last) for curve in CURVES]),
         ("Wiener", [join("", curve) for curve in CURVES]),

@@ -18,7 +18,7 @@ class TimeBox:
 
     @property
     def share(self) -> float:
-        """How much of it is used."""
+        """Return the used fraction of the time box."""
         return min((measure_processor_time() - self._begun) / self._seconds, 1.0)
 
     @contextmanager

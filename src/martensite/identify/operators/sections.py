@@ -64,7 +64,7 @@ def second_order(xp: Namespace, log_omega: Scalar, log_zeta: Scalar, dt: Scalar)
 
 
 class SectionOutput(NamedTuple):
-    """What a cascade gives in one sample."""
+    """Output of a cascade in one sample."""
 
     signals: list[Scalar]
     """From the last section back: its output, its scaled change if it is of second order, …"""
