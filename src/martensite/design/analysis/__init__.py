@@ -1,1 +1,1 @@
-"""How fast a plant or a loop is, and at what energy."""
+"""Speed and energy of a plant or a loop."""

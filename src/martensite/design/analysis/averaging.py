@@ -1,14 +1,13 @@
-"""What averaging leaves out: a run under a duty beside the run that makes every pulse.
+"""Error of averaging: a run with a mean duty cycle compared with a run of every pulse.
 
 With the power P_on in the element while the switch is closed, a pulse of the share D of a
 period 1/f lifts the temperature by
 
     ΔT ≈ P_on D (1 - D)/(f C)
 
-above its slow course: the heat of the pulse less what leaves meanwhile, over the heat capacity
-C. That holds for periods short beside the thermal time constant, and without transformation;
-latent heat makes it smaller. The mean temperature differs as well, in proportion to 1/f, since
-the pulse comes first in its period.
+above its slow variation: the heat of the pulse less the losses meanwhile, over the heat capacity C. That holds for
+periods short beside the thermal time constant, and without transformation; latent heat makes it smaller. The mean
+temperature differs as well, in proportion to 1/f, since the pulse comes first in its period.
 """
 
 from __future__ import annotations
@@ -46,7 +45,7 @@ class Averaging:
     frequency: float
     """[Hz]"""
     differences: dict[str, Difference]
-    """Of temperature, position and power."""
+    """Differences of temperature, position and power."""
     ripple: float
     """Largest rise of temperature in a pulse above the straight line through its period [K]."""
     estimate: float
@@ -76,7 +75,7 @@ def compare_averaging(
         step: longest step [s]; by default a tenth of the thermal time constant.
 
     Raises:
-        InputError: the drive is no switch, or an argument is out of range.
+        InputError: the drive is not a switch, or an argument is out of range.
         SolveError: one of the runs failed.
     """
     switched, drive = switch_plant(system, waveform)
@@ -100,7 +99,7 @@ def compare_averaging(
 
 
 def switch_plant(system: System, waveform: AbstractWaveform) -> tuple[System, AbstractDrive]:
-    """The system with a bare switch, and the drive that makes its duty; `InputError` if the source is no switch."""
+    """Return the system with a bare switch, and the drive of its duty cycle; `InputError` for other sources."""
     source = system.source
     if isinstance(source, PwmVoltage):
         return system, waveform

@@ -6,11 +6,10 @@ Under u = u_b + a sin ωt the output settles to a cycle; its first harmonic over
 
 is gain and phase of the describing function (Gelb and Vander Velde 1968, ch. 3). Of a linear system
 it is the frequency response; of a plant with hysteresis it depends on the bias, on the amplitude
-and on how the bias was reached. What is not in the first harmonic is called distortion.
+and on how the bias was reached. The remaining harmonics are called distortion.
 
-The drive decides what is asked: that of the plant for the open loop, `reference` of a bench for
-the closed one. A sampled system is taken at samples: its frequencies are those of which a period
-is a whole number of samples, the nearest to what is wanted.
+The drive selects the response: the drive of the plant gives the open loop, `reference` of a bench the closed loop. A
+sampled system is evaluated at its samples. Its frequencies are rounded so that a period is a whole number of samples.
 """
 
 from __future__ import annotations
@@ -50,9 +49,9 @@ class FrequencyResponse:
     biases: Numbers
     """Mean signals, shape (biases,)."""
     amplitude: float
-    """Of the signal."""
+    """Amplitude of the signal."""
     frequencies: Numbers
-    """Those that were run [Hz], shape (frequencies,)."""
+    """Simulated frequencies [Hz], shape (frequencies,)."""
     response: Any
     """Complex: first harmonic of the output over that of the signal."""
     mean: Numbers
@@ -82,7 +81,7 @@ class FrequencyResponse:
 
 
 class _Cycle(NamedTuple):
-    """What a cycle says, arrays of shape (lanes,)."""
+    """Results of a cycle, arrays of shape (lanes,)."""
 
     harmonic: Any
     mean: Numbers
@@ -206,7 +205,7 @@ def _run_cycle(lanes: DrivenLanes, levels: Numbers, amplitude: float, dt: float)
 
 
 def _find_bandwidth(frequencies: Numbers, gains: Numbers) -> float:
-    """Where gains first fall below 1/√2 of that at the lowest frequency [Hz]."""
+    """Return the frequency [Hz] at which gains first fall below 1/√2 of the gain at the lowest frequency."""
     order = np.argsort(frequencies)
     f, g = np.log(frequencies[order]), np.log(np.maximum(gains[order], 1e-300))
     level = g[0] + math.log(HALF_POWER)

@@ -27,7 +27,7 @@ SAMPLES = 400
 
 @dataclass(frozen=True, eq=False)
 class Speeds:
-    """How fast it goes; arrays of shape (loads, signals)."""
+    """Speeds of up and down steps; arrays of shape (loads, signals)."""
 
     drive: str
     output: str
@@ -40,7 +40,7 @@ class Speeds:
     loads: Numbers
     """Its values, shape (loads,); one NaN without."""
     stroke: Numbers
-    """How far the output went, up to the end of the upper level."""
+    """Travel of the output up to the end of the upper level."""
     rise: Numbers
     """[s]"""
     fall: Numbers
@@ -91,7 +91,7 @@ def compute_speeds(
 
     Raises:
         InputError: a name does not fit, a number is not above 0, or loads have no name.
-        ParameterError: there is no such parameter.
+        ParameterError: the parameter does not exist.
         SolveError: a run failed.
     """
     require_positive("hold", hold, "s")

@@ -1,4 +1,4 @@
-"""Designs judged: goals and slacks of constraints, in batches, and exact derivatives.
+"""Evaluation of designs: goals and slacks of constraints, in batches, and exact derivatives.
 
 A design is a point z in the box of its free numbers (`martensite.search.free_numbers`). Batches
 are marched in C side by side; at one point the run is marched with its derivatives, and by the
@@ -9,14 +9,14 @@ chain rule
 with the values y_s at the ends of steps, from which a measure m is computed. Without a compiler every
 run is made on plain floats, and derivatives are central differences.
 
-Measures are smooth piece by piece: where the hottest sample becomes another, or a coordinate
-meets a stop, derivatives are those of one side. A wire that does not transform at all has
-measures that hardly depend on anything; derivatives are then 0, as they are in truth.
+Measures are piecewise smooth: where the hottest sample changes, or a coordinate meets a stop, derivatives are
+one-sided. The measures of a wire that does not transform hardly depend on the parameters, so derivatives are correctly
+0.
 
-A search sees them on scales of its own (`martensite.search.box_search`). The goal is the mean over
-all cases, divided by its size at the beginning, and its negative where it shall be as large as it
-can. A slack is how far a constraint is from its limit in one case, as a share of the limit (of 50 K
-for a temperature). What never happens, and a run that fails, is far beyond every limit.
+A search uses scaled values (`martensite.search.box_search`). The goal is the mean over all cases, divided by its size
+at the start, and negated for a maximum. A slack is the distance of a constraint from its limit in one case, as a
+fraction of the limit (of 50 K for a temperature). An event that never happens, and a failed run, are far beyond every
+limit.
 """
 
 from __future__ import annotations
@@ -37,12 +37,12 @@ from martensite.simulate.measures.run_table import tabulate_samples
 from martensite.simulate.waveform_levels import Level, WaveformLevels
 
 CLOUD_SPREAD = 0.05
-"""How far points of a cloud around a design are scattered, as a share of ranges."""
+"""Scatter of the points of a cloud around a design, as a fraction of ranges."""
 
 
 @dataclass
 class RunCounts:
-    """What was computed."""
+    """Numbers of simulations."""
 
     simulations: int = 0
     """Runs without derivatives."""
@@ -55,7 +55,7 @@ class RunCounts:
 
 
 class AimSlopes(NamedTuple):
-    """What a design is judged by, and its derivatives."""
+    """Aims of a design and their derivatives."""
 
     values: Numbers
     """(cases, aims)"""
@@ -91,7 +91,7 @@ class DesignEvaluator:
         self.question, self.step, self.counts = question, step, RunCounts()
         self.samples = samples
         self.goal_size = 1.0
-        """What goals are divided by [SI]."""
+        """Divisor of goals [SI]."""
         self.widths = np.ones(len(question.free))
         self.scatter = CLOUD_SPREAD * self.widths
         self.system = self.steering.whole
@@ -111,7 +111,7 @@ class DesignEvaluator:
         return np.stack(columns, axis=-1)
 
     def values(self, z: Numbers) -> Numbers:
-        """What designs are judged by, (designs, free) -> (designs, cases, aims); or NaN."""
+        """Return the aims of designs, (designs, free) -> (designs, cases, aims); NaN for failed runs."""
         return self.evaluate_aims(self.numbers(z), self.aims)
 
     def evaluate_aims(self, numbers: Numbers, aims: Sequence[DesignAim]) -> Numbers:
@@ -145,7 +145,7 @@ class DesignEvaluator:
 
     @property
     def aims(self) -> tuple[DesignAim, ...]:
-        """What designs are judged by: the goal first."""
+        """Return the aims of designs, the goal first."""
         return self.question.aims
 
     def course(self, numbers: Numbers, output: str) -> Numbers:

@@ -151,7 +151,7 @@ def optimise_design(
 def list_exceeded(design: OptimisedDesign, duration: float, samples: int) -> tuple[str, ...]:
     """Return the limits that a design exceeds in any case, by the judgement that `run` and `check` use.
 
-    An excess within the accuracy of the design, as a share of the limit (of 50 K for a temperature), is no excess: an
+    An excess within the accuracy of the design, as a fraction of the limit (of 50 K for a temperature), is ignored: an
     active limit is met to that accuracy only.
     """
     found: list[str] = []
@@ -199,7 +199,7 @@ def _refine_step(
 
 
 def _halve_step(old: DesignEvaluator) -> DesignEvaluator:
-    """The same designs in steps half as long; it goes on counting."""
+    """Return the evaluator with half the step; the counts continue."""
     designs = DesignEvaluator(
         old.steering, old.question, samples=old.samples, step=0.5 * old.grid.longest, also=old.also, native=old.native
     )
@@ -216,7 +216,7 @@ def _compare_steps(designs: DesignEvaluator, finer: DesignEvaluator, z: Numbers)
 
 
 def _build_answer(steering: WaveformLevels, designs: DesignEvaluator, point: BoxPoint, apart: float) -> OptimisedDesign:
-    """The answer, but for what was seen on the way."""
+    """Return the optimised design, without the history of the search."""
     question = designs.question
     numbers = tuple(designs.numbers(point.z).tolist())
     exact = tuple(float(round(v)) if one.whole else v for v, one in zip(numbers, question.free, strict=True))
@@ -243,7 +243,7 @@ def _build_answer(steering: WaveformLevels, designs: DesignEvaluator, point: Box
 
 
 def _report_measures(designs: DesignEvaluator, numbers: Sequence[float]) -> tuple[ReportedMeasure, ...]:
-    """What the question asks for and other measures, of the scenario and of the design."""
+    """Return the measures of the question and further measures, for the scenario and for the design."""
     start = [one.start for one in designs.question.free]
     aims = {aim.words: aim for aim in (*designs.question.aims, *designs.also)}
     before, after = designs.evaluate_aims(np.array([start, numbers]), list(aims.values()))

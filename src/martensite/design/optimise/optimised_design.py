@@ -50,18 +50,18 @@ class ActiveConstraint:
     goal: float
     """Size of the goal [SI]."""
     more: bool = True
-    """Whether it is relaxed upwards."""
+    """True if it is relaxed upwards."""
     cases: tuple[int, ...] = ()
     """In which cases a constraint is active."""
 
     @property
     def gain(self) -> float:
-        """What the small relaxation gains [SI]."""
+        """Return the gain of the small relaxation [SI]."""
         return self.multiplier * self.step
 
     @property
     def share(self) -> float:
-        """The same as a share of the goal."""
+        """Return the gain as a fraction of the goal."""
         return self.gain / self.goal
 
     def to_dict(self) -> dict[str, Any]:
@@ -69,7 +69,7 @@ class ActiveConstraint:
         return asdict(self) | {"gain": self.gain, "share": self.share}
 
     def words(self, goal_unit: str) -> str:
-        """What relaxing it would gain."""
+        """Describe the gain of relaxing the constraint."""
         label = self.name if self.kind == "constraint" else f"{self.name}, {self.kind}"
         if self.gain == 0.0:
             return f"`{label}` is met, but relaxing it gains nothing."
@@ -86,13 +86,13 @@ class OptimalityBalance:
 
     pressing: tuple[ActiveConstraint, ...]
     residue: float
-    """What of the slope of the goal is not balanced, as a share of it."""
+    """Unbalanced part of the derivative of the goal, as a fraction of it."""
 
 
 def find_multipliers(designs: DesignEvaluator, z: NDArray[np.float64]) -> OptimalityBalance | None:
-    """What holds a design; None if it cannot be differentiated.
+    """Return the active constraints of a design with their multipliers; None if it cannot be differentiated.
 
-    Whole numbers are held by being whole and take no part.
+    Whole numbers are left out.
     """
     one, free = designs.differentiate(z), designs.question.free
     if one is None:
@@ -168,7 +168,7 @@ class RoundedDesign:
     """[SI]"""
     kept: bool
     violation: float
-    """What its constraints miss, as shares of their limits."""
+    """Violation of the constraints, as fractions of their limits."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,33 +176,33 @@ class OptimisedDesign:
     """A design: the best that was found, and why it is where it is."""
 
     designs: DesignEvaluator
-    """What judged them, in the steps of the answer."""
+    """Evaluator of the designs, with the step of the answer."""
     steering: WaveformLevels
     """System and waveforms with the numbers that were found."""
     z: tuple[float, ...]
-    """Where they are between their bounds, from 0 to 1."""
+    """Positions between the bounds, from 0 to 1."""
     numbers: tuple[float, ...]
-    """What was found [SI], one per free number."""
+    """Optimal values [SI], one per free parameter."""
     kept: bool
-    """Whether it keeps all constraints."""
+    """True if it keeps all constraints."""
     missed: tuple[str, ...]
     """Constraints that it does not keep."""
     reported: tuple[ReportedMeasure, ...]
     """The goal first, then what is constrained, then other measures."""
     balance: OptimalityBalance | None
-    """What holds it; None if it cannot be differentiated."""
+    """Active constraints with multipliers; None if the design cannot be differentiated."""
     accuracy: float
     """Largest change of what it is judged by on halving the step, as a share of limits and goal."""
     held: tuple[RoundedDesign, ...] = ()
     """The best designs with other whole numbers, that of the answer among them."""
     relaxed: tuple[float, ...] | None = None
-    """What was found if whole numbers could be anything [SI]; None if there are none."""
+    """Optimal values with continuous instead of whole numbers [SI]; None without whole numbers."""
     relaxed_goal: float | None = None
     """[SI]"""
     history: tuple[SearchMark, ...] = ()
-    """How the best design became better; goals in SI."""
+    """History of the best design; goals in SI."""
     life: str = ""
-    """What is claimed of its life."""
+    """Claim about the life of the design."""
     scan: DesignScan | None = None
     """The grid that it was compared with."""
     exceeded: tuple[str, ...] = ()
@@ -211,12 +211,12 @@ class OptimisedDesign:
 
     @property
     def question(self) -> DesignQuestion:
-        """What was asked."""
+        """Return the question of the design."""
         return self.designs.question
 
     @property
     def counts(self) -> RunCounts:
-        """What was computed."""
+        """Return the numbers of simulations."""
         return self.designs.counts
 
     @property
@@ -240,7 +240,7 @@ class OptimisedDesign:
         return _compute_mean(self.reported[0].before)
 
     def named(self) -> dict[str, float]:
-        """What was found by name [SI]."""
+        """Return the optimal values by name [SI]."""
         names = (one.name for one in self.question.free)
         return dict(zip(names, self.numbers, strict=True))
 

@@ -1,4 +1,4 @@
-"""The question of a design: what is free, what shall be least or most, and what must hold.
+"""Question of a design: free parameters, the quantity to minimise or maximise, and constraints.
 
     free        element.diameter=0.05..0.5 mm      mechanism.offset=1.5..8 mm      drive.peak=1..5 W
     goal        energy                             max(temperature)                element.count
@@ -14,10 +14,9 @@ Life of a design: it stays within the limits that its elements declare, with a m
     stroke(strain)   <= (1 - m) strain_limit
     max(hottest)     <= T_a + (1 - m) (temperature_limit - T_a)
 
-m is the margin and T_a the ambient temperature. The limits are those of the material, each with its
-source there: a working stress such as the 172 MPa of the maker of Flexinol, a largest strain, a
-highest temperature. There is no law of fatigue here, since none with a source is at hand: no number
-of cycles follows from a design that keeps these limits.
+m is the margin and T_a the ambient temperature. The limits belong to the material, which names their sources: a working
+stress such as the 172 MPa of the maker of Flexinol, a largest strain, a highest temperature. A fatigue law with a
+source is not available, so a design within these limits does not imply a number of cycles.
 """
 
 from __future__ import annotations
@@ -48,7 +47,7 @@ class DesignAim:
     """SI"""
     measure: AbstractMeasure | None = None
     place: int | None = None
-    """Which of the free numbers it is, if it is no measure."""
+    """Index of the free parameter that is the aim; None for a measure."""
 
 
 @dataclass(frozen=True)
@@ -57,11 +56,11 @@ class Constraint:
 
     aim: DesignAim
     most: bool
-    """Whether the limit is the largest value allowed, else it is the smallest."""
+    """True if the limit is the largest value allowed, else it is the smallest."""
     limit: float
     """SI"""
     note: str = ""
-    """Where it comes from, if it was not asked for by itself."""
+    """Origin of a constraint that was not given explicitly."""
 
     @property
     def words(self) -> str:
@@ -86,12 +85,12 @@ class Constraint:
 
 @dataclass(frozen=True)
 class DesignQuestion:
-    """What a design is to be."""
+    """Free parameters, goal and constraints of a design."""
 
     free: tuple[FreeNumber, ...]
     goal: DesignAim
     most: bool
-    """Whether the goal shall be as large as it can, else as small."""
+    """True if the goal shall be as large as it can, else as small."""
     subject: tuple[Constraint, ...] = ()
     cases: tuple[Mapping[str, float], ...] = ({},)
     """Numbers of the system by path that differ from case to case."""
@@ -158,10 +157,10 @@ def read_aim(words: str, steering: WaveformLevels, freed: Sequence[FreeNumber]) 
 
 
 def read_constraint(text: str, steering: WaveformLevels, freed: Sequence[FreeNumber]) -> Constraint:
-    """A constraint from a text such as `max(stress) <= 200 MPa`.
+    """Read a constraint from a text such as `max(stress) <= 200 MPa`.
 
     Raises:
-        InputError: it is no such text, or the limit has another unit.
+        InputError: the text is malformed, or the limit has another unit.
     """
     match = _CONSTRAINT.match(text.strip())
     if match is None:
@@ -204,7 +203,7 @@ NOTE = "limit of the element"
 def build_life_constraints(
     steering: WaveformLevels, freed: Sequence[FreeNumber], margin: float = 0.0
 ) -> list[Constraint]:
-    """What keeps every element within its limits; nothing where none is declared and no margin asked for.
+    """Return constraints that keep every element within its limits; empty without declared limits and margin.
 
     The margin is the share of every limit that is left, 0 to below 1.
 

@@ -41,18 +41,18 @@ MOST_DESIGNS = 1_000_000
 
 @dataclass(frozen=True)
 class DesignSearch:
-    """How designs are searched."""
+    """Options of the search for designs."""
 
     sample: int = 64
     """Points of the sample, a power of 2."""
     more: int = 3
-    """How often the sample is doubled while none of its points keeps all constraints."""
+    """Number of times that the sample is doubled while none of its points keeps all constraints."""
     descents: int = 3
     """Points from which it is descended, beside the design of the scenario."""
     iterations: int = 50
-    """Of each descent, and half of the runs with derivatives that it may make."""
+    """Iterations of each descent, and half of its maximum number of runs with derivatives."""
     clouds: int = 2
-    """How often the neighbourhood of the best end is tried."""
+    """Number of times that the neighbourhood of the best end is tried."""
     seed: int = 0
 
 
@@ -68,7 +68,7 @@ def start_search(
     best: list[BoxPoint] = []
 
     def keep_better(point: BoxPoint) -> None:
-        """What is best with some whole numbers need not be it."""
+        """Keep a point that is better than the last; the best with some whole numbers need not be the best of all."""
         if keep is not None and not (best and best[-1].is_better_than(point)):
             best.append(point)
             keep(designs.question, designs.numbers(point.z).tolist(), point.kept)
@@ -130,7 +130,7 @@ Tried: TypeAlias = dict[Combination, BoxPoint]
 MOST_COMBINATIONS = 64
 """Combinations that are tried."""
 ROUNDS = 3
-"""How often the relaxed design is searched anew."""
+"""Number of times that the relaxed design is searched again."""
 
 
 def round_design(hunt: BoxSearch, free: Sequence[FreeNumber], relaxed: BoxPoint) -> tuple[BoxPoint, Tried, BoxPoint]:
@@ -215,10 +215,10 @@ class DesignScan:
     numbers: tuple[float, ...]
     """Its free numbers [SI]; of the one that misses least where none keeps all."""
     values: tuple[float, ...]
-    """What it is judged by, mean over the cases [SI]."""
+    """Values of the aims, mean over the cases [SI]."""
 
     def cells(self, z: Numbers) -> tuple[float, ...]:
-        """How far a design is from the best of the grid, in cells of it."""
+        """Return the distance of a design from the best grid point, in cells of the grid."""
         place = self.z[self.judged.order()[0]]
         wide = [1.0 / max(n - 1, 1) for n in self.shape]
         return tuple(float(abs(a - b)) / w for a, b, w in zip(z, place, wide, strict=True))

@@ -31,7 +31,7 @@ def list_targets(steering: WaveformLevels, written: Mapping[str, str] | None = N
 
 
 def name_level(drive: str, name: str) -> str:
-    """What a level of the waveform of a drive is called here."""
+    """Return the name of a level of the waveform of a drive."""
     return f"{drive}.{PEAK}" if name == PEAK else f"{drive}.waveform.{name}"
 
 
@@ -60,11 +60,11 @@ def _suggest_ending(name: str, endings: set[str]) -> str:
 
 
 def read_design_number(text: str, known: Sequence[Target], system: AbstractSystem) -> FreeNumber:
-    """A free number from a text such as `element.diameter=0.05..0.5 mm`.
+    """Read a free parameter from a text such as `element.diameter=0.05..0.5 mm`.
 
     Raises:
-        ParameterError: it is no such text, an unknown name, or bounds that are none.
-        UnitError: a bound is no quantity in the unit of the number.
+        ParameterError: the text is malformed, the name is unknown, or the bounds are not an interval.
+        UnitError: a bound has another unit than the parameter.
     """
     name = parse_free(text)[0]
     found = find_alike(name, known)
@@ -78,7 +78,7 @@ def read_design_number(text: str, known: Sequence[Target], system: AbstractSyste
 
 
 def _is_whole(system: AbstractSystem, free: FreeNumber) -> bool:
-    """Whether the system takes whole numbers only."""
+    """Return whether the system takes whole numbers only."""
     target = free.targets[0]
     if free.unit != "1" or target.level is not None or free.high < free.low + 1.0:
         return False

@@ -48,7 +48,7 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True)
 class Drive:
-    """What the supply gives to all strands during a pulse."""
+    """Output of the supply to all strands during a pulse."""
 
     current: float
     """[A]"""
@@ -57,7 +57,7 @@ class Drive:
     power: float
     """[W]"""
     energy: float
-    """Of one cycle [J]."""
+    """Energy of one cycle [J]."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class Candidate:
     statics: Statics
     wiring: Wiring | None
     cycle: PulseCycle | None
-    """Of one strand; None if it was not worth simulating."""
+    """Cycle of one strand; None if it was not simulated."""
     overheating_current: float
     """Current per strand that in the long run heats it to the temperature limit [A]."""
     temperature_limit: float
@@ -79,7 +79,7 @@ class Candidate:
     warnings: tuple[str, ...] = ()
     life: str = ""
     frail: tuple[str, ...] = ()
-    """What a warmer day or more load would do to it; empty if it withstands both."""
+    """Failures on a warmer day or with more load; empty if the candidate withstands both."""
     recalled: tuple[str, ...] = ()
     """Cells the answer rests on that are recalled, or interpolated, not read in a source."""
 
@@ -90,7 +90,7 @@ class Candidate:
 
     @property
     def drive(self) -> Drive | None:
-        """What the supply gives; None if the candidate was not simulated."""
+        """Return the output of the supply; None if the candidate was not simulated."""
         if self.wiring is None or self.cycle is None:
             return None
         strand, wiring, heating = self.cycle.current, self.wiring, self.cycle.heating
@@ -131,7 +131,7 @@ class Sizing:
     """The best first: those that meet the request, the robust before others and by energy per cycle and length; then
     those that do not."""
     changes: tuple[str, ...] = ()
-    """What would fit, if nothing does: changes of the request, the nearest first."""
+    """Changes of the request that make a candidate fit, the nearest first; empty if one fits already."""
 
     @property
     def best(self) -> Candidate | None:
@@ -255,7 +255,7 @@ def _find_pulse(
 def _list_frailties(
     request: WireRequest, static: Statics, cycle: PulseCycle, limits: Mapping[str, float]
 ) -> Iterator[str]:
-    """What a day that is 10 K warmer, 20 % more load, and turns that warm one another would do to a candidate."""
+    """Yield the failures of a candidate on a 10 K warmer day, with 20 % more load, and with mutually heated turns."""
     strand = static.strand
     trials = {f"on a day {WARMER:g} K warmer": replace(strand, ambient=request.ambient + WARMER)}
     if isinstance(strand, CoilStrand):
@@ -313,7 +313,7 @@ def _relax_request(request: WireRequest, candidate: Candidate) -> dict[str, floa
 
 
 def _describe_change(request: WireRequest, asked: WireRequest, one: Candidate) -> tuple[float, str]:
-    """How far a request is from another [factors of e], and the options that make it so."""
+    """Return the distance of a request from another [factors of e], and the options that change it."""
     forms = {"strands": "--strands {:.0f}", "rate": '--rate "{:.4g} Hz"', "supply": '--supply "{:.4g} V"'}
     apart = {name: getattr(asked, name) / getattr(request, name) for name in forms}
     changed = {name: factor for name, factor in apart.items() if factor != 1.0}

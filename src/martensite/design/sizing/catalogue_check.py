@@ -68,7 +68,7 @@ class CheckRow:
 
 @dataclass(frozen=True)
 class RatioSpread:
-    """How far ratios are apart."""
+    """Spread of ratios."""
 
     least: float
     mean: float

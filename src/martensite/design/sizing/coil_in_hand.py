@@ -1,12 +1,12 @@
-"""A coil spring that is at hand, from what is written on its bag or measured on it.
+"""Existing coil spring, from the data on its bag or from measurements.
 
     N = L_s/d                         turns, from the closed length
     D = √[(l/N)² - d²]/π, l = R/r     mean diameter, from the resistance (a helix of pitch d)
     D = D_o - d                       or from the diameter over all
 
-What is given twice must agree: turns within a tenth or one and a half, the resistance of the wire within a third.
-Measured ohms are then those that count. Drawn to a length by hand its wire has the strain of the element there; where
-that is less than its load would draw it to, it is a stop, from which the stroke starts and to which it returns.
+Redundant data must agree: turns within a tenth or one and a half, the resistance of the wire within a third. The
+measured resistance then takes precedence. A coil drawn to a length by hand has the strain of the element there. If that
+length is below the length under load, it is a stop, where the stroke starts and ends.
 
 Source: the mapping of the element `coil-spring`; resistance per metre from the maker's table, or on its continuation.
 """
@@ -27,11 +27,11 @@ from martensite.physics.materials.wires import WireCatalogue, WireSize
 LISTED = 0.005
 """Relative difference of a diameter from one of the catalogue that is the same wire."""
 SLACK_TURNS, SLACK_SHARE, SLACK_OHMS = 1.5, 0.1, 1.0 / 3.0
-"""How far turns, as a number or a share of them, and ohms may be off what the rest says."""
+"""Tolerances of redundant data: turns, turns as a fraction, and resistance as a fraction."""
 INDICES = (2.0, 50.0)
 """Spring index between which a coil is believed."""
 HALVINGS = 60
-"""Of the force with which a coil pulls, up to the stress that no wire has borne."""
+"""Number of bisections of the force of a coil, up to the largest stress that a wire has withstood."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class CoilInHand(WireInHand):
     )
 
     def check(self) -> None:
-        """Raise `ParameterError` if too little is known of it, or what is known contradicts itself."""
+        """Raise `ParameterError` if the data of the coil are insufficient or contradictory."""
         super().check()
         if not (self.gives("turns") or self.gives("solid")):
             raise ParameterError("Say how many turns the coil has: by `solid`, its closed length, or by `turns`.")
@@ -144,7 +144,7 @@ class CoilInHand(WireInHand):
 
 
 def draw_out(coil: CoilStrand, length: float) -> Drawn:
-    """What a coil is like that is drawn out to a length [m], and heated there."""
+    """Return the state of a coil that is drawn out to a length [m] and heated there."""
     elongation, low, high = length - coil.solid, 0.0, STRONGEST * coil.bearing
     for _ in range(HALVINGS):
         force = 0.5 * (low + high)

@@ -30,7 +30,7 @@ MOST_STEPS = 4000
 RUNNING = 4
 """Cycles after which the peak temperature has settled, nearly."""
 TOLERANCE = 4e-4
-"""Of a current, relative; it is found within twice of it, and on the side that reaches."""
+"""Relative tolerance of a current; the result is within twice of it, on the side that reaches the stroke."""
 WIDENINGS = 12
 WINDOWS = (6.0, 16.0)
 """Time constants after which a cooling wire is looked at again, and given up."""

@@ -1,12 +1,12 @@
-"""What is said about a candidate: why it does not do, what to beware of, how long it lasts, what it has to spare.
+"""Remarks on a candidate: reasons for rejection, warnings, life, and margins.
 
-    stress, strain     of what the request allows; strain of what the wire can give, too
+    stress, strain     relative to the request; strain relative to the capability of the wire, too
     temperature        (T - T_a)/(T_limit - T_a), at the hottest
     cycle              heating and cooling of a period
     voltage, current   of the supply
     strands            of the most that are allowed
 
-A share of such a limit above 1 is one that is not kept.
+A fraction above 1 exceeds its limit.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ COIL_DOUBT = (
 
 
 def describe_life(stress: float, element: str = "wire", asked: float = math.inf) -> str:
-    """What a source says about the life at a stress [Pa], and about the cycles that are asked for."""
+    """Return the published statement on the life at a stress [Pa], and on the requested cycles."""
     if math.isfinite(asked):
         return f"{asked:,.0f} cycles are asked for; the stress is {KNOWN_LIFE}. {UNTOLD_LIFE}"
     if element == "coil":
@@ -114,7 +114,7 @@ def _describe_supply(request: WireRequest, static: Statics, wiring: Wiring) -> s
 def list_warnings(
     request: WireRequest, static: Statics, cycle: PulseCycle | None, overheating: float, limits: Mapping[str, float]
 ) -> Iterator[str]:
-    """What to beware of."""
+    """Yield the warnings about a candidate."""
     yield from _warn_of_cold(request, static)
     if request.limits == "ignore":
         yield from _list_exceeded(static)

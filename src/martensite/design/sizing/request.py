@@ -1,8 +1,7 @@
-"""What is asked of an actuator wire, and how its strands are wired to the supply.
+"""Request for an actuator wire, and the wiring of its strands to the supply.
 
-`force` is what is left for the load at the end of the stroke. With a weight as bias it is that
-weight; with a spring as bias the load is taken to grow from nothing to `force` over the stroke
-and to give back as the wire lengthens, in addition to the return spring.
+`force` is the force on the load at the end of the stroke. A bias weight has this weight. With a bias spring, the load
+grows from 0 to `force` over the stroke, and returns its energy as the wire lengthens, in addition to the return spring.
 """
 
 from __future__ import annotations
@@ -82,7 +81,7 @@ class Wiring:
     """single, series or parallel"""
     count: int
     resistance: float
-    """Of one strand [ohm]."""
+    """Resistance of one strand [ohm]."""
 
     def total_current(self, strand: float) -> float:
         """Current from the supply [A] for a current per strand [A]."""

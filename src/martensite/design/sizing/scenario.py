@@ -117,7 +117,7 @@ def format_environment(strand: Strand) -> str:
 
 
 def _describe_part(part: Parametrised) -> dict[str, Any]:
-    """A part as a file has it: kind, numbers that are not the usual ones, parts of its own."""
+    """Return a part as a table of a file: kind, parameters that differ from their defaults, and nested parts."""
     numbers = {name: d for name, d in part.declarations.items() if d.kind == "parameter"}
     said = {n: f"{getattr(part, n):.9g} {d.unit}" for n, d in numbers.items() if getattr(part, n) != d.default}
     inner = {name: _describe_part(child) for name, child in part.children()}

@@ -99,7 +99,7 @@ class Strand:
         return self.length
 
     def cut_for(self, stroke: float, strain: float) -> Self:
-        """As much of it as makes a stroke [m] at a strain [-]."""
+        """Return the strand cut to the length for a stroke [m] at a strain [-]."""
         return replace(self, length=stroke / strain * (self.length / self.reach))
 
     @property
@@ -132,7 +132,7 @@ class Strand:
         return self.cooling.film(floats, temperature, self.ambient, shape)
 
     def describe_shape(self, cold: float, hot: float) -> dict[str, float] | None:
-        """Of a coil turns, diameters, lengths and rates, at the stresses [Pa] of the cold and of the hot one; SI."""
+        """Return turns, diameters, lengths and rates of a coil at the cold and the hot stress [Pa], in SI."""
         return None
 
     def steady_current(self, temperature: float) -> float:
@@ -184,7 +184,7 @@ class CoilStrand(Strand):
         return self.length / (self.size.diameter.value * math.hypot(math.pi * self.index, 1.0))
 
     def cut_for(self, stroke: float, strain: float) -> Self:
-        """As many whole turns of it as make a stroke [m] at no more than a strain [-]."""
+        """Return the coil with the whole number of turns for a stroke [m] at or below a strain [-]."""
         found = super().cut_for(stroke, strain)
         return replace(found, length=found.length * (math.ceil(found.turns - 1e-9) / found.turns))
 

@@ -25,7 +25,7 @@ COOLINGS: dict[str, AbstractCooling] = {
     "water": ChurchillChu(fluid=Water()),
     "oil": ChurchillChu(fluid=Oil()),
 }
-"""What is around the wire: still air (vertical or horizontal), a stream of air of 2 m/s, still water or oil."""
+"""Cooling of the wire: still air (vertical or horizontal), an air stream of 2 m/s, still water or oil."""
 NOT_GIVEN = math.inf
 """A number that is not given; 0 is a value."""
 SPARE = 1e-6
@@ -102,7 +102,7 @@ class WireInHand(Parametrised):
         return min(strand.size.pull_force, (1.0 - SPARE) * limit)
 
     def mechanism(self, strand: Strand) -> AbstractMechanism:
-        """What it pulls."""
+        """Return the mechanism that the wire pulls."""
         if not (self.gives("spring") or self.gives("preload")):
             return DeadWeight(mass=(self.load if self.gives("load") else self.choose_load(strand)) / GRAVITY)
         usual = strand.size.deformation_force * strand.bearing / strand.size.section

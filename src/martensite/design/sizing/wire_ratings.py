@@ -33,9 +33,9 @@ from martensite.physics.materials.wires import GRAVITY, WireCatalogue, WireSize,
 from martensite.simulate.judgement import describe_excess, judge_run
 
 ABOVE = 10.0
-"""How far above A_f a wire is held [K]."""
+"""Excess over A_f at which a wire is held [K]."""
 HALVINGS = 60
-"""Of the stroke, in the search for that against a spring."""
+"""Number of bisections of the stroke against a spring."""
 TOUCHABLE = 60.0
 """Highest voltage [V] of direct current that bare parts may have: the limit ES1 of IEC 62368-1."""
 LONGEST = 60.0
@@ -46,7 +46,7 @@ VACUUM = 4e-7 * math.pi
 
 @dataclass(frozen=True)
 class WireRatings:
-    """What a piece of wire needs and does; SI."""
+    """Requirements and performance of a piece of wire; SI."""
 
     wire: WireInHand
     size: WireSize
@@ -57,7 +57,7 @@ class WireRatings:
     hot_force: float
     hot_stress: float
     full_current: float
-    """Of the supply without anything in series [A]."""
+    """Current of the supply without a series resistance [A]."""
     cycle: PulseCycle | None
     """A pulse that contracts it in the time asked for, and the cooling after it; None if none does."""
     supply_time: float | None
@@ -71,11 +71,11 @@ class WireRatings:
     stress_limit: float
     strain_limit: float
     returns: bool
-    """Whether the ambient is below M_f under the cold load."""
+    """True if the ambient is below M_f under the cold load."""
     drawn: Drawn | None = None
     """A coil at the length to which it is drawn out."""
     contradiction: str = ""
-    """How the measured resistance contradicts the maker's table; empty if it does not."""
+    """Contradiction between the measured resistance and the maker's table; empty if they agree."""
 
     @property
     def faults(self) -> tuple[str, ...]:
@@ -115,7 +115,7 @@ class WireRatings:
 
     @property
     def cautions(self) -> tuple[str, ...]:
-        """What is dangerous about it; empty if nothing is known."""
+        """Return the dangers of the wire; empty if none are known."""
         if self.wire.supply <= TOUCHABLE:
             return ()
         needed = "" if self.cycle is None else f", here of at least {self.cycle.current * self.strand.resistance:.3g} V"
@@ -131,7 +131,7 @@ class WireRatings:
 
     @property
     def drivable(self) -> bool:
-        """Whether the supply drives the current of the pulse."""
+        """Return whether the supply drives the current of the pulse."""
         return self.cycle is not None and self.cycle.current <= self.supply_current
 
     def series_resistor(self, current: float) -> tuple[float, float]:
@@ -150,7 +150,7 @@ class WireRatings:
 
     @property
     def inductance(self) -> float:
-        """Of the straight wire, or of the closed coil [H]."""
+        """Return the inductance of the straight wire, or of the closed coil [H]."""
         if isinstance(self.strand, CoilStrand):
             across = self.strand.coil_diameter
             return VACUUM * self.strand.turns**2 * 0.25 * math.pi * across**2 / (self.strand.solid + 0.45 * across)
@@ -163,7 +163,7 @@ class WireRatings:
 
     @property
     def count(self) -> int | None:
-        """How many such wires the supply drives side by side; None if it has no limit."""
+        """Return the number of wires that the supply drives in parallel; None without a current limit."""
         if self.cycle is None or math.isinf(self.wire.current_limit):
             return None
         return int(self.wire.current_limit / self.cycle.current * (1.0 + 1e-9))
@@ -194,7 +194,7 @@ class WireRatings:
 
 
 def rate_wire(wire: WireInHand, catalogue: WireCatalogue | None = None) -> WireRatings:
-    """What a piece of wire, or a coil, needs and does.
+    """Return requirements and performance of a piece of wire, or of a coil.
 
     Args:
         wire: the wire or coil, its supply and its load.
@@ -253,7 +253,7 @@ def _round_up(value: float) -> float:
 
 
 def _find_held(strand: Strand, drawn: Drawn | None, cold: float) -> float:
-    """How much less than its load draws it out to a coil is held at [m]."""
+    """Return the difference between the length under load and the held length of a coil [m]."""
     if drawn is None or not isinstance(strand, CoilStrand):
         return 0.0
     return max(0.0, strand.solid + strand.elongation(1.0, cold) - drawn.length)

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class Progress:
-    """How far a sweep is."""
+    """Progress of a sweep."""
 
     runs: int
     """Runs in all chunks that shall be made, those done before included."""
@@ -98,10 +98,10 @@ def run_chunks(
 
 
 def parse_share(chunks: int, part: str | None) -> range:
-    """The chunks of part i of N of a sweep, written `i/N` with i from 1 on; all without.
+    """Return the chunks of part i of N of a sweep, written `i/N` with i from 1 on; by default all chunks.
 
     Raises:
-        ParameterError: it is no such part.
+        ParameterError: the text is malformed, or i is out of range.
     """
     if part is None:
         return range(chunks)
@@ -120,7 +120,7 @@ FEW = 2
 
 @dataclass(frozen=True)
 class SweepExecution:
-    """How a sweep is run, which does not change what comes out."""
+    """Execution of a sweep, without influence on its results."""
 
     backend: str | None = None
     """Who runs the chunks; None for several processes, or this one alone for a few chunks."""
@@ -129,7 +129,7 @@ class SweepExecution:
     part: str | None = None
     """Part of the chunks, `i/N`."""
     modules: tuple[str, ...] = ()
-    """What registers parts of the user's own."""
+    """Modules that register parts of the user."""
     force: bool = False
     """Replace what is there."""
 
@@ -167,7 +167,7 @@ class PlannedSweep:
     """Chunks that are asked for."""
     backend: AbstractBackend
     remarks: tuple[str, ...] = ()
-    """What was found when the store was opened."""
+    """Remarks of opening the store."""
 
     def run(self, tell: Tell | None = None) -> Progress:
         """Make the chunks that are missing; `tell` is called after each.
@@ -214,7 +214,7 @@ def begin_sweep(scenario: Scenario, wanted: SweepRequest, path: Path, how: Sweep
 
 
 def count_missing(scenario: Scenario, wanted: SweepRequest, path: Path) -> int:
-    """How many chunks of a sweep `begin_sweep` would find missing; nothing is written.
+    """Return the number of chunks of a sweep that `begin_sweep` would compute; the store is only read.
 
     Raises:
         InputError: an axis, an option or the store is wrong.
@@ -257,7 +257,7 @@ def run_sweep(
         traces: outputs that are kept over time, each with a number of samples.
         seed: of the sample.
         step: longest of equal steps [s]; by default runs are made to the tolerance of the scenario,
-            each with an error control of its own, and the store says what accuracy each has.
+            each with separate error control, and the store says what accuracy each has.
         runtime: c, cuda or floats; by default c, if there is a compiler.
         precision: float64, or float32 on CUDA.
         chunk: runs that are made and written together; a GPU is only busy with many thousands.

@@ -40,7 +40,7 @@ class SweepAxis:
     numbers: tuple[float, ...]
     """Both ends, all levels, or mean and standard deviation."""
     count: int | None = None
-    """How many levels a range has on a grid."""
+    """Number of levels of a range on a grid."""
     log: bool = False
 
     def levels(self) -> Numbers:

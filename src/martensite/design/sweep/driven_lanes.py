@@ -1,8 +1,8 @@
-"""Outputs of a system under signals of its own in every lane: what analyses of speed are made of.
+"""Outputs of a system under a separate signal in every lane, the basis of analyses of speed.
 
-A system in discrete time goes from sample to sample, and its outputs at a sample are those under
-the signal of that sample. A plant in continuous time goes in equal steps under signals held at
-mid-step; its outputs are those at the end of a step, under the signal of that step.
+A system in discrete time advances from sample to sample; outputs belong to the signal of the same sample. A plant in
+continuous time advances in equal steps with signals held at mid-step; outputs are at the end of a step, under the
+signal of that step.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class DrivenLanes:
         return self.system.sample_time()
 
     def step(self, longest: float) -> float:
-        """Length of a step [s] that is no longer than wanted, and resolves the plant."""
+        """Return the length of a step [s] that resolves the plant and is at most `longest`."""
         return self.interval or min(longest, longest_step(self.system))
 
     def reset(self, levels: Any) -> Numbers:

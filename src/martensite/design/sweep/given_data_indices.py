@@ -48,7 +48,7 @@ class SensitivityIndex:
 
     @classmethod
     def unknown(cls, width: int) -> SensitivityIndex:
-        """Where nothing varies."""
+        """Return undefined indices, for a measure that does not vary."""
         return cls(np.full(width, np.nan), np.full(width, np.nan))
 
     def words(self, place: int) -> str:
@@ -59,7 +59,7 @@ class SensitivityIndex:
 
 
 def is_spread(values: Numbers) -> bool:
-    """Whether numbers differ by more than rounding."""
+    """Return whether numbers differ by more than rounding."""
     return bool(np.ptp(values) > SAME_SPREAD * np.max(np.abs(values), initial=0.0))
 
 

@@ -36,7 +36,7 @@ WIDE_INTERVAL = 0.1
 
 @dataclass(frozen=True, eq=False)
 class SensitivityIndices:
-    """What one measure of a sweep depends on."""
+    """Sensitivity indices of one measure of a sweep."""
 
     measure: str
     unit: str
@@ -61,14 +61,14 @@ class SensitivityIndices:
 
 
 def compute_sensitivity(found: SweepTable, measures: Sequence[str] | None = None) -> list[SensitivityIndices]:
-    """What the measures of a sweep depend on.
+    """Return the sensitivity indices of the measures of a sweep.
 
     Args:
         found: the runs.
         measures: some of them, by their words; by default all.
 
     Raises:
-        UnknownNameError: there is no such measure.
+        UnknownNameError: the measure does not exist.
         DataError: too few runs are there.
     """
     return [_analyse_measure(found, one) for one in found.chosen(None if measures is None else list(measures))]

@@ -26,12 +26,12 @@ from martensite.scenario.targets import list_targets
 from martensite.simulate.measures.base import parse_measure
 
 MEASURES = ("stroke", "max(temperature)", "max(stress)", "energy")
-"""What is kept of every run, unless chosen."""
+"""Measures stored for every run by default."""
 
 
 @dataclass(frozen=True)
 class SweepRequest:
-    """What is asked of a sweep, in words."""
+    """Request for a sweep, in words."""
 
     over: tuple[str, ...]
     """Axes, such as `diameter=0.1..0.5 mm:9`."""
@@ -53,7 +53,7 @@ class SweepRequest:
 
     @classmethod
     def of_spec(cls, spec: Mapping[str, Any]) -> SweepRequest:
-        """What the spec of a store, from JSON, says of it, among other things."""
+        """Return the request in the spec of a store, which is JSON with further entries."""
         known = {name: spec[name] for name in cls.__dataclass_fields__}
         lists = {"over": tuple(known["over"]), "measures": tuple(known["measures"])}
         traces = tuple((str(name), int(count)) for name, count in known["traces"])
@@ -82,10 +82,10 @@ def build_plan(scenario: Scenario, wanted: SweepRequest) -> SweepPlan:
 
 
 def prepare_plan(scenario: Scenario, wanted: SweepRequest) -> tuple[SweepPlan, SweepRequest]:
-    """The plan with its runtime chosen, and what was asked for with its step and its runtime in it.
+    """Return the plan with its runtime, and the request completed with step and runtime.
 
     Raises:
-        InputError: something that was asked for is wrong; measures are tried on an empty run.
+        InputError: the request is invalid; measures are tried on an empty run.
     """
     plan = build_plan(scenario, wanted)
     plan.try_measures()
@@ -126,7 +126,7 @@ class SweepJob:
 
     path: Path
     spec: str = field(repr=False)
-    """What was asked for, as JSON."""
+    """Request as JSON."""
 
     @property
     def plan(self) -> SweepPlan:
@@ -149,7 +149,7 @@ class SweepJob:
         return self.plan.compute(rows)
 
     def lost(self, rows: range) -> SweepPiece:
-        """What stands for runs that cannot be made."""
+        """Return the placeholder for runs that cannot be made."""
         return self.plan.lost(rows)
 
     def store(self, chunk: int, piece: SweepPiece, remarks: tuple[str, ...] = ()) -> Report:

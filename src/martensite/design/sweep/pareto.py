@@ -29,7 +29,7 @@ class ParetoFront:
 
     goals: tuple[SweepColumn, ...]
     most: tuple[bool, ...]
-    """Whether a goal shall be large."""
+    """True if a goal shall be large."""
     runs: Places
     """Their numbers in the sweep, in the order of the first goal, the best first."""
     compared: int
@@ -41,7 +41,7 @@ class ParetoFront:
 
 
 def find_pareto_front(found: SweepTable, minimise: Sequence[str] = (), maximise: Sequence[str] = ()) -> ParetoFront:
-    """The runs of a sweep that no other beats.
+    """Return the non-dominated runs of a sweep.
 
     Args:
         found: the runs.
@@ -49,7 +49,7 @@ def find_pareto_front(found: SweepTable, minimise: Sequence[str] = (), maximise:
         maximise: those that shall be large.
 
     Raises:
-        UnknownNameError: there is no such measure or number.
+        UnknownNameError: the measure or parameter does not exist.
         ParameterError: no goal is given, or one twice.
         DataError: no run has all goals.
     """

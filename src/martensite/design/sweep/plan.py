@@ -1,7 +1,7 @@
-"""The plan of a sweep: what is run, in which chunks, and what is kept of every run.
+"""Plan of a sweep: runs, chunks, and stored results of every run.
 
-A chunk is a stretch of runs. It depends on the plan and its number only, and so can be made
-anywhere, in any order, and again.
+A chunk is a range of runs. It depends only on the plan and its number, so it can be computed anywhere, in any order,
+and repeatedly.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ DETAILS = {
     ENDED: ("s", "time at which a run ended"),
     ACCURACY: ("1", "how far what is judged may be off, as a share of its range"),
 }
-"""What is said of every run beside its status: unit and meaning."""
+"""Details of every run besides its status: unit and meaning."""
 CHUNK = 512
 """Runs in a chunk, unless chosen: about a second of work, and one file per column."""
 
@@ -44,7 +44,7 @@ class SweepTrace:
 
 @dataclass(frozen=True, eq=False)
 class SweepPiece:
-    """What is kept of some runs."""
+    """Stored results of some runs."""
 
     values: Numbers
     """Varied numbers, (runs, axes), in SI."""
@@ -159,7 +159,7 @@ class SweepPlan:
         return self.design.values(self.axes, rows.start, len(rows))
 
     def by_owner(self, columns: Sequence[Kind]) -> tuple[dict[str, Kind], dict[str, dict[str, Kind]]]:
-        """What belongs to each axis, by path in the system, and by drive and path in waveforms."""
+        """Split values by axis: by path in the system, and by drive and path in waveforms."""
         system: dict[str, Kind] = {}
         signals: dict[str, dict[str, Kind]] = {}
         for one, column in zip(self.axes, columns, strict=True):
@@ -169,7 +169,7 @@ class SweepPlan:
         return system, signals
 
     def lost(self, rows: range) -> SweepPiece:
-        """What is kept of runs that cannot be made."""
+        """Return the stored results of runs that cannot be made."""
         lost = Ensemble.empty(self.outputs, len(rows), len(self.times), Status.LOST, len(self.measures))
         return self._kept(self.values(rows), lost)
 

@@ -118,7 +118,7 @@ def count_statuses(store: Store, named: int) -> tuple[Counter[int], dict[int, li
 
 
 def count_above(store: Store, column: str, bound: float) -> int:
-    """How many numbers of a column are above a bound."""
+    """Return the number of values of a column above a bound."""
     stretches = store.stretches()
     return sum(int(np.sum(store.group[column][place][there] > bound)) for place, there in stretches)
 
@@ -141,7 +141,7 @@ def _read_finite(store: Store, column: str, place: slice, there: NDArray[np.bool
 
 
 PRIVATE = ("folder", "modules", "chunk", "traces")
-"""What was asked for that means nothing elsewhere, or that the variables say."""
+"""Entries of the request without meaning elsewhere, or contained in the variables."""
 
 
 def open_sweep(path: Path | str, grid: bool = True) -> xarray.Dataset:
@@ -153,7 +153,7 @@ def open_sweep(path: Path | str, grid: bool = True) -> xarray.Dataset:
             dimension `run`.
 
     Raises:
-        DataError: there is no sweep, or it is damaged.
+        DataError: the sweep does not exist or is damaged.
         InputError: Zarr or xarray is not installed.
     """
     import xarray
@@ -212,7 +212,7 @@ def _fold_runs(one: Any, names: tuple[str, ...], shape: tuple[int, ...]) -> Any:
 
 
 def _describe_request(store: Store) -> dict[str, Any]:
-    """What was asked for, as attributes that netCDF can hold."""
+    """Return the request as attributes for netCDF."""
     known = {n: v for n, v in store.spec.items() if n not in PRIVATE and v is not None}
     plain = (str, int, float, list)
     return {n: v if isinstance(v, plain) else json.dumps(v) for n, v in known.items()}

@@ -41,13 +41,13 @@ from martensite.design.sweep.slurm_options import SlurmOptions
 from martensite.design.sweep.store import Store, list_differences
 
 PYTHON = shlex.join(python_command())
-"""How a task starts Python, in words of a shell."""
+"""Command of Python in a task, for a shell."""
 FRUITLESS = 5
 """Starts without a chunk more after which a task gives up."""
 RESTARTS = 1000
 """Restarts after which a task is not requeued any more."""
 PATIENCE = 600.0
-"""How long a task that was told to end waits for its end [s]; grace times of partitions are minutes."""
+"""Time that a task waits for its end after it was told to end [s]; grace times of partitions are minutes."""
 REQUEUE = (
     "code=$?",
     'own="${SLURM_ARRAY_TASK_ID:+${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID}"',
@@ -58,7 +58,7 @@ REQUEUE = (
     "fi",
     'exit "$code"',
 )
-"""What the script does when its task has ended: 128 and a number of a signal say that this signal did it."""
+"""Script lines after the end of a task; a code of 128 plus a number is the signal that ended it."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class SlurmTask:
 
     job: SweepJob
     chunks: tuple[int, ...]
-    """Those that were missing when it was submitted."""
+    """Chunks that were missing at submission."""
     workers: int
     """Processes; 0 for this one alone."""
 
@@ -90,7 +90,7 @@ class SlurmTask:
         return said
 
     def checkpoint(self) -> Any:
-        """What goes on where this ends: the same, for all that is made is in the store."""
+        """Return the same task for resubmission; finished chunks are in the store."""
         return import_extra("submitit", "slurm").helpers.DelayedSubmission(self)
 
 
@@ -108,10 +108,10 @@ def _await_end(number: int, frame: FrameType | None) -> None:
 
 
 def _count_starts(there: int) -> None:
-    """Note a start of this task, which is with so many chunks, in a file of its own.
+    """Record a start of this task, with the number of finished chunks, in a separate file.
 
     Raises:
-        StoppedError: so many were in vain.
+        StoppedError: too many starts finished no chunk.
     """
     paths = import_extra("submitit", "slurm").JobEnvironment().paths
     file = paths.folder / f"{paths.job_id}_starts.json"

@@ -1,4 +1,4 @@
-"""What is asked of SLURM, in words: `partition=short, time=2 h, cpus=8, tasks=16, memory=4 GB`.
+"""Request to SLURM, in words: `partition=short, time=2 h, cpus=8, tasks=16, memory=4 GB`.
 
     tasks      of the array [16], never more than there are chunks to make
     parallel   how many of them may run at a time [all]
@@ -6,7 +6,7 @@
     time       until SLURM ends a task, which is then started again [1 h]; also in SLURM's form, `1-12:00:00`
     memory     of a task, in MB, GB or TB of 1024 each [what the cluster gives]
 
-and those of `FREE`, as `sbatch` knows them.
+and the options of `FREE`, as in `sbatch`.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ FREE = (
 """Options whose words are given to `sbatch` as they are."""
 COUNTS = ("tasks", "parallel", "cpus")
 NOTICE = 90
-"""How long before its end a task hears of it, at most [s]."""
+"""Longest notice before the end of a task [s]."""
 CLOCK = r"(?:(\d+)-)?(\d+):(\d\d)(?::(\d\d))?"
 """Times as SLURM writes them."""
 POWERS = {"M": 0, "G": 1, "T": 2}
@@ -46,7 +46,7 @@ MOST_TASKS = 10_000
 
 @dataclass(frozen=True)
 class SlurmOptions:
-    """What a job array asks of SLURM."""
+    """Options of a job array for SLURM."""
 
     tasks: int = 16
     parallel: int | None = None
@@ -54,11 +54,11 @@ class SlurmOptions:
     time: float = 3600.0
     """Until a task is ended [s]."""
     memory: int | None = None
-    """Of a task [MiB]."""
+    """Memory of a task [MiB]."""
     free: dict[str, str] = field(default_factory=dict[str, str])
 
     def count_tasks(self, missing: int) -> int:
-        """How many tasks so many chunks are worth."""
+        """Return the number of tasks for a number of chunks."""
         return max(min(self.tasks, missing), 1)
 
     @property
@@ -67,7 +67,7 @@ class SlurmOptions:
         return math.ceil(self.time / 60.0)
 
     def to_submitit(self) -> dict[str, Any]:
-        """As parameters of an executor of submitit."""
+        """Return the parameters of an executor of submitit."""
         more: dict[str, Any] = {"requeue": True, **self.free}
         if self.memory is not None:
             more["mem"] = f"{self.memory}M"
@@ -81,14 +81,14 @@ class SlurmOptions:
 
 
 def parse_slurm_options(words: str) -> SlurmOptions:
-    """What words such as `partition=short, time=2 h` ask for.
+    """Read options from a text such as `partition=short, time=2 h`.
 
     Raises:
-        InputError: an option is unknown, or its value is none.
+        InputError: an option is unknown, or its value is invalid.
     """
     found: dict[str, Any] = {}
     free: dict[str, str] = {}
-    for one in re.split(r",(?=\s*[\w-]+\s*=)", words) if words.strip() else ():  # `nodelist=a[1,2]` has one of its own
+    for one in re.split(r",(?=\s*[\w-]+\s*=)", words) if words.strip() else ():  # values have commas: `nodelist=a[1,2]`
         name, equals, value = (part.strip() for part in one.partition("="))
         if not (equals and value):
             raise ParameterError(f"`{one.strip()}` is no option of SLURM; write `time=2 h, cpus=4`.")

@@ -1,4 +1,4 @@
-"""The store of a sweep: a Zarr group (format 3) that xarray opens, with everything inside.
+"""Store of a sweep: a self-contained Zarr group (format 3) that xarray opens.
 
     run                       one entry per run
     PATH of a varied number   its value in SI, (run,)
@@ -9,10 +9,9 @@
     accuracy                  how far it may be off, a share of ranges, (run,); NaN on equal steps
     made                      checksum of the files of a chunk (CRC-32), (chunk,); 0 where it is not there
 
-All arrays are cut at the same runs: a chunk of the sweep is a region of its own, which exactly one writer writes. It
-counts as made when all of it is written, as long as its files are what the checksum says. What was asked for, the
-scenario included, is in the attributes, and so is what every array is; with it a sweep that was stopped or damaged
-goes on.
+All arrays are cut at the same runs: a chunk of the sweep is a separate region, which exactly one writer writes. A chunk
+is complete when all of it is written and its files match the checksum. The attributes contain the request, with the
+scenario, and the metadata of every array. With them a stopped or damaged sweep continues.
 """
 
 from __future__ import annotations
@@ -39,16 +38,16 @@ from martensite.design.sweep.plan import DETAILS, SweepPiece, SweepPlan
 RUN, CHUNK, MADE, STATUS = "run", "chunk", "made", "status"
 TIME = "time of {}"
 SPEC, LAYOUT, CHECK = "martensite.design.sweep", "martensite_arrays", "martensite_check"
-"""Attributes: what was asked for, the metadata of all arrays, and the checksum of both."""
+"""Attributes: the request, the metadata of all arrays, and the checksum of both."""
 METADATA = "zarr.json"
 FLAG = np.dtype("<u4")
 """A checksum, as it stands in its file."""
 AGAIN = "Give the same `martensite sweep` command again: it makes anew what is damaged."
 NUMBER = "f8"
 FULL = (errno.ENOSPC, errno.EDQUOT)
-"""Numbers of the errors that say that there is no room left."""
+"""Error numbers of a full disk or quota."""
 MAY_DIFFER = ("folder", "modules", "title")
-"""What may differ: where the scenario lies, and what it is called."""
+"""Attributes that may differ: folder and title of the scenario, and modules."""
 LONGEST = 60
 """Characters of a value that is shown."""
 WORDS = {
@@ -78,7 +77,7 @@ def create_store(path: Path, plan: SweepPlan, spec: Mapping[str, Any]) -> Store:
                 _create_group(part, plan, spec)
                 part.rename(path)
         except OSError as error:
-            if not path.exists():  # nobody else was faster
+            if not path.exists():  # not made meanwhile by another process
                 kind = StoppedError if error.errno in FULL else DataError
                 raise kind(f"`{path}` could not be made: {_describe_reason(error)}.") from None
         finally:
@@ -165,10 +164,10 @@ class Store:
 
     @cached_property
     def _root(self) -> Any:
-        """The Zarr group, of which nothing is known yet but that it is a sweep.
+        """Open the Zarr group, after a check only that it is a sweep.
 
         Raises:
-            DataError: it is none.
+            DataError: it is not a sweep.
         """
         if self.path.is_file():
             raise DataError(f"`{self.path}` is a file, and a sweep is a folder (`martensite sweep` writes one).")
@@ -185,7 +184,7 @@ class Store:
 
     @cached_property
     def _request(self) -> tuple[str, str]:
-        """What was asked for and what arrays are, as JSON, if both are sound."""
+        """Return the request and the metadata of arrays, as JSON, if both are sound."""
         known = self._root.attrs.asdict()
         if LAYOUT not in known:
             raise DataError(f"`{self.path}` was made without checksums, by an earlier version; replace it by --force.")
@@ -207,7 +206,7 @@ class Store:
 
     @property
     def spec(self) -> dict[str, Any]:
-        """What was asked for."""
+        """Return the request."""
         return json.loads(self._request[0])
 
     @cached_property

@@ -1,4 +1,4 @@
-"""What of a scenario can be varied, and what all of its variants have in common."""
+"""Variable parameters of a scenario, and the common setup of its variants."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def build_course(
     scenario: Scenario, step: float | None = None, runtime: str | None = None, precision: str = "float64"
 ) -> VariantSetup:
-    """What all variants of a scenario have in common.
+    """Return the common setup of all variants of a scenario.
 
     Args:
         scenario: the nominal one.
@@ -28,7 +28,7 @@ def build_course(
         precision: float64, or float32 on CUDA.
 
     Raises:
-        InputError: runs in float32 have no step, or there is no CUDA device.
+        InputError: runs in float32 have no step, or a CUDA device is missing.
     """
     system, samples = scenario.require_home("Every run of a sweep").whole, scenario.samples
     interval = system.sample_time()

@@ -1,4 +1,4 @@
-"""What a sweep found, as columns with one number per run."""
+"""Results of a sweep, as columns with one value per run."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class SweepColumn:
     values: Numbers
     """(runs,), in SI; NaN where a run failed or is not made, infinite for what never happened."""
     log: bool = False
-    """Whether it is spread over a logarithmic scale."""
+    """True if it is spread over a logarithmic scale."""
 
     @property
     def declared(self) -> str:
@@ -70,7 +70,7 @@ class SweepTable:
 
     title: str
     sample: str
-    """How the space was filled, such as by a grid."""
+    """Method that filled the space, such as a grid."""
     varied: Mapping[str, SweepColumn]
     """By path, in the order in which they were asked for."""
     measures: Mapping[str, SweepColumn]

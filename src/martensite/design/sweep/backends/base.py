@@ -1,11 +1,11 @@
-"""Backends: they take a job and the numbers of chunks, and yield a report of each as it is done.
+"""Backends: run the chunks of a job by number, and yield a report of each finished chunk.
 
-A job makes a chunk and puts it where it belongs; a report is small. A backend loses nothing: what a
-worker takes with it when it dies is made again, or reported as lost.
+A job computes a chunk and stores it; a report is small. A backend loses nothing: chunks of a crashed worker are
+computed again, or reported as lost.
 
-A run may raise an error that nobody has thought of, or take its process with it: its chunk is halved until such
-runs are found, which are reported as lost, and the others are kept. So many in a chunk are no matter of some
-numbers, and stop the sweep.
+A run may raise an unexpected error, or crash its process. Its chunk is then halved until the faulty runs are found;
+they are reported as lost, and the other runs are kept. Too many faulty runs in a chunk have a common cause and stop the
+sweep.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Report:
-    """What became of a chunk."""
+    """Outcome of a chunk."""
 
     chunk: int
     status: dict[int, int]
@@ -61,7 +61,7 @@ NAMED = 5
 def keep_runs(
     job: SweepJob, chunk: int, attempt: Callable[[range], SweepPiece], begin: str = ""
 ) -> tuple[SweepPiece, tuple[str, ...]]:
-    """What can be kept of a chunk, and sentences on what cannot.
+    """Return the results of a chunk, and sentences about lost runs.
 
     Args:
         job: says what stands for a lost run.

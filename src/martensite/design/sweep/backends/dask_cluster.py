@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from martensite.design.sweep.job import SweepJob
 
 PATIENCE = 10.0
-"""How long a scheduler may take to answer [s]."""
+"""Time limit for the answer of a scheduler [s]."""
 RETRIES = 2
-"""How often a task that raises an error is made again, elsewhere if it can be."""
+"""Number of times that a failed task is repeated, elsewhere if possible."""
 CLIENT_LOGS = ("distributed.client", "distributed.core", "distributed.batched")
 AHEAD = 2
 """Tasks per thread that are under way."""

@@ -1,9 +1,9 @@
 """Chunks on this machine: one after another in this process, or over its cores (Python's process pool).
 
-A process that dies takes its chunks with it. They are made again, each in a process of its own; a chunk that kills
-its process once more is halved until the runs that do it are found. Ctrl-C is heard by this process alone, and ends
-the others: a chunk counts when all of it is written, so those under way are left for later. When this process is
-killed, the others end as well.
+A crashed process loses its chunks. They are computed again, each in a separate process. A chunk that crashes its
+process again is halved until the faulty runs are found. Only this process receives Ctrl-C, and it ends the others. A
+chunk counts when all of it is written, so unfinished chunks are left for later. When this process is killed, the others
+end as well.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Processes(AbstractBackend):
     """A pool of processes."""
 
     workers: int = 0
-    """How many; 0 for one per core."""
+    """Number of processes; 0 for one per core."""
 
     @property
     def count(self) -> int:
@@ -110,7 +110,7 @@ def salvage_chunk(job: SweepJob, chunk: int) -> Report:
 
 
 def _run_alone(job: SweepJob, rows: range) -> SweepPiece:
-    """Make some runs in a process of their own."""
+    """Make some runs in a separate process."""
     with _open_pool(1) as pool:
         try:
             with _ignore_interrupts():
@@ -129,7 +129,7 @@ def _run_alone(job: SweepJob, rows: range) -> SweepPiece:
 
 @contextmanager
 def _open_pool(count: int) -> Iterator[ProcessPoolExecutor]:
-    """A pool whose waiting chunks are dropped at the end, and those under way where nobody waits for them any more."""
+    """Open a pool that drops waiting chunks at its end, and running chunks if their results are no longer needed."""
     before = active_children()
     with safe_children():
         pool = ProcessPoolExecutor(count, get_context(START), initializer=_end_with_parent)

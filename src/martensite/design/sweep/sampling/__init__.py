@@ -1,1 +1,1 @@
-"""How the space of a sweep is filled: on a grid, or by samples."""
+"""Sampling of the space of a sweep: on a grid, or at random."""

@@ -43,7 +43,7 @@ class AbstractDesign(ABC):
 
     registered_name: ClassVar[str] = ""
     count: int | None = None
-    """How many samples are asked for; None on a grid."""
+    """Requested number of samples; None on a grid."""
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -72,7 +72,7 @@ class AbstractSample(AbstractDesign):
             )
 
     def size(self, axes: Sequence[SweepAxis]) -> int:
-        """As many as are asked for."""
+        """Return the requested number of samples."""
         return self.count or 0
 
     @abstractmethod
