@@ -33,14 +33,14 @@ def read_problem(
     step: float | None = None,
     overrides: Mapping[str, Any] | None = None,
 ) -> Problem:
-    """What is to be fitted to what, from files.
+    """Return the fit problem of scenarios and logs, from files.
 
     Args:
         scenario: one for all logs, or one for each: files, or scenarios.
         logs: files with headings, `data:<data set>/<file>`, or records; missing samples are NaN.
         free: parameters common to all logs: `A_s`, `A_s=40..90 degC`, `A_s=40..90 degC@60 degC`.
         each: what every log has for itself: such parameters, `offset`, `offset.OUTPUT`, `delay`.
-        hold_out: what is kept back from the fit: auto (if left out), none, names of records, or
+        hold_out: held-out data: auto (default), none, names of records, or
             `25 %`.
         columns: outputs that are compared, `OUTPUT`, `OUTPUT=COLUMN` or `OUTPUT=COLUMN*FACTOR`;
             all that logs and system share if left out, but for what drives.

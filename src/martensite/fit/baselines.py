@@ -33,7 +33,7 @@ DRIVE = "drive"
 CYCLES = 2.0
 """Periods from which on a record is periodic."""
 TURNED = 0.1
-"""How far the period is looked for about its mean, as a share."""
+"""Range about the mean in which the period is searched, as a fraction."""
 LAGS = 16
 """Time constants that are tried."""
 SQUARED = ("V", "A")
@@ -42,12 +42,12 @@ SQUARED = ("V", "A")
 
 @dataclass(frozen=True)
 class BaselineScore:
-    """Error of a prediction without a model in what was kept back of one output of one record."""
+    """Error of a prediction without a model, in the held-out rows of one output of one record."""
 
     record: str
     output: str
     name: str
-    """Of the prediction, as above."""
+    """Name of the prediction, as above."""
     unit: str
     """SI unit of the output."""
     rms: float
@@ -60,9 +60,9 @@ class BaselineScore:
 
 
 def score_baselines(found: Fit | Problem) -> list[BaselineScore]:
-    """Errors of all baselines in what is kept back, by record and output.
+    """Return the errors of all baselines in the held-out rows, by record and output.
 
-    Of a fit whose records were left out in turn, each is predicted from all others.
+    If the records were left out in turn, each is predicted from all others.
     """
     if isinstance(found, Problem):
         return list(_score_all(found.experiments, found.experiments))
@@ -156,7 +156,7 @@ def _find_unit(one: Experiment) -> str:
 
 
 def _show_fitted(one: Experiment, output: str) -> Record:
-    """What drives and an output over time; NaN where the fit does not see it."""
+    """Return the drive and an output over time; NaN where the output is held out."""
     column, seen = one.follows[_find_drive(one)], np.full(len(one.record), np.nan)
     seen[one.rows] = _find_fitted(one, output)
     columns = {"time": one.record.times, DRIVE: one.record[column], output: seen.tolist()}
@@ -164,7 +164,7 @@ def _show_fitted(one: Experiment, output: str) -> Record:
 
 
 def _find_fitted(one: Experiment, output: str) -> Any:
-    """What was measured where the fit sees it; NaN elsewhere, and of a record without the output."""
+    """Return the measured values of the fitted rows; NaN elsewhere, and for a record without the output."""
     if output not in one.outputs:
         return np.full(len(one.times), np.nan)
     return np.where(one.kept_back, np.nan, one.measured[:, one.outputs.index(output)])
@@ -191,7 +191,7 @@ class DriveLag:
 
 
 def filter_drive(record: Record, drive: str, time_constant: float) -> Any:
-    """What heats, (rows,), behind a lag [s]; it begins at rest."""
+    """Return the heating column, (rows,), behind a lag [s] that begins at rest."""
     times, u = np.asarray(record.times), np.asarray(record[drive], float)
     heat = np.where(np.isfinite(u), u, 0.0) ** (2.0 if record.units[drive] in SQUARED else 1.0)
     if time_constant <= 0.0:
@@ -231,7 +231,7 @@ def fit_drive_lag(records: Sequence[Record], drive: str, column: str, lags: int 
 
 
 def _repeat_cycle(one: Experiment, k: int, own: Any) -> Any:
-    """What was fitted whole periods before; None where the record is not periodic."""
+    """Return the fitted values whole periods earlier; None for a record that is not periodic."""
     period = refine_period(one)
     length = float(one.times[-1] - one.times[0])
     if not 0.0 < period <= length / CYCLES:
@@ -283,7 +283,7 @@ def refine_period(one: Experiment) -> float:
 
 
 def _compare_loads(one: Experiment, others: Sequence[Experiment], output: str) -> list[float]:
-    """How far the mean loads of others are from that of a record; of their temperatures, where none is recorded."""
+    """Return the differences of the mean loads of other records; of their temperatures without a load."""
     columns = [n for n in ("stress", "force") if n != output and all(n in x.record.columns for x in (one, *others))]
     names = [columns[0] if columns else x.follows[_find_drive(x)] for x in (one, *others)]
     means = [float(np.nanmean(x.record[name])) for x, name in zip((one, *others), names, strict=True)]

@@ -74,7 +74,7 @@ def list_echoes(system: AbstractSystem) -> set[str]:
 def match_columns(
     record: Record, system: AbstractSystem, wanted: Sequence[ComparedColumn], follows: Mapping[str, str]
 ) -> tuple[dict[str, str], Record, list[str]]:
-    """Output -> column of a record, the record with scaled columns, and what is left out.
+    """Return output -> column of a record, the record with scaled columns, and the left-out columns.
 
     Args:
         record: as measured.
@@ -116,7 +116,7 @@ def _match_asked(
 
 
 def _describe_scaling(record: Record, column: str, one: ComparedColumn, unit: str) -> str:
-    """What a column becomes by its factor, which acts on SI numbers."""
+    """Describe the effect of the factor of a column, which acts on SI values."""
     finite = [x for x in record[column] if math.isfinite(x)]
     if not finite:
         return f"Column `{column}` of record `{record.name}` holds no numbers."
@@ -253,7 +253,7 @@ def _describe_swap(one: Experiment, output: str, drive: str, column: str, found:
 
 
 def _fit_exchanged(problem: Problem, one: Experiment, record: Record, model: Model, output: str) -> float:
-    """How well an output is met with another record; -inf where that cannot be fitted."""
+    """Return the fit of an output with another record; -inf if the fit fails."""
     try:
         scenario = model(record)
         twin = replace(one, system=scenario.system, waveform=scenario.waveform, record=record)

@@ -54,7 +54,7 @@ class ArrangedConditions:
     scenario: Scenario
     notes: tuple[str, ...]
     turns: bool
-    """Whether every record is left out in turn."""
+    """True if every record is left out in turn."""
 
 
 @dataclass(frozen=True)
@@ -246,7 +246,7 @@ def _choose_step(scenarios: Sequence[Scenario]) -> float:
     return min(find_step(one.system, one.waveform, one.duration, one.tolerance, LEAST_STEPS + 1).step for one in tried)
 
 
-# ---------------------------------------------------------------- noise, and what is kept back
+# ---------------------------------------------------------------- noise, and held-out rows
 
 
 def _choose_scales(
@@ -273,7 +273,7 @@ def _choose_scales(
 def _choose_held_rows(
     made: Sequence[ConditionExperiment], hold_out: str | Sequence[str]
 ) -> tuple[list[ConditionExperiment], bool]:
-    """The experiments with what is kept back, and whether each is left out in turn."""
+    """Return the experiments with held-out rows, and whether each is left out in turn."""
     names = [one.name for one in made]
     if hold_out == EACH or (hold_out == AUTO and len(made) >= SPECIMENS):
         choose_held_out(EACH, names, [])

@@ -1,8 +1,8 @@
 """Runs of a table of conditions: rows are short runs from rest, outputs are measures of them.
 
-All rows of a specimen share one program: what differs from row to row are numbers, the waveform and the
-duration. They go through it side by side, each in a lane of its own; derivatives are marched row by row,
-and those of a measure follow from its derivatives by every sample.
+All rows of a specimen share one program. Rows differ in parameters, waveform and duration only. They run in parallel,
+each in a separate lane. Derivatives are computed row by row; the derivatives of a measure follow from its derivatives
+by every sample.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ LEAST_STEPS = 200
 
 
 class TableRow(NamedTuple):
-    """What one row sets."""
+    """Inputs of one row."""
 
     inputs: Mapping[str, float]
     """Path as `--set` takes it -> number [SI]."""
@@ -56,7 +56,7 @@ class ConditionExperiment(Experiment):
     input_units: Mapping[str, str] = field(default_factory=dict[str, str])
     """Path that a column sets -> its SI unit."""
     level: str = ""
-    """The path among them that is what drives; empty if it is none."""
+    """Path of the drive among the inputs; empty without a drive."""
 
     def __post_init__(self) -> None:
         """Raise `DataError` where nothing is measured."""
@@ -70,7 +70,7 @@ class ConditionExperiment(Experiment):
 
     @cached_property
     def measures(self) -> dict[str, AbstractMeasure]:
-        """What is compared."""
+        """Return the compared measures."""
         return {words: parse_measure(words) for words in self.columns}
 
     @property
@@ -80,7 +80,7 @@ class ConditionExperiment(Experiment):
 
     @property
     def row_factors(self) -> Any:
-        """What errors of single rows are multiplied by, (rows, outputs)."""
+        """Return the weights of errors of single rows, (rows, outputs)."""
         return np.stack([np.asarray(self.factors[name]) for name in self.columns], axis=1)
 
     def describe_outputs(self) -> Mapping[str, Output]:

@@ -66,7 +66,7 @@ INPUTS = {
 }
 """Well-known word -> paths as `--set` takes them, the first that the scenario has."""
 LEVELS = {name: CANONICAL[name] for name in (*list_quantities("drive"), "temperature")}
-"""What drives -> its unit; such a column sets the level of the waveform."""
+"""Drive quantities -> unit; such a column sets the level of the waveform."""
 PEAKS = ("level", "high", "first")
 """Numbers of a waveform that are its level."""
 HEAD = 65536
@@ -84,12 +84,12 @@ class InputColumn:
 
     heading: str
     path: str
-    """As `--set` takes it."""
+    """Path for `--set`."""
     unit: str
     values: tuple[float, ...]
     """In SI, one per row."""
     level: bool = False
-    """Whether it is what drives."""
+    """True if it is what drives."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ class MeasureColumn:
 
     heading: str
     words: str
-    """As `parse_measure` takes it."""
+    """Text for `parse_measure`."""
     measure: AbstractMeasure
     unit: str
     """SI unit of the measure."""
@@ -117,7 +117,7 @@ class ConditionTable:
     inputs: tuple[InputColumn, ...]
     measures: tuple[MeasureColumn, ...]
     groups: dict[str, tuple[str, ...]] = field(default_factory=dict[str, tuple[str, ...]])
-    """What rows belong to: heading -> cells."""
+    """Groups of the rows: heading -> cells."""
     counts: tuple[float, ...] = ()
     """Repeats that each row is the mean of."""
     notes: tuple[str, ...] = ()
@@ -126,7 +126,7 @@ class ConditionTable:
 
 
 def is_condition_table(source: object, named: Mapping[str, str] | None = None) -> bool:
-    """Whether a file is a table of conditions: it has no times, and a heading that is a measure, as `named` or not."""
+    """Return whether a file is a table of conditions: without times, and with a measure in a heading or in `named`."""
     if not isinstance(source, (str, Path)) or not str(source).lower().endswith(TEXT) or not Path(source).is_file():
         return False
     names = [_split_heading(one)[0] for one in (*_read_first_line(Path(source)), *(named or {}).values())]
@@ -134,7 +134,7 @@ def is_condition_table(source: object, named: Mapping[str, str] | None = None) -
 
 
 def _read_first_line(path: Path) -> list[str]:
-    """Cells of the first line that is no comment."""
+    """Return the cells of the first line that is not a comment."""
     with describe_unreadable(path), path.open("rb") as file:
         lines = file.read(HEAD).decode("utf-8-sig", "replace").splitlines()
     line = next((one for one in lines if one.strip() and not one.lstrip().startswith("#")), "")
@@ -145,7 +145,7 @@ def _read_first_line(path: Path) -> list[str]:
 def read_condition_table(
     source: str | Path, scenario: Scenario, named: Mapping[str, str] | None = None
 ) -> ConditionTable:
-    """Read a table of conditions, with what its columns mean for a scenario.
+    """Read a table of conditions and assign its columns to a scenario.
 
     Args:
         source: a text file with one row per condition.
@@ -153,7 +153,8 @@ def read_condition_table(
         named: headings for columns whose own do not say what they are, by heading or number.
 
     Raises:
-        InputError: a column is no input and no measure, its unit is missing or does not fit, or a cell is no number.
+        InputError: a column is neither input nor measure, its unit is missing or does not fit, or a cell is not a
+            number.
     """
     path = Path(source)
     sheet = read_sheet(path, Layout(()))
@@ -185,7 +186,7 @@ def _split_heading(text: str) -> tuple[str, str]:
 
 
 def _find_words(name: str, outputs: Iterable[str]) -> str:
-    """The measure that a heading names, as `parse_measure` takes it; empty if it is none."""
+    """Return the measure in a heading, as text for `parse_measure`; empty for other headings."""
     known, plain = list(outputs), name.replace(" ", "-")
     if "(" in name or plain in MEASURES.names():
         try:
@@ -293,7 +294,7 @@ class _Reading:
         return spelling or "1"
 
     def _find_role(self, name: str) -> tuple[str, str] | None:
-        """What a heading is: input, measure, spread or count, and of what."""
+        """Return the role of a heading (input, measure, spread or count) and the quantity."""
         if name in COUNTS:
             return "count", name
         for mark in SPREADS:
@@ -383,7 +384,7 @@ def _is_force(unit: str) -> bool:
 
 
 def _list_inputs(scenario: Scenario) -> dict[str, Target]:
-    """What a table may set, by its path as `--set` takes it."""
+    """Return the possible inputs of a table, by path for `--set`."""
     system = scenario.system
     found = {"run.duration": Target("run.duration", "", "s", scenario.duration)}
     for leaf in system.leaves():
@@ -400,7 +401,7 @@ def _list_inputs(scenario: Scenario) -> dict[str, Target]:
 
 
 def _mark_levels(found: Mapping[str, Target]) -> dict[str, Target]:
-    """The same with what drives marked: the first number of every waveform that is its level."""
+    """Return the targets with the drive marked: the first parameter of every waveform that is its level."""
     marked = dict(found)
     for drive in dict.fromkeys(one.drive for one in found.values() if one.drive):
         own = {one.path: one for one in found.values() if one.drive == drive}

@@ -1,8 +1,8 @@
-"""How well a model predicts what it did not see, beside predictions without a model.
+"""Cross-validation: held-out errors of a model, compared with predictions without a model.
 
-Every record is left out in turn, and predicted by what the others say; of a single record, or where the others say too
-little, stretches of it are. Only these errors decide whether a model is said to predict: it must beat the best of the
-naive predictions by a margin, and explain most of what varies.
+Every record is left out in turn and predicted from the others. If the others are insufficient, parts of the record are
+left out instead. A model is predictive only if these errors beat the best naive prediction by a margin and explain most
+of the variation.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ FOLD_EVALUATIONS = 40
 
 @dataclass(frozen=True)
 class OutputError:
-    """Errors in one output of what was left out, in SI."""
+    """Errors in the held-out rows of one output, in SI."""
 
     output: str
     unit: str
     rms: float
-    """Of the prediction, with the zero of the record where it has its own."""
+    """Root-mean-square error of the prediction, with the fitted zero of the record if it has a separate zero."""
     raw_rms: float
     """With the mean zero of the records that were fitted, or none."""
     spread: float
@@ -54,13 +54,13 @@ class OutputError:
 
 @dataclass(frozen=True)
 class HeldOutError(OutputError):
-    """Of one record."""
+    """Held-out error of one record."""
 
     record: str
     own_zero: bool
-    """Whether the zero of the record was fitted to it."""
+    """True if the zero of the record was fitted to it."""
     whole: bool
-    """Whether the whole record was left out."""
+    """True if the whole record was left out."""
     samples: int
 
 
@@ -75,12 +75,12 @@ class PooledError(OutputError):
 
     @property
     def beats_naive(self) -> bool:
-        """Whether the error is clearly below that of all naive predictions."""
+        """Return whether the error is clearly below that of all naive predictions."""
         return self.rms < BETTER * self.naive[self.best_naive]
 
     @property
     def predicts(self) -> bool:
-        """Whether the model is said to predict this output."""
+        """Return whether the model is said to predict this output."""
         return self.beats_naive and self.fit_percent >= 100.0 * EXPLAINED
 
 
@@ -102,13 +102,13 @@ def pool_errors(errors: Sequence[HeldOutError]) -> list[PooledError]:
 
 
 def cross_validate(whole: Fit, start: Sequence[FreeNumber], *, kind: str, own_zero: bool) -> list[HeldOutError]:
-    """Held-out errors of a model that was fitted to all records.
+    """Return the held-out errors of a model that was fitted to all records.
 
     Args:
         whole: the fit to all records, near which the searches begin.
         start: the free numbers as proposed, where they begin as well.
         kind: of the experiment.
-        own_zero: whether a record that is left out gets a zero of its own.
+        own_zero: whether the zero of a left-out record is fitted to it.
     """
     problem = whole.problem
     found: list[HeldOutError] = []

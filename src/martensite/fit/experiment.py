@@ -55,7 +55,7 @@ class Experiment:
     follows: Mapping[str, str] = field(default_factory=dict[str, str])
     """Drive -> column of the record that its waveform follows."""
     groups: Mapping[str, str] = field(default_factory=dict[str, str])
-    """What the record belongs to, by the kind of group: `specimen` -> A."""
+    """Groups of the record, by kind: `specimen` -> A."""
 
     def __post_init__(self) -> None:
         check_experiment(self)
@@ -74,7 +74,7 @@ class Experiment:
 
     @cached_property
     def measured(self) -> Any:
-        """What was measured in SI, rows by outputs; NaN where nothing was."""
+        """Return the measured values in SI, rows by outputs; NaN for missing values."""
         columns = [np.asarray(self.record[name])[self.rows] for name in self.columns.values()]
         return np.stack(columns, axis=1)
 
@@ -88,27 +88,27 @@ class Experiment:
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """What is compared."""
+        """Return the compared outputs."""
         return tuple(self.columns)
 
     @property
     def held_out(self) -> bool:
-        """Whether the whole record is kept back."""
+        """Return whether the whole record is kept back."""
         return bool(self.kept_back.all())
 
     @property
     def over_time(self) -> bool:
-        """Whether its rows are times."""
+        """Return whether its rows are times."""
         return True
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """Its name, and the groups that it belongs to: whatever may have numbers of its own."""
+        """Return the name of the record and its groups: the labels that can have separate parameters."""
         return self.name, *self.groups.values()
 
     @property
     def row_factors(self) -> Any:
-        """What errors of single rows are multiplied by: 1, or (rows, outputs)."""
+        """Return the weights of errors of single rows: 1, or (rows, outputs)."""
         return 1.0
 
     def describe_outputs(self) -> Mapping[str, Output]:
@@ -116,7 +116,7 @@ class Experiment:
         return self.system.outputs()
 
     def describe_row(self, time: float) -> str:
-        """What a row is called whose time is given."""
+        """Return the name of the row at a time [s]."""
         return f"{format_number(time)} s"
 
     def sample_outputs(self, system: AbstractSystem, outputs: Sequence[str], rows: Any, step: float | None) -> Any:

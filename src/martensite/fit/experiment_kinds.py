@@ -1,4 +1,4 @@
-"""Which experiment a set of logs holds: from its columns, their units, and which of them vary.
+"""Kind of experiment in a set of logs, from columns, units, and variation.
 
     stroke          a drive moves what the element carries
     blocked-force   a drive makes a force at constant length
@@ -8,8 +8,8 @@
     isothermal      drawn and released at a constant temperature, stress measured
     cooling         left to cool without a drive, temperature measured
 
-A drive that varies decides first, then what is measured beside it. A column varies if its range stands out of its own
-scatter from row to row and is not small beside its level.
+A varying drive decides first, then the other measured columns. A column varies if its range exceeds its scatter from
+row to row and is not small compared with its level.
 """
 
 from __future__ import annotations
@@ -40,9 +40,9 @@ DRIVEN = {"stroke": DEFORMATIONS, "blocked-force": LOADS, "heating": ("temperatu
 NOISE, LEVEL = 6.0, 0.02
 """A range is a signal beyond so many scatters from row to row, and beyond this share of its level."""
 LOADED = 0.5
-"""Range of a load over its largest value from which on it is no constant load."""
+"""Range of a load over its largest value above which the load is not constant."""
 HEATED = 15.0
-"""Range of a temperature [K] from which on it is no constant temperature."""
+"""Range of a temperature above which the temperature is not constant [K]."""
 NEEDS = {
     "stroke": "a drive (voltage, current, power or duty) and a position, or strain, that vary",
     "blocked-force": "a drive and a force that vary",
@@ -56,7 +56,7 @@ NEEDS = {
 
 @dataclass(frozen=True)
 class ExperimentKind:
-    """What logs were taken for."""
+    """Kind of experiment of the logs."""
 
     name: str
     why: str
@@ -139,7 +139,7 @@ def _list_possible(records: Sequence[Record], varying: Sequence[str]) -> Any:
 
 
 def _is_falling(column: Any) -> bool:
-    """Whether a temperature ends well below where it begins."""
+    """Return whether a temperature ends well below where it begins."""
     x = np.asarray(column, float)
     x = x[np.isfinite(x)]
     return bool(x.size > 1 and x[0] - x[-1] > 0.5 * np.ptp(x))

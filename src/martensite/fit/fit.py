@@ -28,7 +28,7 @@ TRAINING, HELD_OUT = "training", "held-out"
 BOUND_DISTANCE = 1e-4
 """Share of a range from a bound that counts as being there."""
 COVERED = ("temperature", "stress")
-"""What limits where fitted numbers hold."""
+"""Outputs whose range limits the validity of fitted values."""
 
 
 @dataclass(frozen=True)
@@ -155,7 +155,7 @@ class HeldOutRecord:
     model: Any
     """(rows, outputs) in SI."""
     numbers: dict[str, float]
-    """What the record has for itself [SI], such as the zero of its sensor; fitted to it."""
+    """Parameters of the record alone, such as the zero of its sensor, fitted to it [SI]."""
     raw: Any = None
     """(rows, outputs) in SI, without the numbers that are fitted to it."""
 
@@ -167,7 +167,7 @@ class Fit:
     problem: Problem
     """With the records that the search saw."""
     values: tuple[float, ...]
-    """Of the free parameters, as shares of their ranges."""
+    """Values of the free parameters, as fractions of their ranges."""
     evaluation: Evaluation
     """Residuals and Jacobian there."""
     method: str
@@ -188,9 +188,9 @@ class Fit:
     scenario: Scenario | None = None
     """That of the first log, as it was before the fit, of a fit to logs."""
     notes: tuple[str, ...] = ()
-    """What was noticed in the logs before the search."""
+    """Remarks on the logs before the search."""
     cautions: tuple[str, ...] = ()
-    """What halving the steps changes at its end, if that is noticeable."""
+    """Effects of halving the steps at the optimum, if noticeable."""
     input_noise: tuple[FollowedNoise, ...] = ()
     """Noise of columns that drive, where it counts in numbers and intervals."""
 
@@ -242,7 +242,7 @@ class Fit:
         return ""
 
     def _allowed(self, free: FreeNumber) -> tuple[float, float]:
-        """What the declaration of a number allows; nothing is forbidden to what a record has for itself."""
+        """Return the declared bounds of a parameter; parameters of a single record are unbounded."""
         leaves = () if is_nuisance(free.path) or free.base else self.system().leaves()
         return next((leaf.declared.bounds for leaf in leaves if free.moves(leaf.path)), (-math.inf, math.inf))
 
@@ -289,7 +289,7 @@ class Fit:
 
     @cached_property
     def whiteness(self) -> tuple[Whiteness, ...]:
-        """Whether the residuals of every record and output look like noise."""
+        """Return whether the residuals of every record and output look like noise."""
         rows = [one for one in list_compared(self) if one.used.any()]
         parts = [one.residuals[one.used] for one in rows]
         if self.input_noise:  # which scatters unevenly before it is whitened

@@ -50,7 +50,7 @@ RECORD = ("file", "name", "scenario", "as", "interval", "set", "weight", "hold_o
 
 
 def is_fit_file(path: str | Path) -> bool:
-    """Whether a path looks like that of a fit file, and not of a log."""
+    """Return whether a path looks like that of a fit file, and not of a log."""
     return Path(path).suffix.lower() == ".toml" and not str(path).startswith(PREFIX)
 
 

@@ -1,6 +1,6 @@
-"""What a fit rests on, as a table that can be written to a file: records, bounds, errors.
+"""Provenance of a fit, as a table for a file: records, bounds, errors.
 
-Nothing in it depends on when or where the fit was made: the same fit gives the same table.
+The table is independent of time and place of the fit: the same fit gives the same table.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def describe_program() -> str:
 
 
 def compute_digest(record: Record) -> dict[str, str]:
-    """The SHA-256 of the file of a record, or of its columns if there is no file.
+    """Return the SHA-256 of the file of a record, or of its columns for a record without a file.
 
     Returns:
         `{"file": name, "sha256": …}`; else `{"sha256_of_columns": …}`, over the name of each

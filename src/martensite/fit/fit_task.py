@@ -1,8 +1,8 @@
 """A task: logs, the scenarios that are to explain them, what is free, and how to search.
 
-It becomes a problem in steps. Every log gets a scenario of its own, built with it where the
-scenario follows a log. Then what drives is told from what is compared, parts are kept back, steps
-are chosen, and the whole is looked at (`start_checks`) before anything is searched for.
+A task becomes a problem in steps. Every log gets a separate scenario, built with the log if the scenario follows it.
+Then driving and compared columns are separated, parts are held out, and steps are chosen. The problem is checked
+(`start_checks`) before the search.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ Columns = str | Sequence[str] | Mapping[str, str]
 
 @dataclass(frozen=True)
 class FitSearch:
-    """How the optimum is looked for; see `solve`."""
+    """Options of the search for the optimum; see `solve`."""
 
     method: str = "trf"
     loss: str = "linear"
@@ -59,7 +59,7 @@ class FitSearch:
 
 @dataclass(frozen=True)
 class FitTask:
-    """What is to be fitted to what, and how."""
+    """Task of a fit: logs, free parameters, and options."""
 
     logs: tuple[Log, ...]
     free: Sequence[str | SearchRange]
@@ -129,7 +129,7 @@ class FitTask:
         settings: Mapping[str, Any] | None = None,
         search: Mapping[str, Any] | None = None,
     ) -> FitTask:
-        """The task with what is given in place of its own; the rest stays as it is."""
+        """Return the task with the given changes."""
         logs = (replace(x, settings={**x.settings, **(settings or {})}) for x in self.logs)
         given = {name: value for name, value in (search or {}).items() if value is not None}
         return replace(
@@ -154,10 +154,10 @@ class ArrangedFit:
     search: FitSearch = FitSearch()
     notes: tuple[str, ...] = ()
     turns: bool = False
-    """Whether every record is left out in turn besides."""
+    """True if every record is left out in turn besides."""
 
     def solve(self, tell: Tell | None = None, state: Path | None = None) -> Fit:
-        """The fit; see `solve` for what is told and kept.
+        """Solve the fit; see `solve` for reports and saved states.
 
         Raises:
             DataError: the headings of a record seem to be swapped.

@@ -1,6 +1,6 @@
-"""What must be known of a fit before its numbers are used, in sentences.
+"""Verdicts on a fit before its values are used, in sentences.
 
-Nothing here is computed anew: the sentences compare what the fit holds with plain limits.
+The sentences compare the results of the fit with fixed limits, without new computations.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def format_error(output: str, value: float, unit: str, digits: int = 3) -> str:
 
 
 def describe_predictions(fit: Fit) -> list[str]:
-    """One sentence per output: its error in what the fit saw, and in what was kept back."""
+    """Return one sentence per output: its error in the fitted and in the held-out rows."""
     rows = list_compared(fit)
     names = dict.fromkeys(one.output for one in rows)
     return [
@@ -49,7 +49,7 @@ def describe_predictions(fit: Fit) -> list[str]:
 
 
 def list_fit_warnings(fit: Fit) -> list[str]:
-    """What speaks against trusting the numbers; empty if nothing does."""
+    """Return the reasons against trusting the fitted values; empty if none apply."""
     return [
         *warn_of_search(fit),
         *warn_of_predictions(fit),
@@ -75,7 +75,7 @@ def _describe_prediction(rows: list[ComparedOutput]) -> str:
 
 
 def _list_predicted(fit: Fit) -> list[ComparedOutput]:
-    """All that was kept back, and what was left out in turn."""
+    """Return all held-out outputs, including those of records left out in turn."""
     turns = [one for kept in fit.transfer for one in list_held_out(kept)]
     return [*turns, *(one for one in list_compared(fit) if one.held.any())]
 
@@ -96,7 +96,7 @@ def _describe_transfer(fit: Fit) -> Iterator[str]:
 
 
 def _describe_baselines(fit: Fit) -> Iterator[str]:
-    """What predictions without a model get wrong in what was kept back."""
+    """Describe the errors of predictions without a model in the held-out rows."""
     scores = score_baselines(fit)
     parts = [
         f"`{name}` {_list_baselines(scores, name, unit)}"

@@ -46,13 +46,13 @@ from martensite.search.free_numbers import (
 )
 
 OFFSET, DELAY = "offset", "delay"
-"""What a record may have for itself: the zero of a sensor, the delay of its clock."""
+"""Parameters of a single record: the zero of a sensor, the delay of its clock."""
 LONGEST_DELAY = 0.05
 """Longest delay either way, as a share of the record."""
 LARGEST_OFFSET = 2.0
 """Largest offset either way, in measured ranges."""
 SPREADS = 5.0
-"""How far from its centre a number with a spread is searched, in spreads."""
+"""Search range about the centre of a parameter with a spread, in spreads."""
 _AMOUNT = re.compile(r"^\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(.*?)\s*$")
 
 
@@ -144,10 +144,10 @@ def _find_own_unit(name: str, known: Mapping[str, Output]) -> str:
 
 
 def read_difference(text: str, unit: str) -> float:
-    """A difference in the SI `unit`, such as 0.5 K for `0.5 degC`.
+    """Return a difference in the SI `unit`, such as 0.5 K for `0.5 degC`.
 
     Raises:
-        UnitError: the text is no number with a unit that fits.
+        UnitError: the text is not a number with a suitable unit.
     """
     zero = re.sub(_AMOUNT, lambda found: f"0 {found[2]}", text)
     return units.parse_quantity(text, unit) - units.parse_quantity(zero, unit)
@@ -170,7 +170,7 @@ def is_nuisance(path: str) -> bool:
 def build_free_numbers(
     ranges: Sequence[SearchRange], systems: Sequence[AbstractSystem], record: str | None = None
 ) -> list[FreeNumber]:
-    """Free parameters of systems.
+    """Return the free parameters of systems.
 
     Args:
         ranges: names with optional bounds and starts.
@@ -178,7 +178,7 @@ def build_free_numbers(
         record: the experiment that has these parameters for itself.
 
     Raises:
-        ParameterError: an unknown name, bounds that are none, a start outside of them.
+        ParameterError: an unknown name, invalid bounds, or a start outside of them.
     """
     known = [Target.from_leaf(leaf) for system in systems for leaf in system.leaves()]
     return [
@@ -245,12 +245,12 @@ def _widen_range(wanted: SearchRange, target: Target) -> SearchRange:
 
 
 def build_own_parameters(ranges: Sequence[SearchRange], experiments: Sequence[Experiment]) -> list[FreeNumber]:
-    """Free parameters that every experiment has for itself.
+    """Return the free parameters that are separate for every experiment.
 
     `offset` alone stands for all outputs that are compared.
 
     Raises:
-        ParameterError: an unknown name, or bounds that are none.
+        ParameterError: an unknown name, or invalid bounds.
         UnknownNameError: an offset of an output that is not compared.
     """
     found: list[FreeNumber] = []
@@ -303,7 +303,7 @@ def _build_own(wanted: SearchRange, path: str, unit: str, reach: float, record: 
 
 
 def delay_model(times: Any, model: Any, slopes: Any, delay: float, slope: float, place: int) -> tuple[Any, Any]:
-    """What is seen `delay` [s] late, and its derivatives."""
+    """Return the outputs seen `delay` [s] late, and their derivatives."""
     first, last = times[0], times[-1]
     at = np.clip(times - delay, first, last)
     curve = _interpolate_rows(times, model)

@@ -49,7 +49,7 @@ RESTING = 0.05
 SETTLED_NOISE = 0.03
 """Relative change of the noise of the output at which rounds end."""
 SHARES = (1.0, 0.5, 0.25, 0.1, 0.03)
-"""How far a step goes, the first that helps."""
+"""Fractions of a step, tried until one improves the cost."""
 NEGLIGIBLE = 0.1
 """Largest effect of the noise, as a share of the noise of the output, that is left alone."""
 INCREDIBLE = 0.05
@@ -69,13 +69,13 @@ class FollowedNoise(NamedTuple):
     sigma: float
     """Standard deviation [SI]."""
     declared: bool
-    """Whether it was given, or estimated from the column."""
+    """True if it was given, or estimated from the column."""
 
 
 def estimate_column_noise(times: ArrayLike, values: ArrayLike) -> float:
-    """Standard deviation of what neighbours do not tell of a row: noise of a smooth or resting column.
+    """Return the standard deviation of a smooth or resting column about its neighbours, the noise.
 
-    Every row is interpolated by a polynomial through its 2, 4 or 6 neighbours; what is left has the
+    Every row is interpolated by a polynomial through its 2, 4 or 6 neighbours; the remainder has the
     variance σ² (1 + Σ w²). The least of the three counts: a signal that bends leaves more.
 
     Args:
@@ -105,7 +105,7 @@ def _estimate_by_neighbours(t: Any, x: Any, reach: int) -> float:
 
 
 def find_input_noise(problem: Problem) -> tuple[list[FollowedNoise], list[str]]:
-    """Noise of all columns that drive: as declared, else as estimated; and what is left alone."""
+    """Return the noise of all driving columns, declared or estimated, and notes on columns left unchanged."""
     found: dict[tuple[str, str], list[tuple[float, float, int]]] = {}
     for one in problem.experiments:
         for drive, column in one.follows.items():
@@ -160,7 +160,7 @@ class _FollowedRuns:
         return {one.drive: rows[a:b] for one, a, b in zip(self.drives, self.ends, self.ends[1:], strict=False)}
 
     def run(self, u: Any, variants: Any) -> Any:
-        """What is compared (variants, used residuals, as residuals) with other rows; NaN where a run fails."""
+        """Return the compared outputs (variants, used residuals, as residuals) for other rows; NaN for a failed run."""
         runner, values = self.problem.runners[self.k], self.problem.change_values(self.k, u)
         answers = list[Any]()
         for k in range(0, len(variants), LANES):
@@ -293,7 +293,7 @@ class _FollowedRuns:
         return 0.0
 
     def misfit(self, rows: Any) -> float:
-        """How far rows are from those logged, Σ (X - x̂)²/σ²."""
+        """Return the deviation of rows from the logged rows, Σ (X - x̂)²/σ²."""
         return float(np.sum(((self.logged - rows) / self.sigma) ** 2))
 
 
@@ -332,7 +332,7 @@ def _estimate_output_noise(problem: Problem, residuals: Any) -> float:
 
 
 def _is_felt(runs: Sequence[_FollowedRuns], u: Any, size: float) -> bool:
-    """Whether noise in the columns moves anything that is compared by more than a tenth of its noise."""
+    """Return whether noise in the columns moves anything that is compared by more than a tenth of its noise."""
     chance = np.random.default_rng(0)
     for one in runs:
         shaken = one.rows + one.sigma * chance.standard_normal((4, len(one.rows)))

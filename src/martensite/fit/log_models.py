@@ -64,17 +64,17 @@ class TriedModel:
 
 @dataclass(frozen=True)
 class LogModel:
-    """What was made of logs."""
+    """Model made from logs."""
 
     kind: ExperimentKind
     chosen: TriedModel
     tried: tuple[TriedModel, ...]
     notes: tuple[str, ...]
-    """What was assumed, what was done to the logs, what failed."""
+    """Assumptions, changes of the logs, and failures."""
     records: tuple[Record, ...] = ()
-    """As the logs hold them."""
+    """Records as in the logs."""
     named: tuple[str, ...] | None = ()
-    """What `--as` must say for the logs to be read so again; None where files differ too much for it."""
+    """Texts for `--as` that reproduce the reading of the logs; None if the files differ too much for it."""
 
     @property
     def fit(self) -> Fit:
@@ -83,12 +83,12 @@ class LogModel:
 
     @property
     def predicts(self) -> bool:
-        """Whether it predicts what the experiment is about, by what it did not see."""
+        """Return whether it predicts what the experiment is about, by what it did not see."""
         return self.chosen.pooled[0].predicts
 
     @property
     def follows_logs(self) -> bool:
-        """Whether the scenario follows columns that the logs hold, and not ones that were computed from them."""
+        """Return whether the scenario follows columns that the logs hold, and not ones that were computed from them."""
         held = {one.name: set(one.columns) for one in self.records}
         needed = [{*one.follows.values(), *one.columns.values()} for one in self.fit.problem.experiments]
         made = {read_columns([text])[0].output for text in self.chosen.proposal.columns if "*" in text}
@@ -171,7 +171,7 @@ def _read_files(
 
 
 def _name_columns(files: Sequence[LabFile], logs: int) -> tuple[str, ...] | None:
-    """What the columns are of files that would be read to the letter, were all columns not to be known ones."""
+    """Return texts that name the columns of files with headings `name [unit]` and unknown names."""
     own = [one for one in files if has_own_headings(one.path)]
     said = {tuple(f"{c.number}={c.name}[{c.unit}]" if c.si else f"{c.number}=-" for c in f.columns) for f in own}
     if not own:
@@ -195,12 +195,12 @@ def model_logs(
     interval: float | None = None,
     tell: Stage | None = None,
 ) -> LogModel:
-    """A model of logs, without a scenario: proposed, fitted, and judged by what it did not see.
+    """Build a model of logs without a scenario: proposed, fitted, and judged by held-out data.
 
     Args:
         logs: files, or records in SI.
         experiment: what they hold, where it is known; see `martensite.fit.experiment_kinds`.
-        overrides: what is known of the experiment, by dotted path, such as `element.diameter`.
+        overrides: settings of the experiment, by dotted path, such as `element.diameter`.
         named: what columns of files are, by heading or number, where it is not to be guessed (`read_lab_file`).
         interval: time between rows [s] of files without times.
         tell: told what is being done.

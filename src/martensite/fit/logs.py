@@ -1,6 +1,6 @@
-"""Logs: the records of a fit, each with the scenario that is to explain it.
+"""Logs: the records of a fit, each with its scenario.
 
-What is kept back from a fit, to see how well it predicts.
+Held-out data of a fit, which test its predictions.
 
 auto     3 or more records: the middle one of the list, whole; fewer: four stretches of each,
 the fifth, tenth, fifteenth and last of twenty equally long ones
@@ -49,15 +49,15 @@ class Log:
     settings: Mapping[str, Any] = field(default_factory=dict[str, Any])
     """Changes to the scenario, by dotted path."""
     weight: float = 1.0
-    """Of its squared residuals."""
+    """Weight of the squared residuals of the log."""
     held: bool = False
-    """Whether it is kept back."""
+    """True if it is kept back."""
     name: str = ""
     """In reports; that of the file if left out."""
     named: Mapping[str, str] = field(default_factory=dict[str, str])
-    """What columns of the file are, by heading or number, where it is not to be guessed (`read_lab_file`)."""
+    """Meaning of columns of the file, by heading or number, where it should not be guessed (`read_lab_file`)."""
     groups: Mapping[str, str] = field(default_factory=dict[str, str])
-    """What it belongs to, by the kind of group: `specimen` -> A."""
+    """Groups of the log, by kind: `specimen` -> A."""
 
     def read(self) -> Record:
         """The record, with NaN for missing samples."""
@@ -111,7 +111,7 @@ def _shorten_name(record: Record) -> str:
 
 
 def describe_untimed(found: Sequence[LoadedLog]) -> list[str]:
-    """A sentence about files whose rows are as far apart as nobody has said."""
+    """Return a sentence about files without times and without a given interval."""
     given = [one for one in found if not isinstance(one.log.source, Record)]
     names = [one.name for one in given if one.log.interval is None and one.record.interval]
     if not names:
@@ -151,7 +151,7 @@ def check_matching(logs: Sequence[Source], scenarios: Sequence[Model]) -> list[M
 def choose_held_out(
     hold_out: str | Sequence[str], names: Sequence[str], times: Sequence[Sequence[float]]
 ) -> list[Stretches]:
-    """Stretches of time that are kept back, for every record.
+    """Return the held-out stretches of time of every record.
 
     Args:
         hold_out: see above.
@@ -159,7 +159,7 @@ def choose_held_out(
         times: of their rows [s].
 
     Raises:
-        InputError: a share that is none, an unknown record, or nothing left to fit.
+        InputError: an invalid fraction, an unknown record, or no data left to fit.
     """
     if hold_out == AUTO:
         if len(names) >= MANY_RECORDS:
@@ -187,10 +187,10 @@ def _choose_stretches(times: Sequence[float]) -> Stretches:
 
 
 def read_share(text: str) -> float:
-    """A share such as `25 %`.
+    """Read a fraction such as `25 %`.
 
     Raises:
-        InputError: it is none between 0 and 100 %.
+        InputError: the text is not between 0 and 100 %.
     """
     try:
         share = float(text.strip().removesuffix("%")) / 100.0

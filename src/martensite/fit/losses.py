@@ -79,12 +79,12 @@ def find_loss(name: str) -> Loss:
 
 
 def estimate_scale(residuals: Any) -> float:
-    """Standard deviation by the median absolute deviation, 1.4826 median(abs(r - median(r))).
+    """Return the standard deviation by the median absolute deviation, 1.4826 median(abs(r - median(r))).
 
     Up to half of the residuals may be outliers. 0 if more than half are equal.
 
     Raises:
-        DataError: there is no residual, or one is not finite.
+        DataError: residuals are missing or not finite.
     """
     errors = np.asarray(residuals, np.float64)
     if not errors.size or not np.isfinite(errors).all():

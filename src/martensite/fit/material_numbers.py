@@ -33,14 +33,14 @@ FIT, SCENARIO, DEFAULT = "fit", "scenario", "default"
 
 @dataclass(frozen=True)
 class MaterialNumbers:
-    """What a fit says about a material, gathered from the fitted system and its scenario."""
+    """Material parameters of a fit, gathered from the fitted system and its scenario."""
 
     fit: Fit
     scenario: Scenario | None = None
     port: str | None = None
     digits: int | None = None
     sources: dict[str, Source] = field(default_factory=dict[str, Source])
-    """Of the numbers that are not fitted; filled by `values`."""
+    """Sources of the parameters that are not fitted; filled by `values`."""
 
     @property
     def law(self) -> AbstractLaw:
@@ -79,7 +79,7 @@ class MaterialNumbers:
         return {name: found[name] for name in NAMES if name in found}
 
     def others(self) -> list[FreeNumber]:
-        """What was fitted to all records together and is no number of the material."""
+        """Return the parameters fitted to all records together that do not belong to the material."""
         known = {*NAMES, *self.law.declarations}
         shared = (free for free in self.fit.problem.free if free.record is None)
         return [free for free in shared if free.path.rpartition(".")[2] not in known]
@@ -181,7 +181,7 @@ def _build_number(leaf: Leaf, text: str, kind: str, source: str, note: str) -> M
 def name_canonically(
     systems: Sequence[AbstractSystem], port: str | None = None, apart: Callable[[str], bool] = lambda path: False
 ) -> Leaves:
-    """Canonical name -> number of the elements of some systems, which must agree.
+    """Return canonical name -> parameter of the elements of some systems, which must agree.
 
     Args:
         systems: those of several records; the first is read.
@@ -190,7 +190,7 @@ def name_canonically(
 
     Raises:
         InputError: actuators or systems differ in a number.
-        UnknownNameError: there is no such port.
+        UnknownNameError: the port does not exist.
     """
     first, *others = [_list_numbers(system, port) for system in systems]
     for other in others:

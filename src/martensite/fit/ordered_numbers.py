@@ -97,7 +97,7 @@ class OrderedNumbers:
 
     @property
     def active(self) -> bool:
-        """Whether any order concerns the free numbers."""
+        """Return whether any order concerns the free numbers."""
         ends = [(one.low, one.high) for one in self.free]
         return any(self.below) or ends != list(zip(self.lowest, self.highest, strict=True))
 
@@ -156,5 +156,5 @@ class OrderedNumbers:
         return GAP * (self.free[i].high - self.free[i].low)
 
     def _count_below(self, i: int) -> float:
-        """How many there are in the longest row of numbers below one."""
+        """Return the length of the longest chain of parameters below a parameter."""
         return max((1.0 + self._count_below(k) for k in self.below[i]), default=0.0)

@@ -70,7 +70,7 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class InputCorrection:
-    """What noise in the columns that an experiment follows does to it; see `input_noise`."""
+    """Correction for noise in the columns that an experiment follows; see `input_noise`."""
 
     inputs: Mapping[str, Any]
     """Drive -> estimated rows of its column, in place of those logged."""
@@ -89,7 +89,7 @@ class InputCorrection:
 
 @dataclass(frozen=True)
 class Problem:
-    """What is to be fitted to what."""
+    """Fit problem: experiments, free parameters and options."""
 
     experiments: tuple[Experiment, ...]
     free: tuple[FreeNumber, ...]
@@ -98,7 +98,7 @@ class Problem:
     step: float | None = None
     """Longest step of all runs [s]; that of each experiment if None."""
     later: tuple[FreeNumber, ...] = ()
-    """What records that are kept back have for themselves: fitted to them afterwards."""
+    """Parameters of held-out records alone, fitted to them afterwards."""
     input_noise: Mapping[str, float] = field(default_factory=dict[str, float])
     """Column that drives -> standard deviation of its noise [SI], where it is known."""
     corrections: tuple[InputCorrection, ...] = ()
@@ -123,7 +123,7 @@ class Problem:
             _refuse_double(one, self.free)
 
     def __getstate__(self) -> dict[str, Any]:
-        """What was declared; what is made of it, such as threads, is made anew elsewhere."""
+        """Return the declared fields; derived state, such as threads, is rebuilt in the other process."""
         return {one.name: getattr(self, one.name) for one in fields(self)}
 
     @property
@@ -133,12 +133,12 @@ class Problem:
 
     @property
     def start(self) -> Any:
-        """Where the search begins: a number from 0 to 1 for every free parameter."""
+        """Return the start of the search: a value from 0 to 1 for every free parameter."""
         return self.order.repair(np.array([free.share(free.start) for free in self.free]))
 
     @cached_property
     def order(self) -> OrderedNumbers:
-        """What keeps the numbers in the order that laws declare."""
+        """Return the constraints that keep the parameters in the order that laws declare."""
         return OrderedNumbers(self.free, list_orders(self.free, self.experiments))
 
     @property
@@ -167,7 +167,7 @@ class Problem:
         return {free.name: free.value(float(x)) for free, x in zip(self.free, u, strict=True)}
 
     def scale(self, output: str) -> float:
-        """What residuals of an output are divided by [SI]."""
+        """Return the divisor of residuals of an output [SI]."""
         if output in self.noise:
             return self.noise[output]
         return self._ranges[output]
@@ -244,7 +244,7 @@ class Problem:
 
     @property
     def knows_noise(self) -> bool:
-        """Whether the noise of all that is compared is known."""
+        """Return whether the noise of all that is compared is known."""
         return all(name in self.noise for one in self.experiments for name in one.outputs)
 
     @cached_property
@@ -254,9 +254,9 @@ class Problem:
         return [(i, common.get(free.path)) for i, free in enumerate(self.free) if free.spread and free.record]
 
     def _weigh_spreads(self, u: Sequence[float]) -> tuple[Any, Any]:
-        """How far numbers are from their centres, in spreads times the noise that measurements have, and slopes.
+        """Return distances from the centres, in spreads times the noise of measurements, and their derivatives.
 
-        (ln v - ln c)/s where a spread is a share, else (v - c)/s.
+        (ln v - ln c)/s for a relative spread, else (v - c)/s.
         """
         apart, slopes = np.zeros(len(self.spreads)), np.zeros((len(self.spreads), len(self.free)))
         for row, (i, centre) in enumerate(self.spreads):
@@ -319,7 +319,7 @@ class Problem:
 
     @property
     def lengths(self) -> list[int]:
-        """How many residuals each output of each experiment has."""
+        """Return the number of residuals of each output of each experiment."""
         counts = (int(n) for used in self.used for n in used.sum(axis=0))
         return [n for n in counts if n] + [1] * len(self.spreads)
 
@@ -397,7 +397,7 @@ class Problem:
         return FittedRecord(model, residuals, None if slopes is None else slopes * sizes[..., None])
 
     def residual_sizes(self, k: int) -> Any:
-        """What errors of every output of an experiment are multiplied by."""
+        """Return the weights of errors of every output of an experiment."""
         one = self.experiments[k]
         return np.array([math.sqrt(one.weights.get(name, 1.0)) / self.scale(name) for name in one.outputs])
 

@@ -31,7 +31,7 @@ def profile_likelihood(fit: Fit, name: str, *, level: float = LEVEL, most: int =
         most: refits on each side.
 
     Raises:
-        UnknownNameError: there is no free parameter of that name.
+        UnknownNameError: the free parameter does not exist.
         DataError: there are no more independent samples than parameters.
     """
     names = list(fit.problem.names)

@@ -44,7 +44,7 @@ A_F = 77.0
 SPREAD_STARTS = 2
 """Local searches of a driven element that begin at the best of many points."""
 WIDTH, ABSORBED = 0.25e-3, "film coefficient, heat capacity and moduli absorb it"
-"""Diameter of an element that nobody has said [m], and what that means."""
+"""Assumed diameter of an element [m], and the effect of the assumption."""
 Document = dict[str, Any]
 
 MACHINE = """
@@ -115,7 +115,7 @@ class Proposal:
 
 @dataclass
 class Assumptions:
-    """What no log says: values, and the sentences about them."""
+    """Assumptions beyond the logs: values, and sentences about them."""
 
     settings: Mapping[str, Any] = field(default_factory=dict[str, Any])
     sentences: list[str] = field(default_factory=list[str])
@@ -314,7 +314,7 @@ def propose_isothermal(kind: ExperimentKind, records: Sequence[Record], known: A
 
 
 def _stays_drawn(rows: Sequence[Record]) -> bool:
-    """Whether most of the strain is left where the stress is gone."""
+    """Return whether most of the strain is left where the stress is gone."""
     reach = float(np.ptp(np.concatenate([one["strain"] for one in rows])))
     left = max(float(abs(one["strain"][-1])) for one in rows)
     return left > 0.4 * reach and all(min(one["stress"][len(one) // 2 :]) < 0.1 * max(one["stress"]) for one in rows)
@@ -402,7 +402,7 @@ class DrivenElement:
     def make_proposal(
         self, name: str, document: Document, free: Sequence[str], columns: Sequence[str], zero: str = ""
     ) -> Proposal:
-        """A proposal with its records, and with an output that has a zero of its own."""
+        """Build a proposal with its records, and optionally with a free zero of an output."""
         made = self.document | document
         return Proposal(name, made, tuple(free), tuple(columns), self.records, (f"offset.{zero}",) if zero else ())
 
@@ -463,7 +463,7 @@ def _describe_element(
 
 
 def _begins_hot(column: str, records: Sequence[Record], gain: float) -> bool:
-    """Whether most records begin with the answer at its driven end, so that the drive was on before."""
+    """Return whether most records begin with the answer at its driven end, so that the drive was on before."""
     shares = list[float]()
     for record in records:
         low, high = np.nanpercentile(record[column], (2.0, 98.0))
@@ -588,7 +588,7 @@ def propose_cooling(kind: ExperimentKind, records: Sequence[Record], known: Assu
 
 
 def _cut_hot(record: Record) -> Record:
-    """What a record holds from where its temperature begins to fall, counted from there."""
+    """Return a record from the time at which its temperature begins to fall, with times counted from there."""
     kept = _thin_rows(record, ("temperature",), 4 * ROWS)
     kelvin = np.asarray(kept["temperature"])
     first = int(np.flatnonzero(kelvin >= kelvin.max() - 0.02 * np.ptp(kelvin))[-1])

@@ -1,4 +1,4 @@
-"""What a search tells while it runs, what it keeps when it is interrupted, where it resumes.
+"""Progress of a search, its state after an interruption, and its resumption.
 
 The state of a search is a small JSON file: a key of the problem, the best numbers so far, and
 the starts that are done. A search of another problem does not touch it.
@@ -30,7 +30,7 @@ EVERY = 2.0
 
 @dataclass(frozen=True)
 class SearchNote:
-    """What is told after every evaluation."""
+    """Report after every evaluation."""
 
     stage: str
     cost: float
@@ -39,7 +39,7 @@ class SearchNote:
     """Best so far, from 0 to 1."""
     simulations: int
     share: float
-    """How much of the search is done, from 0 to 1, as far as can be told."""
+    """Estimated fraction of the search that is done, from 0 to 1."""
 
 
 Tell = Callable[[SearchNote], None]
@@ -67,7 +67,7 @@ class SearchMonitor:
     _written: float = 0.0
 
     def evaluate(self, u: Sequence[float], *, slopes: bool = False) -> Evaluation | None:
-        """As `Problem.evaluate`."""
+        """Evaluate the problem as `Problem.evaluate` does, and record the point."""
         found = self.problem.evaluate(u, slopes=slopes)
         count = len(self.problem.experiments)
         if slopes:
@@ -78,7 +78,7 @@ class SearchMonitor:
         return found
 
     def costs(self, points: Any) -> Any:
-        """As `Problem.costs`."""
+        """Evaluate costs as `Problem.costs` does, and record the best point."""
         answers = list[Any]()
         for some in np.split(points, range(TOGETHER, len(points), TOGETHER)):
             found = self.problem.costs(some)

@@ -46,7 +46,7 @@ RESUMED = "best so far"
 CONVERGED, INTERRUPTED, NOT_STATIONARY = "converged", "interrupted", "not at a stationary point"
 BOUNDED = "stopped at bounds"
 POLISHES = 5
-"""How often a search goes on from where it ended without being stationary."""
+"""Number of restarts from an end that is not stationary."""
 STATIONARY = 0.1
 """Step that the derivatives still ask for, in standard errors, below which a point is stationary."""
 LINE = (1.0, 0.3, 0.1, 0.03)
@@ -178,7 +178,7 @@ def _balance_spreads(problem: Problem, solve: Callable[[Problem], Fit]) -> Probl
 
 
 def predict_each(problem: Problem, how: Mapping[str, Any], tell: Tell | None = None) -> tuple[HeldOutRecord, ...]:
-    """What fits to all other specimens (records, where there are none) predict for each.
+    """Predict each specimen (or record, without specimens) from a fit to all others.
 
     Args:
         problem: all records, none of them kept back.
@@ -284,7 +284,7 @@ def _find_unmoved(problem: Problem, u: Any) -> list[int] | None:
 
 
 def _describe_rest(problem: Problem, u: Any, idle: Sequence[int]) -> str:
-    """How a search ends where numbers in the places `idle` move nothing."""
+    """Describe the end of a search at which the parameters in the places `idle` have no effect."""
     numbers = [format_quantity(problem.free[i].value(float(u[i])), problem.free[i].unit) for i in idle]
     where = join_phrases([f"{problem.names[i]} = {number}" for i, number in zip(idle, numbers, strict=True)])
     what = "nothing that is compared changes" if detect_transformation(problem, u) else "nothing transforms"
@@ -307,7 +307,7 @@ def _run_descents(watch: SearchMonitor, begins: Sequence[tuple[str, Any]], loss:
 
 
 def _verify_optimum(watch: SearchMonitor, loss: Loss, most: int) -> str:
-    """Whether the derivatives ask for no further step that helps; the search goes on as long as they do."""
+    """Return whether the derivatives ask for no further step that helps; the search goes on as long as they do."""
     watch.stage = "verifying the optimum"
     for _ in range(POLISHES):
         point = np.array(watch.best)

@@ -28,7 +28,7 @@ FAR_RATIO, NEAR_RATIO = 100.0, 20.0
 LEAST_CHANGE = 1e-3
 """Change of a martensite fraction below which nothing transforms."""
 NO_EFFECT = 1e-9
-"""Derivative, per search range and as a share of range, that is none."""
+"""Derivative, per search range and relative to the range, that counts as zero."""
 
 
 def check_start(problem: Problem, follows: Sequence[str] = ()) -> list[str]:
@@ -68,7 +68,7 @@ def _describe_moved_starts(problem: Problem) -> Iterator[str]:
 
 
 def detect_transformation(problem: Problem, u: Any) -> bool:
-    """Whether the martensite fraction of any element changes in any record at some numbers."""
+    """Return whether the martensite fraction of any element changes in any record at some numbers."""
     for k, one in enumerate(problem.experiments):
         system = problem.system(k, u)
         outputs = [system.label(port, "martensite_fraction") for port in system.actuators()]
@@ -218,9 +218,9 @@ def _refuse_units(
 
 
 def _describe_doubt(ratio: float, decades: int, follows: Sequence[str]) -> str:
-    """What may be wrong with a column whose range is `ratio` times that of the model.
+    """Describe the doubt about a column whose range is `ratio` times the range of the model.
 
-    Units of its kind differ by multiples of so many decades: 3, or 2 for shares and per cent.
+    Units of its kind differ by multiples of `decades`: 3, or 2 for fractions and per cent.
     """
     drive = f", and that of {list_names(list(follows))}, which drives," if follows else ""
     swapped = "Or were columns swapped?"

@@ -73,7 +73,7 @@ def _compare_runs(coarse: Any, fine: Any) -> Any:
 
 
 def describe_step_error(fit: Fit) -> list[str]:
-    """What halving all steps would change, if that is noticeable beside the noise.
+    """Return the effect of halving all steps, if it is noticeable compared with the noise.
 
     The parameters would move by about the least-squares solution of J dz = dr, where dr is the
     change of the residuals.
