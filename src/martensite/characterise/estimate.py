@@ -55,7 +55,7 @@ class MeasuredValue:
         return self.value - half, self.value + half
 
     def scaled(self, factor: float, offset: float = 0.0) -> MeasuredValue:
-        """The same number in another unit: offset + factor · value, with its error."""
+        """Return the value in another unit: offset + factor · value, with its error."""
         return MeasuredValue(offset + factor * self.value, abs(factor) * self.error, self.freedom)
 
     def write(self) -> str:

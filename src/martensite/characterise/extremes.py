@@ -1,10 +1,10 @@
 """Extremes of a free vibration: one after the other, each from the rows around it.
 
-The first one is where the record is farthest from its later mean; each further one is looked
-for half a period after the one before, on the other side. A plateau before the release, and a
-maximum that the beginning of the record cuts, hold no vertex and are passed over.
+The first one is where the record is farthest from its later mean; each further one is looked for half a period after
+the one before, on the other side. A plateau before the release, and a maximum cut by the start of the record, do not
+contain a vertex and are skipped.
 
-`scipy.signal.find_peaks` is no replacement: with noise of 30 % of the amplitude its highest rows
+`scipy.signal.find_peaks` cannot replace this: with noise of 30 % of the amplitude its highest rows
 are half a lobe off, the chain breaks after a few cycles and standard errors grow tenfold.
 """
 
@@ -128,7 +128,7 @@ class _Scan:
         return 1.0, None
 
     def _round(self, vertex: _Vertex) -> bool:
-        """Whether a vertex is that of a vibration about rest, not the end of a hold."""
+        """Return whether a vertex is that of a vibration about rest, not the end of a hold."""
         return vertex.size >= _ROUND * abs(vertex.value - self.rest)
 
     def _vertex(self, centre: float, sign: float) -> _Vertex | None:
@@ -165,7 +165,7 @@ class _Scan:
         )
 
     def _clear(self, found: list[_Vertex], vertex: _Vertex, least: float) -> bool:
-        """Whether an extreme is above the noise and not too small beside the first."""
+        """Return whether an extreme is above the noise and not too small beside the first."""
         if not found:
             return True
         size = 0.5 * abs(vertex.value - found[-1].value)

@@ -85,7 +85,7 @@ class FreeAmbient:
         return (held[0][0], held[-1][1]) if held else (math.nan, math.nan)
 
     def bounded(self, level: float = LEVEL) -> bool:
-        """Whether there is a best ambient, with an interval that was not cut off."""
+        """Return whether there is a best ambient, with an interval that was not cut off."""
         low, high = self.ambient_interval(level)
         return math.isfinite(self.ambient) and ABSOLUTE_ZERO < low and high < self.coldest
 
@@ -192,10 +192,10 @@ def find_level_ambient(points: FilmPoints) -> float:
 
 @dataclass(frozen=True)
 class Confounding:
-    """How far the ambient, the level and the slope of h can be told apart at the points."""
+    """Confounding of the ambient, the level and the slope of h at the points."""
 
     correlation: float
-    """Of the estimates of slope and ambient; ±1 if one makes up for the other entirely."""
+    """Correlation of the estimates of slope and ambient; ±1 if they cannot be separated."""
     condition: float
     """Condition number of the scaled sensitivities; 1 if they are independent."""
 

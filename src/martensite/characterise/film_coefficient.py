@@ -83,7 +83,7 @@ class FilmPoints:
         return tuple(h * (at - self.ambient) for at, h in pairs)
 
     def at_ambient(self, ambient_degC: float) -> FilmPoints:
-        """The same fluxes and temperatures had the ambient been another one [°C]."""
+        """Return the points with the same fluxes and temperatures for another ambient [°C]."""
         _check_ambient(ambient_degC, self.temperatures_degC)
         return FilmPoints(
             self.temperatures_degC,
@@ -151,7 +151,7 @@ FORMS: dict[str, tuple[int, ...]] = {"constant": (0,), "linear": (0, 1), "quadra
 
 @dataclass(frozen=True)
 class FilmFit:
-    """A fitted polynomial, how much of the scatter it explains, and what is left open."""
+    """Fitted polynomial, its explained fraction of the scatter, and the remaining doubt."""
 
     coefficients: tuple[float, ...]
     """h₀ [W/(m² K)], h₁ [W/(m² K²)], h₂ [W/(m² K³)], … for temperatures in °C."""

@@ -48,7 +48,7 @@ class FilmVerdict:
     about: str
     """`curvature`, `slope` or `ambient`."""
     supported: bool
-    """Whether the points alone bear it."""
+    """True if the points alone bear it."""
     sentence: str
     """The answer with its numbers."""
 
@@ -60,7 +60,7 @@ class FilmVerdict:
 def judge_curvature(
     points: FilmPoints, fits: Mapping[str, FilmFit], free: Mapping[str, FreeAmbient], level: float
 ) -> FilmVerdict:
-    """Whether the points bear a square beside a linear term."""
+    """Return whether the points bear a square beside a linear term."""
     verdict = partial(FilmVerdict, "curvature")
     fit = fits.get("quadratic")
     if fit is None or not fit.linear.freedom:
@@ -93,7 +93,7 @@ def judge_slope(
     bent: bool,
     level: float,
 ) -> FilmVerdict:
-    """Whether the points bear a film coefficient that rises or falls with temperature."""
+    """Return whether the points bear a film coefficient that rises or falls with temperature."""
     verdict = partial(FilmVerdict, "slope")
     line = fits["linear"]
     given, at = line.interval(1, level), _word_ambient(points)
@@ -118,7 +118,7 @@ def judge_slope(
 
 
 def judge_ambient(free: Mapping[str, FreeAmbient], form: str, confounding: Confounding, level: float) -> FilmVerdict:
-    """Whether the points hold the ambient temperature, were it not known."""
+    """Return whether the points hold the ambient temperature, were it not known."""
     verdict = partial(FilmVerdict, "ambient")
     fit, beside = free.get(form), "a slope" if form == "linear" else "a bend"
     if fit is None or not fit.flux.freedom:
@@ -143,7 +143,7 @@ def judge_ambient(free: Mapping[str, FreeAmbient], form: str, confounding: Confo
 
 
 def _contradict_slope(free: FreeAmbient, given: float, level: float) -> str:
-    """What a fit with the ambient free has against a slope; empty if nothing."""
+    """Describe how a fit with a free ambient contradicts a slope; empty if it does not."""
     interval = free.leading_interval(level)
     number = _word_coefficient(1, free.leading, interval, level)
     if interval_contains(interval):
@@ -179,7 +179,7 @@ def _word_span(interval: Interval, coldest: float) -> str:
 
 @dataclass(frozen=True)
 class AmbientReport:
-    """What the film coefficient owes to the ambient temperature."""
+    """Effect of the ambient temperature on the film coefficient."""
 
     shifts: tuple[AtAmbient, ...]
     """Points and lines at ambient temperatures near the given one."""

@@ -7,14 +7,13 @@ period T_d, each time nearer to rest by the same factor:
     δ = ln(a_j/a_{j+1}) = 2 π ζ/√(1 - ζ²),    ζ = δ/√(4 π² + δ²),
     f_d = 1/T_d,    f_n = f_d/√(1 - ζ²).
 
-Each extreme, upper and lower ones, is that of a decaying sinusoid fitted to the rows within T_d/4
-of it, which averages noise; its decay and frequency are those of a first pass. x₀, a and δ are
-fitted to the extremes together: an offset of the sensor is no matter, and extremes near the noise
-weigh no more than they know. Standard errors are from the scatter about that curve, and about the
-line of t_k weighted by amplitude.
+Each extreme, upper or lower, belongs to a decaying sinusoid fitted to the rows within T_d/4 of it, which averages
+noise; its decay and frequency come from a first pass. x₀, a and δ are fitted to the extremes together: an offset of
+the sensor has no effect, and extremes near the noise have little weight. Standard errors are from the scatter about
+that curve, and about the line of t_k weighted by amplitude.
 
 In use: k = F/x or 3 E I/l³; M = k/ω_n²; c = 2 ζ √(k M).
-Source: Kossoski (2018), Appendix A, with f_d told from f_n.
+Source: Kossoski (2018), Appendix A, with f_d distinguished from f_n.
 """
 
 from __future__ import annotations
@@ -50,7 +49,7 @@ class LogDecrement:
     amplitude: MeasuredValue
     """a, amplitude at the first extreme, in the unit of the values."""
     extremes: Extremes
-    """What was fitted."""
+    """Extremes that were fitted."""
 
     @property
     def zeta(self) -> MeasuredValue:

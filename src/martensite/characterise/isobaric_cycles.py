@@ -36,7 +36,7 @@ SMALLEST_STRESS, LARGEST_STRESS = 1e4, 5e9
 STEADY = 0.2
 """Standard deviation of a stress, as a share of its mean, above which it is remarked upon."""
 WANDERING = 10e6
-"""The same in absolute terms; both must be exceeded [Pa]."""
+"""Largest variation of the stress in absolute terms; both limits must be exceeded [Pa]."""
 
 
 @dataclass(frozen=True)
@@ -62,15 +62,15 @@ class IsobaricCycle:
     heating: CycleBranch
     cooling: CycleBranch
     cold_start: bool
-    """Whether heating comes first."""
+    """True if heating comes first."""
     timed: bool
-    """Whether the rows have times of their own, which vouch for their order."""
+    """True if the rows have recorded times, which confirm their order."""
     number: int
     """Which cycle of the record it is, from 1 on."""
     cycles: int
     """Cycles in the record."""
     remarks: tuple[str, ...] = ()
-    """What a user should know, in sentences."""
+    """Remarks for the user, in sentences."""
 
 
 def cut_cycle(record: Record, *, stress: float | None = None, cycle: int = -1) -> IsobaricCycle:
@@ -84,7 +84,7 @@ def cut_cycle(record: Record, *, stress: float | None = None, cycle: int = -1) -
     Raises:
         DataError: a column is missing, too short or not what its name says, or there is no
             full cycle.
-        ParameterError: there is no such cycle, or the stress is not finite.
+        ParameterError: the cycle does not exist, or the stress is not finite.
     """
     rows = _rows_in_time(record)
     kelvin, strain = ([record[name][k] for k in rows] for name in ("temperature", "strain"))

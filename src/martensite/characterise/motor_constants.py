@@ -159,7 +159,7 @@ UNITS = {
 
 @dataclass(frozen=True)
 class MotorConstants:
-    """What the tests of a DC motor say."""
+    """Results of the tests of a DC motor."""
 
     resistance: MeasuredValue
     """R [ohm]"""
@@ -174,7 +174,7 @@ class MotorConstants:
     inertia: MeasuredValue | None = None
     """J [kg m²], with whatever was mounted; None without a run-up."""
     remarks: tuple[str, ...] = ()
-    """What is doubtful, or not supported by the tests."""
+    """Doubts, and statements without support by the tests."""
 
     @property
     def run_up_time(self) -> float | None:

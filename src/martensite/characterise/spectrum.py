@@ -24,7 +24,7 @@ from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.estimate import check_columns
 
 FEWEST = 16
-"""Rows below which there is no spectrum worth the name."""
+"""Smallest number of rows for a spectrum."""
 _CYCLES = 2.0
 _CLEAR = 6.0
 """Least peak over median of |X|: white noise of a million rows reaches it in 1 record of 10⁴."""

@@ -9,13 +9,12 @@ one slope common to its start and its finish,
 
     A_s,i = A_s + b_A σ_i,    A_f,i = A_f + b_A σ_i;    M_s, M_f and b_M alike.
 
-The common slope is that of the middles (A_s,i + A_f,i)/2, which is the least-squares solution of
-both lines together; start and finish at zero stress are half the mean width below and above the
-middle there. Errors of start and finish at one stress may go together, as those of one steep line
-do: middles and widths have errors of their own, which are added as independent ones, with the
-degrees of freedom of Welch and Satterthwaite. Errors at different stresses are taken as
-independent: n - 2 points to spare for a slope, so that with two stresses intervals are unbounded.
-The interval of C is that of b, inverted.
+The common slope is that of the middles (A_s,i + A_f,i)/2, which is the least-squares solution of both lines together;
+start and finish at zero stress are half the mean width below and above the middle there. Errors of start and finish at
+one stress may go together, as those of one steep line do: the errors of middles and widths are added as independent,
+with the degrees of freedom of Welch and Satterthwaite. Errors at different stresses are taken as independent: n - 2
+points to spare for a slope, so that with two stresses intervals are unbounded. The interval of C is that of b,
+inverted.
 
 Tangents over several stresses: slopes, zero-stress temperatures and H(σ), as a first guess.
 
@@ -58,7 +57,7 @@ class Direction:
     shift: MeasuredValue
     """Common slope b of temperature against stress [K/Pa]."""
     own: dict[str, LinearFit]
-    """Start, finish and half-way temperature, each over stress with a slope of its own."""
+    """Start, finish and half-way temperature, each fitted over stress with a separate slope."""
     widening: float
     """Probability of widths that change so much with stress were the slopes equal; NaN without a
     point to spare."""
@@ -132,7 +131,7 @@ DISTINCT = 1e5
 
 @dataclass(frozen=True)
 class TangentFit:
-    """What the tangents of cycles under several stresses say together."""
+    """Results of the tangents of cycles under several stresses."""
 
     levels: tuple[TangentPoints, ...]
     """In the order of stress."""
@@ -180,7 +179,7 @@ class TangentFit:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What a user should know, in sentences; those of the cycles begin with their names."""
+        """Return remarks for the user, in sentences; remarks on cycles begin with their names."""
         said = [f"{points.name}: {text}" for points in self.levels for text in points.remarks]
         for name, found in (("C_A", self.reverse), ("C_M", self.forward)):
             low, high = found.slope_interval()
@@ -281,7 +280,7 @@ def _read_points(one: Record | TangentPoints, stress: float | None, cycle: int) 
 
 
 def _count_levels(levels: Sequence[TangentPoints]) -> str:
-    """How many cycles there are and at which stress, in words."""
+    """Describe the number of cycles and their stress."""
     if not levels:
         return "are none"
     at = f"at {levels[0].stress / 1e6:.4g} MPa"

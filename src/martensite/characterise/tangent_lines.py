@@ -1,4 +1,4 @@
-"""Three straight lines through one branch of an isobaric cycle, found without a hand in it.
+"""Three straight lines through one branch of an isobaric cycle, found automatically.
 
 Over temperature the strain of a branch is nearly straight while all is martensite (cold), nearly
 straight while all is austenite (hot), and steep in between. The lines:
@@ -13,9 +13,9 @@ and the finish; since what lies outside depends on them, this is repeated until 
 `PASSES` times at most. It begins with the three lines that leave the least sum of squares of all
 divisions of the branch in three, found among `CELLS` cells of equal width in temperature.
 
-On a transformation that is straight from corner to corner the intersections are the corners. On
-one with round ends they lie inside: those of a cosine at 1/2 ± 1/π of its width (`COSINE`), less
-a hair for the steep line being a chord of finite length.
+On a transformation that is straight from corner to corner the intersections are the corners. On one with round ends
+they lie inside: those of a cosine at 1/2 ± 1/π of its width (`COSINE`), slightly less because the steep line is a chord
+of finite length.
 
 Source: the construction of ASTM F2082 and ASTM E3097, where lines are drawn by eye.
 """
@@ -51,7 +51,7 @@ CELLS = 100
 FEWEST_STEEP = 4
 """Rows of the steep line; neighbours are taken in if there are fewer."""
 FLATTER = 1.0 / 3.0
-"""Slope of an outer line, as a share of the steep one, from which on it is no outer line."""
+"""Slope of an outer line relative to the steep line above which it is rejected."""
 CLEAR = 5.0
 """Transformation strain, in standard deviations about the outer lines, that counts as one."""
 COSINE = math.pi / 2.0
@@ -81,12 +81,12 @@ class BranchTangents:
 
     @property
     def low(self) -> float:
-        """Where the steep line meets the cold one [K]."""
+        """Return the intersection of the steep and the cold line [K]."""
         return self.steep.meets(self.cold)
 
     @property
     def high(self) -> float:
-        """Where the steep line meets the hot one [K]."""
+        """Return the intersection of the steep and the hot line [K]."""
         return self.steep.meets(self.hot)
 
     @property
@@ -116,7 +116,7 @@ def branch_tangents(temperatures: Any, strains: Any, where: str) -> BranchTangen
     """Find the three lines of a branch of temperatures [K], in any order, and strains [-].
 
     Raises:
-        DataError: there is no transformation, or none that the branch holds as a whole.
+        DataError: the branch lacks a transformation, or contains only a part of it.
     """
     kelvin, strain = sort_by_temperature(temperatures, strains)
     cells = average_cells(kelvin, smooth_median(strain), CELLS)
@@ -141,7 +141,7 @@ def branch_tangents(temperatures: Any, strains: Any, where: str) -> BranchTangen
 
 
 def _is_straight(kelvin: Any, strain: Any) -> bool:
-    """Whether all rows lie on one line."""
+    """Return whether all rows lie on one line."""
     return bool(abs(strain - fit_line(kelvin, strain).value(kelvin)).max() < LEAST)
 
 

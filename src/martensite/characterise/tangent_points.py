@@ -32,7 +32,7 @@ SHORT = 0.5
 
 @dataclass(frozen=True)
 class TangentPoints:
-    """What the tangents say of one cycle."""
+    """Results of the tangents of one cycle."""
 
     name: str
     """Name of the record."""
@@ -50,7 +50,7 @@ class TangentPoints:
     cycle: IsobaricCycle
     """The rows."""
     remarks: tuple[str, ...] = ()
-    """What a user should know, in sentences."""
+    """Remarks for the user, in sentences."""
 
     @property
     def A_s(self) -> float:
@@ -139,9 +139,8 @@ def find_tangent_points(record: Record, *, stress: float | None = None, cycle: i
         cycle: which cycle of the record, counted as in a list; the last if left out.
 
     Raises:
-        DataError: the columns are not what their names say, there is no full cycle, no
-            transformation, or one that the record does not hold as a whole.
-        ParameterError: there is no such cycle.
+        DataError: the columns contradict their names, or a full cycle or a full transformation is missing.
+        ParameterError: the cycle does not exist.
     """
     cut = cut_cycle(record, stress=stress, cycle=cycle)
     heating, cooling = _read_branch(cut, "heating"), _read_branch(cut, "cooling")
@@ -200,7 +199,7 @@ def _residual_strain(heating: BranchTangents, cooling: BranchTangents, cold_star
 
 
 def _list_remarks(rows: CycleBranch, found: BranchTangents, way: str) -> list[str]:
-    """Where the record hardly reaches beyond a transformation, or hardly samples it."""
+    """Return remarks on a record that hardly reaches beyond a transformation, or hardly samples it."""
     said: list[str] = []
     between = sum(found.low <= kelvin <= found.high for kelvin in rows.temperature)
     if between < FEW:

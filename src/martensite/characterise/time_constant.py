@@ -47,7 +47,7 @@ class Rise:
 
     @property
     def follows(self) -> bool:
-        """Whether the record follows an exponential: residuals small, or without a pattern."""
+        """Return whether the record follows an exponential: residuals small, or without a pattern."""
         small = self.deviation <= _SMALL * abs(self.change.value)
         return small or self.correlation < _ALONG
 

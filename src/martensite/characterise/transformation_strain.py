@@ -124,7 +124,7 @@ def _mean_strain(strains: Sequence[float]) -> MeasuredValue:
 
 
 def _is_worthwhile(squares: float, constant: float, spare: int) -> bool:
-    """Whether two terms more are worth it at the level of all intervals."""
+    """Return whether two terms more are worth it at the level of all intervals."""
     return constant > 0.0 and (squares / constant) ** (0.5 * spare) < 1.0 - LEVEL
 
 
