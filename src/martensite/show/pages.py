@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 _NAME = re.compile(r"(`[^`]+`)")
 _MARKUP = re.compile(r"<(?=[A-Za-z/!?])|`|(?<=\])\(")
-"""What would begin a tag, a name in backquotes, or the address of a link."""
+"""Characters that would begin a tag, a name in backquotes, or the address of a link."""
 HTML, MARKDOWN = (".html", ".htm"), (".md", ".markdown")
 
 
@@ -112,7 +112,7 @@ def check_page_path(path: str | Path) -> Path:
 
 
 def find_figure_folder(path: Path) -> Path:
-    """Where the figures of a page in Markdown lie."""
+    """Return the folder of the figures of a page in Markdown."""
     return path.with_name(f"{path.stem}_figures")
 
 

@@ -15,7 +15,7 @@ import typer
 from martensite.base.summary import Summary, Tone
 
 PIPE_WIDTH = 150
-"""Columns where there is no terminal to fit."""
+"""Width of the output without a terminal [columns]."""
 _STYLES: dict[Tone, dict[str, Any]] = {
     "title": {"bold": True},
     "good": {"fg": "green"},

@@ -1,4 +1,4 @@
-"""What a figure of a bench shows: its loops, and which columns of a result belong together."""
+"""Loops of a figure of a bench, and the related columns of a result."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ class Loop:
     drive: str
     """Name of its drive."""
     reference: Any
-    """What its reading shall be, over the times of the result [SI]."""
+    """Reference of the reading over the times of the result [SI]."""
     reading: str
     """Column of its reading."""
     truth: str
-    """Column of what is read; that of the reading itself if there is no other of its unit."""
+    """Column of the measured quantity; the column of the reading if the result lacks the quantity."""
     wanted: str
     """Column of the signal that it wants; empty if the result does not know it."""
 
@@ -59,7 +59,7 @@ def find_loops(result: Result, outside: Mapping[str, AbstractController] | None 
 
 
 def _find_loop(result: Result, bench: Bench, drive: str, one: AbstractController, name: str) -> Loop | None:
-    """The loop of a controller; none if what it follows is no column."""
+    """Return the loop of a controller; None if its reading is not a column."""
     reading = _find_column(result, one.measured)
     if reading is None:
         return None
@@ -76,7 +76,7 @@ def _find_column(result: Result, name: str) -> str | None:
 
 
 def _find_truth(result: Result, bench: Bench, name: str, reading: str) -> str:
-    """What a reading is a reading of."""
+    """Return the column of the quantity behind a reading."""
     sensor = bench.sensors.members().get(name)
     seen = sensor.sees()[0] if sensor is not None else name.removeprefix(ESTIMATED)
     known = seen in result.outputs and result.unit(seen) == result.unit(reading)

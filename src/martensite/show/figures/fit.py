@@ -1,6 +1,6 @@
-"""A fit beside what was measured, record by record, over time and as a loop; and its residuals.
+"""Figure of a fit with its data, record by record, over time and as a loop; and its residuals.
 
-What was kept back from the fit is tinted, and the model is drawn there in another colour. Of the
+Held-out data are tinted, and the model is drawn there in another colour. Of the
 residuals the autocorrelation is drawn too, with the band that holds 95 % of the lags if they are
 white.
 """
@@ -40,9 +40,9 @@ if TYPE_CHECKING:
 HELD = "#a03c6e"
 """The model where it was not fitted."""
 TINT = "#f7eef3"
-"""Behind what was kept back."""
+"""Background colour of held-out data."""
 SEEN = "#9aa2a9"
-"""What was measured."""
+"""Colour of measured data."""
 DOTS = 150
 """Rows up to which measurements are dots."""
 MOST = 12
@@ -96,12 +96,12 @@ def plot_fit_loops(fit: Fit, title: str = "") -> Figure:
 
 
 def has_loops(fit: Fit) -> bool:
-    """Whether `plot_fit_loops` has something to draw."""
+    """Return whether `plot_fit_loops` has a loop to draw."""
     return any(find_loop_column(one) is not None for one in list_compared(fit))
 
 
 def make_output_axis(name: str, described: Output) -> QuantityAxis:
-    """How an output is shown."""
+    """Return the axis of an output."""
     shown = units.of_column(name, described.unit)
     return QuantityAxis(name, described.long_name, described.symbol, described.unit, shown)
 
@@ -172,7 +172,7 @@ def _write_name(axes: Any, one: ComparedOutput) -> None:
 
 
 def _share_scales(panels: Sequence[Any], rows: Sequence[ComparedOutput]) -> None:
-    """The same vertical scale for the same output, so that panels compare at a glance."""
+    """Give panels of the same output the same vertical scale, so that they compare at a glance."""
     for name in dict.fromkeys(one.output for one in rows):
         own = [(axes, one) for axes, one in zip(panels, rows, strict=True) if one.output == name]
         shown = make_output_axis(name, own[0][1].description)
@@ -182,7 +182,7 @@ def _share_scales(panels: Sequence[Any], rows: Sequence[ComparedOutput]) -> None
 
 
 def _write_key(figure: Figure, rows: Sequence[ComparedOutput]) -> None:
-    """What the lines are, below the headline."""
+    """Add a key of the lines below the headline."""
     colours = {"measured": SEEN}
     if any(one.used.any() for one in rows):
         colours["model, fitted to it"] = SIMULATED

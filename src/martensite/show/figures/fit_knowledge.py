@@ -1,4 +1,4 @@
-"""What data tell of parameters: correlations, the least certain direction, likelihoods, the search."""
+"""Information of data on parameters: correlations, the least certain direction, likelihoods, the search."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ LETTER = 0.073
 MOVERS = 8
 """Parameters of a direction that are drawn."""
 LEAST = 1e-3
-"""Where singular values of 0 are drawn, below the smallest other one."""
+"""Position of singular values of 0, below the smallest other one."""
 TOP = 2.4
 """Height of a panel, in limits."""
 BAND = "#e8eef3"
@@ -214,7 +214,7 @@ def plot_likelihood(profiles: Sequence[Profile], fit: Fit | None = None, title: 
         title: headline.
 
     Raises:
-        InputError: there is no profile.
+        InputError: the profiles are empty.
     """
     if not profiles:
         raise InputError("There is no profile likelihood to draw.")
@@ -259,7 +259,7 @@ def _interpolate_root(at: Any, excess: Any, best: float) -> tuple[Any, Any]:
 
 
 def _draw_parabola(axes: Any, one: Profile, fit: Fit, shown: QuantityAxis) -> None:
-    """What the Jacobian at the optimum says of the same, in the same units."""
+    """Draw the likelihood from the Jacobian at the optimum, in the same units."""
     unsure = fit.uncertainty
     error = unsure.errors[unsure.names.index(one.name)]
     if not 0.0 < error < math.inf:

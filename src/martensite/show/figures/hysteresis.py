@@ -1,14 +1,14 @@
 """Hysteresis loops, coloured by heating and cooling, with the strips of the law.
 
 The path is cut at the turning points of the temperature: heating leads up to one, cooling
-down to one. A ripple of less than 4 % of the range (pulse-width modulation) is no turn. An
+down to one. A ripple of less than 4 % of the range (pulse-width modulation) is ignored. An
 arrow shows the way along the longest run of either, a ring where the path begins. The
 strips A_s…A_f and M_s…M_f are drawn where they lie at the mean stress,
 
     A_s + σ̄/C_A … A_f + σ̄/C_A,    M_f + σ̄/C_M … M_s + σ̄/C_M,
 
 for laws that shift both strips in this way, which is for laws that have these parameters
-and no critical stresses of their own.
+and without critical stresses.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from martensite.show.figures.style import COOLING, HEATING, INK, QUIET
 from martensite.simulate.result import Result
 
 LOOPS = (("temperature", "martensite_fraction"), ("temperature", "strain"), ("strain", "stress"))
-"""What is drawn over what: (horizontal, vertical)."""
+"""Quantities of the loops: (horizontal, vertical)."""
 SENSES = ((1, "heating", HEATING, 2.0), (-1, "cooling", COOLING, 1.1), (0, "isothermal", INK, 1.3))
 """Sign of the change of temperature, name, colour, line width; the thin line lies on top."""
 RIPPLE = 0.04
-"""Share of the range of temperature below which a change is no turn."""
+"""Fraction of the range of temperature below which a change is ignored."""
 STILL = 1e-6
 """Range of temperature of an isothermal path [K]."""
 _SHIFTED = ("A_s", "A_f", "M_s", "M_f", "C_A", "C_M")

@@ -1,4 +1,4 @@
-"""What stands on an axis: symbol and unit, and the numbers in that unit."""
+"""Label of an axis: symbol and unit, and the numbers in that unit."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ FRACTIONS = ("martensite_fraction",)
 
 @dataclass(frozen=True)
 class QuantityAxis:
-    """How one quantity is shown."""
+    """Display of one quantity."""
 
     name: str
     """Column of the result, or `time`."""
@@ -52,7 +52,7 @@ STRAIN = QuantityAxis("strain", "strain", "ε", "1", "%")
 
 
 def describe_axis(result: Result, name: str) -> QuantityAxis:
-    """How the column `name` of a result is shown; `time` is one too."""
+    """Return the display of the column `name` of a result, or of `time`."""
     unit = result.unit(name)
     if name == "time":
         return QuantityAxis(name, "time", "t", unit, unit)
@@ -106,7 +106,7 @@ def label_difference(unit: str) -> tuple[str, float]:
 
 
 def label_ratio(above: str, below: str) -> tuple[str, float]:
-    """The same for one unit over another; `–` where they cancel."""
+    """Return the label and factor of one unit over another; `–` if they cancel."""
     (top, over), (bottom, under) = label_difference(above), label_difference(below)
     if top == bottom:
         return "–", 1.0

@@ -105,7 +105,7 @@ def _draw_beside(by_law: dict[Any, list[PointResult]], title: str | None, plane:
         share_limits(row)
     legends = [_make_legend(results) for results in by_law.values()]
     alike = all(legend == legends[0] for legend in legends)
-    if not alike:  # every law has conditions of its own
+    if not alike:  # conditions differ between laws
         for axes, legend in zip(panels[0], legends, strict=True):
             axes.legend(make_colour_samples(legend), list(legend), loc="best")
     write_headline(figure, title or _join_names([own[0] for own in by_law.values()]))

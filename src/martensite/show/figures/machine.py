@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 WIDTH, PANEL_HEIGHT = 12.0, 1.3
 HEAD, FOOT = 1.0, 0.6
 COLOURS = ("#1f5f8b", "#d55e00", "#5a8f7b", "#8a6fa8", "#b0783c", "#6f6f6f")
-"""Of actuators and coordinates; more of them go through a colour map."""
+"""Colours of actuators and coordinates; larger numbers of them use a colour map."""
 PANELS = ("drive", "temperature", "martensite_fraction", "force")
 LOOPS = (("temperature", "martensite_fraction"), ("strain", "stress"))
 
@@ -64,7 +64,7 @@ def choose_colours(count: int) -> list[Any]:
 
 
 def choose_width(i: int, count: int) -> float:
-    """Of line `i` of `count`: the later are thinner, so that those below remain visible."""
+    """Return the width of line `i` of `count`: later lines are thinner, so that lines below remain visible."""
     return 1.0 + 1.2 * (1.0 - (i + 1) / count)
 
 
@@ -86,7 +86,7 @@ def _draw_lines(axes: Any, result: Result, columns: Sequence[str], labels: Seque
 
 
 def _write_label(shown: QuantityAxis, count: int) -> str:
-    """What is drawn: without the name of the port, or of the coordinate where there are more."""
+    """Return the label of a panel, without the name of the port, or of the coordinate among several."""
     words = shown.long_name.partition(", ")[0]
     return words if count == 1 or "." in shown.name else f"{words} and others"
 

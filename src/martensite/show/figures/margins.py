@@ -42,10 +42,10 @@ def to_control_system(linear: LinearSystem) -> Any:
 
 
 def plot_scenario_margins(scenario: Scenario) -> Figure:
-    """The figure of the first loop of a scenario that holds a reading.
+    """Draw the figure of the first loop of a scenario that holds a reading.
 
     Raises:
-        InputError: there is no loop that has a linear system, or python-control is not installed.
+        InputError: the scenario has no linearisable loop, or python-control is not installed.
     """
     members = {} if scenario.bench is None else scenario.bench.controllers.members()
     drive = next((name for name, one in members.items() if one.holds), None)

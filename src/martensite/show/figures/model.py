@@ -52,7 +52,7 @@ BAND = "#bcd3e2"
 LOOPED = 20_000
 """Points of a loop at most."""
 SHADES = ("#c9d0d5", FAINT)
-"""Of the bands, narrow and wide."""
+"""Colours of the bands, narrow and wide."""
 MOST_CORNERS = 4000
 """Points of a line beyond which it is drawn by its extremes."""
 MOST_PANELS = 6
@@ -217,7 +217,7 @@ def _draw_cross_correlation(axes: Any, one: Crossed) -> None:
 def write_signal_label(name: str, units: Mapping[str, str]) -> str:
     """Name and unit of a signal, such as position [mm]."""
     unit = units.get(name, "")
-    plain = name.replace("_", " ").replace("$", r"\$")  # a name of a column is no mathematics
+    plain = name.replace("_", " ").replace("$", r"\$")  # a column name is not mathematics
     return f"{plain} [{typeset_unit(unit, '–')}]"
 
 

@@ -24,14 +24,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 BEYOND = 0.15
-"""How far beyond the data a curve is drawn, as a share of their range."""
+"""Extension of a curve beyond the data, as a fraction of their range."""
 POINTS = 401
 CONSTANTS = 6.0
 """Length of a step response in longest time constants."""
 MOST = 4000
 """Samples of a step response at most."""
 DECADES = 3.5
-"""Of a frequency response, below half the sample rate or around the slowest pole."""
+"""Decades of a frequency response, below half the sample rate or around the slowest pole."""
 
 
 def plot_static_blocks(chain: Chain, record: Sampled, title: str = "") -> Figure:

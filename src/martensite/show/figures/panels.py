@@ -1,4 +1,4 @@
-"""What figures of several panels have in common: their grid, their headline, and their key."""
+"""Common parts of figures with several panels: their grid, their headline, and their key."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def shorten_name(name: str, most: int = 34) -> str:
 
 
 def add_key(figure: Figure, handles: Sequence[Any], labels: Sequence[str], below: float = 0.4) -> None:
-    """What the lines are, so far below the top of a figure [inch]; nothing if there are none."""
+    """Add a key of the lines, `below` the top of a figure [inch]; without labels it does nothing."""
     if not labels:
         return
     width, height = figure.get_size_inches()
@@ -121,7 +121,7 @@ def add_key(figure: Figure, handles: Sequence[Any], labels: Sequence[str], below
 
 
 def add_colour_key(figure: Figure, colours: Mapping[str, Any]) -> None:
-    """What the colours are, below the headline."""
+    """Add a key of the colours below the headline."""
     add_key(figure, make_colour_samples(colours), list(colours))
 
 
@@ -133,7 +133,7 @@ def make_colour_samples(colours: Mapping[str, Any]) -> list[Any]:
 
 
 def add_legend_above(axes: Any, columns: int = 6) -> None:
-    """What the lines of a panel are, above it on the right; nothing if no line has a name."""
+    """Add a legend above a panel on the right; without named lines it does nothing."""
     if axes.get_legend_handles_labels()[1]:
         axes.legend(
             loc="lower right",
@@ -157,7 +157,7 @@ def share_limits(row: Sequence[Any]) -> None:
 
 
 def add_colour_bar(figure: Any, drawn: Any, axes: Any, label: str, **how: Any) -> None:
-    """What the colours of a map stand for."""
+    """Add a bar with the colours of a map."""
     bar = figure.colorbar(drawn, ax=axes, pad=0.02, **how)
     bar.set_label(label, color=INK)
     bar.outline.set_visible(False)
@@ -170,7 +170,7 @@ def draw_start(axes: Any, x: Any, y: Any, label: str = "_start") -> None:
 
 
 def measure_way(axes: Any, x: Any, y: Any) -> Any:
-    """How far it is along a curve to each of its points, as shares of the axes."""
+    """Return the distance along a curve to each of its points, as fractions of the axes."""
     across, up = np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())
     return np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x) / across, np.diff(y) / up))])
 

@@ -22,13 +22,13 @@ from martensite.simulate.result import Result
 DOTS = 150
 """Records of more samples than this are drawn as lines."""
 NAMED = 2
-"""Of more records than this the RMS is given for all together."""
+"""Largest number of records with separate RMS values; for more, the RMS covers all together."""
 KEYED = 5
 """Longest key: the simulation and the first records."""
 
 
 class MeasuredRecord(Protocol):
-    """What a figure needs of a record: columns in SI under the names of outputs."""
+    """Record for a figure: columns in SI under the names of outputs."""
 
     @property
     def name(self) -> str:

@@ -143,7 +143,7 @@ def _set_logarithmic(axes: Any, gains: Any) -> None:
 
 
 def _mark_bandwidths(axes: Any, found: FrequencyResponse, size: float) -> None:
-    """Where the gain is that of half the power."""
+    """Mark the points of half the power on the gain curves."""
     for width, row in zip(found.bandwidth, found.gain, strict=True):
         if np.isfinite(width):
             axes.plot(width, row[0] / size / np.sqrt(2.0), "x", color=QUIET, zorder=3.0)

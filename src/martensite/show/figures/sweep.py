@@ -37,7 +37,7 @@ CELL = 1.7
 
 
 def plot_sweep(found: SweepTable, measures: Sequence[str] | None = None, title: str = "") -> Figure:
-    """Draw what a sweep found.
+    """Draw the results of a sweep.
 
     One varied number: measures over it. Two: a map of each measure. More: a matrix of scatter of
     all varied numbers, coloured by the first measure, which is also drawn over each.
@@ -48,7 +48,7 @@ def plot_sweep(found: SweepTable, measures: Sequence[str] | None = None, title: 
         title: headline; by default that of the sweep.
 
     Raises:
-        UnknownNameError: there is no such measure.
+        UnknownNameError: the measure does not exist.
         DataError: only traces were kept.
     """
     chosen = found.chosen(None if measures is None else list(measures))[:MOST]

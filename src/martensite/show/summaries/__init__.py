@@ -1,1 +1,1 @@
-"""What there is to say of each kind of result: one file per kind, one `Summary` for all pages."""
+"""Summaries of each kind of result: one file per kind, one `Summary` for all pages."""

@@ -129,7 +129,7 @@ def _describe_verdict(fit: Fit) -> Block:
 
 
 def collect_warnings(fit: Fit) -> list[str]:
-    """What a reader must know before the numbers are used."""
+    """Return the warnings that a reader needs before using the values."""
     weak = list(dict.fromkeys(name for one in fit.identifiability.weak for name in one.names))
     found = list(dict.fromkeys([*fit.cautions, *list_fit_warnings(fit)]))
     if weak:

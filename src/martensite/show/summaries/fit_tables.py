@@ -47,7 +47,7 @@ def _write_record(one: ComparedOutput) -> tuple[str, ...]:
 
 
 def tabulate_parameters(fit: Fit) -> DataTable:
-    """What was found, how sure it is, and from where it was searched."""
+    """Return a table of the fitted parameters, their intervals, and their search ranges."""
     return DataTable(
         (
             "parameter",
@@ -96,7 +96,7 @@ def choose_parameter_unit(free: FreeNumber, value: float) -> str:
 
 
 def mark_parameter(fit: Fit, name: str) -> str:
-    """What speaks against a number, in two words; empty if nothing does."""
+    """Return a caution about a parameter in two words; empty without one."""
     if not all(map(math.isfinite, fit.uncertainty.widened(name))):
         return "not determined"
     if name in fit.at_bound():
@@ -127,7 +127,7 @@ def _write_interval(ends: Interval, unit: str, spelling: str, decimals: int | No
 
 
 def tabulate_own_numbers(fit: Fit) -> DataTable | None:
-    """What records that were kept back have for themselves; None if that is nothing."""
+    """Return a table of the parameters fitted to held-out records alone; None without such parameters."""
     known = {free.path: free for free in fit.problem.free}
     rows = list[tuple[str, ...]]()
     for kept in fit.kept:
@@ -142,7 +142,7 @@ def tabulate_own_numbers(fit: Fit) -> DataTable | None:
 
 
 def tabulate_errors(fit: Fit) -> DataTable:
-    """How well every record is met, those that the fit did not see marked."""
+    """Return a table of the errors of every record, with held-out records marked."""
     rows = [(one, score) for one in list_compared(fit) for score in one.score()]
     raw = any(one.raw is not None for one, _ in rows)
     note = (

@@ -139,7 +139,7 @@ def _collect_numbers(found: Identified, records: Sequence[Sampled]) -> dict[str,
 def summarise_model(
     validations: Sequence[Validation], uncertainty: ChainUncertainty | None = None, title: str = ""
 ) -> Summary:
-    """How well a model does on one or several records; its uncertainty adds numbers and bands.
+    """Summarise the scores of a model on records; `uncertainty` adds parameters and bands.
 
     Raises:
         DataError: there are no validations.

@@ -175,7 +175,7 @@ def _write_numbers(
 
 @dataclass(frozen=True)
 class Oscillator:
-    """What vibrates: a stiffness or a moving mass, in SI; at most one of them is given."""
+    """Stiffness or moving mass of an oscillator, in SI; at most one of them is given."""
 
     stiffness: float | None
     mass: float | None

@@ -1,4 +1,4 @@
-"""A climb of the ladder of structures in words: what the record is, what was tried, what the model is worth."""
+"""Summary of a climb of the ladder of structures: the record, the trials, and the value of the model."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from martensite.search.quantity_text import format_change, format_number, format
 from martensite.show.figures.fit import has_loops, plot_fit, plot_fit_loops
 
 HELD_OUT = ("record", "output", "rms", "raw_rms", "own_zero", "whole", "fit_percent")
-"""What programs are told of an error in what was held out."""
+"""Entries of a held-out error in machine-readable output."""
 
 
 def summarise_log_model(model: LogModel, command: str = "") -> Summary:
@@ -138,7 +138,7 @@ def _list_input_noise(model: LogModel) -> Iterator[Sentence]:
 
 
 def list_next_records(model: LogModel) -> list[str]:
-    """What further records would tell, the most useful first."""
+    """Return suggestions for further records, the most useful first."""
     return list(_iterate_next(model)) or [
         "Another record under other conditions, kept back as it is, to judge the model."
     ]

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from martensite.simulate.result import Result
 
 NOTHING = 1e-12
-"""What is smaller is the error of rounding."""
+"""Size below which a value is rounding error."""
 AVERAGED = ("pulses - average", "RMS", "largest")
 PEAKS = (
     ("hottest", "peak temperature", max),
@@ -32,7 +32,7 @@ PEAKS = (
     ("force", "peak force", max),
     ("martensite_fraction", "least martensite fraction", min),
 )
-"""Output, what is said of it, and which end."""
+"""Output, its description, and the function of its extreme."""
 COMPARED = ("computed - measured", "RMS", "largest", "at", "measured range")
 COLUMNS = ("path", "leg", "ξ", "transforms", "starts", "half", "ends", "strain", "stress")
 
@@ -113,7 +113,7 @@ def tell_limits(found: Judgement) -> Sentence:
 
 
 def _collect_guard(scenario: Scenario) -> Summary:
-    """What guards a loop, and how hot it lets an element get; nothing without a loop."""
+    """Summarise the guard of a loop and the highest temperature that it allows; empty without a loop."""
     if scenario.bench is None:
         return Summary("", [], {})
     from martensite.scenario.guard_report import collect_guard, describe_guard
@@ -284,7 +284,7 @@ def _write_spot(stage: PathStage, i: int) -> str:
 
 
 def summarise_law_logs(comparisons: Sequence[LawComparison]) -> Summary:
-    """How far laws are from logs."""
+    """Summarise the deviations of laws from logs."""
     data: list[dict[str, Any]] = []
     for one in comparisons:
         law, source = one.configured.law.registered_name, one.configured.material

@@ -34,7 +34,7 @@ COLUMNS = (
 """So narrow that the table of wires stands side by side in 80 columns."""
 _SHAPE = ("\n°C", "coils", "D\nmm", "turns", "length\nmm")
 COIL_COLUMNS = (*COLUMNS[:2], *_SHAPE, *COLUMNS[5:7], *COLUMNS[9:])
-"""The same of coils: mean diameter, and the length under load, hot and cold."""
+"""Columns of coils: mean diameter, and the length under load, hot and cold."""
 CHECKED = (
     "wire\nmm",
     "alloy\n°C",
@@ -294,7 +294,7 @@ def _collect_spreads(rows: Sequence[CheckRow], alloy: str) -> dict[str, RatioSpr
 
 
 def list_spreads(rows: Sequence[CheckRow]) -> list[str]:
-    """How far the ratios are apart, for each alloy and number."""
+    """Return the spread of the ratios for each alloy and quantity."""
     return [
         f"{alloy} °C, {name}: model/catalogue {found.least:.2f} to {found.most:.2f}, geometric mean {found.mean:.2f}"
         for alloy in _list_alloys(rows)

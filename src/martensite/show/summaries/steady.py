@@ -23,7 +23,7 @@ SPEEDS = ("rpm", "rad/s", "Hz")
 SHOWN = 12
 """Points of a curve that are shown."""
 PROFILE = "["
-"""What is in the name of an output of one cell of many, which is left out."""
+"""Mark in the name of an output of one cell of many, which is left out."""
 
 
 def write_speed(speed: float, unit: str) -> str:
@@ -63,7 +63,7 @@ _NAMES = {"cold": "come to from the cold", "hot": "come to from the hot", "state
 
 
 def _tell_neutral(found: Stability) -> list[Block]:
-    """What hysteresis and counters leave open."""
+    """Return the sentence on neutral directions, from hysteresis and counters."""
     if not found.neutral:
         return []
     return [

@@ -32,7 +32,7 @@ class TuningOutcome:
     drive: str
     tests: LoopTests | None
     origin: str
-    """Where the numbers come from, in words."""
+    """Origin of the values, in words."""
 
 
 def summarise_tuning(found: TuningOutcome) -> Summary:
