@@ -43,8 +43,9 @@ def write_model(chain: Chain, path: str | Path, provenance: Mapping[str, Any] | 
         path: the file to write, ending in .json; its folder must exist.
         provenance: where the model comes from, of plain values (see `model_provenance`).
 
-    Raises:         DataError: the path does not end in .json, or the file cannot be written.         InputError: a
-        block or the provenance holds a value that JSON cannot represent, or a free number is not finite.
+    Raises:
+        DataError: the path does not end in .json, or the file cannot be written.
+        InputError: a block or the provenance holds a value that JSON cannot represent, or a free number is not finite.
     """
     path = Path(path)
     if path.suffix.lower() != ".json":

@@ -1,19 +1,19 @@
-"""What every study answers: a digest, claims with verdicts, reports, and a figure.
+"""Base of all studies: a digest, claims with verdicts, reports, and a figure.
 
 A study is a folder of this package, or an entry point of the group `martensite.studies`. A study that cannot be
 imported or loaded fails alone.
 
-A claim sets a number that a source prints beside a computed one. It has one of six verdicts:
+A claim compares a number that a source prints with a computed number. It has one of six verdicts:
 
     reproduced            |computed - published| ≤ tolerance
-    disagrees             it is larger, and nothing that is printed says why
-    misprint              it is larger, since what is printed is wrong: the correction is named
-    self-contradictory    it is larger, and both numbers are of printed statements: both are named
-    not comparable        the source has another wire or record, or keeps back what is needed: what differs is named
-    recovery              the number was chosen, fitted or found again with published ones: agreement says nothing
+    disagrees             it is larger, for no reason in print
+    misprint              it is larger because of an error in print: the correction is named
+    self-contradictory    it is larger, and both numbers follow from printed statements: both are named
+    not comparable        the source has another wire or record, or omits needed data: the difference is named
+    recovery              the number was chosen or fitted with published numbers: agreement proves nothing
 
 The first four rest on a tolerance, which has a reason and is at most a fifth of the published number. A claim whose
-verdict contradicts its numbers cannot be made. A computed number for which no source prints one is a report.
+verdict contradicts its numbers cannot be made. A computed number without a printed counterpart is a report.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from martensite.base.registry import Registry
 Verdict = Literal["reproduced", "disagrees", "misprint", "self-contradictory", "not comparable", "recovery"]
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 GROUNDS = {"misprint": "correction", "self-contradictory": "against", "not comparable": "differs"}
-"""What a claim of a verdict must name, and no other may."""
+"""Field that a claim of each verdict must have, and that is forbidden for other verdicts."""
 WIDEST = 0.2
 """Largest tolerance, as a share of the published number."""
 DIGEST = ("holds", "misprinted", "contradicts_itself", "assumed", "use_instead")
@@ -57,23 +57,23 @@ class Claim:
     source: str
     """Key of the source in the bibliography, and the section, table or equation there."""
     published: float | None
-    """As printed; None where only an equation is."""
+    """Published value as printed; None where only an equation is printed."""
     computed: float | None
     unit: str
     tolerance: float | None
     """Largest difference that counts as agreement, in `unit`."""
     verdict: Verdict
     why: str
-    """What the verdict rests on, or why the numbers differ."""
+    """Basis of the verdict, or reason for the difference."""
     tolerance_reason: str = ""
     as_printed: float | None = None
-    """What a misprinted equation gives as it is printed."""
+    """Result of a misprinted equation as printed."""
     correction: str = ""
-    """Of a misprint: what is to be used instead."""
+    """Correction of a misprint."""
     against: str = ""
-    """Of a contradiction: the other printed statement and its place, from which the computed number follows."""
+    """For a contradiction, the other printed statement and its place, from which the computed number follows."""
     differs: str = ""
-    """Where nothing can be compared: what is another, or was kept back."""
+    """For incomparable numbers, the difference or the omitted data."""
 
     def __post_init__(self) -> None:
         """Raise `ParameterError` if the verdict is not the one that the numbers and grounds have."""
@@ -133,7 +133,7 @@ class Answer:
         return cls(claims, reports, digest, made_by)
 
     def count_all(self) -> dict[str, int]:
-        """How many claims there are of each verdict, and how many reports."""
+        """Return the number of claims of each verdict, and the number of reports."""
         counted = Counter(claim.verdict for claim in self.claims)
         return {verdict: counted[verdict] for verdict in VERDICTS} | {"reports": len(self.reports)}
 
@@ -144,19 +144,19 @@ class AbstractStudy:
     registered_name: ClassVar[str] = ""
     title: ClassVar[str] = ""
     order: ClassVar[int] = sys.maxsize
-    """Where it stands in a list; those of one source stand together."""
+    """Position in a list; studies of one source are adjacent."""
     cites: ClassVar[tuple[str, ...]] = ()
     """Bibliography keys of the paper and of everything that the rebuild rests on."""
     guide: ClassVar[str] = ""
-    """What the paper did, what is rebuilt, what to look at: paragraphs with a blank line between them."""
+    """Work of the paper, rebuilt parts and highlights: paragraphs with a blank line between them."""
     caption: ClassVar[str] = ""
-    """What its figure shows, in a sentence."""
+    """Caption of the figure, in one sentence."""
     scenario_files: ClassVar[tuple[str, ...]] = ()
     """Scenarios of the study that run by themselves: files in its folder, or by their full path."""
     data: ClassVar[tuple[str, ...]] = ()
     """Data sets that are not part of the package, without which some claims have no number."""
     full: bool = False
-    """Whether what takes long is computed too."""
+    """True if what takes long is computed too."""
 
     @property
     def key(self) -> str:
@@ -164,7 +164,7 @@ class AbstractStudy:
         return self.registered_name
 
     def parts(self) -> dict[str, Callable[[], Answer]]:
-        """What computes claims and reports, part by part, each with words for what it is about."""
+        """Return the functions that compute claims and reports, by a description of the part."""
         if type(self).claims is AbstractStudy.claims:
             raise make_missing_error(type(self), ["claims"])
         return {"all claims": lambda: Answer(self.claims())}
@@ -174,7 +174,7 @@ class AbstractStudy:
         return [claim for part in self.parts().values() for claim in part().claims]
 
     def digest(self) -> Mapping[str, str]:
-        """What a reader should know, in a few lines by the keys of `DIGEST`, from numbers computed now."""
+        """Return a summary of a few lines by the keys of `DIGEST`, from numbers computed now."""
         return {}
 
     def compute(self) -> Answer:
@@ -182,11 +182,11 @@ class AbstractStudy:
         return Answer.join([part() for part in self.parts().values()], self.digest())
 
     def shipped(self) -> Answer | None:
-        """The same from numbers that came with the package; None without any."""
+        """Return the answer from numbers that came with the package; None without shipped numbers."""
         return None
 
     def find_answer(self, recompute: bool = False) -> Answer:
-        """What came with the package; without that, or on demand, what is computed now, and in full."""
+        """Return the shipped answer; without it or on demand, compute the full answer."""
         if not recompute and (shipped := self.shipped()):
             return shipped
         self.full = True
@@ -236,7 +236,7 @@ def describe_failure(name: str, error: Exception) -> str:
 
 
 def load_study(name: str) -> AbstractStudy:
-    """A study by its name.
+    """Return a study by its name.
 
     Raises:
         UnknownNameError: there is no study of that name.

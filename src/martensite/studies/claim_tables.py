@@ -12,27 +12,27 @@ Keys of a table hold for all its rows; `-` in a row leaves a column out.
     ]
 
 key                 meaning
-id, what, why       name of the claim, its statement, what its verdict rests on
-place, source       where the source makes it; the source, if it is not that of the printed numbers
+id, what, why       name of the claim, its statement, the basis of its verdict
+place, source       place in the source; the source, if it differs from the source of the printed numbers
 published           a number of `printed.toml` by its name, or a column of the rows of `each` that comes from there
-as_printed          of a misprint, in the place of it: a computed number, what a printed equation gives
+as_printed          of a misprint, instead of `published`: a computed number, the result of a printed equation
 computed            a computed number by its name, such as `a.rms`; the id if left out
 scale, unit         factor on both numbers, and the unit that they then have
 tolerance           largest difference that counts as agreement: a number or the name of one
 tolerance_reason    why so large
-correction          makes it a misprint: what is to be used instead
+correction          makes it a misprint: the correct text or number
 against             makes it a contradiction: the other printed statement, with its place
-differs             makes it not comparable: what is another there, or was kept back; `computed` is then optional
-kind                `recovery` for a number chosen, fitted or found again with published ones
+differs             makes it not comparable: the difference or omitted data; `computed` is then optional
+kind                `recovery` for a number chosen or fitted with published numbers
 each                a list of computed rows, for each of which there are the claims of the table;
                     their columns come before all other names
-needs               files of measured data without which there is no number, by their name in
+needs               files of measured data that the number requires, by their name in
                     `files`; `absent` says why
 
-Verdicts are those of `martensite.studies.base`. Reports have the first lines of keys, less what is published. The
-table `digest` has a sentence or two for each of its keys. Words in braces in all texts are replaced by numbers, in
-the manner of `str.format`; those of a digest may also be those of `claims[ID]` and `reports[ID]`, as in
-`{claims[stiffness].published:.1f}`, and `printed.NAME`.
+Verdicts are those of `martensite.studies.base`. Reports have the first lines of keys, without published numbers. The
+table `digest` has a sentence or two for each of its keys. Words in braces in all texts are replaced by numbers, as in
+`str.format`. A digest may also use `claims[ID]` and `reports[ID]`, as in `{claims[stiffness].published:.1f}`, and
+`printed.NAME`.
 """
 
 from __future__ import annotations
@@ -202,7 +202,7 @@ def _settle_claim(said: Mapping[str, Any], names: Mapping[str, Any], printed: An
     tolerance = find_number(said["tolerance"], names, id)
     verdict = judge_number(named.get("as_printed", published), computed or 0.0, tolerance)
     if verdict == "reproduced":
-        named = {}  # with other numbers in the place of those printed it is no misprint
+        named = {}  # with different numbers than the printed ones, a misprint cannot be judged
     elif grounds:
         (verdict,) = grounds  # type: ignore[assignment]
     reason = said["tolerance_reason"].format_map(names)

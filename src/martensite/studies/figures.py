@@ -1,4 +1,4 @@
-"""What the figures of studies share: a page with a heading, and labelled axes."""
+"""Common parts of the figures of studies: a page with a heading, and labelled axes."""
 
 from __future__ import annotations
 

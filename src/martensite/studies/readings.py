@@ -1,4 +1,4 @@
-"""What studies share: the runtime of their runs, and numbers read off a sampled curve."""
+"""Common functions of studies: the runtime of their runs, and values read from a sampled curve."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ WORDS = ("claims.toml", "results.json")
 """Files of studies that none depends on."""
 COMPUTING = ("numpy", "scipy")
 UNREADABLE = (OSError, EOFError, pickle.UnpicklingError, AttributeError, ImportError, IndexError, ValueError)
-"""What `pickle` raises over a file that is none of its own."""
+"""Errors of `pickle` for a file that it did not write."""
 PROGRAMS = 3
 """Versions of the program whose results are kept; those of others are removed."""
 
@@ -70,13 +70,13 @@ def _store_result(result: Any, path: Path) -> None:
 
 
 def find_program_folder() -> Path:
-    """Where the results of this program are kept; `OSError` if there is no such folder, or it is not trusted."""
+    """Return the folder of the results of this program; raise `OSError` if it is missing or not trusted."""
     return make_cache("studies", _fingerprint_program())
 
 
 @cache
 def _fingerprint_program() -> str:
-    """What tells this program from others, in a few letters."""
+    """Return a short text that identifies this program and its version."""
     digest = hashlib.sha256(platform.python_version().encode() + platform.machine().encode())
     for name in COMPUTING:
         digest.update(version(name).encode())

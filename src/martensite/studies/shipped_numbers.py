@@ -38,17 +38,17 @@ ABOUT_WORDS = re.compile(r"claims\.toml|__init__\.py|.*figure\.py|.*panels\.py")
 """Files of a study that no number depends on."""
 OTHERS = re.compile(r"^from martensite\.studies\.(\w+)", re.MULTILINE)
 SHARED = ("base", "tables", "claim_tables", "shipped_numbers", "figures", "result_cache")
-"""What all studies use and no number depends on."""
+"""Modules that all studies use and that do not affect numbers."""
 DIGITS = 12
 """Significant digits that are kept."""
 CLOSE, FAINT = 2e-3, 1e-9
-"""How far a number may move from one machine to another: as a share, and at all."""
+"""Tolerances of a number between machines: relative and absolute."""
 LOOSE = 4.0
-"""The same share for a number that a search may end at or not: of the same size, no more."""
+"""Factor on a number from a search that may end elsewhere: only the order of magnitude must agree."""
 
 
 def fingerprint_study(folder: Path) -> str:
-    """What tells the program behind the numbers of a study from others, in a few letters."""
+    """Return a short text that identifies the program behind the numbers of a study."""
     digest, folders = hashlib.sha256(), [folder]
     for place in folders:
         for path in sorted(place.iterdir()) if place.is_dir() else [place.with_suffix(".py")]:
@@ -116,10 +116,10 @@ def find_figure(study: TableStudy) -> Path | None:
 
 
 def find_changes(study: TableStudy, *, wandering: bool = True) -> list[str]:
-    """What of the numbers of a study, computed now, is not as it was shipped, a sentence each.
+    """Return the differences of computed from shipped numbers of a study, one sentence each.
 
-    Of parts that wander, whose searches may end elsewhere on another machine, only claims are compared, and loosely;
-    they are left out where they are not wanted.
+    The searches of wandering parts may end elsewhere on another machine. Only claims of these parts are compared, with
+    a loose tolerance, and only if `wandering` is true.
     """
     shipped = study.shipped()
     if shipped is None:

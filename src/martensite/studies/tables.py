@@ -46,10 +46,10 @@ class Printed(SimpleNamespace):
         return hash(tuple(vars(self).items()))
 
     def with_numbers(self, **numbers: Any) -> Printed:
-        """The same with some numbers in the place of those printed.
+        """Return the printed numbers with some of them replaced.
 
         Raises:
-            DataError: there is no number of that name.
+            DataError: the number does not exist.
         """
         for name in numbers:
             if name not in vars(self):
@@ -96,7 +96,7 @@ class TableStudy(AbstractStudy):
 
     @classmethod
     def folder(cls) -> Path:
-        """Where its tables are."""
+        """Return the folder of the tables."""
         return Path(str(sys.modules[cls.__module__].__file__)).parent
 
     def compute_part(self, key: str) -> Mapping[str, Any]:
@@ -104,7 +104,7 @@ class TableStudy(AbstractStudy):
         return getattr(self._import_module(f"{key}_numbers"), f"compute_{key}")(self.printed)
 
     def part_numbers(self, key: str) -> Mapping[str, Any]:
-        """The same, computed once."""
+        """Return the numbers of a part, computed once."""
         if key not in self._numbers:
             self._numbers[key] = self.compute_part(key)
         return self._numbers[key]
@@ -121,7 +121,7 @@ class TableStudy(AbstractStudy):
         return settle_part(self.table, key, self.part_numbers(key), self.printed)
 
     def digest(self) -> Mapping[str, str]:
-        """What a reader should know, in a few lines."""
+        """Return the summary of the study in a few lines."""
         if self.lacks_compiler():
             return {}
         return self._write_digest({key: self.part_numbers(key) for key in self.table["parts"]})
@@ -148,7 +148,7 @@ class TableStudy(AbstractStudy):
         return write_digest(self.table, together, self.printed, answers)
 
     def lacks_compiler(self) -> bool:
-        """Whether numbers cannot be computed on this machine."""
+        """Return whether numbers cannot be computed on this machine."""
         if "compiler" not in self.table:
             return False
         from martensite.kernels.compiler import find_compiler
@@ -156,7 +156,7 @@ class TableStudy(AbstractStudy):
         return find_compiler() is None
 
     def _without_compiler(self) -> Claim:
-        """What takes the place of all claims where they cannot be computed."""
+        """Return the claim that replaces all claims on a machine without a C compiler."""
         place, why = (self.table["compiler"][key] for key in ("place", "why"))
         words = "compiler", "all of this study", f"{self.printed.source}, {place}"
         return Claim(*words, None, None, "1", None, "not comparable", why, differs="this machine has no C compiler")

@@ -1,9 +1,8 @@
-"""The figure of the study: resistance against current and temperature, and how well it is known.
+"""Figure of the study: resistance against current and temperature, and its uncertainty.
 
-Top left: plateaus of run 5 with the model, calibrated and not. The bars are what one standard
-error of the offset does. Top right: what the offset of the supply makes of the difference of the
-two resistivities. Below: R identified over what the camera read, which is no temperature of the
-wire. Without the record, the model alone.
+Top left: plateaus of run 5 with the model, calibrated and not. The bars are the effect of one standard error of the
+offset. Top right: effect of the offset of the supply on the difference of the two resistivities. Below: R identified
+over the reading of the camera, which is not the temperature of the wire. Without the record, the model alone.
 """
 
 from __future__ import annotations

@@ -5,8 +5,8 @@ mean resistance on either side of the drop, and one h from the current I at half
 
     h = I² (R_M + R_A)/2/[π d l (T_½ - T_a)],    T_½ = (A_s + A_f)/2
 
-so agreement there says nothing; what is left to compare is the shape of R(I). This h is an
-apparent one: three to four times free convection, and no property of the wire.
+so agreement there proves nothing; only the shape of R(I) can be compared. This h is apparent: three to four times free
+convection, and not a property of the wire.
 """
 
 from __future__ import annotations

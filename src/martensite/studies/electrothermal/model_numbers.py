@@ -21,7 +21,7 @@ def calibrate_numbers(stated: Printed) -> RecordCalibration:
 
 
 def compute_model(stated: Printed) -> dict[str, Any]:
-    """What needs no record first, then calibration and differences."""
+    """Compute the numbers that need no record, then calibration and differences."""
     start, end = model.find_span(model.predict_plateaus("maker", stated))
     per_ohm = model.get_wire().length / model.get_wire().section()
     horizontal, vertical = model.free_films()

@@ -94,12 +94,12 @@ class RecordStaircase:
         return supply_offset(self.table, "set_point", "current", low, high)
 
     def jumps(self) -> int:
-        """How often the set-point falls back by the stated drop."""
+        """Return the number of times that the set-point falls back by the stated drop."""
         return len(unwrap_counter(_join_rows()["set_point"], self.stated.drop).jumps)
 
 
 def has_files(*files: str) -> bool:
-    """Whether files of the data set are on this machine."""
+    """Return whether files of the data set are on this machine."""
     return all(datasets.is_here(file) for file in files)
 
 

@@ -7,9 +7,9 @@ is the resistance of the plateau,
 
 Free are the resistivities, A_s and A_f, and temperature coefficients as far as a shape of R has
 them. A_s and A_f are apparent: temperatures as this camera reads them. Every fifth plateau is
-kept back. The law depends on no rate, so when a row was measured does not matter.
+held out. The law depends on no rate, so when a row was measured does not matter.
 
-The offset V₀ of the supply is no parameter of the wire. As V/I = R(p) + V₀/I it is fitted from
+The offset V₀ of the supply is not a parameter of the wire. As V/I = R(p) + V₀/I it is fitted from
 outside: its profile holds V₀ and fits everything else (`offset_profile`), and its uncertainty is
 systematic, the same for all plateaus.
 """
@@ -48,7 +48,7 @@ EDGE = (2.3, 2.4)
 """Set-points of the plateaus that hold the strip, and are never kept back [V]: on the first the
 wire is transforming, on the second it is austenite."""
 T_RHO = 340.0
-"""Where the resistivities hold [K]: at the drop, 67 °C."""
+"""Temperature at which the resistivities hold, at the drop: 67 °C [K]."""
 NU = 0.33
 """Poisson's ratio of the maker's sheet; of effect where there is strain."""
 SHAPES = {"mixture": (), "austenite": ("a_rho_A",), "both": ("a_rho_A", "a_rho_M")}
@@ -131,7 +131,7 @@ def _build_system(shape: str, offset: float) -> Any:
 
 
 def list_search_ranges(shape: str) -> list[SearchRange]:
-    """What is free: the strip must hold the plateau between the phases, or end on it."""
+    """Return the free parameters; the strip must contain the plateau between the phases, or end on it."""
     at = load_staircase().table["apparent_temperature"][load_staircase().within(*EDGE)[0]]
     found = [SearchRange("rho_A", *_RESISTIVITY), SearchRange("rho_M", *_RESISTIVITY)]
     if shape == STRAINED:
@@ -159,7 +159,7 @@ def fitted_resistances(fit: Fit, temperatures: Sequence[float]) -> list[float]:
 
 
 def residual_rms(fit: Fit, part: str = "training") -> float:
-    """RMS of what is left, on the plateaus of one part, in the unit of what is compared."""
+    """Return the RMS of the residuals on the plateaus of one part, in the unit of the compared output."""
     return next(score.rms for score in fit.scores if score.part == part)
 
 

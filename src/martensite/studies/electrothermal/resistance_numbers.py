@@ -56,7 +56,7 @@ def compute_fits(stated: Printed) -> dict[str, float]:
 
 
 def compute_shapes(stated: Printed) -> dict[str, float]:
-    """How much better a resistance that grows with temperature does."""
+    """Compute the improvement by a resistance that grows with temperature."""
     fits = {name: fitting.fit_shape(name, stated.offset) for name in ("mixture", "austenite", "both")}
     plain = fitting.akaike_criterion(fits["mixture"])
     found = {f"left_out_{name}": fitting.predicted_rms(name, stated.offset) for name in fits}

@@ -26,7 +26,7 @@ from martensite.signals.records import Record
 
 COUNT = "count"
 DEVIATION = "_deviation"
-"""What is appended to the name of a column for its standard deviation."""
+"""Suffix of the column of a standard deviation."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ def reduce_to_plateaus(
 
     Raises:
         ParameterError: an argument is out of range.
-        DataError: there is no such column, a name is taken, or no plateau is long enough.
+        DataError: the column does not exist, a name is taken, or no plateau is long enough.
     """
     _check_settled(settled, tolerance, shortest)
     runs = _find_runs(record[column], tolerance)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 ZERO = 273.15
 """0 °C [K]."""
 COLOURS = (SIMULATED, HEATING, MEASURED[2])
-"""Of the three distances r."""
+"""Colours of the three distances r."""
 DASHED = (0, (4, 1.6))
 
 

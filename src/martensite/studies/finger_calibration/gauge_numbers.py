@@ -32,7 +32,7 @@ from martensite.studies.tables import Printed
 FORCE = ("stiffness", "dsigma_dT", "Delta_sigma", "sigma_L", "E_A", "E_M", "layer_volume")
 THERMAL = ("T_L", "dsigma_dT", "cooling.h", "heat_capacity")
 BEYOND = ("stiffness", "layer_volume")
-"""What is free for the gauges besides the ten numbers that the paper calls unknown."""
+"""Free parameters of the gauges besides the ten unknown parameters of the paper."""
 AROUND = 2.0
 """Range of what has none in the paper: half to twice its value."""
 FORCED, WARMED = 1.3, 1.2
@@ -77,7 +77,7 @@ def angle_slopes(printed: Printed) -> Any:
 
 
 def assess_test(names: Sequence[str], printed: Printed) -> Identifiability:
-    """What the calibration test holds of some parameters, the others fixed."""
+    """Return the information of the calibration test on some parameters, the others fixed."""
     free = free_problem(printed).free
     places = [free_problem(printed).names.index(name) for name in names]
     return assess_identifiability(
@@ -119,7 +119,7 @@ def refit_finger(printed: Printed, arm: float, values: tuple[tuple[str, float], 
 
 
 def compute_wrong(printed: Printed) -> dict[str, Any]:
-    """What a fit makes of a spring at another place, and of no latent heat."""
+    """Compute fits with a spring at another place, and without latent heat."""
     far, close = (refit_finger(printed, arm) for arm in WRONG_ARMS)
     dry = refit_finger(printed, NEAR.arm, (("latent_heat", 0.0),))
     return {
@@ -155,7 +155,7 @@ def single_effects(printed: Printed) -> dict[str, float]:
 
 
 def compute_effects(printed: Printed) -> dict[str, Any]:
-    """How many of the numbers with the largest effects are those searched for."""
+    """Compute how many of the parameters with the largest effects were searched for."""
     found, names = single_effects(printed), printed.searched.column("name")
     first = list(found)[: len(names)]
     return {

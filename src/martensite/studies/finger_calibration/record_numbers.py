@@ -21,7 +21,7 @@ CHOSEN_ELSE = ("E_M", "T_L", "Delta_sigma", "dsigma_dT")
 
 
 def compute_record(printed: Printed) -> dict[str, Any]:
-    """How many numbers the test holds, whether they are found again, and how well."""
+    """Compute how many parameters the test determines, and how accurately they are recovered."""
     weak, count = assess_records(NEAR, printed).weak, len(printed.searched)
     near, joint = (parameter_errors(data, printed) for data in (NEAR, JOINT))
     slopes = [one.numbers["dsigma_dT"] for one in (near, joint)]
@@ -52,7 +52,7 @@ class Errors:
     numbers: dict[str, float]
     """[SI]; σ_L fixed."""
     ratio: float
-    """Of Δσ/(dσ/dT) [K]."""
+    """Error of Δσ/(dσ/dT) [K]."""
     correlation: dict[tuple[str, str], float]
 
 
@@ -77,7 +77,7 @@ def parameter_errors(data: Data, printed: Printed) -> Errors:
 
 
 def of_columns(data: Data, names: tuple[str, ...], printed: Printed) -> Uncertainty:
-    """What is uncertain about some of the parameters, all others fixed at Table 1."""
+    """Return the uncertainty of some of the parameters, all others fixed at Table 1."""
     found, free = bench.at_table(data, printed), bench.table_problem(data, printed)
     places = [free.names.index(name) for name in names]
     return estimate_uncertainty(
@@ -90,7 +90,7 @@ def of_columns(data: Data, names: tuple[str, ...], printed: Printed) -> Uncertai
 
 
 def assess_records(data: Data, printed: Printed) -> Identifiability:
-    """What a set of records holds of the five parameters, about Table 1."""
+    """Return the information of a set of records on the five parameters, about Table 1."""
     found, problem = bench.at_table(data, printed), bench.table_problem(data, printed)
     return assess_identifiability(
         found.jacobian,
@@ -112,7 +112,7 @@ def temperature_width(numbers: dict[str, float]) -> float:
 
 
 def list_again(data: Data, printed: Printed) -> list[dict[str, Any]]:
-    """Whether least squares find Table 1 again in records that were made with it."""
+    """Return whether least squares find Table 1 again in records that were made with it."""
     fit, bound = best_fit(data, printed).fit, parameter_errors(data, printed)
     table, known = table_numbers(printed), bound.numbers
     slope = table["dsigma_dT"], fit["dsigma_dT"], known["dsigma_dT"]

@@ -37,12 +37,12 @@ COORDINATE, SQUARES = "coordinate", "trf"
 
 @dataclass(frozen=True)
 class SearchPoint:
-    """Where a search was."""
+    """Point of a search."""
 
     runs: int
     """Runs so far, those with derivatives included."""
     rms: float
-    """Of the angle [°]."""
+    """RMS error of the angle [°]."""
     numbers: dict[str, float]
     """[SI]"""
 
@@ -57,7 +57,7 @@ class CalibrationSearch:
 
     @property
     def rms(self) -> float:
-        """Of the angle at the end [°]."""
+        """Return the RMS error of the angle at the end [°]."""
         return angle_rms(self.fit.cost)
 
     @property
@@ -117,6 +117,6 @@ def best_fit(data: Data, printed: Printed) -> CalibrationSearch:
 
 
 def end_spread(name: str, found: Iterable[CalibrationSearch]) -> float:
-    """How far the ends of searches are apart in a parameter [SI]."""
+    """Return the spread of the ends of searches in a parameter [SI]."""
     ends = [one.fit[name] for one in found]
     return max(ends) - min(ends)

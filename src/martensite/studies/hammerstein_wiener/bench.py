@@ -41,7 +41,7 @@ METRE = 0.23
 
 
 class ReferenceBench(Parametrised):
-    """What the bench is made of; the defaults are the reference bench."""
+    """Parts of the bench; the defaults are the reference bench."""
 
     cites = ("copaci2019", "leal2016")
 
@@ -91,7 +91,7 @@ class ReferenceBench(Parametrised):
 
     @property
     def share(self) -> float:
-        """Where the load is between the loops at 50 and 100 MPa: 0 at 1 kg."""
+        """Return the relative position of the load between the loops at 50 and 100 MPa: 0 at 1 kg."""
         return (self.load - 1.0) * GRAVITY / self.section / 50e6
 
     @property

@@ -1,4 +1,4 @@
-"""How models do on records of the bench, heating and cooling apart. All runs are free."""
+"""Scores of models on records of the bench, for heating and cooling. All runs are free."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ SMOOTH = 500
 
 @dataclass(frozen=True)
 class RecordScore:
-    """Of one output on one record."""
+    """Score of one output on one record."""
 
     fit: float
     """NRMSE fit [%]."""
     heating: float
-    """The same over the samples that heat, and over those that cool [%]."""
+    """NRMSE fit of the samples that heat, and of the samples that cool [%]."""
     cooling: float
     worst_heating: float
     """Largest error while it heats, in the unit of the output."""
@@ -60,7 +60,7 @@ def nrmse_fit(measured: Numbers, computed: Numbers) -> float:
 
 
 def heating_rows(duty: Numbers) -> Numbers:
-    """Where pulses are on, and where ramps go up."""
+    """Return the rows at which pulses are on, or ramps go up."""
     if np.mean(duty == 0.0) > 0.3:
         return duty > 0.0
     ahead = np.roll(duty, -SMOOTH)

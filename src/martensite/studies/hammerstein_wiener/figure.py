@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 
 ZERO = 273.15
 EVERY = 25
-"""Of so many samples one is drawn."""
+"""Step between drawn samples."""
 PART = slice(0, 42_000)
-"""Of the validation record."""
+"""Drawn part of the validation record."""
 COLOURS = {PAPER: HEATING, BETTER: SIMULATED, WHOLE: SIMULATED, "stage 1": HEATING}
 
 

@@ -18,9 +18,9 @@ from martensite.kernels import floats
 from martensite.studies.hammerstein_wiener.bench import INTERVAL, ReferenceBench, RunningBench
 
 LEVELS = ((0.0, 2.0), (3e-3, 13.0), (6e-3, 15.0))
-"""Of the reference of steps: position [m] and time [s]."""
+"""Steps of the reference: position [m] and time [s]."""
 TUNING = ModelTuning(LEVELS, beyond_data=True)
-"""How gains are found on a model: with the same steps, errors in mm and duties in percent."""
+"""Tuning of gains on a model: with the same steps, errors in mm and duties in percent."""
 SINE = (4e-3, 1.5e-3, 25.0, 10.0)
 """Mean [m], amplitude [m], period [s] and time of the first zero [s] of the sine."""
 SINE_TIME, SINE_SCORED = 70.0, 20.0

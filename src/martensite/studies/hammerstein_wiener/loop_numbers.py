@@ -45,7 +45,7 @@ def compute_loop(*, full: bool) -> dict[str, Any]:
 
 
 def first_step_share() -> float:
-    """How far the bench is [%] when the model of the paper's structure has risen to 90 %."""
+    """Return the position of the bench [%] when the model of the paper's structure has risen to 90 %."""
     both = loops.compare_steps(SMALL)
     (model, _), *_ = both.responses()
     done = round((BEGIN + model.rise) / INTERVAL)

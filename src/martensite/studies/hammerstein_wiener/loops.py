@@ -40,36 +40,36 @@ class LoopPair:
 
 @dataclass(frozen=True, eq=False)
 class Sines:
-    """The same following a sine; root mean squares after the first 20 s."""
+    """Tracking of a sine; root mean squares after the first 20 s."""
 
     model: Trajectory
     bench: Trajectory
 
     @property
     def tracking(self) -> float:
-        """Of the bench against the reference [m]."""
+        """Return the error of the bench against the reference [m]."""
         return _counted_rms(self.bench.reference - self.bench.output)
 
     @property
     def branches(self) -> tuple[float, float]:
-        """The same while the reference rises, the wire heated, and while it falls [m]."""
+        """Return the errors while the reference rises, with the wire heated, and while it falls [m]."""
         error = self.bench.reference - self.bench.output
         rising = np.gradient(self.bench.reference) >= 0.0
         return _counted_rms(error, rising), _counted_rms(error, ~rising)
 
     @property
     def apart(self) -> float:
-        """Of the bench against the model [m]."""
+        """Return the difference between bench and model [m]."""
         return _counted_rms(self.bench.output - self.model.output)
 
     @property
     def apart_heated(self) -> float:
-        """The same where the controller heats the bench, and can do something about it [m]."""
+        """Return the difference between bench and model while the controller heats the bench [m]."""
         return _counted_rms(self.bench.output - self.model.output, self.bench.signal > 0.0)
 
     @property
     def apart_unheated(self) -> float:
-        """The same where its duty is 0 and the bench cools by itself [m]."""
+        """Return the difference between bench and model at duty 0, while the bench cools passively [m]."""
         return _counted_rms(self.bench.output - self.model.output, self.bench.signal <= 0.0)
 
 

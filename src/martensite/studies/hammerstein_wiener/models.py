@@ -35,7 +35,7 @@ RESTLESS, AFTER = "stage 2, not anchored", 22.0
 
 @dataclass(frozen=True)
 class Recipe:
-    """How a model is searched."""
+    """Recipe of the search for a model."""
 
     text: str
     options: Options
@@ -66,7 +66,7 @@ def read_record(name: str) -> Sampled:
 
 
 def mapped_signals(model: str, whole: Sampled) -> Sampled:
-    """What a model maps: a stage, or the whole (or a series of stages) from duty to outputs."""
+    """Return the signals of a model: a stage, or the whole (or a series of stages) from duty to outputs."""
     if model in ("whole", "series"):
         return whole
     return records.split_stages(whole)[1 if model.startswith("stage 2") else 0]

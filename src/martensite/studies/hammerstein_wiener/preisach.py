@@ -35,7 +35,7 @@ APART = 1.0
 SMOOTHING = 5.0
 """Standard deviation of what smooths the relays, in steps of the grid."""
 BEYOND = 2000.0
-"""How far outside the grid nothing transforms any more [K]."""
+"""Distance outside the grid beyond which transformation ends [K]."""
 
 
 @lru_cache(4)
@@ -115,7 +115,7 @@ class Cell:
         T_of = np.concatenate([[GRID[0] - BEYOND], GRID, [GRID[-1] + BEYOND]])
         self._T: list[float] = T_of.tolist()
         self._at = 0
-        """Where it was found last: mostly it is there again."""
+        """Index of the last hit, the first guess of the next search."""
         self._H: list[float] = (self._C * T_of + self._L * z_of).tolist()
         if len(self.turns) > 2:
             end, fraction = self.turns[-2]

@@ -1,9 +1,9 @@
 """Records of the bench: duty in, temperature and position out, at 500 Hz, in SI units.
 
-Inputs are duties from 0 to 1, outputs the readings of the thermometer [K] and of the encoder [m].
-A reading is taken, then the duty of the same row acts until the next: what is read never depends
-on the duty of its own row. Every record begins with the bench at rest, and with two seconds
-without power that show it: a model at rest under the first duty is then the bench at rest.
+Inputs are duties from 0 to 1, outputs the readings of the thermometer [K] and of the encoder [m]. A reading is taken,
+then the duty of the same row acts until the next: a reading never depends on the duty of the same row. Every record
+begins with the bench at rest, and with two seconds without power that show it: a model at rest under the first duty is
+then the bench at rest.
 
 Records in the cadence of the paper are pulses; ramps are another cadence. Sealed records are
 drawn from a seed: ramps between turning points drawn at random, of very different rates, with
@@ -39,21 +39,21 @@ PULSES = (
     (22, 7.5, 20),
     (32, 5, 14),
 )
-"""Of the estimation record: duty [%], time on [s], time off [s]."""
+"""Pulses of the estimation record: duty [%], time on [s], time off [s]."""
 OTHER_PULSES = ((20, 8, 12), (27, 6.5, 22), (33, 5, 13), (23, 7, 20), (38, 4, 15), (25, 7, 24), (29, 6, 14))
-"""Of the validation record."""
+"""Pulses of the validation record."""
 RAMPS = ((6, 20), (13, 60), (8, 50), (11, 30), (7, 40), (14, 50), (5, 60))
-"""Of the slow record: the first is a hold; then the level that is reached [%], and time [s]."""
+"""Ramps of the slow record: the first is a hold; then the final level [%] and the time [s]."""
 HOLD, IDLE = 20.0, 60.0
-"""How long a sealed record stays on its first level, and without power at its end [s]."""
+"""Time of a sealed record on its first level, and without power at its end [s]."""
 FEWEST, MOST = 6, 10
 """Ramps of a sealed record."""
 LENGTH = (300.0, 600.0)
-"""Of a sealed record [s]."""
+"""Range of the length of a sealed record [s]."""
 RATES = (0.05, 0.3)
-"""Of its ramps [%/s]."""
+"""Range of the rates of its ramps [%/s]."""
 LEVELS = (5.0, 15.0)
-"""Of its turning points [%]."""
+"""Range of the levels of its turning points [%]."""
 LEAST_TRAVEL = 1.0
 """Between its turning points [%]."""
 TRIES = 10_000
@@ -67,7 +67,7 @@ class Excitation:
     duty: Numbers
     """One value per sample, 0 to 1."""
     seed: int
-    """Of the noise of the sensors."""
+    """Seed of the noise of the sensors."""
 
     def scaled(self, factor: float) -> Excitation:
         """All duties times a factor, at most 1: for a bench that cools faster."""
@@ -137,13 +137,13 @@ def sealed_duty(seed: int) -> Excitation:
 
 
 def way_turns(levels: list[float]) -> bool:
-    """Whether a way turns at each of its levels, and goes far enough in between."""
+    """Return whether a way turns at each of its levels, and goes far enough in between."""
     ways = np.diff(levels)
     return bool(np.all(np.abs(ways) >= LEAST_TRAVEL) and np.all(ways[1:] * ways[:-1] < 0.0))
 
 
 def count_minor_loops(levels: list[float]) -> int:
-    """How many minor loops a way makes: legs wholly within the leg two before them."""
+    """Return the number of minor loops of a path: legs wholly within the leg two before them."""
     found = 0
     for a, b, c, d in zip(levels, levels[1:], levels[2:], levels[3:], strict=False):
         found += min(a, b) < min(c, d) and max(c, d) < max(a, b)
@@ -151,7 +151,7 @@ def count_minor_loops(levels: list[float]) -> int:
 
 
 def record_bench(excitation: Excitation, bench: ReferenceBench | None = None) -> Sampled:
-    """What the bench gives under an excitation."""
+    """Return the record of the bench under an excitation."""
     plant = RunningBench(bench or ReferenceBench(), excitation.seed)
     rows: list[tuple[float, float]] = []
     for duty in excitation.duty.tolist():

@@ -136,7 +136,7 @@ def sine_run(key: str, printed: Printed) -> Result:
 
 @dataclass(frozen=True)
 class SineResponse:
-    """What is read off the second period of the sine."""
+    """Readings of the second period of the sine."""
 
     hottest: float
     """[°C]"""

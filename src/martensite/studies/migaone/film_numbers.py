@@ -14,7 +14,7 @@ from martensite.studies.tables import Printed
 OTHER_AMBIENT = 41.0
 """Another ambient temperature, to see what rests on the printed one [°C]."""
 ROUNDING = 0.25
-"""What the temperatures of Table 2, most of them printed in steps of 0.5 K, may be off [K]."""
+"""Rounding error of the temperatures of Table 2, most of them printed in steps of 0.5 K [K]."""
 
 
 def compute_film(printed: Printed) -> dict[str, Any]:
@@ -64,7 +64,7 @@ def no_linear(printed: Printed) -> FilmFit:
 
 
 def rounding_margin(printed: Printed) -> float:
-    """How far h₀ of `no_linear` moves at most if the printed temperatures are rounded [W/(m² K)]."""
+    """Return the largest change of h₀ of `no_linear` by rounding of the printed temperatures [W/(m² K)]."""
     temperatures, films = _table_points(printed)
     fits = (
         fit_film([t + sign * ROUNDING for t, sign in zip(temperatures, signs, strict=True)], films, terms=(0, 2))

@@ -40,6 +40,6 @@ def printed_length(printed: Printed) -> float:
 
 
 def series_resistance(voltage: float, printed: Printed) -> float:
-    """What must stand in series with the quoted resistance for the powers of Table 2 [ohm]."""
+    """Return the resistance in series with the quoted resistance that gives the powers of Table 2 [ohm]."""
     power = voltage**2 / bench.equivalent_resistance(voltage, printed)
     return voltage / math.sqrt(power / printed.resistance) - printed.resistance

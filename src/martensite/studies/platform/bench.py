@@ -31,7 +31,7 @@ STEEP = 1e9
 """Slope at which stress hardly matters [Pa/K]; the printed 6 and 12 GPa/K are beyond what a law
 takes."""
 UNLIMITED = 1e6
-"""A current limit that is none [A]."""
+"""Current limit without effect [A]."""
 PORTS = ("first", "second", "third")
 RISE, LATE, COOLING = 32.0, 50.0, 40.0
 """Durations [s]: calibrated sets at the high and at the low voltage, and cooling."""
@@ -53,7 +53,7 @@ class Case:
     limits: tuple[float, float] = (UNLIMITED, UNLIMITED)
     """Largest current at the high and at the low voltage [A]."""
     damping: float = 0.0
-    """Of the joint [N m s/rad]."""
+    """Damping of the joint [N m s/rad]."""
     capacity: float | None = None
     """Heat capacity [J/(kg K)]; that of the material if left out."""
     latent: float | None = None

@@ -34,7 +34,7 @@ def limit_cycle(printed: Printed) -> tuple[float, float, float]:
 
 
 def list_overshoots(printed: Printed) -> dict[str, float]:
-    """Of several cases and delays [°]."""
+    """Return the overshoots of several cases and delays [°]."""
     late = DELAY
     runs = {
         "printed": loop.run_controlled(CASES["as-printed"], printed, QUICK),

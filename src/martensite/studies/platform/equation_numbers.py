@@ -28,6 +28,6 @@ def equation_8(printed: Printed, temperature: float, fraction: float = 0.0) -> f
 
 
 def correct_equation_8(printed: Printed, temperature: float, fraction: float = 0.0) -> float:
-    """The same with its bracket around the cosine alone."""
+    """Return equation 8 with its bracket around the cosine alone."""
     cosine = math.cos(math.pi * (temperature - printed.M_f) / (printed.M_s - printed.M_f))
     return 0.5 * (1.0 - fraction) * cosine + 0.5 * (1.0 + fraction)

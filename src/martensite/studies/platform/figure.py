@@ -29,11 +29,11 @@ if TYPE_CHECKING:
 COLOURS = {"as-printed": INK, "A": SIMULATED, "A'": MEASURED[2], "C": MEASURED[1]}
 LIMIT_COLOUR = MEASURED[3]
 DASHES = (0, (4, 1.6))
-"""Of the low voltage."""
+"""Line style of the low voltage."""
 SPAN = 24.0
 """Time after which the springs as printed are hot at 3 V too [s]."""
 SHOWN = Sampling(20.0, 0.005)
-"""As printed, through some cycles."""
+"""Sampling of the run as printed, through some cycles."""
 FINER = 5
 """Points of the drawn outline per step of the grid of the reach."""
 DELAYS = (0.0, 0.15, DELAY, 0.45)

@@ -18,7 +18,7 @@ SHORTEST, LONGEST = 0.030, 0.090
 """Lengths of springs between which the reach is asked for [m]: assumed."""
 
 DENSITY = 6450.0
-"""Of nickel-titanium [kg/m³]."""
+"""Density of nickel-titanium [kg/m³]."""
 
 
 def compute_geometry(printed: Printed) -> dict[str, Any]:
@@ -63,7 +63,7 @@ def find_workspace(printed: Printed) -> Workspace:
 
 
 def natural_frequency(printed: Printed) -> float:
-    """Of small vibrations about any axis, all springs cold [Hz]."""
+    """Return the frequency of small vibrations about any axis, all springs cold [Hz]."""
     plates, spring = (bench.build_platform(printed).plates(), bench.build_spring(bench.AS_PRINTED, printed))
     rate = 1.0 / spring.spring(floats, spring.initial_fractions(floats, 0.0), 298.15, 1.0).compliance
     _, levers, _ = compute_length_slopes(floats, plates, 0.0, 0.0)

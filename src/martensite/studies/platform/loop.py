@@ -23,14 +23,14 @@ from martensite.studies.readings import choose_runtime
 from martensite.studies.tables import Printed
 
 BAND = 0.5
-"""How far the angle falls before it is on again: assumed [°]."""
+"""Drop of the angle before the drive is on again, assumed [°]."""
 DELAY = 0.3
 """Age of a measurement, where there is a delay: assumed [s]."""
 
 
 @dataclass(frozen=True)
 class Sampling:
-    """How long and how often a case is controlled."""
+    """Duration and sample time of the control of a case."""
 
     duration: float
     """[s]"""
@@ -39,7 +39,7 @@ class Sampling:
 
 
 QUICK, CYCLES, LAGGING = Sampling(3.6, 0.005), Sampling(62.0, 0.02), Sampling(62.0, 0.01)
-"""Of springs that heat within seconds; of slower ones, through two limit cycles; and of set C."""
+"""Sampling of springs that heat within seconds; of slower springs, through two limit cycles; and of set C."""
 
 
 def run_controlled(case: Case, printed: Printed, sampling: Sampling, delay: float = 0.0, motion: str = "") -> Result:
@@ -68,7 +68,7 @@ def _run_controlled(case: Case, printed: Printed, sampling: Sampling, delay: flo
 
 
 def angle_overshoot(result: Result, printed: Printed) -> float:
-    """How far the angle goes beyond the target [°]."""
+    """Return the overshoot of the angle beyond the target [°]."""
     return max(bench.angle_degrees(result)) - printed.target
 
 

@@ -38,7 +38,7 @@ LONG = 400.0
 NO_STRESS = "C of 1 GPa/K"
 """Name of the reading in which stress hardly matters."""
 ARRIVALS = (1.0, 2.0)
-"""What the two times may differ by [s]: the second is "around 30 s"."""
+"""Tolerances of the two times [s]; the second is "around 30 s"."""
 
 SETS = {
     "A": ("h and series resistance chosen for these two times", "A"),
@@ -48,7 +48,7 @@ SETS = {
 
 
 def compute_response(printed: Printed) -> dict[str, Any]:
-    """As printed; the ratio; the limit; the calibrated sets; cooling."""
+    """Compute the response as printed, the ratio, the limit, the calibrated sets, and cooling."""
     return {
         **compute_times(printed),
         **compute_ratios(printed),
@@ -199,7 +199,7 @@ def compute_damped(printed: Printed) -> dict[str, float]:
 
 
 def compute_cooling(printed: Printed) -> dict[str, float]:
-    """How long set A takes back, and the same way up."""
+    """Compute the time of the return of set A, and of the same angle on the way up."""
     result = bench.run_heated(CASES["A"], printed, printed.high, RISE, COARSE)
     turned = bench.angle_degrees(result)
     begin, end = (passing_time(result.times, turned, angle) for angle in (printed.angle - 20.0, printed.angle))

@@ -1,8 +1,8 @@
-r"""Where a platform can go: the angles at which every leg keeps between two lengths.
+r"""Workspace of a platform: the angles at which every leg keeps between two lengths.
 
-Reachable is what is connected to the home posture; angles that would be allowed but lie behind
-forbidden ones are not. The set is found on a grid by filling it from home, its extents along
-both axes by halving. One leg alone reaches a curve only (`platform_rays`).
+Reachable angles are connected to the home posture; allowed angles behind forbidden ones are not reachable. The set is
+found on a grid by filling it from home, its extents along both axes by halving. One leg alone reaches a curve only
+(`platform_rays`).
 
 Source: the lengths of `platform_kinematics`.
 
@@ -11,9 +11,9 @@ J_i F_i of leg i:
 
     J_i × Σ_{j≠i} J_j (L_j - h) = 0
 
-F_i and the stiffness drop out: one leg reaches a curve only. For leg 0 it is β = 0; those of legs 1 and 2 leave home at
-120° to it and bend, since the joint turns about X in the plate and about Y in the base. Gravity is left out; for a
-joint at the centroid of the plate there is none.
+F_i and the stiffness drop out: one leg reaches a curve only. For leg 0 the curve is β = 0; the curves of legs 1 and 2
+leave home at 120° to it and bend, since the joint turns about X in the plate and about Y in the base. Gravity is left
+out; at the centroid of the plate its torque is zero.
 
 Source: the balance of torques, solved for this project; J as in `platform_kinematics`.
 """
@@ -52,7 +52,7 @@ class Legs:
     longest: float
 
     def allow(self, alpha: float, beta: float) -> bool:
-        """Whether all keep within their limits at angles [rad], reachable or not."""
+        """Return whether all keep within their limits at angles [rad], reachable or not."""
         found = compute_lengths(floats, self.plates, alpha, beta)
         inside = self.shortest <= min(found) and max(found) <= self.longest
         return inside and max(abs(alpha), abs(beta)) < QUARTER
@@ -64,13 +64,13 @@ class Workspace:
 
     legs: Legs
     step: float
-    """Of the grid [rad]."""
+    """Step of the grid [rad]."""
     alphas: list[float]
-    """Grid, one line wider than the set at each end [rad]."""
+    """Angles α of the grid, one line wider than the set at each end [rad]."""
     betas: list[float]
-    """Likewise."""
+    """Angles β of the grid, one line wider than the set at each end [rad]."""
     reached: list[list[bool]]
-    """Whether a point of the grid is reachable: one row per α, in it one flag per β."""
+    """True if a point of the grid is reachable: one row per α, in it one flag per β."""
     alpha_extent: Angles
     """Smallest and largest α reached along β = 0 from home [rad], to 1e-12."""
     beta_extent: Angles
@@ -151,7 +151,7 @@ def _pad_numbers(numbers: list[int]) -> range:
 
 
 def _measure_reach(legs: Legs, step: float, alpha: int, beta: int) -> float:
-    """How far one half of an axis stays allowed from home on [rad]."""
+    """Return the distance from home along one half of an axis that stays allowed [rad]."""
 
     def holds(far: float) -> bool:
         return legs.allow(far * alpha, far * beta)
@@ -174,7 +174,7 @@ Angles = tuple[float, float]
 
 
 def compute_crosswise(xp: Namespace, plates: Plates, leg: int, alpha: Scalar, beta: Scalar) -> Scalar:
-    """What two springs of unit rate pull across the third [m³/rad²]; 0 where that is balanced."""
+    """Return the pull of two springs of unit rate across the third [m³/rad²]; 0 in balance."""
     found, over_alpha, over_beta = compute_length_slopes(xp, plates, alpha, beta)
     rows = list(zip(found, over_alpha, over_beta, strict=True))
     _, own_alpha, own_beta = rows.pop(leg)
@@ -220,7 +220,7 @@ def find_balanced(plates: Plates, leg: int, radius: float, heading: float) -> An
 
 
 def _is_pulling(plates: Plates, leg: int, alpha: float, beta: float) -> bool:
-    """Whether a leg balances the others, and still gets shorter on its way out."""
+    """Return whether a leg balances the others, and still gets shorter on its way out."""
     _, over_alpha, over_beta = compute_length_slopes(floats, plates, alpha, beta)
     across = compute_crosswise(floats, plates, leg, alpha, beta)
     shorter = alpha * over_alpha[leg] + beta * over_beta[leg] < 0.0
@@ -228,7 +228,7 @@ def _is_pulling(plates: Plates, leg: int, alpha: float, beta: float) -> bool:
 
 
 def find_last(holds: Callable[[float], bool], low: float, high: float) -> float:
-    """Where a condition ends that holds at `low` and not at `high`, by halving."""
+    """Return the end of a condition that holds at `low` and not at `high`, by bisection."""
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if holds(middle) else (low, middle)

@@ -1,4 +1,4 @@
-"""Where a platform can go: its reachable angles, and the way of each leg alone.
+"""Figure of the workspace of a platform: its reachable angles, and the path of each leg alone.
 
 The edge of the set is solid where a leg is at its shortest and dashed where one is at its
 longest. Contour lines show the length of leg 0.
@@ -30,7 +30,7 @@ LINES = 14
 ROW = 0.443
 """Height at which contour lines have their numbers, as a share of the axes."""
 EDGES = ("-", (0, (4, 2)), (0, (1, 1.5)))
-"""Of shortest legs, longest legs, and the largest angle."""
+"""Line styles of shortest legs, longest legs, and the largest angle."""
 
 
 def plot_workspace(workspace: Workspace, title: str = "") -> Figure:
@@ -106,7 +106,7 @@ def _outline_region(workspace: Workspace) -> Any:
 
 
 def _compute_rooms(workspace: Workspace, alphas: Any, betas: Any) -> Any:
-    """How far legs are from being too short, too long, and the plate from 90° [m]: (3, …)."""
+    """Return the margins of legs from the shortest and longest length, and of the plate from 90° [m]: (3, …)."""
     legs = workspace.legs
     alphas, betas = np.broadcast_arrays(alphas, betas)
     found = np.array(compute_lengths(ArrayNamespace(np), legs.plates, alphas, betas))

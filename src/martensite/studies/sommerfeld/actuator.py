@@ -18,7 +18,7 @@ from martensite.studies.tables import Printed
 from martensite.studies.wire_heating.bench import CLOSURES
 
 HEATED, LENGTH = 60.0, 120.0
-"""How long the voltage is on, and how long a run lasts [s]."""
+"""Time with the voltage on, and length of a run [s]."""
 COMPLETE = 0.01
 """Martensite fraction below which the transformation counts as complete."""
 

@@ -31,7 +31,7 @@ which the printed reduction leaves whole millimetres."""
 
 @dataclass(frozen=True)
 class Fold:
-    """Where a branch of steady states ends."""
+    """End of a branch of steady states."""
 
     speed: float
     """[rad/s]"""
@@ -60,7 +60,7 @@ def find_folds(motor: BeamMotor) -> tuple[Fold, Fold]:
         return voltage_at(motor, float(unknowns[0])) - float(unknowns[1])
 
     def sizes(unknowns: Numbers) -> tuple[float, float]:
-        """Of a speed its distance from the resonance, or the width of that."""
+        """Return the scales of the unknowns: distance of the speed from the resonance, and voltage."""
         return math.hypot(float(unknowns[0]) - peak, motor.damping / motor.mass), abs(float(unknowns[1]))
 
     begin, most = 0.8 * peak, 2.0 * voltage_at(motor, peak)
@@ -71,7 +71,7 @@ def find_folds(motor: BeamMotor) -> tuple[Fold, Fold]:
 
 @dataclass(frozen=True)
 class RampCalibration:
-    """What makes a slow ramp come out as measured."""
+    """Calibration that makes a slow ramp agree with the measurement."""
 
     mass: float
     """[kg]"""

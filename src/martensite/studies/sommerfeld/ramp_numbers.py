@@ -36,7 +36,7 @@ def compute_ramp(printed: Printed) -> dict[str, Any]:
 
 
 def compare_jumps(printed: Printed) -> dict[str, float]:
-    """What follows from printed numbers alone."""
+    """Compute the jumps from printed numbers alone."""
     _, after = whole_millimetres(printed)
     sooner = printed.jump - printed.jump_with_wire
     return {"earlier": sooner, "left_mm": after, "current_drop_table_3": sooner / printed.resistance}

@@ -94,7 +94,7 @@ class Windows:
     speed: Any
     """Mean [rad/s]"""
     current: Any
-    """Of the motor, mean [A]"""
+    """Mean current of the motor [A]."""
     limit: float
     """Speed below which the motor is captured [rad/s]."""
 

@@ -26,11 +26,11 @@ from martensite.studies.sommerfeld.runs import Windows, split_windows
 from martensite.studies.tables import Printed
 
 RATE = 0.2
-"""Of the voltage in all ramps with the wire [V/s]: assumed."""
+"""Rate of the voltage in all ramps with the wire, assumed [V/s]."""
 PERIOD = runs.SAMPLING
-"""Of the controller [s]: assumed."""
+"""Sample time of the controller, assumed [s]."""
 SHARE = 0.3
-"""Of the peak amplitude, below which the wire is switched off: assumed."""
+"""Fraction of the peak amplitude below which the wire is switched off, assumed."""
 SLACKS = (0.005, 0.010, 0.015, 0.020, 0.025)
 """Tried in the fit."""
 REACH = 6.0
@@ -87,7 +87,7 @@ class SlackTrial:
     jump: float
     """[V]"""
     reduction: float
-    """Of the peak amplitude, as a share of that without the wire."""
+    """Reduction of the peak amplitude, relative to the peak without the wire."""
     sweep: Windows
 
 

@@ -24,7 +24,7 @@ from martensite.studies.wire_heating import bench
 PER_METRE = 0.1
 """Length [m] that turns the printed ohms, read as ohms per metre, into those of the wire."""
 DENSITY, HEAT_CAPACITY = 6450.0, 837.0
-"""Of the maker's sheet [kg/m³], [J/(kg K)]; the thesis prints neither."""
+"""Values of the maker's sheet [kg/m³], [J/(kg K)]; the thesis prints neither."""
 
 
 @dataclass(frozen=True)
