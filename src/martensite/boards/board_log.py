@@ -1,4 +1,4 @@
-"""What a board said, over its own time: a table that `fit` and `identify` read without options.
+"""Log of a board over its own time: a table that `fit` and `identify` read without options.
 
 Columns are headed with units. The firmware's description with its calibration, and the scenario, go along: in the lines
 above the table of a text file, in the metadata of Parquet, as metadata and an attachment of MCAP.
@@ -31,7 +31,7 @@ class BoardLog:
     """Telemetry of a board, sample by sample."""
 
     firmware: dict[str, Any]
-    """What `firmware.json` says, with the settings that the board had."""
+    """Content of `firmware.json`, with the settings of the board."""
     clock: BoardClock = field(default_factory=BoardClock)
     _numbers: array[float] = field(default_factory=lambda: array("d"))
     """Row after row: an hour at 1 kHz is held in a quarter of a gigabyte."""
@@ -54,7 +54,7 @@ class BoardLog:
 
     @property
     def names(self) -> list[str]:
-        """Of the columns."""
+        """Return the names of the columns."""
         return ["time", "status", "alarm", *(row["name"] for row in self.firmware["telemetry"])]
 
     def headings(self) -> list[str]:
@@ -98,7 +98,7 @@ class BoardLog:
         return figure
 
     def describe(self, counts: LinkCounts) -> dict[str, str]:
-        """What goes along with the table."""
+        """Return the metadata of the table."""
         plain = {key: value for key, value in self.firmware.items() if key != "scenario"}
         return {"written by": "martensite hardware", "frames": counts.describe(), "firmware": json.dumps(plain)}
 

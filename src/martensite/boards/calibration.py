@@ -1,10 +1,10 @@
-"""Gains and offsets of a board's channels, from what is known to be there.
+"""Gains and offsets of a board's channels, from known values.
 
     x = gain (steps - offset)
 
 A channel at a known value gives a point; one point at 0 sets the offset, one elsewhere the gain, two or more both, by
 least squares. A known resistor in the place of the wire sets the gain of the current, so that voltage over current is
-right: that is what a resistance needs. Points are kept in `calibration.json`, with the spread of what was read.
+right: that is what a resistance needs. Points are saved in `calibration.json`, with the spread of the readings.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from martensite.boards.board_log import BoardLog
 from martensite.boards.session import CALIBRATION, Session, load_calibration
 
 READ_FOR = 0.5
-"""How long a channel is read for a point [s]."""
+"""Time that a channel is read for a point [s]."""
 RESISTOR_DUTY, RESISTOR_FOR = 0.2, 1.0
 """Duty, and time [s], for which a known resistor is heated."""
 
@@ -32,11 +32,11 @@ class CalibrationPoint:
     """A channel at a known value."""
 
     steps: float
-    """What the converter read, in the mean."""
+    """Mean reading of the converter."""
     spread: float
     """Standard deviation of it [steps]."""
     value: float
-    """What was there, in SI."""
+    """Known value, in SI."""
 
 
 def list_channels(firmware: Mapping[str, Any]) -> list[str]:
@@ -55,10 +55,10 @@ def find_channel_unit(firmware: Mapping[str, Any], channel: str) -> str:
 
 
 def read_steps(session: Session, channel: str, log: BoardLog) -> tuple[float, float]:
-    """Mean and standard deviation of what a converter read over a log.
+    """Return mean and standard deviation of the readings of a converter over a log.
 
     Raises:
-        InputError: there is no such channel.
+        InputError: the channel does not exist.
         DataError: the log is empty.
     """
     find_channel_unit(session.firmware, channel)

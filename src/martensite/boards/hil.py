@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
 
 WAIT = 1.0
-"""How long a sample is waited for [s], of the board's or the host's clock."""
+"""Time limit for a sample [s], on the clock of the board or of the host."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,16 +42,16 @@ class HilRun:
     times: NDArray[Any]
     """[s]"""
     outputs: dict[str, NDArray[np.float64]]
-    """Of the plant, by name."""
+    """Outputs of the plant, by name."""
     signals: dict[str, NDArray[np.float64]]
     """That the board gave, by drive."""
     told: dict[str, NDArray[np.float64]]
-    """What else its telemetry held."""
+    """Further columns of the telemetry."""
     lost: int
     """Frames of the board that never came."""
 
     def to_text(self) -> str:
-        """As a table: times, outputs of the plant, signals of the board; all in SI."""
+        """Return the run as a table: times, outputs of the plant, signals of the board; all in SI."""
         columns = {"time": self.times} | self.outputs | {f"board {name}": one for name, one in self.signals.items()}
         rows = [",".join(columns), *(",".join(f"{x:.9g}" for x in row) for row in zip(*columns.values(), strict=True))]
         return "\n".join([*rows, ""])
@@ -193,7 +193,7 @@ def _ask_board(link: BoardLink, k: int, numbers: Sequence[float]) -> Sequence[fl
 
 
 def compare_runs(scenario: Scenario, found: HilRun) -> list[tuple[str, str, float, float]]:
-    """How far a run under a board is from the run here: name, unit, largest difference, share of range."""
+    """Return differences between a run under a board and the run here: name, unit, largest, fraction of range."""
     run = scenario.run()
     rows: list[tuple[str, str, float, float]] = []
     for name, column in found.outputs.items():

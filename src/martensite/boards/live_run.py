@@ -1,7 +1,6 @@
-"""A board for the web bench: what there is, a project for a scenario, and a run that tells how far it is.
+"""Board for the web bench: connected boards, a project for a scenario, and a run with progress.
 
-The bench is a distribution of its own, which finds this module where it is installed. Here are plain tables and numbers
-in SI; nothing is armed without the word of a person, as everywhere.
+This module uses plain tables and numbers in SI. A board is armed only with the word of a person.
 """
 
 from __future__ import annotations
@@ -36,9 +35,9 @@ TOLD = 0.2
 MOST_ROWS = 24
 """Samples in a note; the log has all."""
 LISTENED = 2.0
-"""How long a dry run listens by itself [s]."""
+"""Default duration of a dry run [s]."""
 TRUE = {"temperature": "K", "resistance": "ohm"}
-"""What an emulator knows of its wire, and no sensor says."""
+"""True values of the wire that only an emulator has."""
 
 Tell = Callable[[Mapping[str, Any]], None]
 
@@ -53,14 +52,14 @@ def describe_boards() -> dict[str, Any]:
 
 
 def find_missing() -> str:
-    """What an emulator needs and is not there, in a sentence."""
+    """Return the missing tools of an emulator, in a sentence."""
     there = shutil.which("avr-g++") and CORE.is_dir() and SIMAVR.exists()
     return "" if there else "An emulator needs gcc-avr, avr-libc, arduino-core-avr and libsimavr-dev (Debian)."
 
 
 @dataclass(frozen=True)
 class LiveRun:
-    """What is asked of a board."""
+    """Request for a run of a board."""
 
     board: str
     port: str
@@ -68,14 +67,14 @@ class LiveRun:
     levels: str = ""
     """Times and duties such as `2 s:0.4, 5 s:0`; empty for the loop of the scenario."""
     duration: float | None = None
-    """Of the loop, or of a dry run [s]; None: that of the scenario, or `LISTENED`."""
+    """Duration of the loop, or of a dry run [s]; None for the duration of the scenario, or `LISTENED`."""
     word: str = ""
     """`ARM`, said by a person; empty for a dry run, which heats nothing."""
     calibration: Mapping[str, Any] | None = None
-    """What `calibration.json` says; None: nominal gains are taken as they are."""
+    """Content of `calibration.json`; None for nominal gains."""
 
     def check(self) -> None:
-        """Raise `InputError` for a port that is not there, levels that are none, or another word than `ARM`."""
+        """Raise `InputError` for an unknown port, invalid levels, or another word than `ARM`."""
         known = [EMULATOR, *(one["name"] for one in describe_boards()["ports"])]
         if self.port not in known:
             raise InputError(f"There is no port `{self.port}`; there are {', '.join(known)}.")
@@ -96,7 +95,7 @@ class LiveWatch:
     tell: Tell
     stop: threading.Event
     wanted: Mapping[str, AbstractWaveform] = field(default_factory=dict[str, "AbstractWaveform"])
-    """What the loop follows, by the names of columns."""
+    """References of the loop, by the names of columns."""
     log: BoardLog | None = None
     _told: int = 0
     _next: float = 0.0
@@ -150,11 +149,11 @@ def make_project(scenario: Scenario, board: str, folder: Path) -> None:
 
 
 def run_live(asked: LiveRun, project: Path, log: Path, tell: Tell, stop: threading.Event) -> dict[str, Any]:
-    """Run, or listen to, the board of a project; notes while it goes, a log in the end, and all columns of it.
+    """Run, or listen to, the board of a project; report notes, and return a log and all its columns.
 
     Raises:
         InputError: the port cannot be opened, or the board holds another firmware.
-        SolveError: nobody answers, or the link broke.
+        SolveError: the board does not answer, or the link broke.
     """
     given = {"points": {}, "settings": {}, **(asked.calibration or {})}
     write_file(project / CALIBRATION, json.dumps(given, indent=1) + "\n")
@@ -175,7 +174,7 @@ def run_live(asked: LiveRun, project: Path, log: Path, tell: Tell, stop: threadi
 
 
 def name_wanted(session: Session) -> dict[str, AbstractWaveform]:
-    """What the loop follows, as columns: `wanted position` where that has the unit of the reference."""
+    """Return the references of the loop as columns: `wanted position` for a column with the same unit."""
     units = {row["name"]: row["unit"] for row in session.firmware["settings"]}
     found: dict[str, AbstractWaveform] = {}
     for name, one in session.list_references().items():
@@ -185,7 +184,7 @@ def name_wanted(session: Session) -> dict[str, AbstractWaveform]:
 
 
 def list_units(session: Session, wanted: Iterable[str]) -> dict[str, str]:
-    """SI units of the columns of a log, and of what is known beside them."""
+    """Return the SI units of the columns of a log, and of the added columns."""
     known = {row["name"]: row["unit"] for row in session.firmware["telemetry"]}
     true = TRUE if hasattr(session.port, "truth") else {}
     plain = {name.removeprefix("estimated."): unit for name, unit in known.items()}

@@ -32,7 +32,7 @@ class ReplayedReading:
 
     @property
     def rms(self) -> float:
-        """Of their difference."""
+        """Return the root mean square of the difference."""
         return float(np.sqrt(np.mean((self.measured - self.modelled) ** 2)))
 
     @property

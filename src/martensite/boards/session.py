@@ -38,7 +38,7 @@ CALIBRATION = "calibration.json"
 
 @dataclass
 class Session:
-    """A board, and what is known of it."""
+    """Board with its project and its firmware description."""
 
     project: Path
     firmware: dict[str, Any]
@@ -49,14 +49,14 @@ class Session:
     @classmethod
     @contextmanager
     def open(cls, project: Path, port: str, emulated: Mapping[str, Any] | None = None) -> Iterator[Session]:
-        """Open the board of a project, greet it, and give it its calibration; closed in the end.
+        """Open the board of a project, greet it, and send its calibration; close it at the end.
 
         `emulated` changes the wire of an emulator, by path of the scenario: what is at hand is never quite the model.
 
         Raises:
             DataError: there is no `firmware.json`.
             InputError: the port cannot be opened, or the board holds another firmware.
-            SolveError: nobody answers.
+            SolveError: the board does not answer.
         """
         firmware = read_project(project)
         baud = find_board(firmware["board"]).baud
@@ -87,7 +87,7 @@ class Session:
         return read_project_scenario(self.firmware)
 
     def list_references(self) -> dict[str, AbstractWaveform]:
-        """What the loop of the scenario follows, by the names of its settings."""
+        """Return the references of the loop of the scenario, by the names of its settings."""
         from martensite.control.loop.run import reference_waveforms
 
         bench = self.scenario.bench
@@ -101,10 +101,10 @@ class Session:
         return names.index(name)
 
     def set(self, name: str, value: float) -> None:
-        """Give the board a number, in SI, and remember it.
+        """Set a setting of the board, in SI, and record it.
 
         Raises:
-            InputError: there is no such setting.
+            InputError: the setting does not exist.
             SolveError: the board refuses it.
         """
         place = self.find_setting(name)
@@ -257,7 +257,7 @@ def read_levels(text: str) -> list[tuple[float, float]]:
 
 
 def read_project(project: Path) -> dict[str, Any]:
-    """What `firmware.json` of a project says; `DataError` if it is no project."""
+    """Return the content of `firmware.json` of a project; raise `DataError` for another folder."""
     place = project / "firmware.json"
     if not place.exists():
         raise DataError(f"`{project}` holds no firmware.json: write a project by `martensite export firmware`.")

@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from martensite.fit.fit import Fit
 
 WIDTHS = {"K": 5.0, "1": 0.1}
-"""How far a number may be off before anything is known, by its unit: kelvin, or a share; assumed."""
+"""Assumed uncertainty of a parameter before the tests, by its unit: kelvin, or a fraction."""
 SHARE = 0.2
-"""The same for all other units, as a share."""
+"""Assumed uncertainty for all other units, as a fraction."""
 RIG = "rig.toml"
 """The scenario of a fit."""
 MARGIN = 5.0
@@ -34,7 +34,7 @@ MARGIN = 5.0
 
 
 def list_unknown(bench: Bench, names: Sequence[str], widths: Mapping[str, float]) -> list[UnknownNumber]:
-    """Numbers to be learnt, by their paths in the plant or unique endings of them.
+    """Return the unknown parameters, by their paths in the plant or unique endings of them.
 
     Args:
         bench: whose plant has them.
@@ -42,7 +42,7 @@ def list_unknown(bench: Bench, names: Sequence[str], widths: Mapping[str, float]
         widths: how far a number may be off [SI], by its name; else as is usual for its unit.
 
     Raises:
-        ParameterError: there is no such number.
+        ParameterError: the parameter does not exist.
     """
     found: list[UnknownNumber] = []
     for name in names:
@@ -104,7 +104,7 @@ def describe_plan(unknown: Sequence[UnknownNumber], chosen: ChosenCourses) -> li
 
 
 def describe_fit(found: Fit) -> list[Block]:
-    """What was found."""
+    """Describe the results of a fit."""
     from martensite.show.summaries.fit import summarise_fit
 
     return list(summarise_fit(found).blocks)

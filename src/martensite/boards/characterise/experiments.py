@@ -51,7 +51,7 @@ class DutyCourse:
 
 @dataclass(frozen=True)
 class WirePace:
-    """How strong and how fast a wire is, on its model."""
+    """Strength and speed of a wire, on its model."""
 
     full: float
     """Duty with which it comes to rest as austenite."""

@@ -1,13 +1,13 @@
-"""Which courses tell most: the information matrix of a fit, before anything is heated.
+"""Choice of excitation profiles by their information for a fit, before the wire is heated.
 
     F = Σ_courses Σ_t J(t)ᵀ J(t)/σ²,      J: slopes of the readings with the free numbers, in units of their widths
 
-Courses are taken one by one, each time that with the largest gain of ln det(F + 1) for its time, as long as there is
-time (D-optimal, greedy), none more than twice: no model is so true that the same course again tells as much as another.
-For the same reason the noise σ of a reading is never below 1 % of its range. Widths are what is not known before, so
-that 1 stands for a number of which nothing new is known. The roots of the diagonal of (F + 1)⁻¹ are what is left.
+Courses are chosen one by one, by the largest gain of ln det(F + 1) over their time, until the time is used (D-optimal,
+greedy). A course is used at most twice, since models are inexact and a repetition gives less information than they
+predict. For the same reason the noise σ of a reading is at least 1 % of its range. Widths are the uncertainties before
+the tests, so 1 means no new information. The roots of the diagonal of (F + 1)⁻¹ are the remaining uncertainties.
 
-A course is safe if the hottest of many wires that may be at hand stays below the limit; else its duty is made smaller.
+A course is safe if the hottest of many possible wires stays below the limit; otherwise its duty is reduced.
 
 Source: Fedorov and Leonov (2013), Optimal Design for Nonlinear Response Models, chapter 3.
 """
@@ -32,7 +32,7 @@ OTHERS = 32
 NUDGE = 0.05
 """Change of a free number for its slope, as a share of its width."""
 REPEATS, DOUBT = 2, 0.01
-"""How often a course is taken at most, and the least noise of a reading, as a share of its range."""
+"""Largest number of uses of a course, and smallest noise of a reading, as a fraction of its range."""
 FINITE = 0.75
 """Share of the wires that the model must be able to run; numbers far apart may contradict each other."""
 WEAKER, TRIES = 0.9, 20
@@ -48,9 +48,9 @@ class UnknownNumber:
     """In the plant."""
     unit: str
     value: float
-    """As the scenario has it [SI]."""
+    """Value in the scenario [SI]."""
     width: float
-    """How far it may be off [SI], one standard deviation."""
+    """Uncertainty of the value, one standard deviation [SI]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,9 +59,9 @@ class ChosenCourses:
 
     courses: tuple[DutyCourse, ...]
     hottest: float
-    """Of all wires that may be at hand, over all courses [K]."""
+    """Highest temperature of all possible wires, over all courses [K]."""
     left: Numbers
-    """What is left of the width of every number, as a share."""
+    """Remaining uncertainty of every parameter, as a fraction of its width."""
 
 
 def choose_courses(

@@ -25,14 +25,14 @@ class SimavrBoard:
     board: str
     baud: int
     folder: Path
-    """Where the program that holds it is, or is made."""
+    """Folder of the program that contains the emulator."""
     turn: float = 0.5e-3
     """Time that passes in a read [s]."""
     volts: list[float] = field(default_factory=lambda: [0.0] * 8)
     """At A0 to A7 [V]."""
     cycles: int = 0
     duties: tuple[float, float] = (0.0, 0.0)
-    """Of pins 9 and 10."""
+    """Duty cycles of pins 9 and 10."""
     marks: tuple[int, ...] = ()
     """Most cycles between GPIOR0 = k and GPIOR0 = 0."""
     _waiting: bytearray = field(default_factory=bytearray)
@@ -58,7 +58,7 @@ class SimavrBoard:
         return len(data)
 
     def read(self, size: int = 1) -> bytes:
-        """What it has sent after another `turn`."""
+        """Return the output of the board after another `turn`."""
         return self.run(self.turn)
 
     def run(self, seconds: float) -> bytes:

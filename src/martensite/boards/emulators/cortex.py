@@ -15,7 +15,7 @@ from martensite.boards.emulators.toolchains import require_tool
 
 MACHINE = "netduinoplus2"
 BEGUN = 10.0
-"""How long QEMU may take to begin [s]."""
+"""Time limit for the start of QEMU [s]."""
 
 
 @dataclass
@@ -51,7 +51,7 @@ class QemuBoard:
         return len(data)
 
     def read(self, size: int = 1) -> bytes:
-        """What it has sent."""
+        """Return the output of the board."""
         try:
             return self._line.recv(size)
         except TimeoutError:

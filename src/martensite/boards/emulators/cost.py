@@ -1,7 +1,7 @@
-"""What a step costs on emulated processors: cycles on AVR, instructions on Cortex-M4, and bytes.
+"""Cost of a step on emulated processors: cycles on AVR, instructions on Cortex-M4, and bytes.
 
-simavr counts cycles as the data sheet has them. QEMU counts instructions; a Cortex-M4 takes 1 to 14 cycles for one, so
-that times from them are lower bounds at a cycle each, and are said to be.
+simavr counts cycles as in the data sheet. QEMU counts instructions; a Cortex-M4 takes 1 to 14 cycles for each. Times
+from instructions are therefore lower bounds at one cycle each, and are labelled so.
 """
 
 from __future__ import annotations
@@ -40,13 +40,13 @@ class StepCost:
     most: int
     """Cycles of AVR, instructions of Cortex-M4, in the dearest step."""
     flash: int
-    """Of the core, the library that it needs and the program around it [bytes]."""
+    """Flash of the core, of the library that it needs, and of the program around it [bytes]."""
     ram: int
     """[bytes]"""
     failed: bool
     """A step did not solve in float32."""
     counted: str
-    """What `most` counts: cycles or instructions."""
+    """Unit of `most`: cycles or instructions."""
     clock: float
     """[Hz]"""
 
@@ -57,12 +57,12 @@ class StepCost:
 
     @property
     def least(self) -> bool:
-        """Whether that time is a lower bound."""
+        """Return whether that time is a lower bound."""
         return self.counted == "instructions"
 
 
 def measure_costs(scenario: Scenario, part: str, folder: Path) -> tuple[CCore, list[StepCost]]:
-    """A core of a scenario in float32, and what its steps cost over the scenario on emulated processors.
+    """Return a core of a scenario in float32, and the costs of its steps on emulated processors.
 
     Args:
         scenario: what is played.
@@ -70,7 +70,7 @@ def measure_costs(scenario: Scenario, part: str, folder: Path) -> tuple[CCore, l
         folder: where programs are made.
 
     Raises:
-        InputError: there is no such part, no loop, or a tool is missing.
+        InputError: the part is unknown, the scenario has no loop, or a tool is missing.
         SolveError: a program does not end.
     """
     from martensite.export.c_core import build_c_core, build_c_loop
@@ -90,7 +90,7 @@ def measure_costs(scenario: Scenario, part: str, folder: Path) -> tuple[CCore, l
     if part == "loop":  # a loop goes on from sample to sample: none may be left out
         rows = [first, *(row for _, row in played)][:LONGEST]
     write_cost(core, rows, max(steps), folder)
-    table = 4 * len(rows) * len(first)  # what is played is no part of a core
+    table = 4 * len(rows) * len(first)  # the played rows do not belong to a core
     found = [cost_on_avr(core, folder), cost_on_cortex(core, folder)]
     return core, [replace(one, flash=one.flash - table) for one in found]
 

@@ -33,7 +33,7 @@ class EmulatedRig:
     turn: float = 1e-3
     """Time that board and plant go on in a read [s]."""
     seed: int = 0
-    """Of the noise of the sensors."""
+    """Seed of the noise of the sensors."""
     _inputs: BoardInputs = field(init=False)
 
     def __post_init__(self) -> None:
@@ -57,7 +57,7 @@ class EmulatedRig:
         return self.board.write(data)
 
     def read(self, size: int = 1) -> bytes:
-        """What the board has sent in another turn."""
+        """Return the output of the board in another turn."""
         return self.run(self.turn)
 
     def run(self, seconds: float) -> bytes:
@@ -97,7 +97,7 @@ class EmulatedRig:
                 self.board.volts[one.pin - (own.first_analog or 0)] = value * own.volts / own.steps
 
     def _find_value(self, k: int) -> float:
-        """What channel k measures, in SI."""
+        """Return the value of channel k, in SI."""
         reading = next((one for one in self._inputs.readings if k in (one.channel, one.other)), None)
         if reading is None:
             return self._inputs.supply

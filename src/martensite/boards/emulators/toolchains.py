@@ -18,7 +18,7 @@ from martensite.boards.firmware.boards import find_board
 from martensite.kernels.compiler import find_compiler
 
 CORE = Path("/usr/share/arduino/hardware/arduino/avr")
-"""Where Debian keeps the Arduino core for AVR."""
+"""Folder of the Arduino core for AVR on Debian."""
 SIMAVR = Path("/usr/include/simavr/sim_avr.h")
 MCUS = {"uno": ("atmega328p", "standard", "AVR_UNO"), "mega2560": ("atmega2560", "mega", "AVR_MEGA2560")}
 """Processor, variant and name of a board in the Arduino core."""
@@ -35,7 +35,7 @@ LARGER = "Take a larger board, such as mega2560 or stm32f405."
 
 
 def require_tool(name: str) -> str:
-    """Where a tool is.
+    """Return the path of a tool.
 
     Raises:
         InputError: it is not installed; the sentence names its packages on Debian.
@@ -54,10 +54,10 @@ def run_tool(command: Sequence[str | Path], folder: Path) -> None:
 
 
 def compile_sketch(folder: Path, board: str, flags: Sequence[str] = ()) -> Path:
-    """Compile a sketch and the Arduino core for an AVR board; the ELF file, in the folder.
+    """Compile a sketch and the Arduino core for an AVR board, and return the ELF file in the folder.
 
     Raises:
-        InputError: compiler or core are missing, or the board is no AVR.
+        InputError: compiler or core are missing, or the board is not an AVR.
         CompileError: the compiler failed.
     """
     if board not in MCUS:

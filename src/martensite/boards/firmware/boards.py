@@ -18,7 +18,7 @@ class Board:
     name: str
     title: str
     layer: str
-    """What stands between it and the firmware: `arduino` or `stm32f405`."""
+    """Layer between the board and the firmware: `arduino` or `stm32f405`."""
     clock: float
     """[Hz]"""
     ram: int
@@ -26,7 +26,7 @@ class Board:
     flash: int
     """[bytes]"""
     steps: int
-    """Of the converter."""
+    """Steps of the converter."""
     volts: float
     """Full scale of the converter [V]."""
     baud: int

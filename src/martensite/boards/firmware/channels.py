@@ -1,8 +1,8 @@
-"""What a board measures for a loop: raw channels, the readings that are made of them, and their nominal numbers.
+"""Inputs of a board for a loop: raw channels, the readings computed from them, and their nominal gains.
 
 A reading of a resistance is a voltage over a current; an encoder counts; everything else is a voltage at the converter.
-Nominal gains are assumed from the parts of the wiring list. They let a board be tried, not trusted: it arms on its own
-readings only once it is calibrated.
+Nominal gains are assumed from the parts of the wiring list. They suffice for trials only: a board arms on its readings
+only after calibration.
 """
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ class Channel:
     offset: float
     """Steps at 0."""
     pin: int
-    """As the board layer takes it: below 0 for an encoder."""
+    """Pin as in the board layer: below 0 for an encoder."""
     parts: str
-    """What is between the quantity and the pin, in words."""
+    """Parts between the quantity and the pin, in words."""
 
 
 @dataclass(frozen=True)
@@ -67,9 +67,9 @@ class BoardInputs:
     channels: tuple[Channel, ...]
     readings: tuple[BoardReading, ...]
     supply_channel: int
-    """Of the voltage of the supply; -1 without a free pin."""
+    """Channel of the supply voltage; -1 without a free pin."""
     current_channel: int
-    """Of the current of the only wire; -1 if it is not measured."""
+    """Channel of the current of the only wire; -1 if it is not measured."""
     largest_current: float
     """At the full signal, of the resistances that the element may have [A]."""
     supply: float

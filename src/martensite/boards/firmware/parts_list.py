@@ -10,7 +10,7 @@ from martensite.boards.firmware.settings import FirmwarePlan
 from martensite.control.loop.bench import Bench
 
 SPARE = 2.0
-"""What a switch stands and a shunt may heat, over what they meet."""
+"""Safety factor of the rating of a switch and of the power of a shunt."""
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,7 @@ class Firmware:
     texts: Mapping[str, str]
     """By the name of the file."""
     tried: str
-    """How far the loop was tried in float32, in a sentence."""
+    """Extent of the trial of the loop in float32, in a sentence."""
 
     @property
     def flash(self) -> float:
@@ -73,7 +73,7 @@ class Firmware:
 
 
 def build_firmware(scenario: Scenario, board: str, *, name: str = "firmware", limits: Limits | None = None) -> Firmware:
-    """The firmware of a scenario's loop for a board.
+    """Return the firmware of the loop of a scenario for a board.
 
     Args:
         scenario: with a controller that is a kernel.
@@ -82,7 +82,7 @@ def build_firmware(scenario: Scenario, board: str, *, name: str = "firmware", li
         limits: when the board disarms by itself.
 
     Raises:
-        InputError: there is no such board, no loop, or the board cannot measure or drive what it needs.
+        InputError: the board is unknown, the scenario has no loop, or the board lacks inputs or outputs.
         ParameterError: the loop stops in float32.
     """
     from martensite.export.c_core import build_c_loop
@@ -128,7 +128,7 @@ def _collect_texts(name: str, plan: FirmwarePlan, scenario: Scenario, elements: 
 
 
 def describe_firmware(name: str, plan: FirmwarePlan, scenario: str) -> dict[str, Any]:
-    """What a host must know of a firmware: names and units of telemetry and settings, and the scenario itself."""
+    """Return the description of a firmware for a host: telemetry and settings with units, and the scenario."""
     core = plan.core
     return {
         "name": name,

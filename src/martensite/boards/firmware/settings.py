@@ -32,7 +32,7 @@ class Setting:
     unit: str
     value: float
     fixed: bool
-    """It stands in flash."""
+    """True for a setting in flash."""
     about: str
 
 
@@ -51,7 +51,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class FirmwarePlan:
-    """What a firmware has to know beside its loop."""
+    """Data of a firmware besides its loop."""
 
     core: CCore
     board: Board
@@ -67,7 +67,7 @@ class FirmwarePlan:
     period: float
     """[s]"""
     digest: int
-    """Of loop and settings."""
+    """Digest of loop and settings."""
 
     def telemetry(self) -> list[tuple[str, str]]:
         """Name and unit of every number of a telemetry, in their order."""
@@ -79,7 +79,7 @@ class FirmwarePlan:
 
 
 def name_duty(drive: str) -> str:
-    """What logs call the signal of a drive: a word that readers of logs know."""
+    """Return the name of the signal of a drive in logs, which readers of logs recognise."""
     return "duty" if drive == "drive" else f"duty_{drive}"
 
 

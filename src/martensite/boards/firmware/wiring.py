@@ -1,4 +1,4 @@
-"""What to connect to what: the list of a firmware's wires and parts."""
+"""Wiring of a firmware: its list of wires and parts."""
 
 from __future__ import annotations
 

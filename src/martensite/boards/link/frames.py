@@ -42,7 +42,7 @@ def encode_frame(code: int, number: int, payload: bytes) -> bytes:
 
 @dataclass
 class LinkCounts:
-    """What came over a link, and what did not."""
+    """Counts of received and lost messages of a link."""
 
     good: int = 0
     garbled: int = 0
@@ -57,7 +57,7 @@ class LinkCounts:
     """Good frames whose message is none: another version at the other end."""
 
     def describe(self) -> str:
-        """What was not taken, in words."""
+        """Describe the rejected and missing frames."""
         return f"{self.lost} lost, {self.garbled} garbled, {self.doubled} doubled, {self.reordered} late"
 
 
@@ -71,7 +71,7 @@ class FrameReader:
     _window: int = 0
 
     def restart(self) -> None:
-        """The other end has begun anew, and its numbers do."""
+        """Reset the frame number after a restart of the other end."""
         self._newest = None
 
     def feed(self, data: bytes) -> Iterator[Message]:
@@ -103,7 +103,7 @@ class FrameReader:
             self.counts.unknown += 1
 
     def _take(self, number: int) -> bool:
-        """Whether a number comes after all others; counts what is missing, late or double."""
+        """Return whether a number comes after all others; counts what is missing, late or double."""
         if self._newest is None:
             self._newest, self._window = number, (1 << LATE) - 1  # what may have come before is not waited for
             return True

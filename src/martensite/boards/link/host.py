@@ -19,7 +19,7 @@ from martensite.boards.link.messages import ARM_WORD, VERSION, BoardAnswer, Mess
 LONGEST_WRITE = 0.5
 """Time [s] after which a line that accepts no more bytes is given up."""
 TRIES, WAIT = 5, 0.2
-"""How often a command is sent, and how long each time an answer is waited for [s]."""
+"""Number of attempts of a command, and time limit of each answer [s]."""
 ARM = "ARM"
 """The word of a person without which nothing is armed."""
 
@@ -94,10 +94,10 @@ class BoardLink:
             yield self._waiting.popleft()
 
     def greet(self, digest: int | None = None) -> Message:
-        """Who is there: the board's `hello`; of the firmware with that digest, if one is given.
+        """Return the `hello` of the board; if a digest is given, check the firmware.
 
         Raises:
-            SolveError: nobody answers.
+            SolveError: the board does not answer.
             InputError: the board speaks another version, or holds another firmware.
         """
         self.reader.restart()
@@ -143,10 +143,10 @@ class BoardLink:
         self.command("disarm")
 
     def choose_mode(self, name: str) -> None:
-        """What makes the signals: `idle`, `loop`, `waveform` or `emulated`.
+        """Set the source of the signals: `idle`, `loop`, `waveform` or `emulated`.
 
         Raises:
-            InputError: there is no such mode.
+            InputError: the mode is unknown.
         """
         known = {mode.name.lower(): mode for mode in Mode}
         if name not in known:

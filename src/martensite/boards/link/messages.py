@@ -1,7 +1,7 @@
-"""What a host and a board say to each other: types and fields of all messages, in one table.
+"""Messages between host and board: types and fields of all messages, in one table.
 
 Fields are numbers, least byte first; a message may end with any number of a last kind of field (`values`). The header
-of the firmware, `messages.h`, is printed from the same table. `VERSION` changes with any of it; both ends say theirs.
+of the firmware, `messages.h`, is generated from the same table. `VERSION` changes with the table; both ends send it.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ CODES = {"u8": "B", "u16": "H", "u32": "I", "f32": "f"}
 
 
 class Mode(IntEnum):
-    """What makes the signals of a board."""
+    """Source of the signals of a board."""
 
     IDLE = 0
     LOOP = 1
@@ -52,7 +52,7 @@ class BoardFlags(IntFlag):
 
 
 class BoardAnswer(IntEnum):
-    """How a board answers a command."""
+    """Answer of a board to a command."""
 
     DONE = 0
     UNKNOWN = 1
@@ -75,7 +75,7 @@ class DisarmReason(IntEnum):
     LOOP = 4
     """The loop stopped."""
     TIME = 5
-    """It was armed for longer than is allowed."""
+    """Armed for longer than allowed."""
     CURRENT = 6
 
 
@@ -103,7 +103,7 @@ class MessageKind:
 
     @property
     def layout(self) -> struct.Struct:
-        """Of the fields before what repeats."""
+        """Return the layout of the fields before the repeated field."""
         return struct.Struct("<" + "".join(CODES[kind] for kind in self.fields.values()))
 
     def pack(self, values: Mapping[str, Any]) -> bytes:
@@ -167,10 +167,10 @@ BY_CODE = {one.code: one for one in KINDS.values()}
 
 
 def pack_message(name: str, **values: Any) -> tuple[int, bytes]:
-    """Type and payload of a message.
+    """Return type and payload of a message.
 
     Raises:
-        InputError: there is no such message, or its fields do not fit.
+        InputError: the message is unknown, or its fields do not fit.
     """
     if name not in KINDS:
         raise InputError(f"There is no message `{name}`. {suggest_name(name, KINDS)}")
