@@ -1,4 +1,4 @@
-"""What commands on boards share: the board, its log, its word, and the bar of a run."""
+"""Common options of commands on boards: the board, its log, its word, and the bar of a run."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class BoardSource:
 
 @dataclass(frozen=True)
 class LogOptions:
-    """Where a log goes."""
+    """Log file and figure of a run."""
 
     out: Annotated[Path | None, Option(help="Log to write: .csv, .parquet or .mcap.")] = None
     figure: FigureFile = None
@@ -45,7 +45,7 @@ class LogOptions:
     json: Json = False
 
     def check_file(self) -> LogOptions:
-        """These options; `DataError` if log or figure may not be written."""
+        """Return these options; raise `DataError` if log or figure may not be written."""
         Outputs(self.out, self.figure).check(self.force, data=ENDINGS)
         return self
 

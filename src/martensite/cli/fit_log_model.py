@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from martensite.fit.log_models import LogModel
 
 NEEDLESS = ("each", "hold_out", "column", "noise", "method", "loss", "starts", "step")
-"""Options that belong to a scenario of one's own."""
+"""Options that require a scenario file."""
 
 
 @dataclass(frozen=True)
 class ModelOptions:
-    """What is said of logs that no scenario explains."""
+    """Settings for logs without a scenario."""
 
     experiment: Annotated[
         Text,
@@ -45,7 +45,7 @@ class ModelOptions:
                 raise InputError(f"Option `{name}` has no effect beside --scenario, which says what is fitted.")
 
     def find_scenario_file(self, report: Path | None) -> Path | None:
-        """Where the scenario is written: as asked for, or beside the report."""
+        """Return the path of the scenario: as given, or next to the report."""
         return self.save_scenario or (None if report is None else report.with_suffix(".toml"))
 
     def check(self, given: object, report: Path | None, force: bool) -> None:

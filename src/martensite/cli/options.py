@@ -52,10 +52,10 @@ def read_quantity(name: str, text: str, unit: str) -> float: ...
 @overload
 def read_quantity(name: str, text: str | None, unit: str) -> float | None: ...
 def read_quantity(name: str, text: str | None, unit: str) -> float | None:
-    """The number, in the SI `unit`, that the option `name` holds as text; None if not given.
+    """Return the value of the option `name`, in the SI `unit`; None if not given.
 
     Raises:
-        UnitError: it is no quantity, or one of another dimension.
+        UnitError: the text is not a quantity of this dimension.
     """
     from martensite.base import units
 
@@ -72,11 +72,11 @@ def read_positive(name: str, text: str, unit: str) -> float: ...
 @overload
 def read_positive(name: str, text: str | None, unit: str) -> float | None: ...
 def read_positive(name: str, text: str | None, unit: str) -> float | None:
-    """The same for a number that must be above 0.
+    """Return the value of an option that must be above 0, in the SI `unit`; None if not given.
 
     Raises:
-        InputError: it is not.
-        UnitError: it is no quantity, or one of another dimension.
+        InputError: the value is not above 0.
+        UnitError: the text is not a quantity of this dimension.
     """
     found = read_quantity(name, text, unit)
     if found is not None and not found > 0.0:

@@ -23,7 +23,7 @@ FIGURE = tuple(f".{name}" for name in FORMATS)
 
 
 class Verdict(NamedTuple):
-    """What the first line of an answer states."""
+    """Statement of the first line of an answer."""
 
     worse: bool
     """True for an answer that is saved only with --save-anyway."""
@@ -33,7 +33,7 @@ class Verdict(NamedTuple):
 
 @dataclass(frozen=True)
 class Outputs:
-    """Where results go; None for what is not wanted."""
+    """Output files; None for an unused one."""
 
     data: Path | None
     figure: Path | None
@@ -125,7 +125,7 @@ class JudgedOptions(AnswerOptions):
     save_anyway: SaveAnyway = False
 
     def check_files(self, data: Path | None = None, *endings: str) -> Outputs:
-        """The same; `InputError` if `--save-anyway` has no effect."""
+        """Return the output files; raise `InputError` if `--save-anyway` has no effect."""
         refuse_idle("--save-anyway", self.save_anyway and data is None, "nothing is saved")
         return super().check_files(data, *endings)
 
@@ -137,7 +137,7 @@ def check_ending(path: Path | None, endings: tuple[str, ...]) -> None:
 
 
 def check_folder(path: Path) -> None:
-    """Raise `DataError` if there is no folder for a file, none to write to, or no file can have its name."""
+    """Raise `DataError` if the folder of a file is missing or read-only, or if the file name is invalid."""
     try:
         folder = path.is_dir()
         path.exists()
@@ -159,14 +159,14 @@ def check_absent(path: Path, force: bool) -> None:
 
 @dataclass
 class BestSoFar:
-    """What a search has found up to now: a scenario to go on from, where it is interrupted."""
+    """Best result of a search so far: a scenario from which an interrupted search can continue."""
 
     file: Path
-    """Where it is written then."""
+    """File of an interrupted search."""
     text: Callable[[], str] | None = None
     """Makes the scenario of the best so far; None before there is one."""
     judged: int = 0
-    """How often there was a better one."""
+    """Number of improvements."""
 
     def keep(self, text: Callable[[], str]) -> None:
         """Take a better one."""

@@ -1,4 +1,4 @@
-"""Signs on standard error that something is being computed, if somebody is looking there."""
+"""Progress on standard error, if it is a terminal."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def show_spinner(label: str) -> Iterator[None]:
 
 @contextmanager
 def open_bar(label: str, total: float | None, counted: bool = False) -> Iterator[Callable[..., None] | None]:
-    """What moves a bar with a text and times, and counts if wanted; None if nobody is looking."""
+    """Yield the function that moves a bar with a text and times, and optionally counts; None without a terminal."""
     if not sys.stderr.isatty():
         yield None
         return

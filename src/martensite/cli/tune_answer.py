@@ -26,7 +26,7 @@ class TuningVerdict:
     judgement: TuningJudgement
     report: LoopReport
     was_sound: bool
-    """Whether the loop before had no fault; only looked at if the tuned loop has one."""
+    """True if the loop before had no fault; only looked at if the tuned loop has one."""
 
     @property
     def lost(self) -> bool:
@@ -35,7 +35,7 @@ class TuningVerdict:
 
     @property
     def worse(self) -> bool:
-        """True if the error is larger than before, or the loop is no longer sound."""
+        """True if the error is larger than before, or the loop has become unsound."""
         return self.judgement.worse or self.lost
 
     @property
@@ -67,7 +67,7 @@ def judge_scenario(scenario: Scenario, bench: Bench, judgement: TuningJudgement)
 
 @dataclass(frozen=True, eq=False)
 class TuningAnswer:
-    """What a tuning prints, writes and draws."""
+    """Text, files and figure of a tuning."""
 
     verdict: TuningVerdict
     summary: Summary

@@ -210,10 +210,10 @@ def _find_starts(
 def draw_both_plants(
     texts: Sequence[str], count: int | None, seed: int, scenario: Scenario, bench: Bench
 ) -> tuple[Plants | None, Plants | None]:
-    """Plants to tune on, and others to judge on; none without a spread.
+    """Return plants to tune on, and others to judge on; None without a spread.
 
     Raises:
-        InputError: a text is no spread of a number of the plant.
+        InputError: a text is not a spread of a parameter of the plant.
     """
     if not texts:
         return None, None

@@ -98,7 +98,7 @@ def _describe_run(tried: Result, judged: Judgement, loops: LoopReport | None) ->
 
 
 def _find_figure(scenario: Scenario, outputs: Outputs) -> Callable[[], Figure] | None:
-    """What draws the margins of a loop, if they are wanted."""
+    """Return the function that draws the margins of a loop, if they are requested."""
     if outputs.figure is None:
         return None
     if scenario.bench is None:

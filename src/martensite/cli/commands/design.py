@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class DesignOptions:
-    """What may change, what is wanted, and how it is searched."""
+    """Free parameters, goal, constraints, and search options."""
 
     free: Annotated[
         Texts,
@@ -72,7 +72,7 @@ class DesignOptions:
             raise ParameterError(f"Option `--grid` must be at least 2, but is {self.grid}.")
 
     def search(self, scenario: Scenario, best: BestSoFar, *, saved: bool) -> OptimisedDesign:
-        """The best design.
+        """Return the best design.
 
         Args:
             scenario: where the search begins.
@@ -80,7 +80,7 @@ class DesignOptions:
             saved: whether the scenario will be written with the numbers found.
 
         Raises:
-            InputError: the scenario is no open loop, or an option does not fit it.
+            InputError: the scenario is not an open loop, or an option does not fit it.
             SolveError: no design can be run.
         """
         from martensite.design.optimise.optimise import optimise_design

@@ -40,7 +40,7 @@ ANCHOR = 0.1
 
 @dataclass(frozen=True)
 class IdentifyOptions:
-    """What is identified, and how."""
+    """Inputs, outputs and options of an identification."""
 
     inputs: Annotated[Texts, Option("--input", metavar="COLUMN", help="Column that goes in; repeatable.")] = None
     output: Annotated[Text, Option(metavar="COLUMN", help="Column that comes out at the end; several with commas.")] = (
@@ -109,7 +109,7 @@ class IdentifyOptions:
 
     @property
     def climbs(self) -> bool:
-        """Whether no structure is given, so that one is found."""
+        """Return whether no structure is given, so that one is found."""
         return not self.stage
 
     def complete_columns(self, log: str) -> IdentifyOptions:
@@ -146,7 +146,7 @@ class IdentifyOptions:
         return tuple(groups)
 
     def read_named(self) -> dict[str, str]:
-        """What columns of files without headings are."""
+        """Return the meanings of columns of files without headings."""
         from martensite.scenario.log_tables import parse_named
 
         return dict(parse_named(self.named or ()))
@@ -162,7 +162,7 @@ class IdentifyOptions:
         return found
 
     def choose_search(self, interval: float) -> Options:
-        """How stages are estimated at a sample time."""
+        """Return the search options of stages at a sample time."""
         from martensite.identify.chains.estimate import Options
         from martensite.identify.chains.goals import AUTO
         from martensite.identify.chains.residuals import STARTS

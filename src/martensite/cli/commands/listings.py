@@ -1,4 +1,4 @@
-"""`list`, `materials`, `cite` and `describe`: what there is, and what is known of one."""
+"""`list`, `materials`, `cite` and `describe`: the registered parts, and the description of one of them."""
 
 from __future__ import annotations
 

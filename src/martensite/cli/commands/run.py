@@ -43,7 +43,7 @@ ROUNDING = 1e-12
 
 @dataclass(frozen=True)
 class RunOptions:
-    """How a scenario is run, and what its run is compared with."""
+    """Options of a run, and the record of the comparison."""
 
     compare: Annotated[Text, Option(metavar="FILE", help="A record to compare with [default: the scenario's own].")] = (
         None
@@ -182,7 +182,7 @@ def run(
 def run_scenario(
     scenario: Scenario, options: RunOptions, outputs: Outputs, log: Record | None = None, *, quiet: bool = False
 ) -> tuple[Result, Summary]:
-    """Run a scenario and write what is wanted; nothing is written if anything fails."""
+    """Run a scenario and write the requested files; after an error no file is written."""
     from martensite.simulate.measures.base import parse_measure
 
     for words in options.measure or ():

@@ -19,7 +19,7 @@ METHODS = ("rules", "relay", "gradient", "schedule")
 
 @dataclass(frozen=True)
 class TuneOptions:
-    """How a controller is tuned."""
+    """Options of the tuning of a controller."""
 
     method: Annotated[
         str,

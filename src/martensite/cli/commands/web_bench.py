@@ -84,10 +84,10 @@ def build_address(address: str, text: str) -> str:
 
 
 def _write_page(folder: Path, scenario: Path | None, json: bool) -> None:
-    """Write the bench with the scenarios of the package, or with one of a file alone.
+    """Write the bench with the scenarios of the package, or with the scenario of a file alone.
 
     Raises:
-        InputError: the page cannot run that scenario, or there is no compiler of WebAssembly.
+        InputError: the page cannot run that scenario, or a compiler for WebAssembly is missing.
         DataError: the folder holds something else, or the scenario names files.
     """
     from martensite.app.documents import check_files

@@ -11,7 +11,7 @@ from martensite.cli.app import app
 from martensite.cli.folder_group import FolderGroup, make_group
 
 LOGS = "logs"
-"""What is meant where no command is named."""
+"""Default command."""
 
 
 class Fits(FolderGroup):

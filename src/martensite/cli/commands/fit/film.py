@@ -30,7 +30,7 @@ UNITS = {"diameter": "m", "length": "m", "ambient": "K", "resistance": "ohm"}
 
 @dataclass(frozen=True)
 class HeatedWire:
-    """What the command line says of the wire; None for what it does not say."""
+    """Wire of the command line; None for a missing value."""
 
     diameter: Annotated[Text, Option(help='Diameter of the wire, e.g. "0.381 mm".')] = None
     length: Annotated[Text, Option(help='Length of the wire, e.g. "273 mm".')] = None

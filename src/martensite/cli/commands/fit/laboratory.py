@@ -210,11 +210,11 @@ def vibration(
 def read_vibration(
     path: Path, column: str | None, start: str | None, end: str | None
 ) -> tuple[list[float], list[float], str]:
-    """Times [s] and values of the part of a record between two times, and a name for the values.
+    """Return times [s] and values of a record between two times, and a name for the values.
 
     Raises:
-        DataError: there is no such column, none to choose, no time, or no row in between.
-        UnitError: `start` or `end` is no time.
+        DataError: the column is unknown or ambiguous, the times are missing, or the interval is empty.
+        UnitError: `start` or `end` is not a time.
     """
     from martensite.scenario.tables import read_table
 

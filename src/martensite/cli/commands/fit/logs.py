@@ -47,7 +47,7 @@ REPORTS, MATERIAL = (".md", ".html"), (".toml",)
 
 @dataclass(frozen=True)
 class FitOptions:
-    """What is fitted, and how."""
+    """Scenario, free parameters and options of a fit."""
 
     scenario: Annotated[list[Path] | None, Option(help="Scenario file; one for all logs, or repeated for each.")] = None
     free: Annotated[
@@ -116,7 +116,7 @@ class FitOptions:
         return self if found is None else replace(self, scenario=found[0], free=found[1])
 
     def is_alone(self, logs: Sequence[str]) -> bool:
-        """Whether neither scenario nor free numbers nor a fit file say what is fitted."""
+        """Return whether neither scenario nor free numbers nor a fit file say what is fitted."""
         from martensite.fit.fit_file import is_fit_file
 
         return not self.scenario and not self.free and not any(map(is_fit_file, logs))
@@ -146,7 +146,7 @@ class FitOptions:
 
 @dataclass(frozen=True)
 class FitExtras:
-    """What is asked for beside the fit itself, and the files."""
+    """Further results of a fit, and its files."""
 
     profile: Annotated[Texts, Option(metavar="NAME", help="Profile likelihood of a parameter; repeatable.")] = None
     posterior: Annotated[
@@ -159,7 +159,7 @@ class FitExtras:
     out: Annotated[Path | None, Option(metavar="MATERIAL", help="Material file to write: .toml.")] = None
 
     def refuse_without_scenario(self) -> None:
-        """Raise `InputError` for what needs a scenario of one's own."""
+        """Raise `InputError` for options that require a scenario file."""
         idle = {"--profile": self.profile, "--posterior": self.posterior, "--resume": self.resume}
         if name := next((name for name, given in idle.items() if given), None):
             raise InputError(f"Option `{name}` needs --scenario and --free; without, it has no effect.")
@@ -193,7 +193,7 @@ class FitExtras:
         return find_figure_folder(self.report)
 
     def write(self, fit: Fit, summary: Summary) -> list[Path]:
-        """Write what is wanted; the files that were written."""
+        """Write the requested files, and return their paths."""
         written: list[Path] = []
         if self.out is not None:
             from martensite.fit.material_files import write_material
@@ -270,7 +270,7 @@ def _tell_best(latest: dict[str, Any], resume: Path | None, json: bool) -> str:
 
 
 def _tell_state(path: Path | None) -> str:
-    """Where an interrupted search goes on from."""
+    """Describe how to resume an interrupted search."""
     if path is None or not path.exists():
         return ""
     return f"; the search goes on from `{path}` with --resume {path}"

@@ -1,4 +1,4 @@
-"""`hardware calibrate`: gains and offsets by what is known to be there."""
+"""`hardware calibrate`: gains and offsets from known values."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def calibrate(
     nominal: Annotated[bool, Option("--nominal", help="Take the nominal gains as they are.")] = False,
     json: Json = False,
 ) -> None:
-    """Set gains and offsets by what is known to be there; kept in calibration.json of the project.
+    """Set gains and offsets from known values; they are saved in calibration.json of the project.
 
     A channel at 0 sets its offset, at another value its gain; with two points both.
     """
