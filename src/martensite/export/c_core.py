@@ -1,8 +1,8 @@
 """A system, a bench, or the loop of a bench as C99, for microcontrollers and for FMUs.
 
-The C is printed from the kernels that every simulation runs: there is no second physics. A
+The C is generated from the kernels that every simulation runs, so the physics is the same. A
 model is one struct of numbers; what acts on it allocates nothing and needs no library but libm.
-A loop is what one would flash: observers, controllers and supervisor of a bench, by the same kernels
+A loop is the part to flash: observers, controllers and supervisor of a bench, by the same kernels
 as those of `martensite.control.loop.realtime.RealtimeStep`, without the plant.
 """
 
@@ -52,9 +52,9 @@ class CCore:
     """A model in C: its text, and what is in it."""
 
     name: str
-    """Of the files, and before all names in them."""
+    """Name of the files, and prefix of all names in them."""
     description: str
-    """What it is, in words."""
+    """Description in words."""
     precision: str
     """float64 or float32."""
     program: Program
@@ -66,7 +66,7 @@ class CCore:
     outputs: tuple[CoreVariable, ...]
     states: int
     reports: bool
-    """Whether steps end with residual and crossing."""
+    """True if steps end with residual and crossing."""
     sample: str | None
     """Sample time of a system in discrete time, in C; None if a step may have any length."""
     sample_time: float
@@ -115,10 +115,10 @@ class CCore:
         return {f"{self.name}.h": self.header, f"{self.name}.c": self.source}
 
     def write(self, folder: str | Path) -> list[Path]:
-        """Write header and source into a folder, whatever is there; their paths.
+        """Write header and source into a folder, over existing files, and return their paths.
 
         Raises:
-            DataError: there is no such folder, or it cannot be written to.
+            DataError: the folder does not exist or is not writable.
         """
         found: list[Path] = []
         for name, text in self.files.items():
@@ -128,7 +128,7 @@ class CCore:
 
 
 def build_c_core(system: AbstractSystem, *, name: str | None = None, precision: str = "float64") -> CCore:
-    """A system or a bench as C.
+    """Return a system or a bench as C.
 
     Args:
         system: a `System`, a `Machine`, or a `Bench` with its loops.
@@ -136,7 +136,7 @@ def build_c_core(system: AbstractSystem, *, name: str | None = None, precision: 
         precision: float64 (`double`), or float32 (`float`) for processors without doubles.
 
     Raises:
-        ParameterError: the name is no identifier, or there is no such precision.
+        ParameterError: the name is not an identifier, or the precision is unknown.
     """
     compiled = compile_system(system)
     return core_of(
@@ -233,7 +233,7 @@ def list_outputs(system: AbstractSystem, names: Sequence[str]) -> Rows:
 
 
 def build_c_loop(bench: Bench, *, name: str | None = None, precision: str = "float64") -> CCore:
-    """Observers, controllers and supervisor of a bench as C, without its plant.
+    """Return observers, controllers and supervisor of a bench as C, without its plant.
 
     Inputs are the readings, their ages, the references and the signals that no controller has.
     `NAME_start` is the first sample, `NAME_step` every other, with the period for dt; outputs are
@@ -241,7 +241,7 @@ def build_c_loop(bench: Bench, *, name: str | None = None, precision: str = "flo
     and what controllers say of themselves.
 
     Raises:
-        ParameterError: as for `c_core`; or there is no controller.
+        ParameterError: as for `c_core`; or the bench has no controller.
     """
     if not bench.controllers.members():
         raise ParameterError("The loop of a bench without controllers gives no signals.")

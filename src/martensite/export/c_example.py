@@ -133,7 +133,7 @@ Played = tuple[tuple[float, ...], list[Step]]
 MOST = 5
 """Times as many steps as wanted, at most."""
 MOST_TRIED = 50
-"""The same for what is tried before it is written."""
+"""Largest number of trial runs before an example is written."""
 LONGEST = 120.0
 """Time [s] for which a program is tried."""
 

@@ -57,14 +57,14 @@ class Precision:
     name: str
     number: str
     suffix: str
-    """Of literals and of functions of libm."""
+    """Suffix of literals and of functions of libm."""
     largest: str
     size: int
     """[bytes]"""
     near: float
-    """How far a sample time may be off, as a share of it."""
+    """Relative tolerance of a sample time."""
     solved: float
-    """Mismatch of the coupled step that is none."""
+    """Residual of the coupled step that counts as solved."""
 
     def literal(self, value: float | bool) -> str:
         """A constant."""
@@ -84,7 +84,7 @@ class Precision:
         return math.copysign(struct.unpack("f", struct.pack("f", size))[0], value)
 
     def dialect(self, prefix: str) -> Dialect:
-        """C in this type, with functions of its own named after a prefix."""
+        """Return the dialect of C in this type, with added functions named after a prefix."""
         templates = _DOUBLE if self.number == "double" else _FLOAT
         own = {"erfcx": f"{prefix}erfcx({{}})"}
         going = LoopCondition(f"{{}} > {self.literal(0.0)}")
@@ -212,8 +212,8 @@ COSTS: Mapping[str, Mapping[str, int]] = {
     "quarter_sine": {"sin": 1, "mul": 1},
     "erfcx": {"erfcx": 1},
 }
-"""What an operation counts as: one that is not here costs nothing. A subtraction and a change of
-sign are additions; `erfcx` is an `exp` and an `erfc`, or 24 divisions."""
+"""Cost of an operation in additions and other basic operations; 0 for a missing one. A subtraction and a change of sign
+are additions; `erfcx` is an `exp` and an `erfc`, or 24 divisions."""
 _KINDS = "add mul div sqrt exp log power sin cos tanh erfcx round abs compare select logic"
 ORDER = _KINDS.split()
 

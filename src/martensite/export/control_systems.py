@@ -162,7 +162,7 @@ def plant_state_space(
 
 
 def state_names(system: AbstractSystem) -> list[str]:
-    """What the numbers of the flat state of a system are called: `elements0_memory_temperature`."""
+    """Return the names of the flat state of a system: `elements0_memory_temperature`."""
     state = system.init(floats, *[0.0] * len(system.drives()))
     return [name or "state" for name in _walk_numbers("", state)]
 

@@ -35,20 +35,20 @@ from martensite.simulate.march import SOLVED
 BOUND = 2.0
 """Bound of observations."""
 SHOWN = ("reference", "output", "power", "hottest")
-"""What an environment tells besides, in SI; of several outputs as `reference.NAME` and `output.NAME`."""
+"""Additional information of an environment, in SI; several outputs as `reference.NAME` and `output.NAME`."""
 OPTIONS = ("reference", "values")
 
 
 class Outcome(NamedTuple):
-    """What a period brings, arrays over the environments."""
+    """Results of a period, arrays over the environments."""
 
     observations: Any
     """Shape (environments, observations)."""
     rewards: Numbers
     terminated: Any
-    """Where a limit is exceeded or the step failed."""
+    """True where a limit is exceeded or the step failed."""
     truncated: Any
-    """Where the time is over."""
+    """True where the time is over."""
     shown: dict[str, Numbers]
     """By the names of `SHOWN`, each of shape (environments,)."""
 
@@ -57,16 +57,16 @@ class Episodes:
     """Environments side by side."""
 
     def __init__(self, bench: Bench, task: LearningTask, count: int = 1, native: bool | None = None) -> None:
-        """Environments that have not begun.
+        """Create environments before their first episode.
 
         Args:
-            bench: with at least one drive that nobody has.
+            bench: with at least one free drive.
             task: what shall be done on it.
             count: how many.
             native: whether to run in C; by default if there is a compiler.
 
         Raises:
-            InputError: a name does not fit, a range is missing, or there is no environment.
+            InputError: a name does not fit, a range is missing, or the count is below 1.
             ParameterError: a spread does not fit.
         """
         if count < 1:
@@ -87,7 +87,7 @@ class Episodes:
         self._set_tables()
 
     def _find_places(self) -> None:
-        """Where drives and outputs are in the rows of lanes."""
+        """Find the places of drives and outputs in the rows of lanes."""
         bench, task, plant = self.bench, self.task, self.bench.plant
         drives, seen = [one.name for one in self._drives], self._lanes.names.index
         self._acting = [drives.index(name) for name in self.signals]
@@ -106,7 +106,7 @@ class Episodes:
         limits = [one.element.limits for one in plant.actuators().values()]
         hot, high = task.temperature_limit, task.stress_limit
         self.temperature_limits = [one.temperature_limit if hot is None else hot for one in limits]
-        """Of the element at each port [K]."""
+        """Temperature limit of the element at each port [K]."""
         self._most_heat = np.array(self.temperature_limits)[:, None]
         self._most_stress = np.array([one.stress_limit if high is None else high for one in limits])[:, None]
 
@@ -136,7 +136,7 @@ class Episodes:
     def begin(
         self, which: Any, random: Sequence[np.random.Generator], options: Mapping[str, Any] | None = None
     ) -> tuple[Any, dict[str, Numbers]]:
-        """Begin episodes in some environments; the others stay where they are.
+        """Begin episodes in some environments; the others keep their state.
 
         Args:
             which: in which, shape (environments,).
@@ -148,7 +148,7 @@ class Episodes:
             Observations of all environments, and what is shown of them.
 
         Raises:
-            InputError: there is no such option, or no such parameter.
+            InputError: an option or a parameter is unknown.
         """
         given = dict(options or {})
         for name in given:
@@ -239,7 +239,7 @@ class Episodes:
         return found
 
     def _observation(self, rows: Numbers) -> Any:
-        """What a learner sees, shape (environments, observations)."""
+        """Return the observations of the learner, shape (environments, observations)."""
         ahead = self._at[None, :] + np.array(self._ahead)[:, None]
         lanes = np.arange(self.count)
         wanted = [self._reference[at, :, lanes].T for at in ahead]
@@ -252,7 +252,7 @@ class Episodes:
         return self._reference[self._at, :, np.arange(self.count)].T
 
     def _list_extras(self, rows: Numbers) -> dict[str, Numbers]:
-        """What is told besides, in the order of `SHOWN`."""
+        """Return the additional information, in the order of `SHOWN`."""
         found = {f"reference{name}": row for name, row in zip(self._labels, self._wanted(), strict=True)}
         found |= {f"output{name}": rows[k] for name, k in zip(self._labels, self._output, strict=True)}
         hottest = rows[self._hottest].max(axis=0, initial=0.0)

@@ -24,7 +24,7 @@ SIZE, DOTS = (4.8, 3.6), 100
 GREY, DARK, WANTED = "#9aa5ad", "#22303c", "#d55e00"
 BARS = ("link", "phalanx", "fingertip", "beam")
 WIDTHS = {"ground": 5.0, "wall": 5.0, **dict.fromkeys(BARS, 4.0), "wire": 1.8, "joint": 3.0}
-"""Of lines by kind of shape [points]; 1.2 for all others."""
+"""Line widths by kind of shape [points]; 1.2 for all others."""
 HOTTER = 60.0
 """By how much a wire without a limit is red [K]."""
 

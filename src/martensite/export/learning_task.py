@@ -1,19 +1,18 @@
-"""What a learner shall do on a bench: what follows which references, between which bounds.
+"""Learning task on a bench: outputs, references, bounds and reward.
 
     r = −min(|y* − y| / (high − low), 1) − w P T
 
 is the reward of a period T, with the true output y, its reference y*, the electrical power P of all elements and the
-weight w; the error is the mean over the outputs if there are several. None counts as more than the whole range, so
-that to idle costs 1 in a period at most, wherever the output is. Where a limit is exceeded the episode ends, and the
-last reward is less by the penalty and by 1 for every period that is left. With the penalty of an episode of N periods
-that is N to begin with, the sum is below -N, less than that of idling, whatever was earned before; and an early end
-never pays, for to idle from there on would cost less.
+weight w; the error is the mean over the outputs if there are several. The error is limited to the whole range, so
+idling costs at most 1 per period for any output. An exceeded limit ends the episode; the last reward is reduced by the
+penalty and by 1 for every remaining period. By default the penalty is the number N of periods. The sum is then below
+-N, which is less than the sum of idling. So an early end never pays: idling for the rest would cost less.
 
-Every episode draws its own references and, within declared spreads, its own plant:
+Every episode draws new references and, within declared spreads, a new plant:
 
     p = p₀ (1 + s z),    temperatures p = p₀ + s z,    z evenly spread in [-1, 1]
 
-Only the plant is drawn; what controllers and observers of the bench believe of it stays nominal.
+Only the plant is drawn; the models in controllers and observers of the bench stay nominal.
 """
 
 from __future__ import annotations
@@ -40,10 +39,10 @@ TURNS = (1.0, 4.0)
 
 @dataclass(frozen=True, kw_only=True)
 class LearningTask:
-    """What a learner shall do; all numbers in SI."""
+    """Task of a learner; all numbers in SI."""
 
     output: str | tuple[str, ...]
-    """Output of the plant that shall follow the reference, or several, each with a reference of its own."""
+    """Output of the plant that follows the reference, or several, each with a separate reference."""
     low: float
     """Lowest reference."""
     high: float
@@ -55,7 +54,7 @@ class LearningTask:
     observed: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, Any])
     """Range by name of the reading; by default those of `output`, with the range of references."""
     preview: tuple[float, ...] = ()
-    """How far ahead the reference is seen, besides now [s]."""
+    """Preview times of the reference, besides now [s]."""
     references: tuple[str, ...] = ("steps", "sines")
     """Kinds of references, one of which is drawn for an episode."""
     hold: tuple[float, float] | None = None
@@ -66,10 +65,10 @@ class LearningTask:
     """Half the width by path, or unique ending of a path, in the plant: in shares of the number,
     in K for temperatures."""
     energy_weight: float = 0.0
-    """What an electrical joule costs."""
+    """Cost of an electrical joule."""
     penalty: float | None = None
-    """What it costs to exceed a limit, which ends the episode, besides 1 for every period that is left; by default the
-    number of periods of an episode, so that whoever burns a wire has less than whoever never heats it."""
+    """Cost of exceeding a limit, which ends the episode, besides 1 for every remaining period; by default the number of
+    periods of an episode, so that overheating a wire scores below idling."""
     temperature_limit: float | None = None
     """Highest temperature of any element [K]; by default that of the limits of each."""
     stress_limit: float | None = None
@@ -140,10 +139,10 @@ class EpisodeSpread:
 
 
 def spreads_of(bench: Bench, task: LearningTask) -> list[EpisodeSpread]:
-    """What differs from episode to episode.
+    """Return the parameters that differ from episode to episode.
 
     Raises:
-        ParameterError: an unknown name, or a spread that is none or leaves what is allowed.
+        ParameterError: an unknown name, or a spread that is invalid or exceeds the allowed range.
     """
     return [_check_spread(bench, name, spread) for name, spread in task.spreads.items()]
 
@@ -164,10 +163,10 @@ def scale_values(values: Numbers, ranges: Sequence[tuple[float, float]]) -> Numb
 
 
 def free_signals(bench: Bench, task: LearningTask) -> dict[str, tuple[float, float]]:
-    """Lowest and highest signal of every drive that nobody has.
+    """Return the lowest and highest signal of every free drive.
 
     Raises:
-        InputError: there is no such drive, or a range is missing or none.
+        InputError: the drive is unknown, or a range is missing or invalid.
     """
     taken = bench.controllers.members()
     free = {one.name: one.unit for one in bench.plant.drives() if one.name not in taken}
@@ -187,10 +186,10 @@ def free_signals(bench: Bench, task: LearningTask) -> dict[str, tuple[float, flo
 
 
 def observed_readings(bench: Bench, task: LearningTask) -> dict[str, tuple[float, float]]:
-    """Ranges of what is observed, by the name of the output of the bench.
+    """Return the ranges of the observations, by the name of the output of the bench.
 
     Raises:
-        InputError: there is no such reading, or a range is none.
+        InputError: the reading is unknown, or a range is invalid.
     """
     known = [name for name in list_readings(bench) if not name.endswith(AGE)]
     wanted = dict(task.observed) or dict.fromkeys(task.outputs, (task.low, task.high))

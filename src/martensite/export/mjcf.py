@@ -33,7 +33,7 @@ Writer = Callable[[Model, Any, float], None]
 """Fills a model with a mechanism, for a time step [s]."""
 
 WRITERS: dict[type[AbstractMechanism], Writer] = {Finger: write_finger, ParallelPlatform: write_platform}
-"""Mechanism -> writer; a subclass may have other equations and needs one of its own."""
+"""Mechanism -> writer; a subclass may have other equations and needs a separate writer."""
 
 
 def to_mjcf(system: AbstractSystem, *, timestep: float = TIMESTEP) -> str:

@@ -1,4 +1,4 @@
-r"""The finger as MJCF: one hinge, a tendon through sites at (∓g, -r), and a return spring.
+r"""Finger as MJCF: one hinge, a tendon through sites at (∓g, -r), and a return spring.
 
 Exact, so that MuJoCo moves it by the equation of `martensite.actuators.mechanisms.finger`:
 
@@ -6,7 +6,7 @@ Exact, so that MuJoCo moves it by the equation of `martensite.actuators.mechanis
                       1/n: the path that the bowstring shortens by n ΔL
     follower spring   stiffness k a² of the hinge with its zero at -δ₀/a: k a (δ₀ + a θ)
     fixed spring      a tendon of stiffness k and rest length H - δ₀
-    inertia, damping  those of the hinge; the centre of mass is on it
+    inertia, damping  of the hinge; the centre of mass is on it
 
 End stops, and brackets that meet at 2 φ, are the limits of the joint; of two at one side only the nearer. At rest
 they have the stiffness K of the mechanism; but they are critically damped, with a time constant t of two steps, where
@@ -14,17 +14,17 @@ the mechanism bounces. With MuJoCo's impedance d a limit that is overrun by x ho
 
     I s x/(1 - d),        hence s = K (1 - d)/I,        d = 1/(1 + I/(K t²)).
 
-With `contact` stops are limits without a stiffness of their own and, like the cylinder, as hard as MuJoCo makes them at
-this time step: it has no rigid contact. Cylinder and phalanx are capsules that collide without friction. The weight is
-that of the model, with the mass at its centre and what is left of the inertia about it.
+With `contact` stops are limits without a declared stiffness. Stops and the cylinder are as hard as MuJoCo allows at
+this time step, since it has no rigid contact. Cylinder and phalanx are capsules that collide without friction. The
+weight is the weight of the model, with the mass at its centre and the remaining inertia about it.
 
 Where the brackets meet the path has no length, and past that it grows again: while they touch,
 the two agree to about a degree only.
 
 MuJoCo takes the damping b at the end of a step, as if the inertia were b Δt/2 larger.
 
-The phalanges lie along ∓x, the wire below them; θ grows as it pulls and turns about +y. What is
-drawn of them is no part of the mechanism.
+The phalanges lie along ∓x, the wire below them; θ grows as it pulls and turns about +y. The drawn shapes have no effect
+on the mechanism.
 """
 
 from __future__ import annotations

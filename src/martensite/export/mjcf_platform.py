@@ -1,9 +1,9 @@
-"""The parallel platform as MJCF: a plate on two hinges, and a straight tendon at every vertex.
+"""Parallel platform as MJCF: a plate on two hinges, and a straight tendon at every vertex.
 
 The frame of `martensite.actuators.mechanics.platform_kinematics` has Z down; here z is up, so its points (X, Y, Z)
 are at (X, -Y, -Z). The hinge `beta` turns about -y and carries `alpha` about x, which makes R_Y(β) R_X(α). Plate and
 joint are exact: mass, moments of inertia I, I and 2 I at the centroid, its height over the joint, gravity, damping.
-What is drawn of plates and post is no part of the mechanism.
+The drawn plates and post have no effect on the mechanism.
 """
 
 from __future__ import annotations

@@ -71,10 +71,10 @@ TASKS: dict[str, LearningTask] = {
 
 
 def load_bench(name: str) -> Bench:
-    """The bench of a packaged task, with no controller and no guard: that a wire can burn is part of the task.
+    """Return the bench of a packaged task, without controller and guard: overheating is part of the task.
 
     Raises:
-        InputError: there is no task of this name.
+        InputError: the task does not exist.
     """
     if name not in TASKS:
         raise InputError(f"There is no packaged task `{name}`. {suggest_name(name, TASKS)}")
@@ -83,7 +83,7 @@ def load_bench(name: str) -> Bench:
 
 
 def find_bench(bench: Bench | str, task: LearningTask | Mapping[str, Any] | None) -> tuple[Bench, LearningTask]:
-    """Bench and task, where either may be one of the package.
+    """Return bench and task; each may be a packaged one.
 
     Args:
         bench: a bench, or the name of a packaged task.
@@ -91,7 +91,7 @@ def find_bench(bench: Bench | str, task: LearningTask | Mapping[str, Any] | None
             shall be others.
 
     Raises:
-        InputError: there is no such packaged task, or a bench of one's own has no task.
+        InputError: the packaged task does not exist, or a user bench has no task.
         ParameterError: a task has no such field, or it does not fit.
     """
     if isinstance(task, LearningTask):

@@ -1,6 +1,6 @@
-"""Systems whose law gives rates, as ordinary differential equations that somebody else integrates.
+"""Rate-dependent systems as ordinary differential equations for an external integrator.
 
-Beside `init`, `step` and `observe` their program has a function
+In addition to `init`, `step` and `observe` their program has a function
 
     differentiate(state, inputs) -> state', d(continuous numbers)/dt
 
@@ -43,7 +43,7 @@ class ContinuousState:
 
 
 def gives_rates(system: AbstractSystem) -> bool:
-    """Whether a system is one of ordinary differential equations in closed form."""
+    """Return whether a system is one of ordinary differential equations in closed form."""
     return _explain_no_rates(system) == ""
 
 
@@ -117,10 +117,10 @@ def _trace_keyed(keyed: Keyed[AbstractSystem]) -> Program:
 
 
 def build_rates_core(system: AbstractSystem, *, name: str | None = None) -> CCore:
-    """A system that gives rates as C, with `NAME_differentiate`.
+    """Return a rate-dependent system as C, with `NAME_differentiate`.
 
     Raises:
-        ParameterError: the name is no identifier.
+        ParameterError: the name is not an identifier.
     """
     compiled = compile_system(system)
     return core_of(

@@ -91,7 +91,7 @@ def to_fmu(
             of this machine and cross compilers of gcc are for; none for sources alone.
 
     Raises:
-        InputError: an argument is out of range, or there is no such version or compiler; there is
+        InputError: an argument is out of range, or the version or compiler is missing; there is
             no model exchange of it.
         SolveError: the run that chooses the step failed.
         MartensiteError: the compiler failed.

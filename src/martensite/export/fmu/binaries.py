@@ -29,10 +29,10 @@ class BinaryTarget:
     """A kind of machine for which a library can be made."""
 
     folder: str
-    """What FMI 2.0 calls it; FMI 3.0 has the name of the target."""
+    """Name of the folder in FMI 2.0; FMI 3.0 uses the name of the target."""
     ending: str
     zig: str
-    """What zig calls it."""
+    """Name of the target in zig."""
     cross: str | None = None
     """A compiler for it on other machines."""
     flags: tuple[str, ...] = ("-fPIC",)
@@ -67,7 +67,7 @@ def find_command(target: str) -> list[str] | None:
 
 
 def find_zig() -> list[str] | None:
-    """How zig is called: that of the path, or the package ziglang; None without."""
+    """Return the command of zig: on the path, or of the package ziglang; None without zig."""
     if shutil.which("zig"):
         return ["zig"]
     return python_command("-m", "ziglang") if find_spec("ziglang") else None
@@ -81,10 +81,10 @@ def _find_gcc(target: str) -> str | None:
 
 
 def checked_targets(names: Sequence[str] | None) -> list[str]:
-    """Targets by name; by default all for which there is the compiler of this machine, or gcc.
+    """Return targets by name; by default all targets with the compiler of this machine, or with gcc.
 
     Raises:
-        InputError: there is no such target, or no compiler for it.
+        InputError: the target is unknown, or a compiler for it is missing.
     """
     if names is None:
         return [name for name in TARGETS if _find_gcc(name)]

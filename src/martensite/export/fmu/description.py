@@ -112,7 +112,7 @@ def _list_unknowns(variables: Sequence[FmuVariable]) -> dict[str, list[FmuVariab
 
 
 def _write_head(root: Element, plan: FmuPlan, variables: Sequence[FmuVariable]) -> None:
-    """What both versions have between what the FMU can do and its variables."""
+    """Write the common parts of both versions between capabilities and variables."""
     used = {one.unit: None for one in variables if one.unit is not None}
     add_units(root, list({**used, "s": None}))
     logged = SubElement(root, "LogCategories")

@@ -1,4 +1,4 @@
-"""What an FMU is made of: a model in C, its step, and what its numbers are called."""
+"""Plan of an FMU: a model in C, its step, and the names of its variables."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class FmuPlan:
     numbers: tuple[ModelNumber, ...]
     """All numbers of the system, in its order."""
     first: tuple[float, ...]
-    """Inputs that nobody sets."""
+    """Start values of the inputs."""
     scenario: Scenario | None
     continuous: tuple[ContinuousState, ...] = ()
     """Continuous states, of a model that is for model exchange too."""
@@ -58,10 +58,10 @@ class FmuPlan:
 
 
 def plan_port(model: Scenario | AbstractSystem, identifier: str, step: float | None, port: str | None) -> FmuPlan:
-    """The plan of an element alone; its numbers are called by their paths in it.
+    """Return the plan of an element alone; its variables are named by their paths in it.
 
     Raises:
-        InputError: there is no such port, or none was chosen among several.
+        InputError: the port does not exist, or several ports need a choice.
         ParameterError: the step is out of range.
     """
     scenario = None if isinstance(model, AbstractSystem) else model
@@ -155,7 +155,7 @@ def _list_numbers(core: CCore, system: AbstractSystem, scenario: Scenario | None
 
 
 def _is_structural(system: AbstractSystem, leaf: Leaf) -> bool:
-    """Whether another value of a number makes another program, or another period.
+    """Return whether another value of a number makes another program, or another period.
 
     So it is with the period of a bench and the delays of its sensors. Found by trying.
     """

@@ -1,9 +1,8 @@
-"""What an FMU shows: inputs, outputs and parameters, with value references that stay.
+"""Variables of an FMU: inputs, outputs and parameters, with permanent value references.
 
-A value reference is its kind times 100000 and the place among its kind: inputs from 0, outputs
-from 100000, parameters from 200000, time 300000 and the inner step 300001; continuous states from
-400000 and their rates from 500000, where it is for model exchange too. The place of a
-parameter is that among all numbers of the system, also of those that are not shown.
+A value reference is its kind times 100000 and the place among its kind: inputs from 0, outputs from 100000, parameters
+from 200000, time 300000 and the inner step 300001; continuous states from 400000 and their rates from 500000, where it
+is for model exchange too. The place of a parameter counts all parameters of the system, including hidden ones.
 
 Units of a model description are exponents of SI base units, with what a person would rather read;
 a display unit is a scale: value shown = factor * value + offset.
@@ -113,7 +112,7 @@ def _free_name(name: str, suffix: str, taken: set[str]) -> str:
 
 
 def unit_of(declared: str) -> str | None:
-    """What a declared unit is called in a model description; None where it has none."""
+    """Return the name of a declared unit in a model description; None for a number without unit."""
     if declared == units.DEGREES:
         return "K"
     return None if declared in ("", "of the reading", *units.OF_READINGS) else declared

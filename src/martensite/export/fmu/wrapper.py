@@ -14,7 +14,7 @@ from martensite.export.fmu.variables import KIND
 from martensite.simulate.grid import place_signal
 
 SHARED = ("instance.c", "values.c", "steps.c", "states.c")
-"""What both versions of FMI share; each takes in the one before."""
+"""Sources of both versions of FMI; each includes the one before."""
 MOST_STEPS = 1e9
 """Inner steps in one step of the co-simulation."""
 _LARGEST = 1.7e308

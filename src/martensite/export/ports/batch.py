@@ -29,7 +29,7 @@ RUNTIMES = ("auto", "c", "floats")
 
 
 class PortAnswers(NamedTuple):
-    """What a step of many points gives."""
+    """Results of a step of many points."""
 
     states: Array
     """(points, numbers of a state)"""
@@ -43,7 +43,7 @@ class PortBatch:
     """Steps of many points of one port, each tried from a state that stays as it is."""
 
     def __init__(self, system: ElementPort | MaterialPort, *, runtime: str = "auto") -> None:
-        """Trace a port, and compile it unless `runtime` is `floats` or there is no compiler."""
+        """Trace a port, and compile it unless `runtime` is `floats` or a compiler is missing."""
         if runtime not in RUNTIMES:
             raise InputError(f"No runtime named `{runtime}`. Known are {', '.join(RUNTIMES)}.")
         self.kernel: PortKernel = compile_port(system)

@@ -33,20 +33,20 @@ from martensite.physics.laws.coupling import StepReport
 
 
 class MountedEnd(NamedTuple):
-    """What a moved end remembers."""
+    """State of a moved end."""
 
     elongation: Scalar
     """e₀ of the element as mounted [m]."""
 
 
 class MovedEnd(AbstractMechanism):
-    """The end of an element, which somebody else moves."""
+    """End of an element that a host moves."""
 
     preload: Number = param("N", "force as mounted", low=0.0, high=1e6, default=0.0)
     velocity: str = option("whether its velocity is a signal too", "none", "given", default="none")
 
     def signals(self) -> dict[str, str]:
-        """How far the end is from where it was mounted, and how quickly it moves, for who carries it on in time."""
+        """Return the signals: displacement of the end from its mounted position, and optionally its velocity."""
         return {"elongation": "m"} | ({"velocity": "m/s"} if self.velocity == "given" else {})
 
     def outputs(self) -> dict[str, Output]:
@@ -54,7 +54,7 @@ class MovedEnd(AbstractMechanism):
         return {"stiffness": Output("N/m", "stiffness at frozen phase fractions and temperature", "k")}
 
     def convergence_scales(self) -> dict[str, float]:
-        """None of its own: its force is judged with the stress of the element."""
+        """Return an empty table: the force is judged with the stress of the element."""
         return {}
 
     def start_forces(self, xp: Namespace) -> Column:
@@ -112,7 +112,7 @@ class ElementPort(System):
         return [*super().drives(), DriveSignal("ambient", "K", False)]
 
     def outputs(self) -> dict[str, Output]:
-        """Those of a system, and the ambient temperature."""
+        """Return the outputs of a system, and the ambient temperature."""
         return super().outputs() | {"ambient": Output("K", "ambient temperature", "T_a")}
 
     def description(self) -> str:
@@ -121,11 +121,11 @@ class ElementPort(System):
         return f"{names} with a moved end, driven by {self.source.registered_name}"
 
     def list_cautions(self) -> list[str]:
-        """What a host should know; nothing: it cannot be pushed."""
+        """Return an empty list: a tension element cannot be pushed."""
         return []
 
     def init(self, xp: Namespace, *drives: Scalar) -> Any:
-        """As mounted, at rest in its surroundings."""
+        """Return the state as mounted, at rest at the ambient temperature."""
         return super(ElementPort, self._placed(drives)).init(xp, *drives[:-1])
 
     def step(self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar) -> tuple[Any, StepReport]:
@@ -137,7 +137,7 @@ class ElementPort(System):
         return [*super(ElementPort, self._placed(drives)).observe(xp, state, *drives[:-1]), drives[-1]]
 
     def differentiate(self, xp: Namespace, state: Any, *drives: Scalar) -> tuple[Any, Sequence[Scalar]]:
-        """As mounted where the end is now: the state that follows from its continuous numbers, and their rates."""
+        """Return the state, with the end as mounted at its present place, and the rates of its continuous numbers."""
         moved = MountedEnd(state.mechanism.elongation + drives[1])
         placed = super(ElementPort, self._placed(drives))
         after, rates = placed.differentiate(xp, state._replace(mechanism=moved), *drives[:-1])
@@ -152,7 +152,7 @@ class ElementPort(System):
         return [*super().heat_contents(xp, state), None]
 
     def entries(self, xp: Namespace, state: Any, *drives: Scalar) -> Entries:
-        """What is known of its energy."""
+        """Return the entries of the energy balance."""
         return super(ElementPort, self._placed(drives)).entries(xp, state, *drives[:-1])
 
     def _placed(self, drives: Sequence[Any]) -> ElementPort:
@@ -163,7 +163,7 @@ class ElementPort(System):
 def build_element_port(
     system: AbstractSystem, *, port: str | None = None, preload: float | None = None, velocity: str = "none"
 ) -> ElementPort:
-    """An element of a system, with its source and surroundings, whose end a host moves.
+    """Return an element of a system, with its source and ambient, whose end a host moves.
 
     Args:
         system: whose elements there are to choose from.
@@ -172,7 +172,7 @@ def build_element_port(
         velocity: `given` if that of its end is an input too.
 
     Raises:
-        InputError: there is no such port, or none was chosen among several.
+        InputError: the port does not exist, or several ports need a choice.
     """
     from martensite.kernels import floats
 
@@ -186,10 +186,10 @@ def build_element_port(
 
 
 def choose_actuator(system: AbstractSystem, port: str | None) -> tuple[Actuator, int]:
-    """The actuator at a port of a system, and the place of the port.
+    """Return the actuator at a port of a system, and the place of the port.
 
     Raises:
-        InputError: there is no such port, or none was chosen among several.
+        InputError: the port does not exist, or several ports need a choice.
     """
     found = system.actuators()
     if not found:

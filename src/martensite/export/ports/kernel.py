@@ -45,7 +45,7 @@ class PortKernel:
     system: ElementPort | MaterialPort
     program: Program
     values: list[float]
-    """Of its parameters."""
+    """Values of the parameters."""
     size: int
     """Numbers of a state."""
     inputs: tuple[str, ...]
@@ -53,8 +53,8 @@ class PortKernel:
     answers: tuple[str, ...]
     """Outputs of which slopes are known."""
     probes: tuple[float, ...]
-    """Where inputs of a step are the first numbers of a state, by how much to change them for differences: a step that
-    is not solved at once is taken in parts. Empty where a host must make its steps shorter."""
+    """Changes for differences of the inputs of a step that are the first numbers of a state; a step that is not solved
+    at once is split. Empty if a host must shorten its steps."""
 
     @cached_property
     def functions(self) -> Functions:
@@ -62,7 +62,7 @@ class PortKernel:
         return dict(self.program.bind_floats(*self.values))
 
     def write_core(self, *, name: str | None = None, precision: str = "float64") -> CCore:
-        """The same in C, with `NAME_try`."""
+        """Return the port as C, with `NAME_try`."""
         return core_of(
             self.system,
             self.program,
@@ -78,7 +78,7 @@ class PortKernel:
         )
 
     def try_step(self, state: Sequence[float], inputs: Sequence[float], dt: float) -> tuple[Sequence[float], bool]:
-        """What `respond` gives for a step, in parts where it must be; and whether it was solved."""
+        """Return the response to a step, split if necessary, and whether it was solved."""
         found = self.functions[RESPOND](*state, *inputs, dt)
         parts = 1
         while not found[self.size] <= SOLVED and self.probes and parts < PARTS:

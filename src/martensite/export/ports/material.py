@@ -39,10 +39,10 @@ PROBES = (1e-7, 1e-3)
 
 
 class PointState(NamedTuple):
-    """Of a point; the first two are the inputs of the step that ended there."""
+    """State of a point; the first two are the inputs of the last step."""
 
     strain: Scalar
-    """Of the host, at the end of the last step [-]."""
+    """Strain of the host at the end of the last step [-]."""
     temperature: Scalar
     """There [K]."""
     mounted: Scalar
@@ -50,9 +50,9 @@ class PointState(NamedTuple):
     heat: Scalar
     """Latent heat released in the last step [J/m³]."""
     memory: Any
-    """Of the law."""
+    """Memory of the law."""
     worn: Any
-    """What cycles have done (`laws.wear`)."""
+    """State of wear by cycles (`laws.wear`)."""
 
 
 class MaterialPort(AbstractSystem):
@@ -72,7 +72,7 @@ class MaterialPort(AbstractSystem):
 
     @property
     def mechanism(self) -> AbstractMechanism:  # type: ignore[override]
-        """It has none.
+        """Raise an error: a material has no mechanism.
 
         Raises:
             InputError: always.
@@ -105,7 +105,7 @@ class MaterialPort(AbstractSystem):
         return f"material ({self.element.law.registered_name}), which {side}"
 
     def list_cautions(self) -> list[str]:
-        """What a host should know."""
+        """Return cautions for the host."""
         law = self.element.law
         if self.compressed == "slack" or not law.tension_only:
             return []
@@ -150,7 +150,7 @@ class MaterialPort(AbstractSystem):
         return PointState(strain, temperature, state.mounted, latent * share, memory, worn), report
 
     def observe(self, xp: Namespace, state: PointState, *drives: Scalar) -> list[Scalar]:
-        """What `outputs` names."""
+        """Return the outputs in the order of `outputs`."""
         law, memory = self._law(xp, state.worn), state.memory
         fractions = law.fractions(memory)
         strain = law.strain(xp, fractions, memory.stress, memory.temperature)
@@ -172,7 +172,7 @@ class MaterialPort(AbstractSystem):
 def build_material_port(
     system: AbstractSystem, *, port: str | None = None, preload: float = 0.0, compressed: str = "carries"
 ) -> MaterialPort:
-    """The material of an element of a system.
+    """Return the material of an element of a system.
 
     Args:
         system: whose elements there are to choose from.
@@ -181,7 +181,7 @@ def build_material_port(
         compressed: what it does under compression, as `carries` (a bar) or `slack` (a wire).
 
     Raises:
-        InputError: there is no such port, or none was chosen among several.
+        InputError: the port does not exist, or several ports need a choice.
         ParameterError: the element has no single phase state.
     """
     actuator, _ = choose_actuator(system, port)

@@ -46,7 +46,7 @@ class WasmModule:
     """Signals at the start."""
     binary: bytes
     slopes: CoreSlopes | None = None
-    """What it has derivatives by; None without."""
+    """Derivatives of the module; None without."""
 
     @cached_property
     def packed(self) -> int:
@@ -73,7 +73,7 @@ def build_wasm(
     first: Sequence[float] = (),
     slopes: Sequence[str] = (),
 ) -> WasmModule:
-    """A system or a bench as a WebAssembly module.
+    """Build a WebAssembly module of a system or a bench.
 
     Args:
         system: a `System`, a `Machine`, or a `Bench` with its loops.
@@ -83,8 +83,8 @@ def build_wasm(
         slopes: parameters (paths or unique endings) and signals by which outputs have derivatives.
 
     Raises:
-        ParameterError: the name is no identifier; or there is no derivative by one of `slopes`.
-        InputError: there is no compiler for it.
+        ParameterError: the name is not an identifier; or a derivative of `slopes` is missing.
+        InputError: a compiler for it is missing.
         CompileError: the compiler failed.
     """
     core = build_c_core(system, name=name)
@@ -107,12 +107,12 @@ def _compile_core(core: CCore, slopes: CoreSlopes | None) -> bytes:
 
 
 def compile_sources(sources: Mapping[str, str], compiled: Sequence[str], more: Sequence[str] = ()) -> bytes:
-    """A module of C sources, by the names of their files, some of which are compiled with more flags.
+    """Compile a module of C sources, by the names of their files; some get more flags.
 
     The environment variable `MARTENSITE_CFLAGS` has the last word on the flags.
 
     Raises:
-        InputError: there is no compiler for it.
+        InputError: a compiler for it is missing.
         CompileError: the compiler failed.
     """
     last = os.environ.get("MARTENSITE_CFLAGS", "").split()
@@ -127,13 +127,13 @@ def compile_sources(sources: Mapping[str, str], compiled: Sequence[str], more: S
 
 
 def write_math() -> str:
-    """What stands for math.h where there is no libm."""
+    """Return the replacement of math.h for targets without libm."""
     series = f"#define ERFCX_CENTRE {ERFCX_CENTRE}\n#define ERFCX_SERIES {', '.join(map(repr, ERFCX))}\n"
     return series + _read_text("math.h")
 
 
 def list_sources(core: CCore, slopes: CoreSlopes | None = None) -> dict[str, str]:
-    """What is compiled with a core: its lanes, with slopes if it has any, and what stands for libm."""
+    """Return the sources for a core: its lanes, with derivatives if it has any, and the replacement of libm."""
     begin = f'#include "{core.name}.c"\n#define CORE(name) {core.name}_##name\n'
     lanes = begin + _read_text("lanes.c")
     if slopes:
