@@ -1,7 +1,6 @@
-"""The web bench: a local page over the same parts as the command line.
+"""Web bench: a local page over the same parts as the command line.
 
-The server (Starlette) hands out the page and passes calls on; it computes nothing and imports
-nothing heavy. What is computed is computed in processes of its own (`worker`), which answer calls
-(`routes`) in JSON: quick ones from a small pool (`worker_pool`), long ones each in a
-process of its own that tells how far it is and can be stopped (`jobs`).
+The server (Starlette) hands out the page and passes calls on; it computes nothing and imports nothing heavy. Separate
+processes (`worker`) compute the answers to calls (`routes`) in JSON. Quick calls run in a small pool (`worker_pool`).
+Each long call runs in a separate process that reports progress and can be stopped (`jobs`).
 """

@@ -1,10 +1,9 @@
-"""Tokens of earlier starts on a port, so that an open tab goes on when the server comes back.
+"""Tokens of earlier starts on a port, with which an open tab continues after a restart of the server.
 
-Every start makes a token of its own. What is kept of it, in the user's cache folder and readable by
-nobody else, is its digest: enough to know a cookie of an earlier start again, and nothing that
-opens the bench. Such a cookie is exchanged for the new one; it is good for a while only, and for
-the same port only. The port that was used last is kept beside them: pages keep their work by
-address.
+Every start makes a new token. Only its digest is stored, in the user's cache folder and readable by the user alone. The
+digest is sufficient to recognise a cookie of an earlier start, but does not open the bench. Such a cookie is exchanged
+for the new one; it is valid for a limited time and for the same port only. The last port is stored as well, because
+pages store their work by address.
 """
 
 from __future__ import annotations
@@ -30,13 +29,13 @@ _PORT_KEPT = "port"
 
 
 def digest_token(token: str) -> str:
-    """What is kept of a token; nobody gets back from it to the token, which is random."""
+    """Return the digest of a token, from which the random token cannot be recovered."""
     return hashlib.sha256(token.encode("utf-8", "replace")).hexdigest()
 
 
 @dataclass(frozen=True)
 class TokenRecord:
-    """What is remembered of earlier starts; nothing where the cache folder cannot be used."""
+    """Record of earlier starts; empty if the cache folder cannot be used."""
 
     folder: Path
 
@@ -69,7 +68,7 @@ class TokenRecord:
         return []
 
     def _read(self, name: str) -> Any:
-        """What a file of the record holds; None if there is none, or others could have written it."""
+        """Return the content of a file of the record; None if it is missing or writable by others."""
         path = self.folder / f"{name}.json"
         with suppress(OSError, ValueError):
             return json.loads(path.read_text(encoding="utf-8")) if is_private_file(path) else None

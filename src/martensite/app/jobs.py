@@ -1,7 +1,7 @@
-"""Long work: each job in a process of its own, with notes on how far it is, until it is stopped.
+"""Long work: each job in a separate process, with progress notes, until it is stopped.
 
-A job belongs to the tab of the browser that began it and outlives a reload of the page: who comes
-back is told what has been so far, and goes on listening.
+A job belongs to the tab of the browser that began it and outlives a reload of the page: a returning page receives the
+notes so far, and continues to listen.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class PageJob:
         self._send({"note": note})
 
     def end(self, state: str, outcome: Any) -> None:
-        """It is over."""
+        """Record the end and the outcome of the job."""
         self.state, self.outcome, self.ended = state, outcome, time.time()
         self._send({"job": self.whole()})
 

@@ -17,7 +17,7 @@ from martensite.scenario.examples import EXAMPLES
 
 PACKAGE = Path(__file__).parents[1]
 Request = Mapping[str, Any]
-"""What a call is asked, as it came from outside: read entry by entry with `require_entry`."""
+"""Request of a call from outside: read entry by entry with `require_entry`."""
 JsonTable = dict[str, Any]
 """A table that goes out as JSON, or a table of a document."""
 FOLDERS = sorted({str(path) for one in (EXAMPLES, PACKAGE) for path in (one, one.resolve())}, key=len, reverse=True)
@@ -34,7 +34,7 @@ class Refusal(Exception):
     def __init__(self, sentence: str, status: int = 400, kind: str = "input") -> None:
         super().__init__(sentence)
         self.status = status
-        """Of HTTP."""
+        """HTTP status."""
         self.kind = kind
         """input, failed, stopped, superseded, or lost."""
 
@@ -98,10 +98,10 @@ def pack_columns(message: Any) -> Packed:
 
 
 def read_message(data: bytes) -> JsonTable:
-    """A message that came from outside: a table of at most `MOST_BYTES` bytes.
+    """Read a message from outside: a table of at most `MOST_BYTES` bytes.
 
     Raises:
-        BadMessageError: it is no JSON in UTF-8, too deep, or no table.
+        BadMessageError: the message is not JSON in UTF-8, is too deep, or is not a table.
     """
     if len(data) > MOST_BYTES:
         raise BadMessageError(f"The message has {len(data):,} bytes; at most {MOST_BYTES:,} do.")

@@ -25,7 +25,7 @@ from martensite.base.errors import InputError, suggest_name
 from martensite.scenario.scenario import Scenario, read_scenario
 
 CALLS = ("run", "form", "scenarios", "differences", "export")
-"""What the page asks for on the bench; other pages are not in it."""
+"""Calls of the bench; other pages are excluded."""
 ASSETS = tuple(sorted(path.name for path in STATIC.iterdir()))
 """Files of the page: its modules, and what is read when it is wanted."""
 
@@ -37,14 +37,14 @@ class BenchWidget(anywidget.AnyWidget):
 
     Raises:
         InputError: the scenario goes on from another run, which no document holds.
-        DataError: it reads files of its own, as a log beside it.
+        DataError: the scenario reads files, such as a log.
     """
 
     _esm = (STATIC / WIDGET).read_text("utf-8")
     text = traitlets.Unicode().tag(sync=True)
     """The scenario, TOML."""
     height = traitlets.Int(780, min=300).tag(sync=True)
-    """Of the page [px]."""
+    """Height of the page [px]."""
 
     def __init__(self, scenario: Scenario, **settings: Any) -> None:
         if scenario.start is not None:
@@ -58,7 +58,7 @@ class BenchWidget(anywidget.AnyWidget):
 
     @property
     def scenario(self) -> Scenario:
-        """As it stands on the page."""
+        """Return the scenario of the page."""
         return read_scenario(self.text, self._path)
 
     def _hear(self, _: Any, content: Request, buffers: Any) -> None:
@@ -70,11 +70,11 @@ class BenchWidget(anywidget.AnyWidget):
             self.send({"id": content.get("id")}, buffers=[answer])
 
     def answer(self, asked: Request) -> bytes:
-        """What the page is told.
+        """Return the answer to the page.
 
         Raises:
-            BadMessageError: it asks for something else.
-            MartensiteError: what the call refuses.
+            BadMessageError: the request is unknown.
+            MartensiteError: the call fails.
         """
         if "file" in asked:
             return UploadFolder(self._desk.folder).path(require_entry(asked, "file", str)).read_bytes()

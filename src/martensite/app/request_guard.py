@@ -34,7 +34,7 @@ POLICY = (
     "img-src 'self' data: blob:; connect-src 'self' ws://{host}; font-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
-"""Nothing but the page's own scripts; figures have styles of their own."""
+"""Content security policy: only the scripts of the page; figures contain inline styles."""
 HEADERS: Mapping[str, str] = {
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
@@ -61,7 +61,7 @@ class TimedProtocol(H11Protocol):
         self._await_request()
 
     def data_received(self, data: bytes) -> None:
-        """Wait no longer once a request is there; bytes that are none do not prolong it."""
+        """Stop waiting after a full request; other bytes do not prolong the wait."""
         super().data_received(data)
         self._await_request()
 

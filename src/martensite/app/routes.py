@@ -65,10 +65,10 @@ ROUTES: Mapping[str, tuple[str, str]] = {
 
 
 def find_call(name: str) -> Callable[[Request, Desk], Any]:
-    """The function that answers a call.
+    """Return the function that answers a call.
 
     Raises:
-        BadMessageError: there is no such call.
+        BadMessageError: the call is unknown.
     """
     if name not in ROUTES:
         raise BadMessageError(f"There is no call `{name}`. {suggest_name(name, ROUTES)}")

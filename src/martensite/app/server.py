@@ -1,4 +1,4 @@
-"""The server: bound to loopback, with a token of its own, until it is interrupted."""
+"""Server: bound to loopback, with a new token, until it is interrupted."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LOOPBACK = "127.0.0.1"
 
 @dataclass(frozen=True)
 class Served:
-    """Where a running server is."""
+    """Address of a running server."""
 
     port: int
     token: str

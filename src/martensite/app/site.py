@@ -1,4 +1,4 @@
-"""The addresses of the bench.
+"""Addresses of the bench.
 
     GET  /                      the page; other paths below it are its scripts and styles
     POST /api/call/NAME         a quick call: request and answer in JSON; columns of numbers as binary
@@ -7,13 +7,13 @@
     POST /api/jobs              begin long work: {"call": …, "request": …} -> the job
     GET  /api/jobs              the jobs of this tab
     DELETE /api/jobs/ID         cancel it; by force if it has not ended `?within=` seconds, 5 at most and else
-    WS   /api/jobs/ID/watch     all that is known of it, then notes as they come, then its end
+    WS   /api/jobs/ID/watch     its notes so far, then new notes, then its end
     POST /api/files?name=…      upload the body -> its key
     GET  /api/files/KEY         take a file away
 
-Header `X-Tab` names the tab of the browser (or `?tab=` of a socket), `X-Lane` what a newer call
-goes over. A refusal is `{"error": "a sentence", "kind": "input"}` with a status of its own; who
-sends `X-Quietly: 1` gets it under the status 200, and its own in `X-Refused`.
+Header `X-Tab` names the tab of the browser (or `?tab=` of a socket), `X-Lane` the lane in which a newer call replaces
+an older one. A refusal is `{"error": "a sentence", "kind": "input"}` with an error status. A request with `X-Quietly:
+1` gets the status 200, and the error status in `X-Refused`.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ QUIETLY = "x-quietly"
 PAGE_FIRST = 0.5
 """Seconds for which a new server leaves the processor to the page."""
 COMPRESSED = [Middleware(GZipMiddleware, minimum_size=1400, compresslevel=4)]
-"""Of answers that are longer than a packet; files that are taken away go as they are."""
+"""Compression of answers that are longer than a packet; downloads are not compressed."""
 _TAB = re.compile(r"[0-9A-Za-z-]{4,64}")
 SWALLOWED, PATIENCE = 2**30, 20.0
 """Bytes of a refused upload that are read and thrown away, and for how long [s].
@@ -68,7 +68,7 @@ for _ending, _type in ((".js", "text/javascript"), (".css", "text/css"), (".svg"
 
 @dataclass(frozen=True)
 class Site:
-    """What the addresses share."""
+    """Shared state of the addresses."""
 
     pool: WorkerPool
     jobs: PageJobs
@@ -109,7 +109,7 @@ class Site:
         return json_response(job.summary())
 
     async def watch(self, socket: WebSocket) -> None:
-        """Tell what is known of a job until it ends; what the page sends is passed over."""
+        """Send the notes of a job until it ends; messages of the page are ignored."""
         try:
             job = self.jobs.find(_read_tab(socket.query_params.get("tab")), socket.path_params["id"])
         except (Refusal, InputError) as error:
@@ -145,8 +145,8 @@ class Site:
 
 
 async def _send_notes(job: PageJob, socket: WebSocket) -> None:
-    """Send what is known of a job, and what comes, until it ends."""
-    with suppress(WebSocketDisconnect, RuntimeError):  # nobody is there any more
+    """Send the past and new notes of a job until it ends."""
+    with suppress(WebSocketDisconnect, RuntimeError):  # the page has left
         async with job.listening() as queue:
             over = False
             while not over:
@@ -228,7 +228,7 @@ async def _answer_missing(request: Request, error: Exception) -> Response:
 
 
 async def _answer_failure(request: Request, error: Exception) -> Response:
-    """The answer to an error that nobody has thought of; the server goes on."""
+    """Return the answer to an unexpected error; the server continues."""
     return refusal_response(Refusal(describe_refusal(error)["refused"], 500, "failed"))
 
 

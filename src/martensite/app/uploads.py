@@ -1,7 +1,7 @@
-"""The folder of a server: what was uploaded, and what was made to be taken away.
+"""Folder of a server: uploaded files, and files made for download.
 
-Names come from outside and are never used as paths: a file lies in a folder of its own whose name
-is made here, and what is left of its own name has no path in it.
+Names come from outside and are never used as paths. Each file lies in a separate folder with a generated name, and its
+cleaned name contains no path.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from martensite.app.messages import Refusal
 from martensite.base.errors import DataError
 
 MOST_BYTES = 64 * 2**20
-"""Of one file."""
+"""Largest size of one file [bytes]."""
 MOST_IN_ALL = 2**30
 """Bytes of all files that a server takes until it ends."""
 LONGEST_NAME = 160
@@ -30,17 +30,17 @@ _RESERVED = re.compile(r"(con|prn|aux|nul|conin|conout|com[\d¹²³]|lpt[\d¹²�
 
 
 def make_key() -> str:
-    """A key that nobody guesses."""
+    """Return an unguessable key."""
     return secrets.token_hex(8)
 
 
 def is_key(text: str) -> bool:
-    """Whether a text from outside may be a key, which has nothing in it that leads elsewhere."""
+    """Return whether a text from outside may be a key, which has nothing in it that leads elsewhere."""
     return bool(_KEY.fullmatch(text))
 
 
 def clean_name(name: str) -> str:
-    """What is left of a name when all that could be a path, or hide the file, is taken out."""
+    """Return a name without characters that could form a path or hide the file."""
     last = unicodedata.normalize("NFC", name).replace("\\", "/").rpartition("/")[2]
     kept = _UNSAFE.sub("_", last).strip(" .")
     stem, dot, ending = kept.rpartition(".")

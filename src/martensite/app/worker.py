@@ -1,14 +1,14 @@
-"""A process that answers calls, one after the other; lines of JSON come in and go out.
+"""Process that answers calls, one after the other; lines of JSON come in and go out.
 
-    in:  {"call": "run", "request": {…}, "folder": "…"}   what is asked
+    in:  {"call": "run", "request": {…}, "folder": "…"}   a call
     in:  {…, "columns": true}                             the answer may be columns
-    in:  {"stop": true}                                   what is being done shall end
+    in:  {"stop": true}                                   end the running call
     out: {"tell": {…}}                                    any number, while it works
     out: {"bytes": 1234}, then so many                    the answer as columns
     out: {"answer": {…}} or {"refused": "a sentence", "kind": "input"}
 
-It ends with its input, whatever it is doing, and takes with it the processes it has started:
-without the server there is no worker. Calls are those of `martensite.app.routes`.
+It ends with its input, even during a call, and ends the processes that it has started. So a worker never outlives the
+server. Calls are those of `martensite.app.routes`.
 """
 
 from __future__ import annotations
@@ -35,10 +35,10 @@ MEMORY = 4 * 2**30
 
 @dataclass
 class Desk:
-    """What a call has at hand beside its request."""
+    """Environment of a call besides its request."""
 
     folder: Path
-    """Where uploaded files lie and new ones are made."""
+    """Folder of uploaded and new files."""
     tell: Callable[[Request], None] = lambda note: None
     """Sends a note on how far it is."""
     stop: threading.Event = field(default_factory=threading.Event)
@@ -121,7 +121,7 @@ def main() -> None:
             else:
                 lines.send({"answer": answer})
         except BrokenPipeError:
-            return  # the server is gone, and nobody hears
+            return  # the server is gone
         except Exception as error:
             said = describe_refusal(error)
             if said["refused"].startswith("Unexpected"):

@@ -108,7 +108,7 @@ class Worker:
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(process.wait(), STOP_LIMIT)
         finally:  # whoever waits may be given up, which is when the server ends
-            # asyncio closes it by itself only if nobody else holds the pipes open
+            # asyncio closes it by itself only if other processes do not hold the pipes open
             transport = getattr(process, "_transport", None)
             if transport is not None:
                 transport.close()
@@ -148,10 +148,10 @@ async def _read_bytes(process: asyncio.subprocess.Process, count: int) -> Packed
 
 
 def _parse_line(line: bytes) -> JsonTable:
-    """What a worker says in a line.
+    """Return the content of a line of a worker.
 
     Raises:
-        Refusal: the line is empty, for the process has ended, or nothing that a worker says.
+        Refusal: the line is empty, for the process has ended, or is not a message of a worker.
     """
     if not line.endswith(b"\n"):
         raise Refusal(LOST_SENTENCE, 500, "lost")
@@ -189,7 +189,7 @@ class WorkerPool:
     """In the order of asking, by who asks for what."""
     made: list[Worker] = field(default_factory=list[Worker])
     running: dict[asyncio.Task[Any], str] = field(default_factory=dict["asyncio.Task[Any]", str])
-    """What is being done, with its lane."""
+    """Running calls, with their lanes."""
     _anonymous: int = 0
 
     async def warm(self) -> None:

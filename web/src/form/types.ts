@@ -1,6 +1,6 @@
 // Written by write_types.py from what Python declares; do not edit.
 
-/** What is declared of one entry of a part. */
+/** Declaration of one entry of a part. */
 export interface EntryDescription {
   name: string;
   /** parameter, option, text or part. */
@@ -16,12 +16,12 @@ export interface EntryDescription {
   /** Bounds in SI; null for none. */
   high: number | null;
   allowed: string;
-  /** Of an option, and of a part from a registry. */
+  /** Allowed names, for an option and for a part from a registry. */
   choices: string[];
   required: boolean;
-  /** Null if one is required, or there is no limit. */
+  /** Default value; null for a required entry or an unlimited value. */
   default: unknown;
-  /** As files write it; null for none. Assumed, never data. */
+  /** Typical value as files write it, or null. Always an assumption, never data. */
   typical: unknown;
 }
 
@@ -39,12 +39,12 @@ export interface PartDescription extends NamedPart {
   parameters: EntryDescription[];
 }
 
-/** Where a value comes from. */
+/** Origin of a value. */
 export interface Origin {
   /** scenario, start, default, plant, none, law or material. */
   sort: string;
   words: string;
-  /** Of a number of the material: datasheet, measured, fitted, assumed or recalled. */
+  /** Kind of a material value: datasheet, measured, fitted, assumed or recalled. */
   kind?: string;
   doubtful?: boolean;
   source?: string;
@@ -53,7 +53,7 @@ export interface Origin {
   note?: string;
 }
 
-/** What the material has for a number that the scenario gives itself. */
+/** Value of the material for a parameter that the scenario sets. */
 export interface MaterialValue extends Origin {
   text: string;
   value: number;
@@ -75,12 +75,12 @@ export interface DisplayUnit {
   offset: number;
 }
 
-/** What the controls of all entries have, beside what is declared. */
+/** Common data of the controls of all entries, in addition to the declaration. */
 export interface EntryControl extends EntryDescription {
   /** In the document. */
   path: string;
   origin: Origin;
-  /** Whether it goes over a default, or over the material. */
+  /** True if it goes over a default, or over the material. */
   changed: boolean;
 }
 
@@ -123,7 +123,7 @@ export interface RowNode extends EntryControl {
   sort: "row";
   value: string;
   several: boolean;
-  /** Whether its items carry units. */
+  /** True if its items carry units. */
   quantities: boolean;
 }
 
@@ -155,7 +155,7 @@ export interface MissingNumbers {
   /** Null if something is missing. */
   text: string | null;
   missing: SingleNode[];
-  /** What is still needed, in a sentence; empty if nothing is. */
+  /** Missing entries, in a sentence; empty if complete. */
   refused: string;
 }
 

@@ -17,7 +17,7 @@ from martensite.boards import live_run
 from martensite.scenario.scenario import Scenario
 
 FOLDER = "boards"
-"""Of projects, in that of the bench."""
+"""Folder of projects, in the folder of the bench."""
 DRAWN = 1500
 """Points of a column that are drawn."""
 

@@ -23,7 +23,7 @@ from martensite.fit.fit_task import ArrangedFit
 from martensite.fit.material_files import write_material
 
 ENDED = ("reason", "simulations", "jacobians", "seconds", "history")
-"""What cannot be computed again from the numbers found."""
+"""Fields that cannot be computed again from the fitted values."""
 
 
 def run_fit(request: Request, desk: Desk) -> JsonTable:
@@ -96,7 +96,7 @@ ENDINGS = {"material": "toml", "report": "html", "terminal": "zip"}
 
 
 def write_fit_file(request: Request, desk: Desk) -> dict[str, str]:
-    """What a finished fit leaves behind.
+    """Write a file of a finished fit.
 
     {"key": of the fit, "what": "material"} -> {"key": …, "name": …}
 

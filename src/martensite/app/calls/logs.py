@@ -62,7 +62,7 @@ def place_sample(request: Request, desk: Desk) -> JsonTable:
 
 
 def describe_table(request: Request, desk: Desk) -> JsonTable:
-    """What is in an uploaded table, and what its columns may mean.
+    """Return the content of an uploaded table, and the possible meanings of its columns.
 
     {"key": …, "separator": "auto"}
     -> {"name", "said", "rows", "separator", "preview": [[text, …], …], "columns": [{heading, name, unit,
@@ -189,7 +189,7 @@ def overlay_logs(request: Request, desk: Desk) -> JsonTable:
 
 
 def propose_fit(request: Request, desk: Desk) -> JsonTable:
-    """What the logs are, and scenarios that may explain them, each with what is free.
+    """Return the kind of the logs, and proposed scenarios, each with its free parameters.
 
     {the logs} -> {"kind", "said", "refused", "notes": […], "models": [{name, text, free: [{name, low, high, start,
     scale}], "each": […], "starts"}]}; where none is known `refused` says why.
@@ -225,14 +225,14 @@ LOSS_WORDS = {
 
 
 def match_scenario(request: Request, desk: Desk) -> JsonTable:
-    """A scenario beside a log: what follows which column, what is compared, and what could be free.
+    """Match a scenario with a log: followed columns, compared outputs, and possible free parameters.
 
     {the table as `identify.mapped_table` takes it, "text": TOML,
     "follow": {"path": …, "column": …}}
     -> {"text": …, "title": …, "refused": "", "drives": […], "numbers": […], "outputs": […],
     "records": […], "methods": {…}, "losses": {…}}
 
-    Where the scenario cannot be built with the log, `refused` says why; the rest is what is known.
+    Where the scenario cannot be built with the log, `refused` says why; the other entries are then partial.
     """
     records = list_rows(request, desk)
     text = require_entry(request, "text", str)

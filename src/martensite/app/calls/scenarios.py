@@ -34,7 +34,7 @@ MOST_DOCUMENTS = 12
 
 
 def compare_documents(request: Request, desk: Desk) -> JsonTable:
-    """What differs between documents.
+    """Return the differences between documents.
 
     {"texts": [TOML, TOML, …]}
     -> {"rows": [{"path": "element.diameter", "values": ["0.2 mm", null]}]}
@@ -97,7 +97,7 @@ def _summarise_run(scenario: Scenario, result: Result) -> JsonTable:
 
 
 def _draw_run(scenario: Scenario, result: Result) -> JsonTable:
-    """What is drawn; the page makes the rest from `views` and `parameters` (`web/src/views/answer.ts`)."""
+    """Return the drawing of a run, which `web/src/views/answer.ts` completes from `views` and `parameters`."""
     views = describe_formulas(scenario, result)
     return {
         "traces": list_panels(result),

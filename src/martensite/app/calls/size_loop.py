@@ -15,7 +15,7 @@ BAND = 0.1
 PERIODS = 200
 """Control periods in the time that heating takes."""
 SHARE = 0.9
-"""Of the stroke that is asked for: what a loop can hold from both sides."""
+"""Fraction of the requested stroke that a loop can hold from both sides."""
 
 
 def format_loop(request: WireRequest, found: Candidate, text: str) -> str | None:

@@ -52,7 +52,7 @@ def map_wishes(request: Request, desk: Desk) -> JsonTable:
 
 
 def _describe_cell(asked: WireRequest, catalogue: WireCatalogue) -> JsonTable:
-    """How many wires do, how many of them withstand more, the best, or why the nearest does not."""
+    """Return the numbers of feasible and robust wires, the best wire, or the reason against the nearest."""
     found = sorted(_judge_all(asked, catalogue), key=rank_candidates)
     good = [one for one in found if one.feasible]
     return {

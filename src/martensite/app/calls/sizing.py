@@ -71,7 +71,7 @@ def read_fields(request: Request) -> dict[str, str]:
 
 
 def convert_field(name: str, text: str) -> Any:
-    """What is typed into a field, in SI and within its range.
+    """Convert the text of a field to SI, and check its range.
 
     Raises:
         InputError: it cannot be read, or is out of range.
@@ -132,7 +132,7 @@ def describe_sizing(request: Request, desk: Desk) -> JsonTable:
 
 
 def _find_contradiction(found: Request) -> str:
-    """Whether fields that are right by themselves exclude each other, the others left aside."""
+    """Return whether fields that are right by themselves exclude each other, the others left aside."""
     needed = [n for n, d in WireRequest.declarations.items() if d.default is REQUIRED]
     values: JsonTable = {**dict.fromkeys(needed, 1.0), **found}
     try:

@@ -34,7 +34,7 @@ def load_named_study(request: Request) -> AbstractStudy:
 
 
 def describe_study(study: AbstractStudy) -> JsonTable:
-    """What is known of a study without computing anything."""
+    """Return the description of a study without computing."""
     guide = [" ".join(paragraph.split()) for paragraph in study.guide.split("\n\n")]
     return {
         "name": study.key,
@@ -75,7 +75,7 @@ def list_missing_data(study: AbstractStudy) -> list[dict[str, str]]:
 
 
 def describe_answer(study: AbstractStudy, answer: Answer) -> JsonTable:
-    """What a study has found, without a figure: digest with words before each sentence, claims, reports, tally."""
+    """Return the answer of a study without a figure: digest with headings, claims, reports, tally."""
     told = [{"heading": key.replace("_", " "), "text": answer.digest[key]} for key in DIGEST if key in answer.digest]
     return {
         "name": study.key,

@@ -33,11 +33,11 @@ from martensite.simulate.measures.base import MEASURES, AbstractMeasure, parse_m
 from martensite.simulate.variants import RUNTIMES
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
-"""What a text begins with that a spreadsheet would compute."""
+"""First characters of a text that a spreadsheet would compute."""
 
 
 def describe_sweep_form(request: Request, desk: Desk) -> JsonTable:
-    """What can be asked of a sweep of a scenario: its numbers, samples, and measures.
+    """Return the options of a sweep of a scenario: its parameters, samples, and measures.
 
     {"text": TOML} -> {"title", "targets": […], "designs": […], "measures": […], "outputs": […], …}
     """

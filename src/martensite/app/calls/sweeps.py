@@ -42,7 +42,7 @@ def list_sweeps(request: Request, desk: Desk) -> JsonTable:
 
 
 def plan_sweep(request: Request, desk: Desk) -> JsonTable:
-    """Check what is asked of a sweep: how many runs it has, or what is wrong with each field.
+    """Check the request for a sweep: return the number of runs, or the fault of each field.
 
     Request as of the job `sweep` -> {"faults": {field: sentence}, "runs": …, "command": …, …}
     """
@@ -112,7 +112,7 @@ def run_sweep(request: Request, desk: Desk) -> JsonTable:
 
 
 def _find_store(request: Request, desk: Desk) -> tuple[str, Path, Scenario, SweepRequest]:
-    """Key and store, and what is asked for: anew, or as a store has it."""
+    """Return key, store, scenario and request of a new or stored sweep."""
     shelf, key = SweepFolder(desk.folder), require_entry(request, "resume", str, "")
     if key:
         path = shelf.path(key)
@@ -217,7 +217,7 @@ def find_front(request: Request, desk: Desk) -> JsonTable:
 
 
 def estimate_indices(request: Request, desk: Desk) -> JsonTable:
-    """How much of the variance of a measure every varied number explains.
+    """Return the fraction of the variance of a measure that every varied parameter explains.
 
     {"key": …, "measure": "stroke"}
     -> {"method", "used", "names": […], "indices": {kind: {"values": […], "wide": […]}}, "remarks"}

@@ -33,7 +33,7 @@ class GroupSpot:
 
     walk: ControlWalk
     path: str
-    """Of the object."""
+    """Path of the object."""
     part: Parametrised
     registry: Registry[Any]
 
@@ -51,7 +51,7 @@ class ControlWalk:
     unit: Callable[[Leaf], str]
     """SI unit of a number in its place."""
     material: Material | None = None
-    """What the numbers may come from."""
+    """Material that can provide values."""
     skipped: Callable[[str], bool] = lambda path: False
     """Objects that stand elsewhere in the document, or not at all."""
     seen: set[str] = field(default_factory=set[str])
@@ -113,7 +113,7 @@ class ControlWalk:
         return build_group(self.written(path), spell_title(title), below, meaning=meaning)
 
     def _spot(self, part: Parametrised, path: str, name: str, declared: Declared) -> EntrySpot | None:
-        """Where an entry stands; None if it has a control already."""
+        """Return the place of an entry; None if it already has a control."""
         place, noted = self.written(path), self.noted(path)
         if place in self.seen:
             return None
@@ -122,7 +122,7 @@ class ControlWalk:
         if said == "scenario" and declared.kind == "parameter":
             raw = documents.find_entry(self.document, place)
             unit = self.unit(Leaf(path, declared, None))
-            if raw is not None and raw == declared.typical_in(unit):  # nobody has changed it
+            if raw is not None and raw == declared.typical_in(unit):  # unchanged since the start
                 said = "start"
         return EntrySpot(place, name, declared, said, self.material)
 
@@ -157,7 +157,7 @@ class ControlWalk:
 
 
 def _rank_entry(part: Parametrised) -> Callable[[tuple[str, Declared]], tuple[bool, bool]]:
-    """Where a part has numbers of the material, its own that are needed stand first."""
+    """Return a sort key: for a part with material parameters, its other required parameters come first."""
     mixed = any(name in NAMES for name in part.declarations)
     return lambda item: (mixed and item[0] in NAMES, mixed and item[1].default is not REQUIRED)
 

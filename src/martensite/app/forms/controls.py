@@ -1,9 +1,8 @@
 """Controls of single entries, as the page takes them: numbers, options, texts, lists.
 
-Each says in words where its value comes from: the scenario, its default, or a source of the
-material. A slider goes around the value, within the declared bounds: logarithmic where what is
-declared spans decades and is positive, else linear. A number that is 0, or for which there is no
-limit, gives no scale of its own; ordinary sizes of its unit stand in.
+Each names the origin of its value: the scenario, its default, or a source of the material. A slider covers a range
+about the value, within the declared bounds. It is logarithmic if the bounds are positive and span decades, else linear.
+A value of 0 or without limit has no scale; typical sizes of its unit are used instead.
 """
 
 from __future__ import annotations
@@ -71,13 +70,13 @@ KELVINS = 60.0
 DECADES = 100.0
 """A range whose ends have this ratio spans decades."""
 LARGEST = 1e6
-"""From here on a default that is the largest allowed value means that there is no limit."""
+"""Smallest default that means "without limit" if it is the largest allowed value."""
 _COUNTS = re.compile(r"\bnumber of|how many|whole number|^spans\b|^steps of")
 
 
 @dataclass(frozen=True)
 class EntrySpot:
-    """Where an entry stands, and what is known of it there."""
+    """Place of an entry, and its data."""
 
     path: str
     """In the document."""
@@ -86,10 +85,10 @@ class EntrySpot:
     noted: str
     """Its origin, as `Scenario.origins` notes it."""
     material: Material | None = None
-    """What it may draw on."""
+    """Material that can provide the value."""
 
     def common(self, changed: bool = False) -> EntryControl:
-        """What all controls have."""
+        """Return the common data of all controls."""
         return {
             **describe_entry(self.name, self.declared),
             "path": self.path,
@@ -179,9 +178,9 @@ def print_unit(unit: str) -> str:
 
 
 def describe_display(unit: str, value: float | None = None) -> DisplayUnit:
-    """How a number in an SI unit is shown: spelling, label, factor and offset.
+    """Return the display of a number in an SI unit: spelling, label, factor and offset.
 
-    shown = SI · factor + offset; the spelling is empty where there is no unit.
+    shown = SI · factor + offset; the spelling is empty for a number without unit.
     """
     spelling = units.choose_readable_unit(unit) if value is None else units.choose_familiar_unit(value, unit)
     try:
@@ -235,7 +234,7 @@ def describe_source(material: Material, number: MaterialNumber) -> Origin:
 
 
 def find_material_number(material: Material | None, name: str) -> MaterialValue | None:
-    """What the material has for a number that the scenario gives itself; None if it has none."""
+    """Return the value of the material for a parameter that the scenario sets; None if it has none."""
     if material is None or name not in material.values:
         return None
     number = material.values[name]
@@ -243,20 +242,20 @@ def find_material_number(material: Material | None, name: str) -> MaterialValue 
 
 
 def is_whole(value: float, declared: Declared) -> bool:
-    """Whether a number counts something, as its meaning says."""
+    """Return whether a number counts something, as its meaning says."""
     return declared.unit == "1" and value == int(value) and bool(_COUNTS.search(declared.doc))
 
 
 def is_unlimited(value: float, declared: Declared) -> bool:
-    """Whether a number says that there is no limit: infinite, or the largest by default."""
+    """Return whether a value means "without limit": infinite, or the largest by default."""
     largest = value == declared.high == declared.default and value >= LARGEST
     return not math.isfinite(value) or largest
 
 
 def build_slider(value: float, declared: Declared) -> SliderRange | None:
-    """Ends of a slider in SI, whether it is logarithmic and goes in whole numbers; None for none.
+    """Return the ends of a slider in SI, and whether it is logarithmic or integer; None without a slider.
 
-    There is none for a number that says that there is no limit.
+    A value without limit has no slider.
     """
     if is_unlimited(value, declared):
         return None

@@ -8,7 +8,7 @@ from martensite.app.messages import JsonTable, Request
 
 
 def find_entry(document: Request, path: str) -> Any:
-    """What stands at a path, or None."""
+    """Return the value at a path, or None."""
     node: Any = document
     for key in path.split("."):
         if not isinstance(node, dict) or key not in node:

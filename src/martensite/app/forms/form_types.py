@@ -1,4 +1,4 @@
-"""What a form is made of, as it goes out; the page's TypeScript is written from this file.
+"""Types of a form as it is sent; the page's TypeScript is written from this file.
 
 `web/write_types.py` turns every table here, and `EntryDescription`, into an interface.
 """
@@ -11,13 +11,13 @@ from martensite.scenario.catalogue import EntryDescription, NamedPart
 
 
 class Origin(TypedDict):
-    """Where a value comes from."""
+    """Origin of a value."""
 
     sort: str
     """scenario, start, default, plant, none, law or material."""
     words: str
     kind: NotRequired[str]
-    """Of a number of the material: datasheet, measured, fitted, assumed or recalled."""
+    """Kind of a material value: datasheet, measured, fitted, assumed or recalled."""
     doubtful: NotRequired[bool]
     source: NotRequired[str]
     cite: NotRequired[str]
@@ -26,7 +26,7 @@ class Origin(TypedDict):
 
 
 class MaterialValue(Origin):
-    """What the material has for a number that the scenario gives itself."""
+    """Value of the material for a parameter that the scenario sets."""
 
     text: str
     value: float
@@ -51,13 +51,13 @@ class DisplayUnit(TypedDict):
 
 
 class EntryControl(EntryDescription):
-    """What the controls of all entries have, beside what is declared."""
+    """Common data of the controls of all entries, in addition to the declaration."""
 
     path: str
     """In the document."""
     origin: Origin
     changed: bool
-    """Whether it goes over a default, or over the material."""
+    """True if it goes over a default, or over the material."""
 
 
 class NumberNode(EntryControl, DisplayUnit):
@@ -105,7 +105,7 @@ class RowNode(EntryControl):
     value: str
     several: bool
     quantities: bool
-    """Whether its items carry units."""
+    """True if its items carry units."""
 
 
 class KindChoice(TypedDict):
@@ -140,7 +140,7 @@ class MissingNumbers(TypedDict):
     """Null if something is missing."""
     missing: list[SingleNode]
     refused: str
-    """What is still needed, in a sentence; empty if nothing is."""
+    """Missing entries, in a sentence; empty if complete."""
 
 
 class ScenarioForm(MissingNumbers):

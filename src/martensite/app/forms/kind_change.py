@@ -47,7 +47,7 @@ def change_kind(scenario: Scenario, path: str, kind: str, given: JsonTable) -> C
         given: numbers that go over it, by path.
 
     Raises:
-        InputError: there is no such place or kind, or nothing that holds it can be built.
+        InputError: the place or kind is unknown, or the changed scenario cannot be built.
     """
     document = toml_document(scenario.text)
     if path == MATERIAL:

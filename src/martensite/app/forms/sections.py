@@ -193,7 +193,7 @@ class FormSections:
             yield walk.group(waveform, "", f"signal {name}" if signal else "waveform", f"in {units[name]}", WAVEFORMS)
 
     def _begin(self, name: str) -> str:
-        """Where the waveform of a drive stands; a model of one input may have it in [drive]."""
+        """Return the path of the waveform of a drive; a model of one input may have it in [drive]."""
         drive = self.scenario.places.drive
         found = waveform_path(self.scenario.system, name, drive)
         there = documents.find_entry(self.document, found.removesuffix(".")) is not None
@@ -274,7 +274,7 @@ def _describe_part(walk: ControlWalk, part: Parametrised, path: str, title: str)
 
 
 def _list_settings(scenario: Scenario, walk: ControlWalk, bench: Bench) -> list[FormNode]:
-    """How the bench runs; its period may stand in another section."""
+    """Return the settings of the bench; its period may be in another section."""
     from martensite.scenario.bench import BenchSettings
 
     table = documents.find_table(walk.document, BENCH)
@@ -288,7 +288,7 @@ def _place_setting(period: str, path: str) -> str:
 
 
 def describe_run(scenario: Scenario, walk: ControlWalk) -> GroupNode:
-    """How long, how accurately, how many samples; and the title."""
+    """Return the form of a run: duration, tolerance, samples, and the title."""
     table = documents.find_table(walk.document, RUN)
     values = Run(**{name: value for name, value in table.items() if name in Run.declarations})
     spot = EntrySpot("title", "title", TITLE_ENTRY, "scenario")

@@ -1,6 +1,6 @@
-"""What is around a component of another kind: ports, signals, levels, references, cooling.
+"""Surroundings of a component of another kind: ports, signals, levels, references, cooling.
 
-Candidates keep less and less of it; who tries them takes the first that builds.
+Candidates keep less and less of it; the first that can be built is used.
 """
 
 from __future__ import annotations

@@ -58,11 +58,11 @@ class TableFiller:
     unit: Callable[[Leaf], str] = lambda leaf: leaf.declared.unit
     """SI unit of a number at a path of the document."""
     material: Material | None = None
-    """What numbers may be left to."""
+    """Material that can provide values."""
     elsewhere: tuple[str, ...] = ()
     """Entries that are described elsewhere, or stay as they are."""
     fresh: bool = False
-    """Whether components are begun anew instead of being taken into what holds several."""
+    """True if components are begun anew instead of being taken into what holds several."""
     assumed: list[str] = field(default_factory=list[str])
     """Paths of start values."""
     missing: list[MissingNumber] = field(default_factory=list[MissingNumber])
@@ -124,7 +124,7 @@ class TableFiller:
         return value
 
     def _can_keep(self, declared: Declared, value: Any, was: Declared, path: str) -> bool:
-        """Whether what stood under a name may stay there."""
+        """Return whether what stood under a name may stay there."""
         if (declared.kind, declared.unit) != (was.kind, was.unit):
             return False
         if declared is was:

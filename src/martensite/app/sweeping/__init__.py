@@ -1,1 +1,1 @@
-"""What the calls about sweeps share: requests, the folder of stores, and what is drawn of them."""
+"""Common parts of the calls about sweeps: requests, the folder of stores, and drawings."""

@@ -1,6 +1,6 @@
-"""What the page draws of a sweep: its layout, and its runs, thinned out to what can be seen.
+"""Drawing of a sweep on the page: its layout, and its runs, thinned to a visible number.
 
-While it runs a note now and then says how far it is and what has come since.
+During the sweep, notes report the progress and the new points.
 """
 
 from __future__ import annotations
@@ -46,12 +46,12 @@ class SweepDrawing:
 
     @cached_property
     def spec(self) -> JsonTable:
-        """What was asked for."""
+        """Return the request."""
         return self.store.spec
 
     @cached_property
     def axes(self) -> list[SweepAxis]:
-        """What is varied."""
+        """Return the varied axes."""
         return read_axes(self.store)
 
     @cached_property
@@ -76,7 +76,7 @@ class SweepDrawing:
         return found
 
     def kept(self, rows: Rows) -> Rows:
-        """Those of some runs that are drawn."""
+        """Return the drawn ones of some runs."""
         if self.levels is None:
             return rows[rows % self.strides[0] == 0]
         places = np.unravel_index(rows, [len(one) for one in self.levels])
@@ -115,7 +115,7 @@ class SweepDrawing:
         return [*varied, *self.spec["measures"]]
 
     def layout(self) -> JsonTable:
-        """What the columns are, and how they are shown (shown = SI · factor + offset)."""
+        """Return the columns and their display (shown = SI · factor + offset)."""
         short = shorten_names([one.target.name for one in self.axes])
         return {
             "title": self.spec["title"],
@@ -163,7 +163,7 @@ class ReportingBackend(AbstractBackend):
     """Chunks made since the last note."""
 
     def run(self, job: SweepJob, chunks: Iterable[int]) -> Generator[Report]:
-        """As the other does it."""
+        """Run the job as the inner backend does, and collect the finished chunks."""
         with closing(self.inner.run(job, chunks)) as reports:
             for report in reports:
                 self.fresh.append(report.chunk)
@@ -179,7 +179,7 @@ class SweepProgress:
     desk: Desk
     fresh: list[int] = field(default_factory=list[int])
     number: int = 0
-    """Of the last note: who misses one asks for the points."""
+    """Number of the last note; a page that misses a note requests the points."""
     _before: Counter[int] = field(default_factory=Counter[int])
     _began: float = 0.0
     _last: float = 0.0
@@ -197,7 +197,7 @@ class SweepProgress:
 
     @cached_property
     def drawing(self) -> SweepDrawing:
-        """What is drawn of it."""
+        """Return the drawing of the sweep."""
         return SweepDrawing(self.begun.store)
 
     def _tell(self, progress: Progress) -> None:

@@ -42,7 +42,7 @@ class SweepFolder:
 
     @property
     def place(self) -> Path:
-        """Where the stores lie."""
+        """Return the folder of the stores."""
         return self.folder / STORES
 
     def new(self, title: str) -> tuple[str, Path]:
@@ -84,12 +84,12 @@ class SweepFolder:
 
 @contextmanager
 def hold_store(path: Path) -> Iterator[None]:
-    """Hold a store while it is written; the hold ends with the process, whatever ends it.
+    """Hold a store while it is written; the hold ends with the process.
 
-    Where the system has no such locks, as on Windows, nothing is held.
+    On systems without such locks, such as Windows, the store is not held.
 
     Raises:
-        DataError: somebody else holds it.
+        DataError: another process holds it.
     """
     if find_spec("fcntl") is None:
         yield
@@ -108,7 +108,7 @@ def hold_store(path: Path) -> Iterator[None]:
 
 
 def is_busy(path: Path) -> bool:
-    """Whether a store is being written."""
+    """Return whether a store is being written."""
     try:
         with hold_store(path):
             return False

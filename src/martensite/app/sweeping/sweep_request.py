@@ -1,4 +1,4 @@
-"""What a request asks of a sweep, in the words that the command takes; what is wrong with it; its time.
+"""Request for a sweep, in the words of the command; its faults; its time.
 
 {"text": TOML, "changes": {…}, "over": ["diameter=0.1..0.5 mm:9"], "sample": "grid",
  "measures": ["stroke"], "seed": 0, "step": "20 ms", "runtime": "c", "workers": 0}
@@ -43,10 +43,10 @@ _QUOTABLE = re.compile(r"^[\w .,:;=+/()%^*·µΩ°±²³-]*$")
 
 
 def read_wanted(request: Request) -> SweepRequest:
-    """What is asked for, as the library takes it.
+    """Return the request in the form of the library.
 
     Raises:
-        InputError: an entry is missing or of another sort, or the step is none.
+        InputError: an entry is missing or of another sort, or the step is invalid.
     """
     step = str(require_entry(request, "step", str, "")).strip()
     return SweepRequest(
@@ -116,7 +116,7 @@ class FieldFaults(dict[str, str]):
     """Field of the form -> sentence on what is wrong there."""
 
     def attempt(self, field: str, action: Callable[[], T]) -> T | None:
-        """What an action gives; None, and its sentence beside the field, if it is refused."""
+        """Return the result of an action; on an error return None, and record the sentence for the field."""
         try:
             return action()
         except MartensiteError as error:

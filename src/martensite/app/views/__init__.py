@@ -1,1 +1,1 @@
-"""What the page draws of a run: tables of numbers, made from a result."""
+"""Drawing of a run on the page: tables of numbers, made from a result."""

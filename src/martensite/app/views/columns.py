@@ -51,19 +51,19 @@ def choose_curve_rows(result: Result) -> list[int]:
 
 
 def describe_column(result: Result, name: str) -> JsonTable:
-    """How a column is called, and how it is shown."""
+    """Return the name and the display of a column."""
     output = result.outputs[name]
     how = describe_display(name, output.unit)
     return {**how, "long_name": output.long_name, "symbol": output.symbol}
 
 
 def describe_display(name: str, unit: str) -> JsonTable:
-    """How a column or output is shown; strain in percent."""
+    """Return the display of a column or output; strain in percent."""
     return describe_conversion(unit, units.of_column(name, unit))
 
 
 def describe_difference(name: str, unit: str) -> JsonTable:
-    """How an error or an offset is shown, which has no zero to be shifted."""
+    """Return the display of an error or an offset, whose zero is not shifted."""
     spelling = units.of_column(name, unit)
     spelling = spelling if spelling == "%" else choose_difference_unit(unit)[0]
     return {**describe_conversion(unit, spelling), "offset": 0.0}
@@ -81,7 +81,7 @@ def describe_conversion(unit: str, spelling: str) -> JsonTable:
 
 
 def round_digits(value: float, digits: int = 5) -> float:
-    """As much of a number as can be seen."""
+    """Return a number rounded to the visible digits."""
     return float(f"{value:.{digits}g}")
 
 

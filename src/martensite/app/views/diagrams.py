@@ -35,7 +35,7 @@ HEADROOM = 1.12
 STRESSES, TEMPERATURES = 100e6, 10.0
 """Limits are rounded outwards to multiples of these [Pa], [K]: a slider asks for the same ones."""
 COLDER = 15.0
-"""How far below the finish of the transformation a diagram reaches [K]."""
+"""Margin of a diagram below the finish of the transformation [K]."""
 NO_LINES = "This law has no transformation lines in the plane of temperature and stress."
 
 
@@ -111,9 +111,9 @@ def _find_finish(law: AbstractLaw) -> float:
 
 
 def describe_lines(whole: AbstractSystem, result: Result) -> JsonTable:
-    """How the page finds the lines of the law at every port.
+    """Return the description of the lines of the law at every port.
 
-    `numbers` are formulas of the law's own parameters, by name. Of a `kind` strips or detwinning they give the lines;
+    `numbers` are formulas of the parameters of the law, by name. Of a `kind` strips or detwinning they give the lines;
     other lines were found by driving the law, and hold for the `values` that they were found with.
     """
     table = Formulas()

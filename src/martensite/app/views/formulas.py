@@ -26,7 +26,7 @@ from martensite.control.loop.bench import Bench
 from martensite.kernels.floats import expand_power, find_whole_exponent, power
 
 LEAVES = frozenset({"p", "c", "y", "first"})
-"""What a row begins with that is computed from no other."""
+"""First entry of a row that does not depend on other rows."""
 SAME = frozenset({"detach", "store", "implicit_root"})
 """Operations that are their first argument."""
 
@@ -57,7 +57,7 @@ class Formulas:
         return self._add(["c", write_number(number)], number)
 
     def apply(self, name: str, plain: Callable[..., Any], numbers: Sequence[Any]) -> RecordedNumber:
-        """What an operation makes of numbers."""
+        """Record an operation on numbers."""
         if name in SAME:
             return self.constant(numbers[0])
         given = [self.constant(one) for one in numbers]
@@ -70,7 +70,7 @@ class Formulas:
         return self._add([name, *(one.row for one in given)], value)
 
     def choose(self, flag: RecordedNumber) -> bool:
-        """What a condition is, and the note that it is so."""
+        """Return the outcome of a condition, and record it."""
         if self.rows[flag.row][0] == "c":
             return bool(flag.value)
         if flag.row not in self.choices:
@@ -79,7 +79,7 @@ class Formulas:
         return self.choices[flag.row]
 
     def collect(self, **found: Any) -> JsonTable:
-        """What the page gets: the rows that are needed, the choices, and what was found with rows for numbers."""
+        """Return the data for the page: the needed rows, the choices, and the results with rows for numbers."""
         places = dict.fromkeys(self.choices)
         told = {name: self._place(one, places) for name, one in found.items()}
         kept = self._list_needed(places)
@@ -89,7 +89,7 @@ class Formulas:
         return {"rows": rows, "choices": choices, **{name: _replace(one, numbers) for name, one in told.items()}}
 
     def _place(self, found: Any, places: dict[int, None]) -> Any:
-        """The same with `_Row` for numbers."""
+        """Return the results with `_Row` for numbers."""
         if isinstance(found, dict):
             return {name: self._place(one, places) for name, one in found.items()}
         if isinstance(found, list | tuple):
@@ -156,7 +156,7 @@ class RecordedNumber:
         self.table, self.row, self.value = table, row, value
 
     def record(self, name: str, plain: Callable[..., Any], numbers: Sequence[Any]) -> RecordedNumber:
-        """What a function of `martensite.kernels.recordable_numbers` makes of it and others."""
+        """Record a function of `martensite.kernels.recordable_numbers` of this and other numbers."""
         if name == "power" and isinstance(numbers[1], int):
             return expand_power(*numbers)
         return self.table.apply(name, plain, numbers)
@@ -212,7 +212,7 @@ def locate_part(whole: Parametrised, part: object) -> str | None:
 def explore_choices(
     build: Callable[[Sequence[bool]], tuple[Formulas, Any]], most: int = 8
 ) -> Iterator[tuple[Formulas, Any]]:
-    """What a function answers for all outcomes of its choices, the one here and now first."""
+    """Yield the results of a function for all outcomes of its choices, the present outcome first."""
     left: list[list[bool]] = [[]]
     while left and most:
         forced, most = left.pop(0), most - 1

@@ -1,7 +1,7 @@
-"""What the page needs to draw a run by itself: all that does not follow from the numbers of that run.
+"""Data for the drawing of a run on the page: everything that does not follow from the numbers of the run.
 
-The page has the columns of a run and the parameters by path. Names, titles and kinds are said here; what follows from
-parameters that a slider changes (limits, lengths, places of shapes, lines of the phase diagram) are formulas
+The page has the columns of a run and the parameters by path. Names, titles and kinds are given here. Quantities that
+depend on the sliders (limits, lengths, places of shapes, lines of the phase diagram) are formulas
 (`martensite.app.views.formulas`). `web/src/views` makes the `Run` of the page from both.
 """
 
@@ -69,7 +69,7 @@ def describe_page(scenario: Scenario, result: Result | None = None) -> JsonTable
 
 
 def describe_formulas(scenario: Scenario, result: Result) -> JsonTable:
-    """What the page computes of every run: the lines of the laws, and the mechanism in space."""
+    """Return the formulas that the page evaluates for every run: lines of the laws, and the mechanism in space."""
     return {"lines": describe_lines(scenario.whole, result), "scene": describe_shapes(scenario.whole, result)}
 
 
@@ -108,7 +108,7 @@ def _describe_port(table: Formulas, system: AbstractSystem, port: str, one: Actu
 
 
 def _describe_law(port: str, one: Actuator) -> JsonTable:
-    """What a run says of its law."""
+    """Return the data of the law of a run."""
     law = one.element.law
     if not isinstance(law, AbstractLaw):
         return {"port": port, "name": "", "tension": False, "symmetric": False, "loops": 0}

@@ -1,6 +1,6 @@
-"""What the page draws of the mechanism in space: its shapes as formulas of its outputs and of all parameters.
+"""Scene of the page: shapes of the mechanism as formulas of its outputs and of all parameters.
 
-An element is drawn by what it is made of: as a wire, or as a coil.
+An element is drawn as a wire or as a coil.
 """
 
 from __future__ import annotations

@@ -40,7 +40,7 @@ MOST_SPANS = 400
 
 @dataclass
 class TracePanel:
-    """What is drawn together."""
+    """Traces that are drawn together."""
 
     key: str
     title: str
@@ -118,7 +118,7 @@ def _find_title(result: Result, key: str, name: str) -> str:
 
 
 def _is_repeated(result: Result, panel: TracePanel, port: str, name: str) -> bool:
-    """Whether the panel shows these numbers already, as that of the only temperature."""
+    """Return whether the panel shows these numbers already, as that of the only temperature."""
     base = name.rpartition(".")[-1]
     own = panel.ports.get(port, [])
     return base in TOGETHER and any(np.array_equal(result[name], result[other]) for other in own)
