@@ -1,1 +1,1 @@
-"""What the calls of the page Identify share: files, columns, scenarios, fits."""
+"""Common functions of the calls of the page Identify: files, columns, scenarios, fits."""

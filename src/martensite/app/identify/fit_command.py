@@ -18,7 +18,7 @@ SCENARIO = "scenario.toml"
 
 
 def list_experiments(fit: Fit) -> list[Experiment]:
-    """What was fitted, and what was kept back whole."""
+    """Return the fitted experiments, and the experiments held out as a whole."""
     return [*fit.problem.experiments, *(one.experiment for one in fit.kept)]
 
 

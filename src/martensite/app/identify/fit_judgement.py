@@ -30,7 +30,7 @@ from martensite.show.summaries.log_model import list_next_records
 
 @dataclass(frozen=True)
 class FitJudgement:
-    """What speaks against a fit: that it is used at all, or that it is used without care."""
+    """Reasons against a fit: to reject it, or to use it with care."""
 
     against: list[str]
     care: list[str]
@@ -83,12 +83,12 @@ class JudgedModel(LogModel):
 
     @property
     def predicts(self) -> bool:
-        """Whether nothing speaks against its use."""
+        """Return whether nothing speaks against its use."""
         return judge_fit(self.fit).word != "not usable"
 
 
 def _list_next(fit: Fit, proposal: Proposal | None) -> list[str]:
-    """What further records would tell; nothing where the experiment is not known."""
+    """Return suggestions for further records; empty for an unknown experiment."""
     records = [one.record for one in fit.problem.experiments]
     named = proposal or Proposal(fit.scenario.title if fit.scenario else "", {}, (), (), records)
     try:

@@ -36,7 +36,7 @@ from martensite.show.summaries.fit_tables import mark_parameter
 EVERY = 0.4
 """Seconds between two notes."""
 SHARE = 0.1
-"""Of the time that may go into curves that are only shown."""
+"""Fraction of the time for curves that are only displayed."""
 DRAWN_ROWS = 800
 
 
@@ -93,7 +93,7 @@ class FitProgress:
         )
 
     def _curves(self, values: tuple[float, ...], now: float) -> JsonTable:
-        """What the best so far gives, unless that was shown already, or takes too long."""
+        """Return the curves of the best point so far, unless they were sent already or take too long."""
         if now < self._next_curves or values == self._drawn:
             return {}
         found = self.problem.evaluate(values)
@@ -210,7 +210,7 @@ def _list_curves(one: ComparedOutput) -> JsonTable:
 
 
 def _find_axis(one: ComparedOutput, rows: list[int]) -> JsonTable | None:
-    """What a loop without times is drawn over; none of a record that has times."""
+    """Return the horizontal axis of a loop without times; None for a record with times."""
     record = one.experiment.record
     name = next((name for name in ("temperature", "strain") if name in record.columns and name != one.output), "")
     if record.interval is None or not name or len(record) != len(one.times):

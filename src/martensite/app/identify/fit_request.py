@@ -31,10 +31,10 @@ MOST_ROWS = 50_000
 
 
 def build_scenario(request: Request, record: Record) -> Scenario:
-    """The scenario of a request, with a record that it may follow.
+    """Return the scenario of a request, with a record that it may follow.
 
     Raises:
-        InputError: it is none, or follows a column that the record has not.
+        InputError: the scenario is invalid, or follows a column that the record lacks.
     """
     text = require_entry(request, "text", str)
     check_files(text, {})
@@ -42,10 +42,10 @@ def build_scenario(request: Request, record: Record) -> Scenario:
 
 
 def read_task(request: Request, desk: Desk) -> FitTask:
-    """The task of a request.
+    """Return the task of a request.
 
     Raises:
-        InputError: something in it is none, or does not fit.
+        InputError: an entry is invalid or does not fit.
     """
     proposal = find_proposal(request, desk)
     records = list(proposal.rows) if proposal else read_records(request, desk)
@@ -80,7 +80,7 @@ def find_proposal(request: Request, desk: Desk) -> Proposal | None:
 
 
 def list_assumptions(request: Request, desk: Desk) -> list[str]:
-    """What was assumed in the scenario that is proposed for a request."""
+    """Return the assumptions of the scenario that is proposed for a request."""
     return list(propose_models(read_records(request, desk), {}).notes)
 
 
@@ -91,7 +91,7 @@ def list_rows(request: Request, desk: Desk) -> list[Record]:
 
 
 def _list_each(request: Request, proposal: Proposal | None) -> list[str | SearchRange]:
-    """What every record has for itself, with the bounds of the proposal where it says them."""
+    """Return the parameters of single records, with the bounds of the proposal if it has them."""
     known = {text.partition("=")[0].strip(): text for text in proposal.each} if proposal else {}
     return [known.get(one.name, one) for one in _list_ranges(request, "each")]
 

@@ -30,10 +30,10 @@ SOURCE_OF = {"V": "voltage", "A": "current", "W": "power", "K": "temperature"}
 
 
 def describe_drives(document: Request) -> list[dict[str, str]]:
-    """What may follow a column: path of its waveform, kind of source, column that it follows.
+    """Return the drives that may follow a column: path of the waveform, kind of source, followed column.
 
     Raises:
-        ParameterError: a section is no table.
+        ParameterError: a section is not a table.
     """
     return [_describe_drive(path, table) for path, table in _list_driven(document)]
 
@@ -73,13 +73,13 @@ def _describe_drive(path: str, table: Request) -> dict[str, str]:
 
 
 def follow_column(document: JsonTable, path: str, column: str, unit: str) -> JsonTable:
-    """A scenario whose drive, or signal, follows a column of a log in such a unit.
+    """Return a scenario whose drive, or signal, follows a column of a log in a unit.
 
     A source of another unit gives way to the one that takes the column as it is. A fixed
     duration is taken out: the run takes as long as the log.
 
     Raises:
-        ParameterError: there is no such drive, or no source takes the unit.
+        ParameterError: the drive is unknown, or no source takes the unit.
     """
     known = dict(_list_driven(document))
     if path not in known:

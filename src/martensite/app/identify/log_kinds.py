@@ -1,4 +1,4 @@
-"""What uploaded logs are, in one sentence each, and scenarios that may explain them."""
+"""Kinds of uploaded logs, in one sentence each, and proposed scenarios."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def find_kind(records: Sequence[Record]) -> ExperimentKind | None:
 
 
 def describe_reading(file: LabFile, timed: bool) -> str:
-    """One sentence or two: how the file is written, what its columns are, what was left out."""
+    """Describe the format of a file, its columns, and the left-out columns in one or two sentences."""
     known = [f"`{one.name}` in {typeset_unit(one.unit, 'plain numbers')}" for one in file.columns if one.si]
     known = [one.replace("`time` in clock", "`time` by the clock") for one in known]
     by_values = any(one.si and one.known == "values" for one in file.columns)
@@ -69,7 +69,7 @@ def _describe_times(kind: ExperimentKind | None, timed: bool) -> str:
 
 @dataclass(frozen=True)
 class ProposedModels:
-    """What may explain some records."""
+    """Proposed models of some records."""
 
     kind: ExperimentKind
     proposals: Sequence[Proposal]

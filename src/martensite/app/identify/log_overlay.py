@@ -23,10 +23,10 @@ MOST_QUANTITIES = 8
 
 
 def draw_overlay(records: Sequence[Record], align: str) -> JsonTable:
-    """Lines of all records; see the call `overlay_logs`.
+    """Return the lines of all records; see the call `overlay_logs`.
 
     Raises:
-        ParameterError: there is no such alignment.
+        ParameterError: the alignment is unknown.
     """
     if align not in ALIGNED:
         raise ParameterError(f"Records are aligned by {' or '.join(ALIGNED)}, not by {align!r}.")

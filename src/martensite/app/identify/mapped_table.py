@@ -35,10 +35,10 @@ MOST_RECORDS = 40
 
 
 def read_file(request: Request, desk: Desk) -> LabFile:
-    """The whole table of one file in SI, as it was recorded.
+    """Return the whole table of one file in SI, as it was recorded.
 
     Raises:
-        InputError: a column has no or a wrong unit, a cell is no number, time does not increase.
+        InputError: a column has no or a wrong unit, a cell is not a number, time does not increase.
     """
     path = UploadFolder(desk.folder).path(require_entry(request, "key", str))
     interval = request.get("interval")
@@ -81,7 +81,7 @@ def read_record(request: Request, desk: Desk) -> Record:
 
 
 def list_steps(request: Request) -> list[JsonTable]:
-    """What is done to a log before it is cut."""
+    """Return the preparation steps of a log before it is cut."""
     return [_require_table(step, "steps") for step in require_entry(request, "steps", list, [])]
 
 
@@ -94,10 +94,10 @@ def list_further(request: Request) -> list[JsonTable]:
 
 
 def read_records(request: Request, desk: Desk) -> list[Record]:
-    """The records that the logs were cut into, in the order of the request, each of its own name.
+    """Return the records cut from the logs, in the order of the request, each with a unique name.
 
     Raises:
-        InputError: as of `read_file`; or a cut is none.
+        InputError: as in `read_file`; or a cut is invalid.
     """
     found = _list_cut(request, read_record(request, desk))
     for one in list_further(request):
@@ -117,7 +117,7 @@ def _list_cut(request: Request, whole: Record) -> list[Record]:
 
 
 def describe_preparation(request: Request, desk: Desk) -> list[str]:
-    """What was done to all logs of a request, in words."""
+    """Describe the preparation of all logs of a request, in words."""
     first = prepare_log(request, desk).words
     more = [one for one in list_further(request) if not require_entry(one, "merge", bool, False)]
     several = bool(more)
@@ -130,7 +130,7 @@ def describe_preparation(request: Request, desk: Desk) -> list[str]:
 
 
 def describe_cuts(request: Request, desk: Desk) -> list[JsonTable]:
-    """Of every cut its name and rows, or why it is no record; for who is still cutting."""
+    """Return name and rows of every cut, or the reason against it, while the user is still cutting."""
     whole = read_record(request, desk)
     found: list[JsonTable] = []
     for cut in _read_cuts(request):
@@ -182,7 +182,7 @@ def _read_file(
         if raw.columns[at].wrong and not drop:
             row, _, text = raw.columns[at].wrong[0].partition(": ")
             raise DataError(f"`{path.name}`, {row}, column `{column.name}`: `{text}` is not a number.")
-    # a guess that nobody changed stays one: what was told by values is put right by values
+    # an unchanged guess by values can be corrected by values
     guessed = {at: (one.name, one.unit) for at, one in enumerate(guess_meanings(raw, {}))}
     said = {at: (name, unit) for at, name, unit in columns}
     named = {

@@ -1,4 +1,4 @@
-"""What is done to a log before it is fitted: smoothing, median, outliers, zero, other times, a cut; each step in words.
+"""Preparation of a log before a fit: smoothing, median, outliers, zero, resampling, cut; each step in words.
 
 "steps": [{"kind": "median", "column": "temperature", "width": 5}, …], applied in their order
 
@@ -11,7 +11,7 @@
     cut        from, to             rows between two times [s]
     hold       column               the mean of the column in every row
 
-Nothing is done that no step says. A step says what it changed: how many rows, by how much at most.
+Only these steps change the log. Each step reports the number of changed rows and the largest change.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ NEIGHBOURS = 7
 SCATTER = 1.4826
 """Standard deviation over median absolute deviation of normal noise."""
 MOST_ROWS = 200_000
-"""Of a log that was resampled."""
+"""Largest number of rows of a resampled log."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ def _drop_outliers(record: Record, step: Request) -> tuple[Record, str]:
     middle[known] = np.nanmedian(_list_windows(values, NEIGHBOURS)[known], axis=1)
     apart[known] = np.abs(values - middle)[known]
     scatter = SCATTER * float(np.median(apart[known])) if known.any() else 0.0
-    # a column that rests has no scatter of its own: what is left is a thousandth of its range
+    # a column at rest has zero scatter: use a thousandth of its range
     scatter = scatter or 1e-3 * float(np.ptp(values[known]) if known.any() else 0.0)
     gone = known & (apart > limit * scatter)
     if gone[known].all():

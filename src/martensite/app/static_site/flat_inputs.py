@@ -44,7 +44,7 @@ NEAR = 1e-12
 
 @dataclass(frozen=True)
 class DriveShape:
-    """How the waveform of a drive is told to the engine."""
+    """Shape of the waveform of a drive for the engine."""
 
     segments: int
     """0 where readings are kept."""
@@ -58,15 +58,15 @@ class FlatInputs:
     numbers: dict[str, float]
     drives: list[DriveShape]
     samples: list[NDArray[np.float64]] = field(default_factory=list[Any])
-    """What is read of drives without segments, at every step of a system in discrete time."""
+    """Sampled values of drives without segments, at every step of a system in discrete time."""
 
     def digest(self) -> str:
-        """Of all readings."""
+        """Return the digest of all samples."""
         return hashlib.sha256(b"".join(one.tobytes() for one in self.samples)).hexdigest()
 
 
 def list_waveforms(scenario: Scenario) -> list[AbstractWaveform]:
-    """What drives a scenario, in the order of its drives."""
+    """Return the waveforms of a scenario, in the order of its drives."""
     bench = scenario.bench
     if bench is None:
         return list(arrange_waveforms(scenario.system, scenario.waveform))
@@ -118,7 +118,7 @@ def _list_scalars(scenario: Scenario, compiled: CompiledMarch) -> Iterator[tuple
 
 
 def _choose_shape(wave: AbstractWaveform, duration: float, interval: float) -> DriveShape:
-    """As many segments as a run needs, and more; none where they are too many, or miss what is read."""
+    """Return a shape with spare segments for a run; without segments if they are too many or too inaccurate."""
     fitted = type(wave).segments is AbstractWaveform.segments
     if fitted and interval > 0.0:  # parabolas that are put through readings are no better than these
         return DriveShape(0, 0)
@@ -138,7 +138,7 @@ def _list_until(wave: AbstractWaveform, end: float) -> Iterator[Segment]:
 
 
 def _tells_readings(wave: AbstractWaveform, known: Sequence[Segment], duration: float, interval: float) -> bool:
-    """Whether segments and tones give what is read of a waveform at its samples."""
+    """Return whether segments and tones give what is read of a waveform at its samples."""
     times = _list_instants(duration, interval, False)
     table = np.array([tuple(one) for one in known])
     place = np.maximum(np.searchsorted(table[:, 0], times, side="right") - 1, 0)
@@ -151,7 +151,7 @@ def _tells_readings(wave: AbstractWaveform, known: Sequence[Segment], duration: 
 
 
 def _list_instants(duration: float, interval: float, ahead: bool) -> NDArray[np.float64]:
-    """Where signals of a system in discrete time are read [s]; at the end of a step if they are wanted ahead."""
+    """Return the times at which a system in discrete time reads its signals [s]; `ahead` gives the ends of steps."""
     steps = math.floor(duration / interval + 1e-9)
     return np.array([(k + just_after(False)) * interval for k in range(steps + 1)])
 

@@ -1,16 +1,15 @@
-"""How the numbers of a run follow from the controls of a form, measured on the builder of scenarios.
+"""Map from the controls of a form to the numbers of a run, measured on the builder of scenarios.
 
-A control is set to other values of its slider, the scenario is built again, and every number that
-became another one is told as a sum,
+A control is set to other values of its slider, the scenario is built again, and every changed number is written as a
+sum,
 
     e = e0 + Σ c_a Δg_a + Σ c_ab Δg_a Δg_b,   Δg_a = g_a(x_a) - g_a(x_a0),
 
-with a function g of each control: its value, a power of it, or its inverse; a number whose inverse is such a sum,
-as a power by resistances in series, is told by that. What is fitted through
-two values must hold at others, up to both ends of the range; where it does not, the range ends
-earlier, or the control is left out. Two controls that some number follows from, or that a builder
-may compare, are tried together; those that do not fit are kept apart. A row of numbers, as the values
-of a table, is a control for each: by one trial each, and by trials of all at once.
+with a function g of each control: its value, a power of it, or its inverse; if the inverse of a number is such a sum,
+as for resistances in series, the inverse is used. A function fitted through two values must hold at others, up to both
+ends of the range. If it does not, the range ends earlier, or the control is left out. Two controls that affect the same
+number, or that a builder may compare, are tried together; incompatible controls are separated. A row of numbers, such
+as the values of a table, has one control for each: by one trial each, and by trials of all at once.
 """
 
 from __future__ import annotations
@@ -36,13 +35,13 @@ SAME = 1e-12
 SHORTER = (1.0, 0.95, 0.75, 0.5, 0.25, 0.1)
 """Shares of the way to an end that are tried as the end of the range."""
 HARDLY = 0.001
-"""Share of the way that hardly changes anything: what is said of a control is said there already."""
+"""Smallest step of a slider, as a fraction of its travel: a refused control is refused already there."""
 HAIR = 8.0 * 2.0**-52
 """Share of its terms that a sum is rounding, and 0."""
 PATTERNS = ((0.0, 1.0), (1.0, 0.0), (1.0,), (0.1, 0.9, 0.4, 0.75, 0.3))
 """Shares of the way from the low to the high end, by turns, at which a row is tried."""
 NARROW, WITHIN = 0.02, (0.05, 0.5, 0.93)
-"""How near to each other two numbers in order are tried, and where, as shares of the range that both have."""
+"""Spacing of two ordered numbers in a trial, and its positions, as fractions of their common range."""
 TOGETHER = 8
 """So many trials are made in one."""
 FUNCTIONS: dict[str, Callable[[float], float]] = {
@@ -80,7 +79,7 @@ class MappedControl:
 
     @property
     def path(self) -> str:
-        """Of the control in the document."""
+        """Return the path of the control in the document."""
         return self.node["path"]
 
     def change(self, name: str, value: float) -> float:
@@ -99,7 +98,7 @@ def _invert(value: float, inverted: bool) -> float:
 
 @dataclass
 class InputMap:
-    """What is known of a scenario and its controls."""
+    """Map of a scenario and its controls."""
 
     scenario: Scenario
     form: ScenarioForm
@@ -209,7 +208,7 @@ class _Measurement:
         return found.numbers
 
     def _write_settings(self, changes: Sequence[tuple[NumberNode, float]]) -> JsonTable:
-        """What is set in the document, rows as a whole."""
+        """Return the entries to set in the document; a row is set as a whole."""
         found: JsonTable = {node["path"]: write_quantity(node, value) for node, value in changes}
         for row in self.map.rows:
             moved = {one["path"]: found.pop(one["path"]) for one in row.items if one["path"] in found}
@@ -234,14 +233,14 @@ class _Measurement:
             raise UnmappedError(f"`{wrong[0]}` is no simple function of it")
 
     def _name_kind(self, number: int) -> str:
-        """What controls have in common that a builder may compare, such as the ends of a range."""
+        """Return the common kind of controls that a builder may compare, such as the ends of a range."""
         node = self.map.controls[number].node
         return node["path"].rpartition(".")[0] if node["unit"] in (None, "1") else str(node["unit"])
 
     def sort_out(self, trials: Sequence[Mapping[int, float]]) -> list[int]:
-        """Which of some trials fail.
+        """Return the failing trials.
 
-        Those of controls that nobody compares are made in one; halves where that fails.
+        Trials of controls that are not compared with each other run together, and in halves after a failure.
         """
         failed, waiting = list[int](), [list(range(len(trials)))]
         while waiting:
@@ -306,7 +305,7 @@ class _Measurement:
         control.terms = {name: self._find_function(control, name) for name in moved}
 
     def _find_function(self, control: MappedControl, name: str) -> tuple[str, float]:
-        """How a number follows from a control; if only its inverse does simply, that of all controls is told."""
+        """Return the function of a number of a control; if only its inverse is simple, use it for all controls."""
         inverted = name in self.map.inverted
         found = self._choose_function(control, name, inverted)
         if found is None and not inverted:
@@ -345,7 +344,7 @@ class _Measurement:
         made = self.map
         for upward in (True, False):
             ways = [(k, self._choose_end(one, upward, HARDLY)) for k, one in enumerate(made.controls)]
-            late = self.sort_out([{k: x} for k, x in ways])  # what is said only further on, or refused at once
+            late = self.sort_out([{k: x} for k, x in ways])  # effects that appear only later, or refused at once
             left = [k for number, (k, _) in enumerate(ways) if number not in late]
             for share in SHORTER:
                 trials = [(k, self._choose_end(made.controls[k], upward, share)) for k in left]
@@ -358,7 +357,7 @@ class _Measurement:
         made.controls = [one for one in made.controls if one.low < one.high]
 
     def _choose_end(self, control: MappedControl, upward: bool, share: float) -> float:
-        """A value on the way to an end of the slider; that of the control itself where there is no way."""
+        """Return a value towards an end of the slider; the value of the control without a slider."""
         slider = control.node["slider"]
         return (
             control.value if slider is None else self._choose_value(control, slider["high" if upward else "low"], share)
@@ -452,7 +451,7 @@ class _Measurement:
 
 
 def _is_near(one: str, two: str) -> bool:
-    """Whether two paths end in the same part, or in parts of the same one."""
+    """Return whether two paths end in the same part, or in parts of the same one."""
     a, b = one.split("."), two.split(".")
     return a[:-1] == b[:-1] or (len(a) > 1 and len(b) > 1 and (a[:-2] or a[:1]) == (b[:-2] or b[:1]))
 

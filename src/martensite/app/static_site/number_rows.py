@@ -1,4 +1,4 @@
-"""Rows of numbers that stand in one entry of the document, such as the values of a table, as controls of their own."""
+"""Rows of numbers in one entry of the document, such as the values of a table, as separate controls."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ class NumberRow:
 
     path: str
     entries: tuple[str | float, ...]
-    """As the document has them."""
+    """Entries as in the document."""
     items: list[NumberNode]
 
     def describe(self) -> JsonTable:
-        """How its numbers are read and shown."""
+        """Return the display of the numbers."""
         first = self.items[0]
         return {"count": len(self.items), **{name: first[name] for name in ("unit", "factor", "offset", "label")}}
 
@@ -43,10 +43,10 @@ def list_rows(form: ScenarioForm) -> Iterator[RowNode]:
 
 
 def read_row(node: RowNode) -> NumberRow:
-    """The numbers of a row.
+    """Return the numbers of a row.
 
     Raises:
-        ValueError: they are too many, or what stands there is no list of numbers in its unit.
+        ValueError: the numbers are too many, or the entry is not a list of numbers in its unit.
     """
     unit, texts = node["unit"] or "1", tuple(part.strip() for part in node["value"].split(","))
     if len(texts) > LONGEST:

@@ -1,8 +1,8 @@
-"""How far a run moves when its numbers change in their last digit.
+"""Sensitivity of a run to the last digit of its numbers.
 
-A page rounds functions of libm otherwise than C and Python do. Mostly nothing comes of that. But the
-length of a step follows from small differences, a controller may decide by a hair: some runs magnify
-a last digit, and two ways of computing them are no more equal than that. It is measured, and said.
+A page rounds functions of libm differently from C and Python, usually without effect. But step lengths depend on small
+differences, and a controller may be close to a threshold. Some runs therefore magnify a last digit, which limits the
+agreement of two implementations. The page reports this measured limit.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from martensite.simulate.result import Result
 TRIALS = 8
 """Runs under other last digits."""
 MARGIN = 2.0
-"""What is said above the most that so few runs show."""
+"""Safety factor on the largest difference of a few runs."""
 CLOSE = 1e-9
 """Share of a range up to which two runs are equal."""
 VISIBLE = 1e-3
@@ -69,7 +69,7 @@ def compare_columns(ours: Columns, others: Columns, least: Mapping[str, float]) 
 
 
 def describe_rounding(share: float) -> str:
-    """What is said of it on the page; empty for nothing."""
+    """Return the sentence about rounding on the page; empty without an effect."""
     if not share:
         return ""
     words = f"{share:.0e}".replace("e-0", "e-") if share < VISIBLE else f"{100.0 * min(share, 1.0):.2g} %"
@@ -80,7 +80,10 @@ def describe_rounding(share: float) -> str:
 
 
 def _is_inexact(path: str, value: float, scenario: Scenario) -> bool:
-    """Whether a last digit means nothing: whole numbers may be ends of a range; those around a plant count periods."""
+    """Return whether the last digit of a value is irrelevant.
+
+    Whole numbers may be ends of a range, and numbers around a plant count periods.
+    """
     around = scenario.bench is not None and (not path.startswith("plant.") or ".source." in path)
     return not around and value % 1.0 != 0.0
 

@@ -43,7 +43,7 @@ class RunSource:
 
     @property
     def digest(self) -> str:
-        """Of all that is compiled."""
+        """Return the digest of the compiled sources."""
         text = "\0".join((self.march, self.run, self.first, write_math()))
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 

@@ -1,4 +1,4 @@
-"""What the page knows of a scenario, as `Scenario` in web/src/engine/types.ts says."""
+"""Data of a scenario for the page, as in `Scenario` of web/src/engine/types.ts."""
 
 from __future__ import annotations
 
@@ -92,14 +92,14 @@ def _list_places(made: InputMap, compiled: CompiledMarch, entries: dict[str, int
 
 
 def _describe_unit(name: str, unit: str) -> JsonTable:
-    """How a signal is shown: shown = SI · factor + offset."""
+    """Return the display of a signal: shown = SI · factor + offset."""
     shown = units.of_column(name, unit)
     offset = units.from_si(0.0, shown, unit)
     return {"unit": unit, "shown": shown, "factor": units.from_si(1.0, shown, unit) - offset, "offset": offset}
 
 
 def _list_shown(made: InputMap, entries: dict[str, int]) -> list[tuple[int, str]]:
-    """Parameters that follow from a control of another path, and that a control of their own shows."""
+    """Return the parameters that follow from a control of another path and have a separate control."""
     places, own = made.scenario.places, {node["path"]: node["value"] for node in list_numbers(made.form)}
     moved = {name: control.path for control in made.controls for name in control.terms if name.startswith("p:")}
     found = ((name, places.path(name.removeprefix("p:")), by) for name, by in moved.items())

@@ -29,14 +29,14 @@ from martensite.export.wasm.module import find_wasm_compiler
 RUNS = "runs"
 """Folder of scenarios and modules in that of the page."""
 MARK = '<meta name="martensite-runs" content="runs/manifest.json">'
-"""Says to the page that there is no server."""
+"""Mark of a page without a server."""
 FIRST = "constant_power"
 """The scenario with which the bench begins."""
 
 
 @dataclass(frozen=True)
 class FolderSize:
-    """How much there is to hand out."""
+    """Number and size of the files of a folder."""
 
     files: int
     size: int
@@ -53,11 +53,11 @@ Tell = Callable[[str], None]
 
 
 def write_site(folder: Path, texts: Mapping[str, str], tell: Tell = lambda words: None) -> JsonTable:
-    """Write the page with scenarios, texts by name; the first is shown first.
+    """Write the page with scenarios, texts by name; the first is displayed first.
 
     Raises:
         DataError: the folder holds something else, or cannot be written; nothing is left of it.
-        InputError: there is no compiler of WebAssembly.
+        InputError: a compiler for WebAssembly is missing.
         CompileError: the compiler failed.
     """
     find_wasm_compiler()
@@ -87,7 +87,7 @@ def list_offered() -> dict[str, str]:
 
 
 def can_offer(text: str) -> bool:
-    """Whether the page can run a scenario: it starts at home and keeps no states."""
+    """Return whether the page can run a scenario: it starts at home and keeps no states."""
     scenario = build_packaged(text)
     return not (scenario.initial or scenario.restart_at)
 
@@ -162,7 +162,7 @@ def write_studies(folder: Path) -> None:
 
 
 def copy_page(folder: Path) -> None:
-    """Put the page there, which learns from it that there is no server."""
+    """Copy the page, and mark it as a page without a server."""
     for path in STATIC.iterdir():
         if path.name not in (WIDGET, NOTEBOOK):
             shutil.copyfile(path, folder / path.name)

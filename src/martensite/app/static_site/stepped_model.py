@@ -18,10 +18,10 @@ KEPT = 8
 
 @functools.lru_cache(KEPT)
 def describe_stepped(text: str, paths: tuple[str, ...]) -> JsonTable:
-    """What the page knows of a scenario, and the module of its runs in base 64.
+    """Return the data of a scenario for the page, and the module of its runs in base 64.
 
     Raises:
-        InputError: there is no compiler of WebAssembly.
+        InputError: a compiler for WebAssembly is missing.
         CompileError: the compiler failed.
     """
     find_wasm_compiler()
