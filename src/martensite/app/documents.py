@@ -113,7 +113,7 @@ def describe_scenarios(texts: Mapping[str, str]) -> JsonTable:
 
 
 def build_packaged(text: str, changes: Request | None = None, log: Record | None = None) -> Scenario:
-    """The scenario in a text; files that it names lie beside the packaged ones."""
+    """Return the scenario in a text; files that it names lie beside the packaged ones."""
     from martensite.scenario.scenario import read_scenario
 
     return read_scenario(text, FOLDER / "scenario.toml", changes, log=log)

@@ -41,7 +41,7 @@ class TokenRecord:
 
     @classmethod
     def of_user(cls) -> TokenRecord:
-        """The record in the user's cache folder."""
+        """Return the record in the user's cache folder."""
         return cls(cache_folder() / "app")
 
     def list_earlier(self, port: int) -> frozenset[str]:

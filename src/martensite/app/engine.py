@@ -33,7 +33,7 @@ _begun: set[Hashable] = set()
 
 
 def run_fast(scenario: Scenario) -> tuple[Result, str]:
-    """The run, and the runtime that made it."""
+    """Return the run, and the runtime that made it."""
     key = describe_structure(scenario.whole)
     if find_compiler() is None or (key in _begun and key not in _ready):
         return scenario.run(runtime="floats"), "floats"
@@ -46,7 +46,7 @@ def run_fast(scenario: Scenario) -> tuple[Result, str]:
 
 
 def _run_in_c(scenario: Scenario, key: Hashable) -> Result:
-    """The run in C; compiled first if need be."""
+    """Return the run in C; compiled first if need be."""
     result = scenario.run(runtime="c")
     if key not in _ready:
         _ready.add(key)
@@ -72,6 +72,6 @@ def _is_long(scenario: Scenario) -> bool:
 
 
 def _locate_mark(key: Hashable) -> Path:
-    """A file that says that this machine has compiled a structure."""
+    """Return a file that says that this machine has compiled a structure."""
     words = f"{version('martensite')} {key!r}"
     return cache_folder() / "c" / f"{hashlib.sha256(words.encode()).hexdigest()[:24]}.known"

@@ -48,7 +48,7 @@ class PageJob:
     task: asyncio.Task[None] | None = None
 
     def summary(self) -> JsonTable:
-        """The job without its notes and outcome."""
+        """Return the job without its notes and outcome."""
         return {
             "id": self.id,
             "call": self.call,
@@ -59,7 +59,7 @@ class PageJob:
         }
 
     def whole(self) -> JsonTable:
-        """The job with all that is known of it."""
+        """Return the job with all that is known of it."""
         return {**self.summary(), "request": self.request, "trail": self.trail, "outcome": self.outcome}
 
     def add_note(self, note: JsonTable) -> None:
@@ -85,7 +85,7 @@ class PageJob:
 
     @asynccontextmanager
     async def listening(self) -> AsyncIterator[asyncio.Queue[JsonTable]]:
-        """A queue that begins with all that is known and goes on with notes and the end."""
+        """Return a queue that begins with all that is known and goes on with notes and the end."""
         queue: asyncio.Queue[JsonTable] = asyncio.Queue(64)
         queue.put_nowait({"job": self.whole()})
         self.listeners.add(queue)
@@ -118,11 +118,11 @@ class PageJobs:
         return job
 
     def of(self, tab: str) -> list[PageJob]:
-        """The jobs of a tab, the newest first."""
+        """Return the jobs of a tab, the newest first."""
         return [job for job in reversed(self.known.values()) if job.tab == tab]
 
     def find(self, tab: str, name: str) -> PageJob:
-        """A job of a tab.
+        """Return a job of a tab.
 
         Raises:
             Refusal: there is none of that name.

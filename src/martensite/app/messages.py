@@ -48,7 +48,7 @@ class Written(bytes):
 
 
 def write_message(message: Any) -> bytes:
-    """A message as one line of JSON; numbers that JSON does not have become null."""
+    """Return a message as one line of JSON; numbers that JSON does not have become null."""
     try:
         text = json.dumps(message, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     except (TypeError, ValueError):
@@ -69,7 +69,7 @@ _NUMERIC = {float, int, type(None)}
 
 
 def pack_columns(message: Any) -> Packed:
-    """A message with its long lists of numbers as binary.
+    """Return a message with its long lists of numbers as binary.
 
     Four bytes, little endian: length of what follows in JSON, where such a list is
     `{"$numbers": [first, count]}`. After it stand all numbers as 64-bit floats, little endian, in planes:
@@ -148,7 +148,7 @@ def _check_depth(found: Any) -> None:
 
 
 def require_entry(request: Request, name: str, sort: type, default: Any = ...) -> Any:
-    """An entry of a message, checked.
+    """Return an entry of a message, checked.
 
     Raises:
         BadMessageError: it is missing without a default, or of another sort.

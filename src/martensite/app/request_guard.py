@@ -115,7 +115,7 @@ class RequestGuard:
         await (entered or self.app)(scope, receive, _with_headers(send, host, renewed))
 
     def _answer_place(self, scope: Scope) -> str:
-        """The name it is asked by; what is meant for, or comes from, elsewhere is refused."""
+        """Return the name it is asked by; what is meant for, or comes from, elsewhere is refused."""
         headers = Headers(scope=scope)
         host = headers.get("host", "")
         if host not in [f"{name}:{self.port}" for name in NAMES]:
@@ -150,7 +150,7 @@ class RequestGuard:
         return hmac.compare_digest(held.encode("utf-8", "replace"), self.token.encode())
 
     def _let_in(self, scope: Scope) -> Response | None:
-        """The answer to an address with the token in it: the page, with a cookie."""
+        """Return the answer to an address with the token in it: the page, with a cookie."""
         if scope["type"] != "http" or scope["path"] != "/" or scope["method"] != "GET":
             return None
         tokens = parse_qs(scope["query_string"].decode("latin-1")).get("token", [])
@@ -200,7 +200,7 @@ async def _refuse(scope: Scope, receive: Receive, send: Send, refusal: Refusal) 
 
 
 def json_response(content: Any, status: int = 200) -> Response:
-    """An answer in JSON, or in columns if a worker packed them."""
+    """Return an answer in JSON, or in columns if a worker packed them."""
     if isinstance(content, Packed):
         return Response(content, status, media_type=COLUMNS_TYPE)
     body = content if isinstance(content, Written) else write_message(content)
@@ -208,7 +208,7 @@ def json_response(content: Any, status: int = 200) -> Response:
 
 
 def refusal_response(refusal: Refusal, quiet: bool = False) -> Response:
-    """A refusal: its sentence, and how the page shall take it; its status in a header if quiet."""
+    """Return a refusal: its sentence, and how the page shall take it; its status in a header if quiet."""
     content = {"error": str(refusal), "kind": refusal.kind}
     if not quiet:
         return json_response(content, refusal.status)

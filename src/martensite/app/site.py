@@ -75,7 +75,7 @@ class Site:
     drawer: UploadFolder
 
     async def call(self, request: Request) -> Response:
-        """A quick call."""
+        """Return a quick call."""
         tab, lane = _read_tab(request.headers.get("x-tab")), request.headers.get("x-lane", "")[:64]
         message = read_message(await _read_body(request))
         lane = f"{tab} {lane}" if lane else ""
@@ -98,7 +98,7 @@ class Site:
         return json_response(job.summary(), 201)
 
     async def list_jobs(self, request: Request) -> Response:
-        """The jobs of a tab."""
+        """Return the jobs of a tab."""
         found = self.jobs.of(_read_tab(request.headers.get("x-tab")))
         return json_response([job.summary() for job in found])
 
@@ -178,7 +178,7 @@ def _read_grace(words: str | None) -> float:
 
 
 async def _read_body(request: Request) -> bytes:
-    """The body of a request, refused as soon as it is too long."""
+    """Return the body of a request, refused as soon as it is too long."""
     most, parts, size = messages.MOST_BYTES, list[bytes](), 0
     stream = request.stream()
     async for chunk in stream:
@@ -213,7 +213,7 @@ async def _answer_index(request: Request) -> Response:
 
 
 async def _answer_refusal(request: Request, error: Exception) -> Response:
-    """The answer to an error made on purpose.
+    """Return the answer to an error made on purpose.
 
     A page asks for such sentences under the status 200: browsers put all others on the console.
     """
@@ -237,7 +237,7 @@ async def _answer_gone(request: Request, error: Exception) -> Response:
 
 
 def build_site(folder: Path, token: str, port: int, earlier: frozenset[str] = frozenset()) -> ASGIApp:
-    """The whole application: files are kept in `folder`, who holds `token` may come in.
+    """Return the whole application: files are kept in `folder`, who holds `token` may come in.
 
     Cookies whose digest is in `earlier` are exchanged for that of the token.
     """

@@ -49,7 +49,7 @@ def clean_name(name: str) -> str:
 
 
 def _shorten_text(text: str, most: int = LONGEST_NAME) -> str:
-    """The beginning of a text, at most so many bytes, without a space at its end."""
+    """Return the beginning of a text, at most so many bytes, without a space at its end."""
     return text.encode()[:most].decode("utf-8", "ignore").rstrip(" .")
 
 
@@ -62,7 +62,7 @@ class UploadFolder:
     """Bytes that were uploaded through it, those under way included."""
 
     def path(self, key: str) -> Path:
-        """The file of a key.
+        """Return the file of a key.
 
         Raises:
             DataError: there is none.
@@ -74,7 +74,7 @@ class UploadFolder:
         return found[0]
 
     def place(self, name: str) -> tuple[str, Path]:
-        """A new key, and where to put the file.
+        """Return a new key, and where to put the file.
 
         Raises:
             DataError: the folder cannot be written to.

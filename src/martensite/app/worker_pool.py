@@ -45,7 +45,7 @@ class Worker:
         self._stopped = False
 
     async def start(self) -> asyncio.subprocess.Process:
-        """The process; a new one if there is none or it has ended."""
+        """Return the process; a new one if there is none or it has ended."""
         if self._process is not None and self._process.returncode is not None:
             await self.kill()  # what it has started may live on
         if self._process is None:
@@ -60,7 +60,7 @@ class Worker:
         return self._process
 
     async def ask(self, call: str, request: JsonTable, tell: Tell | None = None, columns: bool = False) -> Any:
-        """The answer to a call; `Packed` if it may be columns.
+        """Return the answer to a call; `Packed` if it may be columns.
 
         Raises:
             Refusal: the call was refused or failed, or the process died over it.
@@ -123,7 +123,7 @@ async def _write_line(process: asyncio.subprocess.Process, message: JsonTable) -
 
 
 async def _read_line(process: asyncio.subprocess.Process) -> bytes:
-    """The next line; empty once the process has ended."""
+    """Return the next line; empty once the process has ended."""
     if process.stdout is None:
         return b""
     reading = asyncio.ensure_future(process.stdout.readline())
@@ -199,7 +199,7 @@ class WorkerPool:
         self._free(worker)
 
     async def ask(self, lane: str, call: str, request: JsonTable, columns: bool = False) -> Any:
-        """The answer to a quick call; a newer one of the same lane goes over one that waits.
+        """Return the answer to a quick call; a newer one of the same lane goes over one that waits.
 
         Raises:
             Refusal: it was refused, failed, took too long, was cancelled, or a newer one came.

@@ -48,7 +48,7 @@ class BoardLog:
 
     @property
     def latest(self) -> dict[str, float]:
-        """The newest sample by name; nothing before the first."""
+        """Return the newest sample by name; nothing before the first."""
         names = self.names
         return dict(zip(names, self._numbers[-len(names) :], strict=True)) if self._numbers else {}
 
@@ -148,7 +148,7 @@ class BoardLog:
 
 
 def read_log_scenario(path: Path) -> str:
-    """The scenario that a log carries; empty if it carries none.
+    """Return the scenario that a log carries; empty if it carries none.
 
     Raises:
         DataError: the file cannot be read.

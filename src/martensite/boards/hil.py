@@ -58,7 +58,7 @@ class HilRun:
 
 
 def open_plant(bench: Bench) -> Bench:
-    """A bench without its controllers, observers and supervisor."""
+    """Return a bench without its controllers, observers and supervisor."""
     return bench.with_parts(controllers=Controllers(), observers=Observers(), supervisor=None)
 
 
@@ -130,7 +130,7 @@ class HilPlant:
 
     @classmethod
     def begin(cls, scenario: Scenario, bench: Bench, duration: float) -> HilPlant:
-        """The plant at rest."""
+        """Return the plant at rest."""
         plant, driven = open_plant(bench), [drive.name for drive in bench.plant.drives()]
         given = by_name(bench.plant, scenario.waveform) | noise_waveforms(bench, duration, scenario.seed)
         drives = [drive.name for drive in list_drives(plant)]

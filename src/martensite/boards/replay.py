@@ -66,7 +66,7 @@ class Replay:
 
 
 def replay_log(scenario: Scenario, path: Path) -> Replay:
-    """The readings of a log, and what the model of a scenario says under the signals of the log.
+    """Return the readings of a log, and what the model of a scenario says under the signals of the log.
 
     The plant begins at rest where the log does; sensors make no noise.
 

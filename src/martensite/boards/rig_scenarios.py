@@ -27,7 +27,7 @@ SILENT = 1e-3
 
 
 def write_rig_scenario(text: str) -> str:
-    """A scenario without its loop, whose drive follows the column `duty` of a log."""
+    """Return a scenario without its loop, whose drive follows the column `duty` of a log."""
     document: dict[str, Any] = tomllib.loads(text)
     source = document.get("driver", {"kind": "pwm-voltage"})
     followed = {"waveform": {"kind": "log", "column": "duty", "between": "hold"}}
@@ -54,7 +54,7 @@ def _read_carried(path: Path) -> str:
 
 
 def choose_free(rigs: Sequence[Scenario], logs: Sequence[str]) -> list[str]:
-    """The usual numbers that logs tell something of, by the slopes of the model at the start.
+    """Return the usual numbers that logs tell something of, by the slopes of the model at the start.
 
     Raises:
         ParameterError: they tell nothing of any.

@@ -83,7 +83,7 @@ class Session:
 
     @property
     def scenario(self) -> Scenario:
-        """The scenario that the firmware was written for."""
+        """Return the scenario that the firmware was written for."""
         return read_project_scenario(self.firmware)
 
     def list_references(self) -> dict[str, AbstractWaveform]:
@@ -113,7 +113,7 @@ class Session:
             self.firmware["settings"][place]["value"] = value
 
     def get(self, name: str) -> float:
-        """A number as the board has it, in SI."""
+        """Return a number as the board has it, in SI."""
         place = self.find_setting(name)
         until = self.link.now() + 1.0
         self.link.send("read", place=place)
@@ -273,14 +273,14 @@ def load_calibration(project: Path) -> dict[str, Any]:
 
 
 def read_project_scenario(firmware: Mapping[str, Any], changes: Mapping[str, Any] | None = None) -> Scenario:
-    """The scenario that a firmware was written for, with changes by path."""
+    """Return the scenario that a firmware was written for, with changes by path."""
     from martensite.scenario.scenario import read_scenario
 
     return read_scenario(firmware["scenario"], None, changes)
 
 
 def _start_emulator(project: Path, firmware: dict[str, Any], changes: Mapping[str, Any] | None) -> Port:
-    """The board of a project, emulated; compiled first if it is not."""
+    """Return the board of a project, emulated; compiled first if it is not."""
     from martensite.boards.emulators.cortex import QemuBoard
     from martensite.boards.emulators.rig import start_rig
     from martensite.boards.emulators.toolchains import MCUS, compile_bare, compile_sketch

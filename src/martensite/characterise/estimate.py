@@ -59,7 +59,7 @@ class MeasuredValue:
         return MeasuredValue(offset + factor * self.value, abs(factor) * self.error, self.freedom)
 
     def write(self) -> str:
-        """The value with half its interval."""
+        """Return the value with half its interval."""
         low, high = self.interval()
         half = 0.5 * (high - low)
         if half == 0.0:
@@ -72,7 +72,7 @@ class MeasuredValue:
 
 
 def propagate_errors(function: Callable[..., float], *inputs: MeasuredValue) -> MeasuredValue:
-    """A function of independent estimates, with its standard error to first order.
+    """Return a function of independent estimates, with its standard error to first order.
 
     An estimate that makes no difference to the function does not count.
     """

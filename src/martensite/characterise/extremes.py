@@ -114,7 +114,7 @@ class _Scan:
         return Extremes(tuple(v.time for v in found), tuple(v.value for v in found), first_sign, _estimate_noise(found))
 
     def _first(self) -> tuple[float, _Vertex | None]:
-        """The largest extreme that has a vertex, and its sign."""
+        """Return the largest extreme that has a vertex, and its sign."""
         start = float(self.times[0])
         while start < self.times[-1]:
             rows = self.times >= start

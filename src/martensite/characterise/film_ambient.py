@@ -80,7 +80,7 @@ class FreeAmbient:
         return self._chosen(_join_intervals(parts))
 
     def _chosen(self, parts: list[Interval]) -> Interval:
-        """The part that holds the best ambient; all of them together if there is none."""
+        """Return the part that holds the best ambient; all of them together if there is none."""
         held = [part for part in parts if part[0] <= self.ambient <= part[1]] or parts
         return (held[0][0], held[-1][1]) if held else (math.nan, math.nan)
 
@@ -150,7 +150,7 @@ class AtAmbient:
 
 
 def shift_ambients(points: FilmPoints, shifts: tuple[float, ...] = SHIFTS) -> list[AtAmbient]:
-    """The points and their lines at ambient temperatures that differ by `shifts` [K].
+    """Return the points and their lines at ambient temperatures that differ by `shifts` [K].
 
     An ambient that is not below the coldest point is left out.
     """

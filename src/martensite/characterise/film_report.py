@@ -219,7 +219,7 @@ class FilmReport:
     level: float = LEVEL
 
     def __getitem__(self, about: str) -> FilmVerdict:
-        """The verdict on `curvature`, `slope` or `ambient`."""
+        """Return the verdict on `curvature`, `slope` or `ambient`."""
         return next(verdict for verdict in self.verdicts if verdict.about == about)
 
     def to_dict(self) -> dict[str, Any]:

@@ -118,7 +118,7 @@ def log_decrement(
 
 
 def _fit_extremes(found: Extremes) -> LogDecrement:
-    """The exponential through extremes."""
+    """Return the exponential through extremes."""
     peaks = (len(found.values) + 1) // 2
     if peaks < FEWEST_PEAKS:
         raise DataError(

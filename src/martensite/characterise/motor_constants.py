@@ -65,7 +65,7 @@ class SteadyRunning:
 
     @cached_property
     def friction_line(self) -> LinearFit:
-        """The line i = i₀ + s ω through currents over speeds."""
+        """Return the line i = i₀ + s ω through currents over speeds."""
         return fit_powers(self.speeds, self.currents, (0, 1))
 
     @property

@@ -83,11 +83,11 @@ class LinearFit:
         return two_sided_probability(value / error, self.freedom)
 
     def coefficient(self, term: int) -> MeasuredValue:
-        """The coefficient of a power, with its standard error."""
+        """Return the coefficient of a power, with its standard error."""
         return MeasuredValue(self.values[self._place(term)], self.error(term), self.freedom)
 
     def value(self, x: float) -> float:
-        """The fitted polynomial at x."""
+        """Return the fitted polynomial at x."""
         return sum(c * x**k for k, c in zip(self.terms, self.values, strict=True))
 
     def half_width(self, x: float, level: float = LEVEL) -> float:
@@ -222,7 +222,7 @@ class NonlinearFit:
 
     @property
     def values(self) -> tuple[float, ...]:
-        """The numbers without their errors."""
+        """Return the numbers without their errors."""
         return tuple(one.value for one in self.estimates)
 
     @property

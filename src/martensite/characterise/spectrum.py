@@ -56,7 +56,7 @@ def natural_frequency(
     low: float | None = None,
     high: float | None = None,
 ) -> SpectralPeak:
-    """The frequency at which a record vibrates most.
+    """Return the frequency at which a record vibrates most.
 
     Args:
         times: times of the rows [s], equally spaced.

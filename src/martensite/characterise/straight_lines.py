@@ -86,7 +86,7 @@ def fit_line(temperatures: Any, strains: Any, rows: slice = slice(None)) -> Stra
 
 
 def fit_three_lines(kelvin: Any, strain: Any) -> tuple[StraightLine, StraightLine, StraightLine]:
-    """The three lines, one after the other, that leave the least sum of squares.
+    """Return the three lines, one after the other, that leave the least sum of squares.
 
     There must be three times `FEWEST` rows, in the order of temperature.
     """
@@ -134,7 +134,7 @@ def smooth_median(values: Any) -> Any:
 
 
 def fit_isotonic(values: Any) -> Any:
-    """The non-decreasing numbers nearest to given ones in least squares (isotonic regression)."""
+    """Return the non-decreasing numbers nearest to given ones in least squares (isotonic regression)."""
     from scipy.optimize import isotonic_regression
 
     return isotonic_regression(values).x

@@ -179,7 +179,7 @@ def _read_branch(cut: IsobaricCycle, way: str) -> BranchTangents:
 
 
 def _reverse_cycle(cut: IsobaricCycle) -> IsobaricCycle:
-    """A cycle whose rows stand in reverse, with heating and cooling exchanged."""
+    """Return a cycle whose rows stand in reverse, with heating and cooling exchanged."""
     if cut.timed:
         raise DataError(
             f"Record `{cut.name}` transforms at a lower temperature on heating than on cooling; "

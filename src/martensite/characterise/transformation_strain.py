@@ -129,7 +129,7 @@ def _is_worthwhile(squares: float, constant: float, spare: int) -> bool:
 
 
 def _try_critical(stresses: Sequence[float], strains: Sequence[float], shape: _Shape, levels: int) -> _Shape:
-    """The shape with a critical stress, if there are stresses enough and it is worth it."""
+    """Return the shape with a critical stress, if there are stresses enough and it is worth it."""
     if levels < FEWEST_CRITICAL:
         return shape
     highest = sorted(set(stresses))[-3]
@@ -143,7 +143,7 @@ def _try_critical(stresses: Sequence[float], strains: Sequence[float], shape: _S
 
 
 def _search_grid(stresses: Sequence[float], strains: Sequence[float], places: Sequence[float]) -> _Shape:
-    """The best of many values of k and σ_crit; H_min and H_sat follow by least squares."""
+    """Return the best of many values of k and σ_crit; H_min and H_sat follow by least squares."""
     ratio = MOST_RATE / LEAST_RATE
     rates = LEAST_RATE * ratio ** np.linspace(0.0, 1.0, RATES) / max(stresses)
     beyond = np.maximum(np.asarray(stresses) - np.asarray(places)[:, None], 0.0)
@@ -167,7 +167,7 @@ def _search_grid(stresses: Sequence[float], strains: Sequence[float], places: Se
 
 
 def _refine_shape(stresses: Sequence[float], strains: Sequence[float], shape: _Shape, mean: MeasuredValue) -> StrainFit:
-    """The fit nearest to a shape, with standard errors; the shape itself if there is none."""
+    """Return the fit nearest to a shape, with standard errors; the shape itself if there is none."""
     solved = None
     if shape.rate > 1.001 * LEAST_RATE / max(stresses):
         solved = _solve_shape(stresses, strains, shape)

@@ -166,7 +166,7 @@ def core_of(
     probes: tuple[float, ...] = (),
     continuous: tuple[int, ...] = (),
 ) -> CCore:
-    """The core of a program with functions `init`, `step` and `observe`.
+    """Return the core of a program with functions `init`, `step` and `observe`.
 
     `reports` says whether steps end with residual and crossing, `pruned` whether parameters that
     change nothing are left out, `answers` of which outputs a function `respond` gives slopes, `continuous`
@@ -276,7 +276,7 @@ def _loop_inputs(bench: Bench) -> Rows:
 
 
 def _loop_program(bench: Bench, traced: TracedLoop) -> tuple[Program, Rows]:
-    """The traced loop with a function that picks what it says from its state, and its outputs."""
+    """Return the traced loop with a function that picks what it says from its state, and its outputs."""
     program, step = traced.program, traced.program.functions["step"]
     names = step.inputs[: traced.size]
     loop: LoopState = traced.shape.rebuild([program.graph.input(name, 0) for name in names])

@@ -141,7 +141,7 @@ LONGEST = 120.0
 def played_by_system(
     system: AbstractSystem, waveform: Waveforms | Mapping[str, Any], duration: float, steps: int, most: int = MOST
 ) -> Played:
-    """The drive of a run of a system, or of a bench without noise, in so many steps or more.
+    """Return the drive of a run of a system, or of a bench without noise, in so many steps or more.
 
     None is longer than what a run begins with, and those of a system in discrete time are its
     samples. A run of more than `most` times as many is not played to its end.

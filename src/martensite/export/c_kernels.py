@@ -67,7 +67,7 @@ class Precision:
     """Residual of the coupled step that counts as solved."""
 
     def literal(self, value: float | bool) -> str:
-        """A constant."""
+        """Return a constant."""
         if isinstance(value, bool):
             return str(int(value))
         value = self.round_number(value)
@@ -77,7 +77,7 @@ class Precision:
         return f"{text if set(text) & set('.e') else f'{text}.0'}{self.suffix}"
 
     def round_number(self, value: float) -> float:
-        """The nearest finite number of the type; nothing becomes 0 that is not."""
+        """Return the nearest finite number of the type; nothing becomes 0 that is not."""
         if self.number == "double" or value == 0.0 or not math.isfinite(value):
             return value
         size = min(max(abs(value), TINY), HUGE)
@@ -101,7 +101,7 @@ PRECISIONS = {
 
 
 def precision_of(name: str) -> Precision:
-    """A precision by name.
+    """Return a precision by name.
 
     Raises:
         ParameterError: there is none of that name.
@@ -120,7 +120,7 @@ class CKernel:
 
     @staticmethod
     def of(function: Function, states: int, drives: int) -> CKernel:
-        """A function of states, drives and, if it has one input more, the length of a step."""
+        """Return a function of states, drives and, if it has one input more, the length of a step."""
         places = [*(f"x[{i}]" for i in range(states)), *(f"u[{i}]" for i in range(drives))]
         places += ["dt"] * (len(function.inputs) - len(places))
         return CKernel(function, tuple(places[: len(function.inputs)]))
@@ -219,7 +219,7 @@ ORDER = _KINDS.split()
 
 
 def count_operations(graph: Graph, outputs: Iterable[Expr], known: Iterable[Expr] = ()) -> dict[str, int]:
-    """The most operations that computing `outputs` takes where the nodes `known` are there already.
+    """Return the most operations that computing `outputs` takes where the nodes `known` are there already.
 
     Counted on the graph that the C is printed from. Every node counts once, in a loop once per turn.
     The C leaves out what is not chosen, so that this is the worst case, and more than any step makes.

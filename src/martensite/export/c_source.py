@@ -34,7 +34,7 @@ def source_text(core: CCore) -> str:
 
 
 def fill_text(core: CCore, text: str) -> str:
-    """A template of the source with what it is filled with, such as `$REAL`."""
+    """Return a template of the source with what it is filled with, such as `$REAL`."""
     precision = precision_of(core.precision)
     return Template(text).substitute(
         NAME=core.name,
@@ -70,7 +70,7 @@ def _print_table(name: str, numbers: Sequence[str]) -> str:
 
 
 def _print_bound(core: CCore, variable: CoreVariable, value: float) -> str:
-    """An end of what is allowed; infinite only if the parameter may be."""
+    """Return an end of what is allowed; infinite only if the parameter may be."""
     if math.isinf(value) and not variable.endless:
         return f"{'-' if value < 0.0 else ''}{precision_of(core.precision).largest}"
     return precision_of(core.precision).literal(value)

@@ -34,7 +34,7 @@ from martensite.simulate.operating_point import SteadyPoint
 
 
 def to_control(chain: Chain) -> Any:
-    """The chain as a `control.NonlinearIOSystem` with its sample time as `dt`.
+    """Return the chain as a `control.NonlinearIOSystem` with its sample time as `dt`.
 
     States are called after their block: `1.x1`, `1.x2`, …; python-control takes dots in names.
     The state at rest under an input is that of `operating_point`.
@@ -56,7 +56,7 @@ def to_control(chain: Chain) -> Any:
 
 
 def to_state_space(system: Chain | LinearSystem, level: Any = 0.0) -> Any:
-    """A linear system as a `control.StateSpace`, without states that take no part.
+    """Return a linear system as a `control.StateSpace`, without states that take no part.
 
     Args:
         system: a linear system, or a chain that is linearised at rest.
@@ -84,7 +84,7 @@ def to_state_space(system: Chain | LinearSystem, level: Any = 0.0) -> Any:
 def to_nonlinear_system(
     system: AbstractSystem, period: float | None = None, *, outputs: Sequence[str] | None = None
 ) -> Any:
-    """A plant or a bench as a `control.NonlinearIOSystem` in discrete time.
+    """Return a plant or a bench as a `control.NonlinearIOSystem` in discrete time.
 
     Inputs are its drives; noise and jitter of sensors are 0. Dots in names become underscores.
     Its state at rest is that of `rest_state`.
@@ -111,7 +111,7 @@ def to_nonlinear_system(
 
 
 def rest_state(system: AbstractSystem, signals: Sequence[float] = ()) -> Any:
-    """The flat state of a plant or bench at rest, as `to_nonlinear_system` takes it.
+    """Return the flat state of a plant or bench at rest, as `to_nonlinear_system` takes it.
 
     Args:
         system: the plant, or the bench.
@@ -130,7 +130,7 @@ def plant_state_space(
     outputs: Sequence[str] | None = None,
     inputs: Sequence[str] | None = None,
 ) -> Any:
-    """The linear system of a plant around an operating point, on its branch, as a `StateSpace`.
+    """Return the linear system of a plant around an operating point, on its branch, as a `StateSpace`.
 
     States that take no part are left out; those that do keep their names. Units are SI, those
     of the outputs and drives of the plant.
@@ -210,7 +210,7 @@ class _PlantStep:
         return signals
 
     def update(self, time: float, x: Any, u: Any, parameters: Any) -> Any:
-        """The state a period later."""
+        """Return the state a period later."""
         state, signals = tuple(np.asarray(x, dtype=float).tolist()), self._signals(u)
         for _ in range(self._turns):
             found = self._functions["step"](*state, *signals, self.interval / self._turns)
@@ -218,7 +218,7 @@ class _PlantStep:
         return np.array(state)
 
     def output(self, time: float, x: Any, u: Any, parameters: Any) -> Any:
-        """The outputs in a state under signals."""
+        """Return the outputs in a state under signals."""
         state = np.asarray(x, dtype=float).tolist()
         seen = self._functions["observe"](*state, *self._signals(u))
         return np.array([seen[k] for k in self._list_extras])
@@ -240,14 +240,14 @@ class _Step:
         return y[0], state
 
     def update(self, time: float, x: Any, u: Any, parameters: Any) -> Any:
-        """The state for the next sample."""
+        """Return the state for the next sample."""
         return self._run(x, u)[1]
 
     def output(self, time: float, x: Any, u: Any, parameters: Any) -> Any:
-        """The outputs of this sample."""
+        """Return the outputs of this sample."""
         return self._run(x, u)[0]
 
 
 def _remove_dots(text: str) -> str:
-    """A name that python-control takes: it refuses dots."""
+    """Return a name that python-control takes: it refuses dots."""
     return text.replace(".", "_")

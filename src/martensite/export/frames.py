@@ -51,7 +51,7 @@ class Frames:
             seen.append((float(at[k]) * self._episodes.bench.period, wanted[:, k], reached[:, k]))
 
     def draw(self, k: int) -> Any:
-        """The picture of one environment, of 8 bits, shape (height, width, 3)."""
+        """Return the picture of one environment, of 8 bits, shape (height, width, 3)."""
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
@@ -112,7 +112,7 @@ def _project(point: Point) -> tuple[float, float]:
 
 
 def _close_line(shape: DrawingShape) -> list[tuple[float, float]]:
-    """A plate goes back to its first corner."""
+    """Return a plate goes back to its first corner."""
     points = [*shape.points, shape.points[0]] if shape.kind == "plate" else shape.points
     return [_project(point) for point in points]
 

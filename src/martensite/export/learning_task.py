@@ -95,7 +95,7 @@ class LearningTask:
         return (self.output,) if isinstance(self.output, str) else tuple(self.output)
 
     def reference(self, rng: np.random.Generator, times: Numbers) -> Numbers:
-        """A reference of an episode at times [s], shape (samples,)."""
+        """Return a reference of an episode at times [s], shape (samples,)."""
         kind = self.references[int(rng.integers(len(self.references)))]
         return KINDS[kind](self, rng, times)
 
@@ -134,7 +134,7 @@ class EpisodeSpread:
     wide: float
 
     def draw(self, rng: np.random.Generator) -> float:
-        """A value within the spread."""
+        """Return a value within the spread."""
         return float(self.middle + self.wide * rng.uniform(-1.0, 1.0))
 
 

@@ -76,7 +76,7 @@ def _explain_no_rates(system: AbstractSystem) -> str:
 
 
 def list_continuous(system: AbstractSystem) -> tuple[ContinuousState, ...]:
-    """The continuous numbers of the state of a system that gives rates, in the order of their rates."""
+    """Return the continuous numbers of the state of a system that gives rates, in the order of their rates."""
     size = compile_system(system).size
     (actuator,) = system.actuators().values()
     shape = NestedShape(system.init(floats, *[300.0] * len(system.drives())))

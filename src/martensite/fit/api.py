@@ -116,7 +116,7 @@ def fit_logs(
 
 
 def build_task(scenario: Model | Sequence[Model], logs: Source | Sequence[Source], free: Ranges) -> FitTask:
-    """The task of some logs, one scenario or one for each, and free parameters.
+    """Return the task of some logs, one scenario or one for each, and free parameters.
 
     Raises:
         DataError: scenarios are neither one nor as many as logs.

@@ -140,7 +140,7 @@ def _predict_driven(known: Mapping[str, Experiment], one: Experiment, output: st
 
 
 def _find_drive(one: Experiment) -> str:
-    """The drive that follows the column that moves most for its size; empty for none."""
+    """Return the drive that follows the column that moves most for its size; empty for none."""
     share = {drive: _measure_move(np.asarray(one.record[name], float)) for drive, name in one.follows.items()}
     return max(share, key=share.__getitem__, default="")
 
@@ -204,7 +204,7 @@ def filter_drive(record: Record, drive: str, time_constant: float) -> Any:
 
 
 def fit_drive_lag(records: Sequence[Record], drive: str, column: str, lags: int = LAGS) -> DriveLag:
-    """The lag that explains a column of some records best; rows with NaN are not seen.
+    """Return the lag that explains a column of some records best; rows with NaN are not seen.
 
     Args:
         records: with times.
@@ -263,7 +263,7 @@ def find_period(experiment: Experiment) -> float:
 
 
 def refine_period(one: Experiment) -> float:
-    """The period [s] near the mean one after which what drives repeats itself best; 0 for none."""
+    """Return the period [s] near the mean one after which what drives repeats itself best; 0 for none."""
     about = find_period(one)
     if about == 0.0:
         return 0.0
@@ -312,7 +312,7 @@ def _cut_branches(record: Record) -> list[Any]:
 
 
 def _scale_record(others: Sequence[Experiment], one: Experiment, output: str, unit: str) -> Any:
-    """The record whose drive is nearest in size, as far as it goes from its start, in proportion."""
+    """Return the record whose drive is nearest in size, as far as it goes from its start, in proportion."""
     mine = _measure_drive(one)
     sizes = [_measure_drive(x) for x in others]
     apart = [abs(math.log(size / mine)) if size > 0.0 and mine > 0.0 else math.inf for size in sizes]

@@ -276,7 +276,7 @@ def _exchange_columns(record: Record, one: str, other: str) -> Iterator[Record]:
 
 
 def _convert_column(record: Record, column: str, spelling: str, to: str, new: str) -> list[float]:
-    """The numbers of a column in one unit, read as those of another column in another unit."""
+    """Return the numbers of a column in one unit, read as those of another column in another unit."""
     factor, offset = units.find_conversion(spelling, record.units[column])
     new_factor, new_offset = units.find_conversion(new, record.units[to])
     return [(x - offset) / factor * new_factor + new_offset for x in record[column]]

@@ -70,7 +70,7 @@ class _Row:
 
 
 def arrange_conditions(task: FitTask) -> ArrangedConditions:
-    """The problem of tables of conditions.
+    """Return the problem of tables of conditions.
 
     Raises:
         InputError: a log is among the tables, or tables, scenario and free parameters do not fit.
@@ -240,7 +240,7 @@ def _set_inputs(scenario: Scenario, inputs: Sequence[InputColumn], k: int) -> Sc
 
 
 def _choose_step(scenarios: Sequence[Scenario]) -> float:
-    """The shortest step that some of the rows need to be within the tolerance [s]."""
+    """Return the shortest step that some of the rows need to be within the tolerance [s]."""
     places = sorted({round(k) for k in np.linspace(0, len(scenarios) - 1, TRIED)})
     tried = [scenarios[k] for k in places]
     return min(find_step(one.system, one.waveform, one.duration, one.tolerance, LEAST_STEPS + 1).step for one in tried)

@@ -84,7 +84,7 @@ class ConditionExperiment(Experiment):
         return np.stack([np.asarray(self.factors[name]) for name in self.columns], axis=1)
 
     def describe_outputs(self) -> Mapping[str, Output]:
-        """The measures."""
+        """Return the measures."""
         units = self.record.units
         return {words: Output(units[column], column, f" {column}") for words, column in self.columns.items()}
 
@@ -216,7 +216,7 @@ class ConditionRunner:
         return np.where(np.isfinite(runs).all(axis=(1, 2))[:, None], np.stack(found, axis=1), np.nan)
 
     def _select(self, one: AbstractMeasure, runs: Any) -> Any:
-        """The columns that a measure looks at, (columns, samples, runs)."""
+        """Return the columns that a measure looks at, (columns, samples, runs)."""
         places = [self.needed.index(name) for name in one.columns(self.experiment.system)]
         return np.transpose(runs[:, :, places], (2, 1, 0))
 

@@ -317,7 +317,7 @@ class _Reading:
         return words
 
     def _find_input(self, name: str) -> str:
-        """The path that a heading sets; empty if it sets none."""
+        """Return the path that a heading sets; empty if it sets none."""
         if name in LEVELS:
             unit = LEVELS[name]
             return next((p for p, one in self.known.items() if one.level is not None and one.unit == unit), "")
@@ -328,7 +328,7 @@ class _Reading:
         return found[0] if len(found) == 1 else ""
 
     def finish(self, headings: Sequence[str]) -> ConditionTable:
-        """The table, when all columns are known.
+        """Return the table, when all columns are known.
 
         Raises:
             DataError: it has no measure, or cells that are no numbers.
@@ -358,7 +358,7 @@ class _Reading:
         return table
 
     def _convert_column(self, place: int, record: Record) -> tuple[float, ...]:
-        """A column in SI; that of a spread is a difference."""
+        """Return a column in SI; that of a spread is a difference."""
         spelling, si = self.units[place]
         difference = self.roles[place][0] == "spread" or spelling.startswith("delta_")
         name = f"c{place}"
@@ -371,7 +371,7 @@ class _Reading:
 
 
 def _spell_degrees(unit: str) -> str:
-    """A difference of temperatures, however its unit is written."""
+    """Return a difference of temperatures, however its unit is written."""
     return "K" if unit in ("K", "degC", "°C", "C") else unit
 
 

@@ -70,7 +70,7 @@ class PooledError(OutputError):
 
     @property
     def best_naive(self) -> str:
-        """The naive prediction with the least error."""
+        """Return the naive prediction with the least error."""
         return min(self.naive, key=self.naive.__getitem__)
 
     @property
@@ -119,7 +119,7 @@ def cross_validate(whole: Fit, start: Sequence[FreeNumber], *, kind: str, own_ze
 
 
 def list_folds(problem: Problem, kind: str) -> Iterator[Problem]:
-    """The problem with every record left out in turn, or with stretches of all."""
+    """Yield the problem with every record left out in turn, or with stretches of all."""
     names = [one.name for one in problem.experiments]
     least = 3 if kind in ("isobaric", "isothermal") else 2
     if len(names) >= least:
@@ -142,7 +142,7 @@ def _leave_out(problem: Problem, held: Mapping[str, Any]) -> Problem:
 
 
 def with_start(problem: Problem, numbers: Mapping[str, float]) -> Problem:
-    """The problem with other starts, kept within their bounds."""
+    """Return the problem with other starts, kept within their bounds."""
 
     def move(free: FreeNumber) -> FreeNumber:
         return replace(free, start=min(max(numbers.get(free.name, free.start), free.low), free.high))

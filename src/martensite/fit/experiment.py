@@ -125,11 +125,11 @@ class Experiment:
         return runner.run_many(np.array([runner.compiled.values(system)]))[0][rows]
 
     def followed(self, drive: str) -> Table:
-        """The waveform of a drive that follows a column."""
+        """Return the waveform of a drive that follows a column."""
         return cast("Table", by_name(self.system, self.waveform)[drive])
 
     def with_inputs(self, inputs: Mapping[str, Any]) -> Experiment:
-        """The experiment with other rows in columns that it follows, by drive."""
+        """Return the experiment with other rows in columns that it follows, by drive."""
         changed = {
             name: Table(times=self.followed(name).times, values=tuple(map(float, row))) for name, row in inputs.items()
         }
@@ -160,7 +160,7 @@ class Experiment:
         return {}
 
     def grid(self, step: float | None = None) -> TimeGrid:
-        """The time grid, with samples at 0 and at the rows that are compared."""
+        """Return the time grid, with samples at 0 and at the rows that are compared."""
         times = (self.times + self.lead).tolist()
         if times[0] > 0.0:
             times = [0.0, *times]

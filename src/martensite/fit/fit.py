@@ -196,11 +196,11 @@ class Fit:
 
     @property
     def numbers(self) -> dict[str, float]:
-        """The free parameters in SI."""
+        """Return the free parameters in SI."""
         return self.problem.numbers(self.values)
 
     def __getitem__(self, name: str) -> float:
-        """A fitted number in SI."""
+        """Return a fitted number in SI."""
         return self.numbers[name]
 
     @property
@@ -209,7 +209,7 @@ class Fit:
         return self.evaluation.cost
 
     def system(self, record: int = 0) -> Any:
-        """The system of an experiment with the fitted numbers."""
+        """Return the system of an experiment with the fitted numbers."""
         return self.problem.system(record, self.values)
 
     def at_bound(self) -> list[str]:

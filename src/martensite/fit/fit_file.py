@@ -55,7 +55,7 @@ def is_fit_file(path: str | Path) -> bool:
 
 
 def read_fit_file(path: str | Path) -> FitTask:
-    """The task that a fit file describes.
+    """Return the task that a fit file describes.
 
     Raises:
         InputError: the file is missing or malformed, a key is unknown, a value has no unit.

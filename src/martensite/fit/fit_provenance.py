@@ -58,7 +58,7 @@ def list_published(fit: Fit) -> list[str]:
 
 
 def build_provenance(fit: Fit) -> dict[str, Any]:
-    """The whole table: how it was searched, what was free, and which records it was fitted to."""
+    """Return the whole table: how it was searched, what was free, and which records it was fitted to."""
     return {
         "by": describe_program(),
         "method": fit.method,

@@ -73,7 +73,7 @@ class FitTask:
     search: FitSearch = FitSearch()
 
     def arrange(self, *, check: bool = True) -> ArrangedFit:
-        """The problem, ready to be solved.
+        """Return the problem, ready to be solved.
 
         Args:
             check: whether the start is looked at; without, the search may begin where nothing transforms.

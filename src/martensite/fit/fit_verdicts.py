@@ -27,7 +27,7 @@ NOTABLE = 0.05
 
 
 def format_error(output: str, value: float, unit: str, digits: int = 3) -> str:
-    """An error of an output in everyday units: `0.17 %` of strain, `1.2 K`."""
+    """Return an error of an output in everyday units: `0.17 %` of strain, `1.2 K`."""
     if units.of_column(output, unit) == "%":
         return f"{format_number(100.0 * value, digits)} %"
     return format_change(value, unit, digits)

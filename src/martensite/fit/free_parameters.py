@@ -113,19 +113,19 @@ def _find_unit(name: str, systems: Sequence[AbstractSystem]) -> str:
 
 
 def _split_group(text: str) -> tuple[str, str]:
-    """A text without `:by=GROUP` behind its name, and the group."""
+    """Return a text without `:by=GROUP` behind its name, and the group."""
     found = _GROUP.match(text)
     return (found[1] + found[3], found[2]) if found else (text, "")
 
 
 def _split_spread(text: str) -> tuple[str, str]:
-    """A text without `=±SPREAD`, and the spread."""
+    """Return a text without `=±SPREAD`, and the spread."""
     found = _SPREAD.match(text)
     return (found[1] + (found[3] or ""), found[2]) if found else (text, "")
 
 
 def _read_spread(text: str, name: str, unit: str) -> tuple[float, bool]:
-    """A spread [SI], or as a share."""
+    """Return a spread [SI], or as a share."""
     relative = text.endswith("%")
     size = units.parse_quantity(text, "1") if relative else read_difference(text, unit)
     if not size > 0.0 or (relative and is_nuisance(name)):
@@ -188,7 +188,7 @@ def build_free_numbers(
 
 
 def _build_difference(wanted: SearchRange, known: Sequence[Target], record: str | None) -> FreeNumber:
-    """A number that is counted from another of the same unit."""
+    """Return a number that is counted from another of the same unit."""
     name, _, base = wanted.name.partition("-")
     one, other = (_build_one(SearchRange(part), known, record) for part in (name, base))
     if one.unit != other.unit:
@@ -208,7 +208,7 @@ def _build_difference(wanted: SearchRange, known: Sequence[Target], record: str 
 
 
 def _unshift(unit: str) -> str:
-    """The unit of a difference: that of temperatures has no zero that readers would have shifted."""
+    """Return the unit of a difference: that of temperatures has no zero that readers would have shifted."""
     return units.DEGREES if unit == "K" else unit
 
 
@@ -232,7 +232,7 @@ def _build_one(wanted: SearchRange, known: Sequence[Target], record: str | None)
 
 
 def _widen_range(wanted: SearchRange, target: Target) -> SearchRange:
-    """A range of some spreads to both sides of the centre, on the scale on which it is normal."""
+    """Return a range of some spreads to both sides of the centre, on the scale on which it is normal."""
     centre, (least, most) = target.value if wanted.start is None else wanted.start, target.bounds
     if wanted.relative:
         if not centre > 0.0:
@@ -265,7 +265,7 @@ def build_own_parameters(ranges: Sequence[SearchRange], experiments: Sequence[Ex
 
 
 def _find_label(wanted: SearchRange, experiment: Experiment) -> str:
-    """The record or group that has a number for itself."""
+    """Return the record or group that has a number for itself."""
     if not wanted.by:
         return experiment.name
     if wanted.by not in experiment.groups:

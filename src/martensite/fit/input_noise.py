@@ -228,7 +228,7 @@ class _FollowedRuns:
         return found
 
     def correct(self, noise: float) -> InputCorrection:
-        """The correction of the experiment for noise s of its residuals."""
+        """Return the correction of the experiment for noise s of its residuals."""
         parts = list[tuple[Any, Any, Any]]()
         for seen, _, part in self._merged():
             left, sizes, _ = np.linalg.svd(part, full_matrices=False)
@@ -407,7 +407,7 @@ def _sum_squares(problem: Problem, runs: Sequence[_FollowedRuns], u: Any, rows: 
 
 
 def _balance_noise(problem: Problem, runs: Sequence[_FollowedRuns], residuals: Sequence[Any]) -> float:
-    """The noise s of the output with which Σ dᵀ V⁻¹ d = n - p; 1 where it is declared."""
+    """Return the noise s of the output with which Σ dᵀ V⁻¹ d = n - p; 1 where it is declared."""
     total = np.concatenate(residuals)
     spare = max(len(total) - len(problem.free), 1)
     if problem.knows_noise:

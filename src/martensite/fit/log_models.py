@@ -78,7 +78,7 @@ class LogModel:
 
     @property
     def fit(self) -> Fit:
-        """The fit of the chosen model to all records."""
+        """Return the fit of the chosen model to all records."""
         return self.chosen.fit
 
     @property
@@ -138,7 +138,7 @@ class LogModel:
         }
 
     def write_scenario(self) -> str:
-        """The scenario with the numbers found, as TOML."""
+        """Return the scenario with the numbers found, as TOML."""
         fit, places = self.fit, _read_proposal(self.chosen.proposal).places
         shared = [free for free in fit.problem.free if free.record is None]
         found = {
@@ -267,7 +267,7 @@ def _try_proposal(proposal: Proposal, kind: ExperimentKind) -> TriedModel:
 
 
 def _solve_from_starts(problem: Problem, proposal: Proposal) -> Fit:
-    """The best of several local searches at whose end something transforms, if there is one."""
+    """Return the best of several local searches at whose end something transforms, if there is one."""
     fits: list[Fit] = []
     most = EVALUATIONS if proposal.spread else 2 * EVALUATIONS  # loops are cheap
     for start in ({}, *proposal.others):
@@ -296,7 +296,7 @@ def find_transformed(fit: Fit) -> float:
 
 
 def _choose_model(tried: Sequence[TriedModel]) -> TriedModel:
-    """The model with the least held-out error; of those that are alike the one with the fewest numbers."""
+    """Return the model with the least held-out error; of those that are alike the one with the fewest numbers."""
 
     def error(one: TriedModel) -> float:
         return one.pooled[0].rms if one.pooled else math.inf

@@ -60,13 +60,13 @@ class Log:
     """Groups of the log, by kind: `specimen` -> A."""
 
     def read(self) -> Record:
-        """The record, with NaN for missing samples."""
+        """Return the record, with NaN for missing samples."""
         if isinstance(self.source, Record):
             return self.source
         return read_log_table(self.source, self.interval, self.named)
 
     def model(self, record: Record) -> Scenario:
-        """The scenario for a record."""
+        """Return the scenario for a record."""
         given = self.scenario
         if not isinstance(given, Scenario):
             given = load(given, self.settings, log=record)

@@ -69,7 +69,7 @@ LOSSES = {
 
 
 def find_loss(name: str) -> Loss:
-    """The loss of a name.
+    """Return the loss of a name.
 
     Raises:
         UnknownNameError: there is none.

@@ -70,7 +70,7 @@ def write_material(
 
 
 def format_material(numbers: MaterialNumbers, title: str = "", cite: str = "") -> str:
-    """The text of a material file; arguments as of `write_material`."""
+    """Return the text of a material file; arguments as of `write_material`."""
     fit = numbers.fit
     key = cite or next(iter(list_published(fit)), PACKAGE)
     list_entries([key])

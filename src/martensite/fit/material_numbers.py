@@ -44,7 +44,7 @@ class MaterialNumbers:
 
     @property
     def law(self) -> AbstractLaw:
-        """The law of the actuator.
+        """Return the law of the actuator.
 
         Raises:
             InputError: actuators, or the systems of several records, have different laws.
@@ -53,11 +53,11 @@ class MaterialNumbers:
 
     @property
     def material(self) -> Material | None:
-        """The material that the scenario took its numbers from."""
+        """Return the material that the scenario took its numbers from."""
         return self.scenario.material if self.scenario else None
 
     def law_table(self) -> dict[str, str]:
-        """The law as a scenario writes it: kind, options, numbers that have no canonical name."""
+        """Return the law as a scenario writes it: kind, options, numbers that have no canonical name."""
         law = self.law
         own = {
             name: exact_text(getattr(law, name), declared.unit)
@@ -85,7 +85,7 @@ class MaterialNumbers:
         return [free for free in shared if free.path.rpartition(".")[2] not in known]
 
     def _leaves(self) -> Leaves:
-        """The canonical numbers of the actuator, with all numbers fitted."""
+        """Return the canonical numbers of the actuator, with all numbers fitted."""
         own = [free for free in self.fit.problem.free if free.record is not None]
         return name_canonically(self._systems(), self.port, lambda path: any(free.moves(path) for free in own))
 
@@ -106,14 +106,14 @@ class MaterialNumbers:
         return self._each(moving, leaf)
 
     def _each(self, moving: list[FreeNumber], leaf: Leaf) -> MaterialNumber:
-        """A number that every record has for itself is none of the material: its start stays."""
+        """Return a number that every record has for itself is none of the material: its start stays."""
         fitted = ", ".join(f"{format_quantity(self.fit[f.name], f.unit)} in {f.record}" for f in moving)
         text = exact_text(moving[0].start, leaf.declared.unit)
         note = f"where the fit began; fitted to every record for itself: {fitted}"
         return _build_number(leaf, text, "assumed", self._scenario_source(), note)
 
     def _idle(self, name: str, leaf: Leaf, free: FreeNumber) -> MaterialNumber:
-        """A number that the records say nothing about is not fitted, wherever it ended."""
+        """Return a number that the records say nothing about is not fitted, wherever it ended."""
         begun = replace(leaf, value=free.start)
         found = self._inherited(name, begun)
         words = "free in the fit, but without effect on it: as at the start"
@@ -139,7 +139,7 @@ class MaterialNumbers:
                     yield name, self._copied(self.material, number)
 
     def _copied(self, material: Material, number: MaterialNumber) -> MaterialNumber:
-        """A number of another material, with its source."""
+        """Return a number of another material, with its source."""
         key = number.source
         if key in (FIT, SCENARIO, DEFAULT):
             key = f"{key}-of-{material.name}"
@@ -200,7 +200,7 @@ def name_canonically(
 
 
 def find_law(systems: Sequence[AbstractSystem], port: str | None = None) -> AbstractLaw:
-    """The law of an actuator, or of all if none is chosen, in all systems.
+    """Return the law of an actuator, or of all if none is chosen, in all systems.
 
     Raises:
         InputError: there is more than one, or one with other options.

@@ -40,7 +40,7 @@ class NumberOrder(NamedTuple):
 
 
 def list_orders(free: Sequence[FreeNumber], experiments: Sequence[Experiment]) -> list[NumberOrder]:
-    """The orders that the laws of all experiments declare, as far as a free number takes part."""
+    """Return the orders that the laws of all experiments declare, as far as a free number takes part."""
     found: dict[NumberOrder, None] = {}
     for one in experiments:
         laws = [part for part in one.system.tree() if isinstance(part, AbstractLaw)]
@@ -59,7 +59,7 @@ def list_orders(free: Sequence[FreeNumber], experiments: Sequence[Experiment]) -
 
 
 def _find_mover(acting: Sequence[tuple[int, FreeNumber]], path: str, value: float) -> int | float:
-    """The free number that moves a parameter, its own before the common one; else its value."""
+    """Return the free number that moves a parameter, its own before the common one; else its value."""
     movers = sorted((i for i, x in acting if x.moves(path)), key=lambda i: dict(acting)[i].record is None)
     return movers[0] if movers else value
 
@@ -123,11 +123,11 @@ class OrderedNumbers:
         return places
 
     def repair(self, shares: Any) -> Any:
-        """The shares, in order; what was not is moved a tenth of its room inside."""
+        """Return the shares, in order; what was not is moved a tenth of its room inside."""
         return self.find_shares(self.find_places(shares, INSIDE)) if self.active else np.asarray(shares, float)
 
     def turn_slopes(self, found: Evaluation, places: Any) -> Evaluation:
-        """An evaluation with derivatives by places."""
+        """Return an evaluation with derivatives by places."""
         return replace(found, jacobian=found.jacobian @ self.find_slopes(places)) if self.active else found
 
     def _walk(self, places: Any) -> tuple[Any, Any]:

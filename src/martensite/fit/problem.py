@@ -143,11 +143,11 @@ class Problem:
 
     @property
     def training(self) -> Problem:
-        """The problem without the records that are kept back."""
+        """Return the problem without the records that are kept back."""
         return replace(self, experiments=tuple(one for one in self.experiments if not one.held_out), later=())
 
     def hold_out(self, names: Container[str]) -> Problem:
-        """The problem with some records kept back whole.
+        """Return the problem with some records kept back whole.
 
         What they have for themselves is fitted to them afterwards, but for numbers with a spread: those are at
         their centres.
@@ -163,7 +163,7 @@ class Problem:
         )
 
     def numbers(self, u: Sequence[float]) -> dict[str, float]:
-        """The free parameters in SI."""
+        """Return the free parameters in SI."""
         return {free.name: free.value(float(x)) for free, x in zip(self.free, u, strict=True)}
 
     def scale(self, output: str) -> float:
@@ -201,7 +201,7 @@ class Problem:
         )
 
     def with_corrections(self, corrections: Sequence[InputCorrection]) -> Problem:
-        """The problem with corrections for noise in what drives."""
+        """Return the problem with corrections for noise in what drives."""
         found = replace(self, corrections=tuple(corrections))
         made = {name: getattr(self, name) for name in ("_ranges", "used", "_moving", "_values")}
         found.__dict__.update(made, runners=found._drive_runners(self.runners))  # what need not be made anew
@@ -328,7 +328,7 @@ class Problem:
         return [self._find_moved_rows(k) for k in range(len(self.experiments))]
 
     def system(self, k: int, u: Sequence[float]) -> Any:
-        """The system of an experiment with its parameters at a point.
+        """Return the system of an experiment with its parameters at a point.
 
         Raises:
             InputError: values contradict each other.
@@ -402,7 +402,7 @@ class Problem:
         return np.array([math.sqrt(one.weights.get(name, 1.0)) / self.scale(name) for name in one.outputs])
 
     def shift_model(self, k: int, model: Any, u: Sequence[float], slopes: Any) -> tuple[Any, Any]:
-        """A run with the offsets and the delay of its record, and derivatives of both."""
+        """Return a run with the offsets and the delay of its record, and derivatives of both."""
         one = self.experiments[k]
         for i, free in enumerate(self.free):
             if free.record in one.labels and is_nuisance(free.path):
@@ -453,7 +453,7 @@ def build_problem(
     step: float | None = None,
     input_noise: Mapping[str, float] | None = None,
 ) -> Problem:
-    """A problem from experiments and names.
+    """Return a problem from experiments and names.
 
     Args:
         experiments: at least one; names must differ.
@@ -488,7 +488,7 @@ def _open_range(own: FreeNumber, shared: Sequence[FreeNumber]) -> FreeNumber:
 
 
 def _set_centres(one: Experiment, rest: Sequence[FreeNumber]) -> Experiment:
-    """A record that is kept back, with numbers that have a spread at their centres."""
+    """Return a record that is kept back, with numbers that have a spread at their centres."""
     own = [x for x in rest if x.spread and x.record in one.labels and not is_nuisance(x.path)]
     centres = {leaf.path: x.start for x in own for leaf in one.system.leaves() if x.moves(leaf.path)}
     return replace(one, system=one.system.with_values(centres)) if centres else one

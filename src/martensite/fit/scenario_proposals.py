@@ -109,7 +109,7 @@ class Proposal:
 
     @property
     def text(self) -> str:
-        """The scenario as TOML."""
+        """Return the scenario as TOML."""
         return as_toml(self.document)
 
 
@@ -121,7 +121,7 @@ class Assumptions:
     sentences: list[str] = field(default_factory=list[str])
 
     def take(self, path: str, unit: str, value: float, effect: str) -> float:
-        """A value [SI]: as set, or else as assumed, which is said with its effect."""
+        """Return a value [SI]: as set, or else as assumed, which is said with its effect."""
         if path in self.settings:
             return units.parse_quantity(str(self.settings[path]), unit)
         self.sentences.append(f"`{path}` is assumed to be {write_value(value, unit)}: {effect}.")
@@ -135,7 +135,7 @@ class Assumptions:
 
 
 def write_value(value: float, unit: str) -> str:
-    """A number as a scenario takes it, in a readable unit."""
+    """Return a number as a scenario takes it, in a readable unit."""
     if unit == "K":
         return f"{value - 273.15:.5g} degC"
     if unit == "1":
@@ -167,7 +167,7 @@ def propose_scenarios(
 
 
 def _thin_rows(record: Record, needed: Sequence[str], most: int) -> Record:
-    """A record with few rows, in all of which the columns that are needed hold numbers."""
+    """Return a record with few rows, in all of which the columns that are needed hold numbers."""
     whole = np.flatnonzero(np.all([np.isfinite(record[name]) for name in needed], axis=0))
     kept = whole[np.unique(np.linspace(0, len(whole) - 1, min(most, len(whole))).round().astype(int))]
     return replace(record, columns={name: [column[k] for k in kept] for name, column in record.columns.items()})
@@ -204,7 +204,7 @@ def propose_isobaric(kind: ExperimentKind, records: Sequence[Record], known: Ass
 
 
 def _read_loop(record: Record, column: str, section: float, known: Assumptions) -> Record:
-    """A loop with few rows, its strain, and its mean stress [Pa]."""
+    """Return a loop with few rows, its strain, and its mean stress [Pa]."""
     thin = _thin_rows(record, (column, "temperature"), ROWS)
     if column != "strain":
         effect = "strain and everything in it is counted from this length"
@@ -321,7 +321,7 @@ def _stays_drawn(rows: Sequence[Record]) -> bool:
 
 
 def _find_temperature(record: Record, known: Assumptions) -> float:
-    """The temperature of a loop [K]: its mean, that of its name, or the one assumed."""
+    """Return the temperature of a loop [K]: its mean, that of its name, or the one assumed."""
     if "temperature" in record.columns:
         return float(np.nanmean(record["temperature"]))
     named = re.search(r"(\d+(?:\.\d+)?)[ _]?(?:deg)?C\b", record.name)
@@ -396,7 +396,7 @@ class DrivenElement:
 
     @property
     def dead_weight(self) -> Document:
-        """A mechanism that makes the stress that is assumed."""
+        """Return a mechanism that makes the stress that is assumed."""
         return {"mechanism": {"kind": "dead-weight", "mass": f"{SIGMA * self.section / 9.80665:.5g} kg"}}
 
     def make_proposal(
@@ -472,7 +472,7 @@ def _begins_hot(column: str, records: Sequence[Record], gain: float) -> bool:
 
 
 def propose_stroke(kind: ExperimentKind, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
-    """A weight or a bias spring that a driven element moves."""
+    """Yield a weight or a bias spring that a driven element moves."""
     column = kind.measured[0]
     output = "strain" if column == "strain" else "position"
     stroke = max(float(np.nanmax(r[column]) - np.nanmin(r[column])) for r in records)
@@ -506,7 +506,7 @@ def propose_stroke(kind: ExperimentKind, records: Sequence[Record], known: Assum
 def _read_spring(
     kind: ExperimentKind, records: Sequence[Record], section: float, known: Assumptions
 ) -> tuple[Document, tuple[str, str]]:
-    """A spring whose rate and preload follow from force and position, both measured, and their bounds."""
+    """Return a spring whose rate and preload follow from force and position, both measured, and their bounds."""
     column, load = kind.measured
     x, f = (np.concatenate([np.asarray(r[name], float) for r in records]) for name in (column, load))
     f, good = f * (section if load == "stress" else 1.0), np.isfinite(x) & np.isfinite(f)
@@ -521,7 +521,7 @@ def _read_spring(
 
 
 def propose_blocked_force(kind: ExperimentKind, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
-    """A driven element between two grips that do not give."""
+    """Yield a driven element between two grips that do not give."""
     column = kind.measured[0]
     most, least = (float(f([f(r[column]) for r in records])) for f in (np.nanmax, np.nanmin))
     length = known.take("element.length", "m", 0.1, "without effect on a force")
@@ -536,7 +536,7 @@ def propose_blocked_force(kind: ExperimentKind, records: Sequence[Record], known
 
 
 def propose_heating(kind: ExperimentKind, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
-    """A driven element under a constant load, whose temperature is measured."""
+    """Yield a driven element under a constant load, whose temperature is measured."""
     length = known.take("element.length", "m", 0.1, "film coefficient and heat capacity absorb it")
     begun, column = _start_driven(kind, records, known, length), "temperature"
     yield begun.make_proposal(
@@ -547,7 +547,7 @@ def propose_heating(kind: ExperimentKind, records: Sequence[Record], known: Assu
 
 
 def propose_resistance(kind: ExperimentKind, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
-    """A driven element under a constant load, whose resistance is measured, or follows from volts and amperes."""
+    """Yield a driven element under a constant load, whose resistance is measured, or follows from volts and amperes."""
     length = known.take("element.length", "m", 0.1, "resistivities absorb it")
     begun, column = _start_driven(kind, records, known, length), kind.measured[0]
     if column == "resistance":
@@ -563,7 +563,7 @@ def propose_resistance(kind: ExperimentKind, records: Sequence[Record], known: A
 
 
 def propose_cooling(kind: ExperimentKind, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
-    """An element that cools from where each record begins, as if it had been heated until then."""
+    """Yield an element that cools from where each record begins, as if it had been heated until then."""
     rows = [_cut_hot(record) for record in records]
     rises = [fit_rise(one.times, one["temperature"]) for one in rows]
     tau, room = (float(np.median([x.value for x in xs])) for xs in zip(*((r.tau, r.final) for r in rises), strict=True))

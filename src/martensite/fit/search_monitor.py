@@ -135,7 +135,7 @@ class SearchMonitor:
 
 
 def identify_problem(problem: Problem) -> str:
-    """A short text that differs between problems."""
+    """Return a short text that differs between problems."""
     parts: list[Any] = [repr(problem.free), sorted(problem.noise.items()), problem.step]
     for one in problem.experiments:
         parts += [one.name, encode(one.system), sorted(one.columns.items()), one.held, one.step]

@@ -160,7 +160,7 @@ def solve_problem(
 
 
 def _balance_spreads(problem: Problem, solve: Callable[[Problem], Fit]) -> Problem:
-    """The problem with spreads weighed against the noise that a fit with them leaves, s² = Σ r²/(n - tr H).
+    """Return the problem with spreads weighed against the noise that a fit with them leaves, s² = Σ r²/(n - tr H).
 
     n are measurements, and tr H is the sum of their leverages: what of the free numbers they hold.
     """
@@ -200,7 +200,7 @@ def predict_each(problem: Problem, how: Mapping[str, Any], tell: Tell | None = N
 
 
 def _make_descent(loss: Loss, evaluation: Evaluation) -> Descend:
-    """A local search of a problem from a point, with the loss of a fit."""
+    """Return a local search of a problem from a point, with the loss of a fit."""
     scale = 1.0
     if loss.name != "linear":
         scale = loss.tuning * max(estimate_scale(evaluation.residuals), 1e-12)
@@ -292,7 +292,7 @@ def _describe_rest(problem: Problem, u: Any, idle: Sequence[int]) -> str:
 
 
 def _run_descents(watch: SearchMonitor, begins: Sequence[tuple[str, Any]], loss: Loss, most: int) -> str:
-    """A local search from every start; how the best of them ended."""
+    """Return a local search from every start; how the best of them ended."""
     reason, least = "failed at the start", math.inf
     for k, (stage, begin) in enumerate(begins):
         if stage in watch.done:
@@ -336,7 +336,7 @@ def _scale_loss(loss: Loss, found: Evaluation) -> float:
 
 
 def find_step(residuals: Any, jacobian: Any, point: Any) -> tuple[Any, float]:
-    """The step of Gauss and Newton that bounds allow, and its length in standard errors of the residuals.
+    """Return the step of Gauss and Newton that bounds allow, and its length in standard errors of the residuals.
 
     Args:
         residuals: (n,), weighted.

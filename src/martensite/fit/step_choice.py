@@ -25,7 +25,7 @@ NEGLIGIBLE_CHANGE = 1e-6
 
 
 def choose_step(experiment: Experiment, tolerance: float) -> tuple[Experiment, list[str]]:
-    """An experiment with a step to the tolerance (share of range), and what to say of it.
+    """Return an experiment with a step to the tolerance (share of range), and what to say of it.
 
     Raises:
         SolveError: the run fails at its start values.
@@ -39,7 +39,7 @@ def choose_step(experiment: Experiment, tolerance: float) -> tuple[Experiment, l
 
 
 def halve_step(experiment: Experiment) -> Experiment:
-    """The experiment with half the longest step that it takes."""
+    """Return the experiment with half the longest step that it takes."""
     return replace(experiment, step=0.5 * experiment.grid().longest)
 
 

@@ -74,11 +74,11 @@ class Assembly:
 
     @property
     def drive(self) -> str:
-        """The section of the source."""
+        """Return the section of the source."""
         return drive_section(self.document)
 
     def system(self) -> AbstractSystem:
-        """The system; fills the other fields on the way."""
+        """Return the system; fills the other fields on the way."""
         if MODEL in self.document:
             return self._build_model(section_of(self.document, MODEL))
         table = section_of(self.document, "mechanism")
@@ -89,7 +89,7 @@ class Assembly:
         return made
 
     def list_waveforms(self, system: AbstractSystem) -> Waveforms:
-        """The waveform of a system with one drive, or those of one with several by name."""
+        """Return the waveform of a system with one drive, or those of one with several by name."""
         known = self.waveforms
         return next(iter(known.values())) if len(system.drives()) == len(known) == 1 else known
 
@@ -203,7 +203,7 @@ class Assembly:
         return found
 
     def _waveform(self, drive: Table, unit: str, path: str, name: str) -> AbstractWaveform:
-        """The waveform of the drive of a name; one that is recorded has an end."""
+        """Return the waveform of the drive of a name; one that is recorded has an end."""
         if "waveform" not in drive:
             kinds = suggest_name("", WAVEFORMS.names())
             raise ParameterError(f"[{path}] needs `waveform`; none given. {kinds}")
@@ -211,7 +211,7 @@ class Assembly:
         return self.waveform_of(drive["waveform"], unit, below, name)
 
     def waveform_of(self, given: Any, unit: str, below: str, name: str) -> AbstractWaveform:
-        """The waveform that a table at a path describes, with levels in a unit."""
+        """Return the waveform that a table at a path describes, with levels in a unit."""
         table = as_table(given, below)
         if table.get("kind") == recorded_waveforms.KIND:
             waveform, end = recorded_waveforms.build_waveform(table, below, self.folder, unit)
@@ -226,7 +226,7 @@ class Assembly:
         return builder.choose(WAVEFORMS, table, below)
 
     def _build_followed(self, table: Table, unit: str, path: str, name: str) -> AbstractWaveform:
-        """The waveform that follows a column of the log, to its last row."""
+        """Return the waveform that follows a column of the log, to its last row."""
         switched = unit == "1" and not path.startswith(SIGNALS)
         natural = recorded_waveforms.DUTY if switched else recorded_waveforms.NATURAL.get(unit, name)
         waveform, self.follows[name] = recorded_waveforms.build_followed(
@@ -239,7 +239,7 @@ class Assembly:
 
 
 def section_of(document: Table, name: str, default: Table | None = None) -> dict[str, Any]:
-    """A section of a scenario.
+    """Return a section of a scenario.
 
     Raises:
         ParameterError: there is none, and no default.
@@ -263,7 +263,7 @@ def drive_section(document: Table) -> str:
 
 
 def scenario_path(path: str, drive: str = DRIVE) -> str:
-    """The path by which a scenario reaches a number of its system, such as `drive.supply`."""
+    """Return the path by which a scenario reaches a number of its system, such as `drive.supply`."""
     members = f"{GROUP}." if path.startswith("group.") else ""
     path = path.removeprefix("group.")
     head, dot, rest = path.partition("source.")
@@ -271,7 +271,7 @@ def scenario_path(path: str, drive: str = DRIVE) -> str:
 
 
 def waveform_path(system: AbstractSystem, name: str, drive: str = DRIVE) -> str:
-    """The path, with its dot, by which a scenario reaches the waveform of the drive of a name."""
+    """Return the path, with its dot, by which a scenario reaches the waveform of the drive of a name."""
     if name in system.signals():
         return f"{SIGNALS}.{name}."
     return f"{drive}.waveform." if name == DRIVE else f"{GROUP}.{name}.{drive}.waveform."
@@ -285,7 +285,7 @@ def _build_environment(builder: Builder, tables: Table, sets_temperature: bool, 
 
 
 def _overlay_table(common: Mapping[str, Any], different: Any, path: str) -> dict[str, Any]:
-    """A table with the entries of another over its own; a table of another kind replaces it."""
+    """Return a table with the entries of another over its own; a table of another kind replaces it."""
     over = as_table(different, path)
     if "kind" in over and over["kind"] != common.get("kind"):
         return over

@@ -156,7 +156,7 @@ class BenchBuilder:
     def _component(
         self, cls: type[Parametrised], row: Row, scales: PlaceUnits, extra: tuple[str, ...] = (), **made: object
     ) -> Any:
-        """A component; its path in the bench stands in the place of the name in its row."""
+        """Return a component; its path in the bench stands in the place of the name in its row."""
         where, table, path = row
         origins = self.assembly.origins
         builder = Builder(scales=scales, origins=origins, extra=extra, plain=True, made=made)
@@ -166,7 +166,7 @@ class BenchBuilder:
         return found
 
     def _sensor(self, row: Row) -> tuple[str, MountedSensor]:
-        """A sensor in its place, and its name: by default that of what it measures."""
+        """Return a sensor in its place, and its name: by default that of what it measures."""
         name, table, path = row
         mount = tuple(n for n in MountedSensor.declarations if n != "sensor")
         names = (NAME,) if path in PAIRS else ()
@@ -193,7 +193,7 @@ class BenchBuilder:
         return name, self._component(cls, (where, table, path), scales, tuple(made), **made)
 
     def _model(self, cls: type[Parametrised], table: Table, path: str, where: str) -> dict[str, Any]:
-        """The model of a component that has one, and further ones by name, as what is made elsewhere."""
+        """Return the model of a component that has one, and further ones by name, as what is made elsewhere."""
         declared = cls.declarations.get(MODEL)
         if declared is None or declared.kind != "part" or declared.registry is not None:
             return {}
@@ -215,7 +215,7 @@ class BenchBuilder:
         return made
 
     def _changed_plant(self, changes: tuple[Any, ...], path: str, where: str) -> AbstractSystem:
-        """The plant with what is different in a model: all of these, the last of them written at a path."""
+        """Return the plant with what is different in a model: all of these, the last of them written at a path."""
         self.places.note_system(where, path)
         if not any(changes):
             return self.plant
@@ -277,7 +277,7 @@ class BenchBuilder:
         return name, built.with_parts(reference=waveform)
 
     def _build_idle(self, bench: Bench, row: Row, scales: PlaceUnits) -> AbstractController:
-        """A controller with nothing to follow yet."""
+        """Return a controller with nothing to follow yet."""
         where, table, path = row
         cls = choose_class(CONTROLLERS, table, path)
         made = {REFERENCE: Constant(level=0.0), **self._model(cls, table, path, where)}

@@ -37,12 +37,12 @@ Columns = dict[str, Any]
 
 
 def name_column(heading: str) -> str:
-    """The name in a heading."""
+    """Return the name in a heading."""
     return heading.partition("[")[0].strip().lower()
 
 
 def head_column(heading: str, unit: str) -> str:
-    """A heading with its unit, where it has none."""
+    """Return a heading with its unit, where it has none."""
     return heading if "[" in heading or not unit else f"{heading} [{unit}]"
 
 

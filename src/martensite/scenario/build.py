@@ -129,7 +129,7 @@ class Builder:
 
     @staticmethod
     def _merge_law(given: Any, law: Table, path: str) -> Any:
-        """The table of a law, from that of the material where the scenario names none."""
+        """Return the table of a law, from that of the material where the scenario names none."""
         if given is None:
             return law
         full = as_table(given, path)
@@ -153,7 +153,7 @@ class Builder:
             raise ParameterError(f"[{path}] needs `{name}` ({declared.doc}). {valid}")
 
     def _convert_value(self, cls: type[Parametrised], name: str, declared: Declared, value: Any, path: str) -> Any:
-        """The value as the constructor takes it; text keeps its unit for the messages."""
+        """Return the value as the constructor takes it; text keeps its unit for the messages."""
         if declared.kind in ("option", "text"):
             return value
         if declared.unit in units.OF_GAINS and not isinstance(value, str):
@@ -238,7 +238,7 @@ def _name_class(cls: type[Parametrised]) -> str:
 
 
 def choose_class(registry: Registry[Any], table: Table, path: str) -> type[Parametrised]:
-    """The class of a table.
+    """Return the class of a table.
 
     Raises:
         InputError: it names no kind, or none that there is.
@@ -250,7 +250,7 @@ def choose_class(registry: Registry[Any], table: Table, path: str) -> type[Param
 
 
 def as_table(value: Any, path: str) -> dict[str, Any]:
-    """A table; a bare text is its kind."""
+    """Return a table; a bare text is its kind."""
     if isinstance(value, str):
         return {"kind": value}
     if not isinstance(value, dict):

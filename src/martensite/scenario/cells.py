@@ -110,7 +110,7 @@ def find_style(cells: Iterable[str]) -> NumberStyle:
 
 
 def read_cells(cells: Sequence[str], style: NumberStyle) -> ReadCells:
-    """A column of cells as numbers; its kind is that of most of them."""
+    """Return a column of cells as numbers; its kind is that of most of them."""
     if not style.thousands and not style.comma:
         try:
             found = np.array([float(cell) for cell in cells])

@@ -75,7 +75,7 @@ def read_title(key: str) -> str:
 
 
 def read_fields(text: str) -> dict[str, str]:
-    """The fields of a BibTeX entry as plain text, by name."""
+    """Return the fields of a BibTeX entry as plain text, by name."""
     return {name.lower(): _remove_markup(value) for name, value in _FIELD.findall(text)}
 
 

@@ -173,7 +173,7 @@ def _read_named(raw: RawTable, named: Mapping[str, str]) -> dict[int, Meaning]:
 
 
 def write_unit(column: RawColumn) -> str:
-    """The unit of a column as the file writes it."""
+    """Return the unit of a column as the file writes it."""
     if column.unit:
         return column.unit
     found = re.search(r"[\[(]\s*([^\])]+?)\s*[\])]\s*$", column.heading)

@@ -80,7 +80,7 @@ def is_plain(owner: type[Parametrised], name: str) -> bool:
 
 
 def convert_plain(declared: Declared, name: str, value: Any, path: str) -> Any:
-    """A whole number, or a list of numbers, for a part that is one.
+    """Return a whole number, or a list of numbers, for a part that is one.
 
     Raises:
         ParameterError: it is something else.
@@ -97,7 +97,7 @@ def convert_plain(declared: Declared, name: str, value: Any, path: str) -> Any:
 
 
 def _read_annotation(owner: type[Parametrised], name: str) -> str:
-    """The annotation of a declaration, as it is written."""
+    """Return the annotation of a declaration, as it is written."""
     home = next((base for base in owner.__mro__ if name in get_annotations(base)), owner)
     found: Any = get_annotations(home).get(name, "")
     return found if isinstance(found, str) else formatannotation(found)

@@ -63,7 +63,7 @@ def list_columns(result: Result) -> list[tuple[str, str, Any]]:
 
 
 def format_heading(name: str, unit: str) -> str:
-    """A name with its unit, safe in a spreadsheet."""
+    """Return a name with its unit, safe in a spreadsheet."""
     text = f"{name} [{unit}]"
     return f"'{text}" if text.startswith(FORMULA) else text
 

@@ -63,7 +63,7 @@ class DataSet:
 
     @property
     def packaged(self) -> Path | None:
-        """The folder of the package that holds its files, each packed as `.gz`, with their licence."""
+        """Return the folder of the package that holds its files, each packed as `.gz`, with their licence."""
         folder = _LISTED / self.name
         return folder if folder.is_dir() else None
 

@@ -11,7 +11,7 @@ from martensite.base.units import choose_familiar_unit
 
 
 def exact_text(value: float, unit: str, digits: int | None = None) -> str:
-    """A quantity such as `66.8 degC`; `base.units.parse_quantity` gives its value in SI again.
+    """Return a quantity such as `66.8 degC`; `base.units.parse_quantity` gives its value in SI again.
 
     Args:
         value: in the SI `unit`.
@@ -32,7 +32,7 @@ def exact_text(value: float, unit: str, digits: int | None = None) -> str:
 
 
 def format_quantity(value: float, unit: str, digits: int = 4) -> str:
-    """A quantity in a few digits: `66.8 degC`, `29.9 GPa`."""
+    """Return a quantity in a few digits: `66.8 degC`, `29.9 GPa`."""
     return shown_in(value, unit, choose_familiar_unit(value, unit), digits)
 
 
@@ -44,7 +44,7 @@ def shown_range(ends: tuple[float, float], unit: str, digits: int = 4) -> str:
 
 
 def shown_in(value: float, unit: str, spelling: str, digits: int = 4) -> str:
-    """A quantity in a few digits of a chosen unit."""
+    """Return a quantity in a few digits of a chosen unit."""
     number = float(f"{units.from_si(value, spelling, unit):.{digits}g}")
     return _format_number(f"{number:.{max(digits, 6)}g}", spelling)
 

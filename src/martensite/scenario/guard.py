@@ -109,7 +109,7 @@ def _read_knowledge(given: Any, builder: Builder) -> FromPlant | None:
 def _fill_rows(
     rest: Table, found: Mapping[str, AbstractCheck], bench: Bench, builder: Builder
 ) -> tuple[Table, set[str]]:
-    """The table of a guard with the checks that were found, and limits that are known; paths of such numbers."""
+    """Return the table of a guard with the checks that were found, and limits that are known; paths of such numbers."""
     below = f"{SUPERVISOR}.{CHECKS}"
     rows, taken = dict(as_table(rest.get(CHECKS, {}), below)), set[str]()
     for name, check in found.items():
@@ -138,7 +138,7 @@ def _known_number(number: float) -> float | None:
 
 
 def _write_row(check: AbstractCheck, drive: str) -> Iterator[tuple[str, Any]]:
-    """A check as a table of a scenario; what is as by default is left out."""
+    """Yield a check as a table of a scenario; what is as by default is left out."""
     yield KIND, check.registered_name
     for name, declared in check.declarations.items():
         value = check.__dict__[name]

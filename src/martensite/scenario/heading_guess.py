@@ -148,7 +148,7 @@ def _find_unit(spelling: str) -> str:
 
 @lru_cache(maxsize=4096)
 def find_listed(spelling: str) -> str:
-    """A unit as it is written here; empty for what is none of the listed ones."""
+    """Return a unit as it is written here; empty for what is none of the listed ones."""
     spelling = spelling.strip()
     for name, others in SPELLINGS.items():
         if spelling in others or (len(spelling) > 2 and spelling.lower() in others):
@@ -157,7 +157,7 @@ def find_listed(spelling: str) -> str:
 
 
 def _find_named(words: str, unit: str) -> str:
-    """The known column that some words name, if its unit agrees; else the one of that unit."""
+    """Return the known column that some words name, if its unit agrees; else the one of that unit."""
     plain = re.sub(r"[\s-]+", "_", words.strip())
     if plain.lower() in CANONICAL:
         return plain.lower()

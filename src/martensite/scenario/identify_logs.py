@@ -85,7 +85,7 @@ def guess_columns(
 
 
 def _find_first(columns: Sequence[str], words: Sequence[str]) -> list[str]:
-    """The column that is called, or means, the first of some words that any does."""
+    """Return the column that is called, or means, the first of some words that any does."""
     meant = {name: (name.rpartition(".")[2].lower(), guess_heading(name).name.rpartition(".")[2]) for name in columns}
     return next(([name] for word in words for name in columns if word in meant[name]), [])
 
@@ -103,7 +103,7 @@ def read_logs(
     units: Mapping[str, str] | None = None,
     named: Mapping[str, str] | None = None,
 ) -> list[Sampled]:
-    """The records of logs, each at its own sample time unless one is given; more than one of a log with gaps."""
+    """Return the records of logs, each at its own sample time unless one is given; more than one of a log with gaps."""
     both = set(inputs) & set(outputs)
     if both:
         raise InputError(
@@ -128,7 +128,7 @@ def identify_log(
     watch: Watch | None = None,
     keep: Keep | None = None,
 ) -> Ladder:
-    """The simplest model that predicts a log best, as `martensite identify LOG` finds it.
+    """Return the simplest model that predicts a log best, as `martensite identify LOG` finds it.
 
     Args:
         path: one log or several; those of another regime than the first are set apart.

@@ -89,7 +89,7 @@ class LabFile:
         return replace(self, record=record, has_time=True)
 
     def to_csv(self) -> str:
-        """The record as text with headings that `read_table` reads; missing samples are empty."""
+        """Return the record as text with headings that `read_table` reads; missing samples are empty."""
         return format_record(self.record, [name for name in self.record.columns if name != "time" or self.has_time])
 
     def save(self, path: str | Path) -> None:
@@ -121,14 +121,14 @@ def read_lab_file(path: str | Path, named: Mapping[str, str] | None = None) -> L
 
 
 def read_raw(path: Path, separator: str = "auto") -> RawTable:
-    """The table of a file of any kind, without a meaning; errors as of `read_lab_file`."""
+    """Return the table of a file of any kind, without a meaning; errors as of `read_lab_file`."""
     if separator not in ("auto", *SEPARATORS):
         raise ParameterError(f"There is no separator `{separator}`. {suggest_name(separator, SEPARATORS)}")
     return read_container(path) if path.suffix.lower() in KINDS else read_text_table(path, separator)
 
 
 def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabFile:
-    """A table with the meaning of its columns; arguments and errors as of `read_lab_file`."""
+    """Return a table with the meaning of its columns; arguments and errors as of `read_lab_file`."""
     meant = guess_meanings(raw, named)
     times, clock = _find_times(raw, meant)
     kept = np.arange(raw.rows) if times is None else times.kept
@@ -196,7 +196,7 @@ def _describe_column(
 
 
 def choose_time(raw: RawTable, meant: list[Meaning]) -> int:
-    """The place of the column of time: a number that rises, else a clock; -1 where there is none."""
+    """Return the place of the column of time: a number that rises, else a clock; -1 where there is none."""
     places = [k for k, one in enumerate(meant) if one.name == "time"]
     numeric = [k for k in places if raw.columns[k].kind == "number"]
     clocks = [k for k in places if raw.columns[k].kind in ("stamp", "clock")]
@@ -231,7 +231,7 @@ def _is_rising(numbers: Numbers) -> bool:
 
 
 def _judge_by_clock(one: Meaning, times: Numbers, seconds: Numbers) -> Meaning:
-    """A time without unit in the unit with which it lasts as long as the clock beside it."""
+    """Return a time without unit in the unit with which it lasts as long as the clock beside it."""
     known = np.flatnonzero(np.isfinite(times) & np.isfinite(seconds))
     if known.size < 2 or seconds[known[-1]] <= seconds[known[0]]:
         return one

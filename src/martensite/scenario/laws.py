@@ -62,7 +62,7 @@ def configure_laws(names: Sequence[str], material: str | None, settings: Mapping
 
 
 def _build_table(name: str, own: Mapping[str, Any], material: Material | None) -> dict[str, Any]:
-    """A law as a scenario writes it, with the options that its material says it holds for."""
+    """Return a law as a scenario writes it, with the options that its material says it holds for."""
     meant = material.law if material else None
     given = meant if meant and meant["kind"] == name else {}
     return {"kind": name, **given, **own}
@@ -96,7 +96,7 @@ def _list_needs(cls: type[AbstractLaw], table: Mapping[str, Any]) -> list[str]:
 
 
 def _find_first(needed: Sequence[str]) -> Material | None:
-    """The first shipped material that holds all these numbers.
+    """Return the first shipped material that holds all these numbers.
 
     One that was fitted with certain options of a law is taken only by its name.
     """
@@ -129,7 +129,7 @@ def law_words(law: AbstractLaw) -> dict[str, str]:
 
 
 def law_caution(material: Material | None, element: Parametrised) -> str | None:
-    """A sentence if an element uses the numbers of a material in another law than theirs."""
+    """Return a sentence if an element uses the numbers of a material in another law than theirs."""
     if material is None or material.law is None:
         return None
     for part in element.tree():
@@ -142,7 +142,7 @@ def law_caution(material: Material | None, element: Parametrised) -> str | None:
 
 
 def override_caution(material: Material | None, element: Parametrised) -> str | None:
-    """A sentence if a scenario writes other numbers than those that were fitted for a material."""
+    """Return a sentence if a scenario writes other numbers than those that were fitted for a material."""
     if material is None:
         return None
     fitted = {name: number.value for name, number in material.values.items() if number.kind == "fitted"}

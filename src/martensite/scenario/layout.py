@@ -101,7 +101,7 @@ class Layout:
 
 
 def find_quantity(words: str, fits: Callable[[str], bool] = lambda _: True) -> str:
-    """The known column that a word stands for, of those that fit; empty for none."""
+    """Return the known column that a word stands for, of those that fit; empty for none."""
     for name, one in QUANTITIES.items():
         named = words in one.words or (len(words) > 1 and words.lower() in (name, *one.words))
         if named and name != "drive" and fits(name):  # `temp drive [V]` is a voltage
@@ -153,7 +153,7 @@ def _find_known_unit(name: str) -> str | None:
 
 
 def _si_unit(name: str, spelling: str, where: str) -> str:
-    """The SI unit that a column is read in, if its unit can be converted to that."""
+    """Return the SI unit that a column is read in, if its unit can be converted to that."""
     wanted = _find_known_unit(name)
     if wanted is None:
         declared = {unit for unit, _, _ in units.EVERYDAY.values()}
@@ -173,7 +173,7 @@ def _si_unit(name: str, spelling: str, where: str) -> str:
 
 
 def _first_fitting(spelling: str, candidates: Iterable[str]) -> str:
-    """The first SI unit that a unit converts to; the unit itself where there is none."""
+    """Return the first SI unit that a unit converts to; the unit itself where there is none."""
     return next((unit for unit in candidates if not _describe_misfit(spelling, unit)), spelling)
 
 

@@ -29,7 +29,7 @@ def parse_named(texts: Iterable[str]) -> dict[str, str]:
 
 
 def read_log_table(source: str | Path, interval: float | None = None, named: Mapping[str, str] | None = None) -> Record:
-    """The record of a log, as `read_log` reads it; what was guessed or left out is said once on standard error.
+    """Return the record of a log, as `read_log` reads it; what was guessed or left out is said once on standard error.
 
     Raises:
         DataError: it cannot be read.

@@ -68,7 +68,7 @@ def list_changes(table: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def _find_table(document: Mapping[str, Any], path: str) -> dict[str, Any]:
-    """The table of a part; empty if a material or a default describes it."""
+    """Return the table of a part; empty if a material or a default describes it."""
     found: Any = document
     for key in path.split("."):
         found = found.get(key, {}) if isinstance(found, dict) else {}
@@ -76,7 +76,7 @@ def _find_table(document: Mapping[str, Any], path: str) -> dict[str, Any]:
 
 
 def _exchange_part(before: Mapping[str, Any], after: dict[str, Any], path: str) -> dict[str, Any]:
-    """The table of a part that may be of another kind."""
+    """Return the table of a part that may be of another kind."""
     if after.get(KIND) in (None, before.get(KIND)):
         return {**before, **after}
     kinds = KINDS[path.rpartition(".")[2]]

@@ -55,7 +55,7 @@ def write_model(chain: Chain, path: str | Path, provenance: Mapping[str, Any] | 
 
 
 def model_text(chain: Chain, provenance: Mapping[str, Any] | None = None) -> str:
-    """The text of a model file; arguments and errors as of `write_model`."""
+    """Return the text of a model file; arguments and errors as of `write_model`."""
     if not np.all(np.isfinite(chain.theta)):
         raise InputError(f"Model `{chain.name}` has free numbers that are not finite.")
     document = {

@@ -40,7 +40,7 @@ def _parse_value(text: str) -> Any:
 
 
 def change_document(document: Mapping[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
-    """A copy of a TOML document with the values at the given dotted paths replaced."""
+    """Return a copy of a TOML document with the values at the given dotted paths replaced."""
     copy = deepcopy(dict(document))
     for path, value in settings.items():
         _set_value(copy, path, units.write_pint(value) if units.is_quantity(value) else deepcopy(value))

@@ -45,7 +45,7 @@ class PlaceUnits:
         return self if found == self else found
 
     def unit(self, declared: Declared) -> str:
-        """The SI unit of a number; 1, a number in SI, for readings of several units.
+        """Return the SI unit of a number; 1, a number in SI, for readings of several units.
 
         Raises:
             ParameterError: no reading is named, or one that there is not.
@@ -59,7 +59,7 @@ class PlaceUnits:
         raise ParameterError(f"There is no reading `{unknown}`. {suggest_name(unknown, self.readings)}")
 
     def known(self, declared: Declared) -> str | None:
-        """The SI unit of a number, if there is the reading that it needs."""
+        """Return the SI unit of a number, if there is the reading that it needs."""
         if declared.unit == DRIVE:
             return self.drive
         if declared.unit in units.OF_LOOPS:
@@ -74,7 +74,7 @@ class PlaceUnits:
         return own.pop() if len(own) == 1 else "1"
 
     def label(self, declared: Declared) -> str:
-        """The unit in which a person would rather read it; nothing if there is or is known none."""
+        """Return the unit in which a person would rather read it; nothing if there is or is known none."""
         unit = units.choose_readable_unit(self.known(declared) or "1")
         return "" if unit == "1" else unit
 

@@ -46,7 +46,7 @@ class Places:
         self.systems.add(path)
 
     def path(self, path: str) -> str:
-        """The path in the scenario of a number at a path of the system or bench."""
+        """Return the path in the scenario of a number at a path of the system or bench."""
         begin = _find_longest(self.written, path)
         if begin is None:
             return scenario_path(path, self.drive)
@@ -61,7 +61,7 @@ class Places:
         return begin in self.systems and bool(self.written[begin or ""])
 
     def unit(self, leaf: Leaf) -> str:
-        """The unit of a number of the system or bench; that of a level depends on its place."""
+        """Return the unit of a number of the system or bench; that of a level depends on its place."""
         begin = _find_longest(self.scales, leaf.path)
         known = None if begin is None else self.scales[begin].known(leaf.declared)
         return known or leaf.declared.unit

@@ -89,7 +89,7 @@ def count_rows(reason: str, rows: Sequence[int]) -> tuple[LeftOut, ...]:
 def find_table(
     path: Path, rows: list[Row], form: tuple[str, ...], separator: str = "", texts: Mapping[int, str] | None = None
 ) -> RawTable:
-    """The table of numbers among rows of cells.
+    """Return the table of numbers among rows of cells.
 
     Args:
         path: of the file, whose name is told.
@@ -262,7 +262,7 @@ def _use_unit_columns(columns: list[RawColumn]) -> tuple[RawColumn, ...]:
 
 
 def describe_arrays(path: Path, arrays: Mapping[str, Numbers], form: str) -> RawTable:
-    """A file of named arrays as a table: those of the length that holds most of its numbers.
+    """Return a file of named arrays as a table: those of the length that holds most of its numbers.
 
     Raises:
         DataError: there is none.

@@ -92,7 +92,7 @@ def read_recorded(table: Mapping[str, Any], path: str, folder: Path) -> Recorded
 
 
 def build_waveform(table: Mapping[str, Any], path: str, folder: Path, unit: str) -> tuple[Table, float]:
-    """The waveform that a table describes, in the `unit` of the source, and its end [s]."""
+    """Return the waveform that a table describes, in the `unit` of the source, and its end [s]."""
     if "file" not in table and "times" in table:
         made = _list_numbers(table, path, unit)
         return made, made.times[-1]
@@ -112,7 +112,7 @@ def build_waveform(table: Mapping[str, Any], path: str, folder: Path, unit: str)
 def build_followed(
     table: Mapping[str, Any], path: str, log: Record | None, unit: str, natural: str, lead: float = 0.0
 ) -> tuple[Table, str]:
-    """The waveform of kind `log` that a table describes, and the column that it follows.
+    """Return the waveform of kind `log` that a table describes, and the column that it follows.
 
     Args:
         table: the waveform, `kind`, perhaps `column`, and `from` if there is a lead.
@@ -182,7 +182,7 @@ def _check_followed(log: Record, column: str, unit: str) -> None:
 
 
 def from_zero(log: Record, lead: float = 0.0) -> Record:
-    """A record with its first row at 0 s, or at a lead [s] after that."""
+    """Return a record with its first row at 0 s, or at a lead [s] after that."""
     first = log.times[0] - lead
     if first == 0.0:
         return log

@@ -151,7 +151,7 @@ def _list(names: Iterable[str]) -> str:
 
 
 def _build_record(path: Path, found: Columns, interval: float | None, gaps: bool) -> Record:
-    """The columns by their headings, in SI, with NaN for missing samples if there may be such `gaps`."""
+    """Return the columns by their headings, in SI, with NaN for missing samples if there may be such `gaps`."""
     columns: dict[str, list[float]] = {}
     units: dict[str, str] = {}
     for column, values in zip(read_headings(found, f"`{path.name}`"), found.values(), strict=True):

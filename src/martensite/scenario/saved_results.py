@@ -87,7 +87,7 @@ def open_result(path: str | os.PathLike[str]) -> Result:
 
 
 def _fill(empty: Result, saved: LabelledData) -> Result:
-    """A result with what the variables of its file hold."""
+    """Return a result with what the variables of its file hold."""
     columns = _read_columns(empty, saved)
     return replace(
         empty,

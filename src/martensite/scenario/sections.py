@@ -50,7 +50,7 @@ def list_rows(document: Table, one: str) -> Iterator[Row]:
 
 
 def check_name(name: str, path: str) -> str:
-    """A name that a column can carry.
+    """Return a name that a column can carry.
 
     Raises:
         ParameterError: no column can.

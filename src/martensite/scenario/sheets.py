@@ -37,7 +37,7 @@ class Sheet:
     decimal_comma: bool
 
     def part(self, kept: Sequence[int]) -> Sheet:
-        """The rows of the given indices."""
+        """Return the rows of the given indices."""
         numbers, rows = [self.numbers[i] for i in kept], [self.rows[i] for i in kept]
         return replace(self, numbers=numbers, rows=rows)
 
@@ -48,7 +48,7 @@ class Sheet:
         return _comma_number if self.decimal_comma else _read_number
 
     def fault(self, index: int, column: FileColumn, sentence: str) -> DataError:
-        """An error that names row and column."""
+        """Return an error that names row and column."""
         return DataError(f"{self.where}, row {self.numbers[index]}, column `{column.name}`: {sentence}")
 
 
@@ -85,7 +85,7 @@ def split_heading(line: str) -> list[str]:
 
 
 def _find_separator(lines: list[str], layout: Layout) -> str:
-    """The separator of the first line; where rows may be dropped, that of most lines."""
+    """Return the separator of the first line; where rows may be dropped, that of most lines."""
     if layout.separator != "auto":
         return layout.separator
     if layout.drop and layout.columns:
@@ -126,7 +126,7 @@ def _split_line(lines: list[tuple[int, str]], sign: str, where: str) -> list[lis
 
 
 def _read_text(path: Path, *, binary: bool) -> str:
-    """The text of a file, of which single lines may be `binary`."""
+    """Return the text of a file, of which single lines may be `binary`."""
     with describe_unreadable(path):
         raw = read_unpacked(path, MOST_LOG)
     if b"\0" in raw and not binary:

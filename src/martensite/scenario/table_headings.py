@@ -56,7 +56,7 @@ def _names_more(cells: Sequence[tuple[int, str]]) -> bool:
 
 
 def _fit_width(cells: Sequence[str], line: str, width: int, sign: str | None) -> list[str] | None:
-    """A line above the table as that many cells, however it is separated; None if it cannot be."""
+    """Return a line above the table as that many cells, however it is separated; None if it cannot be."""
     text = line.strip().lstrip(COMMENT + '"').strip()
     splits = [list(cells)]
     if 0 < len(line) < LONGEST:

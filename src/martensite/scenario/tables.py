@@ -171,7 +171,7 @@ def _find_readable(sheet: Sheet, headings: list[FileColumn], gaps: bool) -> list
 
 
 def _or_gap(parse: Callable[[str], float]) -> Callable[[str], float]:
-    """A parser that is content with a gap."""
+    """Return a parser that is content with a gap."""
     return lambda cell: 0.0 if is_gap(cell) else parse(cell)
 
 

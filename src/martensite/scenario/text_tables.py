@@ -106,7 +106,7 @@ def _is_single(lines: Sequence[str]) -> bool:
 
 
 def _choose_separator(lines: Sequence[str]) -> str:
-    """The separator with which most cells of most lines, in rows of equal width, are values."""
+    """Return the separator with which most cells of most lines, in rows of equal width, are values."""
     looked = lines[:: max(1, len(lines) // LOOKED_AT)]
     best, most = "whitespace", 0.0
     for name, sign in SEPARATORS.items():

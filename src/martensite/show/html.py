@@ -21,7 +21,7 @@ _PAGE = Path(__file__).parent / "page.html"
 
 
 def render_page(summary: Summary, by: str) -> str:
-    """The whole page, and which program wrote it: nothing is fetched, light or dark."""
+    """Return the whole page, and which program wrote it: nothing is fetched, light or dark."""
     sections = [block.title for block in summary.blocks if isinstance(block, Heading)]
     return _PAGE.read_text(encoding="utf-8").format(
         title=escape(summary.title),
@@ -103,7 +103,7 @@ def _render_picture(picture: Picture) -> str:
 
 
 def _draw_svg(picture: Picture) -> str:
-    """A figure as SVG in base64; the same figure gives the same text."""
+    """Return a figure as SVG in base64; the same figure gives the same text."""
     buffer = io.BytesIO()
     figure = picture.draw()
     with use_style():

@@ -102,7 +102,7 @@ def list_page_files(summary: Summary, path: Path) -> list[Path]:
 
 
 def check_page_path(path: str | Path) -> Path:
-    """The path of a page; `DataError` if it ends in neither .html nor .md, or its folder does not exist."""
+    """Return the path of a page; `DataError` if it ends in neither .html nor .md, or its folder does not exist."""
     path = Path(path)
     if path.suffix.lower() not in (*HTML, *MARKDOWN):
         raise DataError(f"A report ends in .html or .md, but this is `{path}`.")
@@ -126,7 +126,7 @@ def _write_figures(summary: Summary, path: Path) -> None:
 
 
 def render_markdown(summary: Summary, by: str, folder: str) -> str:
-    """The whole text; figures are looked for in `folder`, relative to it."""
+    """Return the whole text; figures are looked for in `folder`, relative to it."""
     body = "\n\n".join(_render_block(block, folder) for block in summary.blocks)
     return f"# {_escape_text(summary.title)}\n\n{_escape_text(summary.lead)}\n\n{body}\n\n---\n\n{_escape_text(by)}\n"
 
@@ -151,7 +151,7 @@ def _render_block(block: Block, folder: str) -> str:
 
 
 def _escape_text(text: str) -> str:
-    """A line that brings no mark-up but names in backquotes, wherever its words come from.
+    """Return a line that brings no mark-up but names in backquotes, wherever its words come from.
 
     Entities are the same to every reader of Markdown, which backslashes are not.
     """

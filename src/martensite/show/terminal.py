@@ -44,7 +44,7 @@ def print_json(value: Any) -> None:
 
 
 def paint_text(text: str, tone: Tone) -> str:
-    """A text in the colour of its tone; nothing is coloured where no terminal shows it."""
+    """Return a text in the colour of its tone; nothing is coloured where no terminal shows it."""
     return typer.style(text, **_STYLES[tone]) if tone in _STYLES and text.strip() else text
 
 

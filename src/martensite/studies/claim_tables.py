@@ -78,7 +78,7 @@ class _Told(dict[str, Any]):
 
 
 def read_claims(path: Path) -> dict[str, Any]:
-    """A file of claims, checked.
+    """Return a file of claims, checked.
 
     Raises:
         DataError: a key is unknown, missing or taken, or a tolerance has no reason.
@@ -102,7 +102,7 @@ def read_claims(path: Path) -> dict[str, Any]:
 
 
 def _expand_block(block: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """The claims of a table: keys for all, and those of each row."""
+    """Yield the claims of a table: keys for all, and those of each row."""
     shared = {key: value for key, value in block.items() if key not in ("columns", "rows")}
     columns = block.get("columns", ())
     for row in block.get("rows", ((),)):
@@ -144,7 +144,7 @@ def check_keys(table: Mapping[str, Any], known: tuple[str, ...], needed: tuple[s
 
 
 def settle_part(table: Mapping[str, Any], part: str, numbers: Mapping[str, Any], printed: Any) -> Answer:
-    """The claims and reports of a part, with computed numbers and verdicts.
+    """Return the claims and reports of a part, with computed numbers and verdicts.
 
     Args:
         table: what `read_claims` gave.
@@ -183,7 +183,7 @@ def _settle_report(said: Mapping[str, Any], names: Mapping[str, Any], printed: A
 
 
 def _settle_claim(said: Mapping[str, Any], names: Mapping[str, Any], printed: Any, absent: str) -> Claim:
-    """A claim with its number and its verdict; without them for the reason `absent`, if any."""
+    """Return a claim with its number and its verdict; without them for the reason `absent`, if any."""
     id, what, unit = (said[key].format_map(names) for key in ("id", "what", "unit"))
     words = id, what, _name_source(said, printed)
     published = _published_number(said, names, printed, id)
@@ -218,7 +218,7 @@ def _computed_number(said: Mapping[str, Any], names: Mapping[str, Any], id: str)
 
 
 def _published_number(said: Mapping[str, Any], names: Mapping[str, Any], printed: Any, id: str) -> Any:
-    """The published number; a printed one comes before a computed one of the same name.
+    """Return the published number; a printed one comes before a computed one of the same name.
 
     Raises:
         DataError: no such number is printed.
@@ -241,7 +241,7 @@ def _list_printed(printed: Any) -> Iterator[Any]:
 
 
 def find_number(name: str | float, known: Mapping[str, Any], claim: str) -> Any:
-    """A number by its dotted name, such as `a.rms`; a number stands for itself.
+    """Return a number by its dotted name, such as `a.rms`; a number stands for itself.
 
     Raises:
         DataError: there is none of that name.
@@ -259,7 +259,7 @@ def find_number(name: str | float, known: Mapping[str, Any], claim: str) -> Any:
 def write_digest(
     table: Mapping[str, Any], numbers: Mapping[str, Any], printed: Any, answers: list[Answer]
 ) -> dict[str, str]:
-    """The digest with its numbers; `numbers` are those of all parts, `answers` their claims and reports."""
+    """Return the digest with its numbers; `numbers` are those of all parts, `answers` their claims and reports."""
     told = {kind: _Told({one.id: _blank_unknown(one) for a in answers for one in getattr(a, kind)}) for kind in KINDS}
     names = {**table.get("texts", {}), **vars(printed), **numbers, "printed": printed, **told}
     return {key: " ".join(table["digest"][key].format_map(names).split()) for key in DIGEST}
@@ -269,5 +269,5 @@ KINDS = "claims", "reports"
 
 
 def _blank_unknown(one: Claim | StudyReport) -> SimpleNamespace:
-    """The fields of a claim or report, to be written into a sentence."""
+    """Return the fields of a claim or report, to be written into a sentence."""
     return SimpleNamespace(**{key: _Unknown() if value is None else value for key, value in vars(one).items()})

@@ -38,7 +38,7 @@ def label_axes(axes: Any, title: str, x: str, y: str, legend: str = "") -> None:
 
 
 def add_right_axis(axes: Any, label: str, low: float, high: float, colour: str) -> Any:
-    """A second axis of a panel, on its right and without a grid."""
+    """Return a second axis of a panel, on its right and without a grid."""
     other = axes.twinx()
     other.set_ylabel(label, color=colour)
     other.set_ylim(low, high)

@@ -28,7 +28,7 @@ WIENER_HAMMERSTEIN_RATE = 51200.0
 
 
 def read_silverbox() -> dict[str, Sampled]:
-    """The records `estimation`, `multisine`, `arrow` and `no extrapolation` [V].
+    """Return the records `estimation`, `multisine`, `arrow` and `no extrapolation` [V].
 
     Raises:
         DataError: the data set `silverbox` is not on this machine, or not the one listed.
@@ -49,7 +49,7 @@ def read_silverbox() -> dict[str, Sampled]:
 
 
 def read_wiener_hammerstein() -> dict[str, Sampled]:
-    """The records `estimation` and `test` [V].
+    """Return the records `estimation` and `test` [V].
 
     Raises:
         DataError: the data set `wiener-hammerstein-2009` is not on this machine, or not the one listed.

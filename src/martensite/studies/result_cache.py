@@ -37,7 +37,7 @@ PROGRAMS = 3
 
 
 def cache_results(function: Function) -> Function:
-    """A pure function whose results are kept: in memory, and on disk if that can be written to.
+    """Return a pure function whose results are kept: in memory, and on disk if that can be written to.
 
     Its arguments and results must be such as `pickle` takes, and its arguments hashable.
     """

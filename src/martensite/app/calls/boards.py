@@ -35,7 +35,7 @@ def describe_boards(request: Request, desk: Desk) -> JsonTable:
 
 
 def write_board_firmware(request: Request, desk: Desk) -> dict[str, str]:
-    """The project of a firmware, packed, to be put onto a board.
+    """Return the project of a firmware, packed, to be put onto a board.
 
     {"text": TOML, "board": "uno"} -> {"key": …, "name": …}
     """
@@ -81,7 +81,7 @@ def run_board(request: Request, desk: Desk) -> JsonTable:
 
 
 def _make_project(request: Request, scenario: Scenario, desk: Desk) -> Path:
-    """The project of a scenario for a board, made once."""
+    """Return the project of a scenario for a board, made once."""
     board = require_entry(request, "board", str)
     if not board.isalnum():
         raise BadMessageError("`board` must be the name of one.")

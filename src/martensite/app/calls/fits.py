@@ -63,7 +63,7 @@ def run_fit(request: Request, desk: Desk) -> JsonTable:
 
 
 def search_parameters(arranged: ArrangedFit, watching: FitProgress, path: Path) -> Fit:
-    """The fit, kept in a file.
+    """Return the fit, kept in a file.
 
     Raises:
         SolveError: it was stopped before anything was computed.
@@ -75,7 +75,7 @@ def search_parameters(arranged: ArrangedFit, watching: FitProgress, path: Path) 
 
 
 def _place_state(request: Request, desk: Desk) -> tuple[str, Path]:
-    """A file for the state of the search, with that of an earlier one if it is to go on."""
+    """Return a file for the state of the search, with that of an earlier one if it is to go on."""
     drawer = UploadFolder(desk.folder)
     key, path = drawer.place("search.json")
     if request.get("state") is not None:
@@ -84,7 +84,7 @@ def _place_state(request: Request, desk: Desk) -> tuple[str, Path]:
 
 
 def _keep_fit(request: Request, fit: Fit, desk: Desk, state: str) -> str:
-    """A file from which the call `fit_files` makes others; its key."""
+    """Return a file from which the call `fit_files` makes others; its key."""
     key, path = UploadFolder(desk.folder).place("fit.json")
     ended = {name: getattr(fit, name) for name in ENDED}
     noted = {"request": {**request, "state": None, "finish": False}, "state": state}

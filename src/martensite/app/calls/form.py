@@ -19,7 +19,7 @@ from martensite.base.toml_text import as_toml
 
 
 def build_form(request: Request, desk: Desk) -> ScenarioForm:
-    """The form of a scenario: a control for all that it declares (`forms.form_types`).
+    """Return the form of a scenario: a control for all that it declares (`forms.form_types`).
 
     {"text": TOML, "changes": {path: value}, "removed": [path]} -> `ScenarioForm`
 
@@ -66,7 +66,7 @@ def _describe_missing(missing: Sequence[MissingNumber]) -> MissingNumbers:
 
 
 def _build_control(one: MissingNumber) -> SingleNode:
-    """The control of what is missing; one for a number is empty."""
+    """Return the control of what is missing; one for a number is empty."""
     spot = EntrySpot(one.path, one.name, one.declared, "none")
     if one.declared.kind == "option":
         return controls.describe_option(spot, "")

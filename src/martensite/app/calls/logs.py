@@ -47,7 +47,7 @@ LONG = 100_000
 
 
 def place_sample(request: Request, desk: Desk) -> JsonTable:
-    """A measured log that comes with the package, as if it had been uploaded.
+    """Return a measured log that comes with the package, as if it had been uploaded.
 
     {"load": 172} -> {"key", "name", "bytes"}
     """
@@ -113,7 +113,7 @@ def _describe_column(column: RawColumn, name: str, unit: str) -> JsonTable:
 
 
 def _read_untold(raw: RawTable, path: Path) -> LabFile | None:
-    """The table as it is understood without a word from the reader; none where it cannot be."""
+    """Return the table as it is understood without a word from the reader; none where it cannot be."""
     try:
         return interpret_table(raw, path, {})
     except MartensiteError:
@@ -137,7 +137,7 @@ DRAWN = 800
 
 
 def describe_records(request: Request, desk: Desk) -> JsonTable:
-    """The columns of a mapped table over time, to be looked at, put right and cut.
+    """Return the columns of a mapped table over time, to be looked at, put right and cut.
 
     {"key": …, "columns": [{at, name, unit}], "interval": null, "drop": false, "steps": [], "cuts": [], "further": [] }
     -> {"begin": 0, "end": …, "rows": …, "columns": [{name, times, values, before, unit, shown, …}], "steps": […],
@@ -159,7 +159,7 @@ def describe_records(request: Request, desk: Desk) -> JsonTable:
 
 
 def _draw_column(name: str, record: Record, recorded: Record) -> JsonTable:
-    """A column as it is, and as it was recorded where steps changed it or its rows."""
+    """Return a column as it is, and as it was recorded where steps changed it or its rows."""
     column = record[name]
     before = recorded.columns.get(name, column)
     same = recorded.times == record.times and list(map(repr, before)) == list(map(repr, column))
@@ -328,7 +328,7 @@ def _describe_entry(scenario: Scenario, name: str, group: list[Leaf]) -> JsonTab
 
 
 def _find_bounds(scenario: Scenario, name: str) -> tuple[float | None, float | None]:
-    """The bounds that a fit would choose; none where it has to be told."""
+    """Return the bounds that a fit would choose; none where it has to be told."""
     try:
         (free,) = build_free_numbers([SearchRange(name)], [scenario.system])
     except ParameterError:

@@ -10,7 +10,7 @@ from martensite.base.errors import InputError
 
 
 def build_model(request: Request, desk: Desk) -> JsonTable:
-    """A scenario as the static page has it, with the WebAssembly of its runs.
+    """Return a scenario as the static page has it, with the WebAssembly of its runs.
 
     {"text": TOML, "changes": {…}, "paths": ["mechanism.mass"]} -> {"scenario": {…}, "module": base 64}
 

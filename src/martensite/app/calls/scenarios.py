@@ -25,7 +25,7 @@ from martensite.simulate.result import Result
 
 
 def list_scenarios(request: Request, desk: Desk) -> JsonTable:
-    """The scenarios that come with the package: `{}` -> `{"scenarios": [{name, title, text}]}`."""
+    """Return the scenarios that come with the package: `{}` -> `{"scenarios": [{name, title, text}]}`."""
     return describe_scenarios(list_standalone())
 
 

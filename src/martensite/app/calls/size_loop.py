@@ -19,7 +19,7 @@ SHARE = 0.9
 
 
 def format_loop(request: WireRequest, found: Candidate, text: str) -> str | None:
-    """A candidate with its drive in a loop, between rest and most of the stroke; None if it has no cycle.
+    """Return a candidate with its drive in a loop, between rest and most of the stroke; None if it has no cycle.
 
     The duty is held to what gives the power of the pulse, (V/V_supply)², so that the loop heats no faster than the
     sizing did. Gains are a first guess by proportion: the whole duty at an error of a tenth of the stroke, and a reset

@@ -55,7 +55,7 @@ def _write_default(declared: Declared) -> str:
 
 
 def read_fields(request: Request) -> dict[str, str]:
-    """The fields of a message that are filled in.
+    """Return the fields of a message that are filled in.
 
     Raises:
         BadMessageError: one is not text, too long, or not known.
@@ -95,7 +95,7 @@ def convert_fields(given: Mapping[str, str]) -> tuple[JsonTable, dict[str, str]]
 
 
 def read_request(request: Request) -> WireRequest:
-    """The request of a message.
+    """Return the request of a message.
 
     Raises:
         InputError: a field is missing or wrong, or the fields contradict each other.
@@ -112,7 +112,7 @@ def read_request(request: Request) -> WireRequest:
 
 
 def describe_sizing(request: Request, desk: Desk) -> JsonTable:
-    """The form of a sizing: its fields, and what is wrong with what is typed into them.
+    """Return the form of a sizing: its fields, and what is wrong with what is typed into them.
 
     {"fields": {"force": "8 N", …}} -> {"fields": [declared…], "refused": {name: sentence},
                                         "contradiction": sentence or "", "example": {…}}
@@ -207,7 +207,7 @@ CATALOGUE_FIELDS = ("stress", "ambient", "alloy")
 
 
 def compare_catalogue(request: Request, desk: Desk) -> JsonTable:
-    """The model beside the maker's table of wires. Long work; stopped, it ends with what is there.
+    """Return the model beside the maker's table of wires. Long work; stopped, it ends with what is there.
 
     {"fields": {"stress": …, "ambient": …, "alloy": …}} -> {"columns": […], "rows": [[…]], …}
 

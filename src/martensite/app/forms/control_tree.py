@@ -68,7 +68,7 @@ class ControlWalk:
         registry: Registry[Any] | None = None,
         default: Any = REQUIRED,
     ) -> GroupNode:
-        """The controls of a component, those of its components in groups below."""
+        """Return the controls of a component, those of its components in groups below."""
         made = build_group(self.written(path), spell_title(title), meaning=meaning)
         if registry is not None and part.registered_name:
             made["kind"] = self._kind(part, path, registry, default)
@@ -168,7 +168,7 @@ def place_units(drive_unit: str) -> Callable[[Leaf], str]:
 
 
 def build_group(path: str, title: str, items: Sequence[FormNode] = (), note: str = "", meaning: str = "") -> GroupNode:
-    """A group without a kind."""
+    """Return a group without a kind."""
     return {
         "sort": "group",
         "path": path,
@@ -181,7 +181,7 @@ def build_group(path: str, title: str, items: Sequence[FormNode] = (), note: str
 
 
 def join_path(begin: str, path: str) -> str:
-    """A path below a beginning that ends in a dot."""
+    """Return a path below a beginning that ends in a dot."""
     return f"{begin}{path}" if path else begin.removesuffix(".")
 
 

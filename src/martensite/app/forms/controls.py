@@ -98,7 +98,7 @@ class EntrySpot:
 
 
 def describe_number(spot: EntrySpot, value: float | None, unit: str) -> NumberNode:
-    """A number in an SI unit, with its range; None for one that is not given yet."""
+    """Return a number in an SI unit, with its range; None for one that is not given yet."""
     declared = replace(spot.declared, unit=unit)
     default = None if declared.default is REQUIRED else declared.default
     size = None if value is None or is_unlimited(value, declared) else value
@@ -122,7 +122,7 @@ def describe_number(spot: EntrySpot, value: float | None, unit: str) -> NumberNo
 
 
 def word_range(declared: Declared) -> str:
-    """The allowed range in words."""
+    """Return the allowed range in words."""
     low, high = (word_quantity(bound, declared.unit) for bound in declared.bounds)
     least, most = f"{'above' if declared.open_low else 'at least'} {low}", f"at most {high}"
     if math.isinf(declared.low):
@@ -137,13 +137,13 @@ def _is_same(one: float, other: float) -> bool:
 
 
 def describe_option(spot: EntrySpot, value: str) -> OptionNode:
-    """A choice between words."""
+    """Return a choice between words."""
     changed = spot.declared.default not in (REQUIRED, value)
     return {**spot.common(changed), "sort": "option", "value": value}
 
 
 def describe_text(spot: EntrySpot, value: str | Sequence[str]) -> TextNode:
-    """A free text, or several."""
+    """Return a free text, or several."""
     default = spot.declared.default
     return {
         **spot.common(default not in (REQUIRED, value)),
@@ -154,7 +154,7 @@ def describe_text(spot: EntrySpot, value: str | Sequence[str]) -> TextNode:
 
 
 def describe_row(spot: EntrySpot, value: Any) -> RowNode:
-    """A list of numbers or quantities, or a whole number, as the document holds it."""
+    """Return a list of numbers or quantities, or a whole number, as the document holds it."""
     several = isinstance(value, (list, tuple))
     items = list(value) if several else [value]
     return {
@@ -167,7 +167,7 @@ def describe_row(spot: EntrySpot, value: Any) -> RowNode:
 
 
 def print_unit(unit: str) -> str:
-    """A unit as it is read, such as W/(m²·K); empty for 1."""
+    """Return a unit as it is read, such as W/(m²·K); empty for 1."""
     text = {"1": "", units.DEGREES: "K"}.get(unit, unit)
     over, *under = text.split("/")
     below = "·".join(under)
@@ -197,13 +197,13 @@ def describe_display(unit: str, value: float | None = None) -> DisplayUnit:
 
 
 def word_quantity(value: float, unit: str) -> str:
-    """A number in SI as a person reads it, such as `75 GPa`."""
+    """Return a number in SI as a person reads it, such as `75 GPa`."""
     how = describe_display(unit, value)
     return f"{value * how['factor'] + how['offset']:.6g} {how['label']}".strip()
 
 
 def describe_origin(noted: str, name: str, material: Material | None) -> Origin:
-    """An origin as `Scenario.origins` notes it, told in full.
+    """Return an origin as `Scenario.origins` notes it, told in full.
 
     Its sort is scenario, default, plant, start, none, law or material; a number of the material has
     its kind, source and place as well, and whether it is doubtful.
@@ -219,7 +219,7 @@ def describe_origin(noted: str, name: str, material: Material | None) -> Origin:
 
 
 def describe_source(material: Material, number: MaterialNumber) -> Origin:
-    """A number of a material with its source."""
+    """Return a number of a material with its source."""
     source = material.sources[number.source]
     return {
         "sort": "material",

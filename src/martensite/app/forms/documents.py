@@ -18,7 +18,7 @@ def find_entry(document: Request, path: str) -> Any:
 
 
 def find_table(document: Request, path: str) -> JsonTable:
-    """The table at a path; a bare text is its kind, and nothing an empty one."""
+    """Return the table at a path; a bare text is its kind, and nothing an empty one."""
     found = find_entry(document, path)
     if isinstance(found, str):
         return {"kind": found}

@@ -96,7 +96,7 @@ def _find_spot(scenario: Scenario, path: str) -> GroupSpot:
 def _put_kind(
     scenario: Scenario, document: JsonTable, path: str, spot: GroupSpot, cls: type[Parametrised], fresh: bool
 ) -> ChangedScenario:
-    """The document with a table for another class where the kind of a part stands."""
+    """Return the document with a table for another class where the kind of a part stands."""
     made, place, registry = deepcopy(document), path.removesuffix(f".{KIND}"), spot.registry
     was, old = type(spot.part), documents.find_table(made, place)
     elsewhere = {"controller": (PERIOD, REFERENCE, MODEL), "observer": (MODEL,)}
@@ -143,7 +143,7 @@ def _keep_entries(
 
 
 def with_material(document: JsonTable, name: str) -> ChangedScenario:
-    """The document with another material; a law that it cannot serve goes to one that it can."""
+    """Return the document with another material; a law that it cannot serve goes to one that it can."""
     made = deepcopy(document)
     material = load_material(name, FOLDER) if name else None
     old = documents.find_table(made, "element")

@@ -43,7 +43,7 @@ TITLE_ENTRY = Declared("text", "what the scenario is called", REQUIRED)
 
 
 def describe_scenario(scenario: Scenario) -> ScenarioForm:
-    """The form of a scenario as it is."""
+    """Return the form of a scenario as it is."""
     return {
         "text": scenario.text,
         "title": scenario.title,
@@ -99,7 +99,7 @@ class FormSections:
             yield {**self.walk.group(supply, f"{self.prefix}supply", SUPPLY, "what all sources share"), "title": SUPPLY}
 
     def _environment(self, port: Any, walk: ControlWalk) -> GroupNode:
-        """The surroundings; a drive that sets the temperature needs no heat-loss model."""
+        """Return the surroundings; a drive that sets the temperature needs no heat-loss model."""
         made = walk.group(port.environment, f"{self._port_prefix}environment", ENVIRONMENT)
         made["note"] = self._shared_note
         idle = documents.find_entry(self.document, COOLING) is None
@@ -121,7 +121,7 @@ class FormSections:
         return "The same at every port; [actuators] says what is different." if (self._has_ports) else ""
 
     def _describe_common(self) -> tuple[Any, ControlWalk]:
-        """An actuator, and how its numbers are reached: those of all ports in the common sections.
+        """Return an actuator, and how its numbers are reached: those of all ports in the common sections.
 
         Of several the one is taken that has least for itself.
         """
@@ -266,7 +266,7 @@ def describe_bench(scenario: Scenario, walk: ControlWalk) -> Iterator[GroupNode]
 
 
 def _describe_part(walk: ControlWalk, part: Parametrised, path: str, title: str) -> GroupNode:
-    """A part by its name; the kind of a sensor is that of what is mounted."""
+    """Return a part by its name; the kind of a sensor is that of what is mounted."""
     from martensite.scenario.catalogue import list_registries
 
     name = path.partition(".")[0].removesuffix("s")

@@ -24,7 +24,7 @@ from martensite.signals.base import DRIVE, WAVEFORMS
 
 
 def relax_surroundings(scenario: Scenario, one: ChangedScenario) -> Iterator[ChangedScenario]:
-    """A candidate, and those that keep less of what is around the system."""
+    """Yield a candidate, and those that keep less of what is around the system."""
     yield one
     less = _keep_single_port(scenario, one)
     if less is not None:

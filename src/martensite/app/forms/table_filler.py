@@ -70,7 +70,7 @@ class TableFiller:
     def table(
         self, cls: PartClass, registry: Kinds, old: JsonTable, path: str, was: PartClass | None = None
     ) -> JsonTable:
-        """The table of a class from that of another one, or from its own, completed."""
+        """Return the table of a class from that of another one, or from its own, completed."""
         was = was or cls
         made: JsonTable = {KIND: cls.registered_name} if registry is not None else {}
         if was is cls:
@@ -150,7 +150,7 @@ class TableFiller:
         return self._fill_chosen(name, declared, given, path)
 
     def _fill_known(self, cls: PartClass, registry: Kinds, name: str, given: Any, path: str) -> Any:
-        """A component whose class is known, or a row of numbers."""
+        """Return a component whose class is known, or a row of numbers."""
         declared, inner = cls.declarations[name], component_class(cls, name)
         if inner is None or is_members(inner) or not isinstance(inner.declarations, dict):
             return self._begin_row(declared, path) if given is None else given
@@ -182,7 +182,7 @@ class TableFiller:
         return self.table(registry[read_kind(start)[KIND]], registry, old, path, was)
 
     def _fill_chosen(self, name: str, declared: Declared, given: Any, path: str) -> Any:
-        """A component from a registry, completed; None if the one that is meant needs nothing."""
+        """Return a component from a registry, completed; None if the one that is meant needs nothing."""
         registry = cast("Registry[Any]", declared.registry)
         full = read_kind(given) if given is not None else {}
         meant = self._find_meant(name, declared, full)
@@ -212,7 +212,7 @@ class TableFiller:
 
 
 def read_kind(value: Any) -> JsonTable:
-    """A table; a bare text is its kind, and nothing is empty."""
+    """Return a table; a bare text is its kind, and nothing is empty."""
     return {KIND: value} if isinstance(value, str) else dict(cast("JsonTable", value or {}))
 
 
@@ -221,7 +221,7 @@ def _is_alike(one: Declared, other: Declared) -> bool:
 
 
 def without_material(table: JsonTable, material: Material | None) -> JsonTable:
-    """A table of an element without numbers that a material has, at any depth."""
+    """Return a table of an element without numbers that a material has, at any depth."""
     if material is None:
         return table
     return {

@@ -27,7 +27,7 @@ def _name_files(fit: Fit) -> list[str]:
 
 
 def write_command(request: Request, fit: Fit, proposal: Proposal | None) -> str:
-    """The command that fits the same scenario to the same records."""
+    """Return the command that fits the same scenario to the same records."""
     words = ["martensite", "fit", *_name_files(fit), "--scenario", SCENARIO]
     units = {free.name.partition("@")[0]: free.unit for free in fit.problem.free}
     words += ["--free", ",".join(_write_range(one, units) for one in request.get("free", []))]

@@ -42,13 +42,13 @@ class FitJudgement:
 
 
 def judge_fit(fit: Fit) -> FitJudgement:
-    """The sentences of a fit, sorted by what they mean for its use."""
+    """Return the sentences of a fit, sorted by what they mean for its use."""
     against = [*warn_of_baselines(fit), *warn_of_misses(fit)]
     return FitJudgement(against, [*warn_of_search(fit), *warn_of_predictions(fit), *warn_of_directions(fit)])
 
 
 def describe_judgement(fit: Fit, proposal: Proposal | None) -> JsonTable:
-    """The verdict as the page shows it."""
+    """Return the verdict as the page shows it."""
     found = judge_fit(fit)
     marks = {free.name: mark_parameter(fit, free.name) for free in fit.problem.free if not is_nuisance(free.path)}
     return {

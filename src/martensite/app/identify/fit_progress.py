@@ -112,7 +112,7 @@ def model_curves(one: Experiment, model: Any) -> list[list[float]]:
 
 
 def describe_measured(one: Experiment) -> JsonTable:
-    """A record as it was measured, at the rows that are drawn."""
+    """Return a record as it was measured, at the rows that are drawn."""
     rows, known = choose_rows(len(one.times), MOST_CORNERS), one.system.outputs()
     return {
         "name": one.name,
@@ -131,7 +131,7 @@ def describe_measured(one: Experiment) -> JsonTable:
 
 
 def describe_parameter(free: FreeNumber) -> JsonTable:
-    """A parameter that is searched: where from, between which bounds, shown in which unit."""
+    """Return a parameter that is searched: where from, between which bounds, shown in which unit."""
     how = describe_conversion(free.unit, units.choose_familiar_unit(free.start, free.unit))
     if is_nuisance(free.path):
         how = describe_difference(free.path.removeprefix("offset."), free.unit)
@@ -223,7 +223,7 @@ def _find_axis(one: ComparedOutput, rows: list[int]) -> JsonTable | None:
 
 
 def fitted_text(fit: Fit) -> str:
-    """The scenario of the first record with the fitted numbers, and with its log in it."""
+    """Return the scenario of the first record with the fitted numbers, and with its log in it."""
     scenario, first = fit.scenario, fit.problem.experiments[0]
     if scenario is None:
         return ""

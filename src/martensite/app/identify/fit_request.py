@@ -70,7 +70,7 @@ def read_task(request: Request, desk: Desk) -> FitTask:
 
 
 def find_proposal(request: Request, desk: Desk) -> Proposal | None:
-    """The proposal that a request goes by, for its logs as they are now.
+    """Return the proposal that a request goes by, for its logs as they are now.
 
     Raises:
         DataError: nothing is proposed by that name.
@@ -85,7 +85,7 @@ def list_assumptions(request: Request, desk: Desk) -> list[str]:
 
 
 def list_rows(request: Request, desk: Desk) -> list[Record]:
-    """The records that a scenario is to explain: those of a proposal, or those of the logs."""
+    """Return the records that a scenario is to explain: those of a proposal, or those of the logs."""
     proposal = find_proposal(request, desk)
     return list(proposal.rows) if proposal else read_records(request, desk)
 

@@ -103,7 +103,7 @@ def follow_column(document: JsonTable, path: str, column: str, unit: str) -> Jso
 
 
 def embed_log(scenario: Scenario, log: Record, numbers: Mapping[str, str]) -> str:
-    """The document of a scenario with other numbers, by dotted path, that needs no log.
+    """Return the document of a scenario with other numbers, by dotted path, that needs no log.
 
     Args:
         scenario: that may follow a log.
@@ -124,7 +124,7 @@ def embed_log(scenario: Scenario, log: Record, numbers: Mapping[str, str]) -> st
 
 
 def _list_corners(record: Record, column: str, held: bool) -> JsonTable:
-    """A waveform through the corners of a column, which may be held from row to row."""
+    """Return a waveform through the corners of a column, which may be held from row to row."""
     known = [(t, x) for t, x in zip(record.times, record[column], strict=True) if math.isfinite(x)]
     known = hold_levels(known) if held else known
     times, values = zip(*known, strict=True)

@@ -26,7 +26,7 @@ LOOPS = {"isobaric": "temperature", "isothermal": "strain"}
 
 
 def find_kind(records: Sequence[Record]) -> ExperimentKind | None:
-    """The experiment of some records; none where it cannot be told."""
+    """Return the experiment of some records; none where it cannot be told."""
     try:
         return recognise_experiment(records)
     except MartensiteError:
@@ -76,7 +76,7 @@ class ProposedModels:
     notes: Sequence[str]
 
     def find(self, name: str) -> Proposal:
-        """The proposal of a name.
+        """Return the proposal of a name.
 
         Raises:
             DataError: there is none.
@@ -99,7 +99,7 @@ def propose_models(records: Sequence[Record], settings: Mapping[str, str]) -> Pr
 
 
 def describe_proposal(one: Proposal) -> JsonTable:
-    """A proposal as the page takes it: its scenario, and what is free in it in SI."""
+    """Return a proposal as the page takes it: its scenario, and what is free in it in SI."""
     system = read_scenario(one.text, log=one.rows[0]).system
     return {
         "name": one.name,

@@ -54,7 +54,7 @@ def read_file(request: Request, desk: Desk) -> LabFile:
 
 
 def prepare_log(request: Request, desk: Desk) -> Prepared:
-    """The first log as it is fitted: its own steps, then what is merged with it; and what was done, in words."""
+    """Return the first log as it is fitted: its own steps, then what is merged with it; and what was done, in words."""
     file = read_file(request, desk)
     own = prepare_record(file.record, list_steps(request))
     merged = [one for one in list_further(request) if require_entry(one, "merge", bool, False)]
@@ -76,7 +76,7 @@ def _prepare_file(request: Request, desk: Desk) -> tuple[LabFile, tuple[str, ...
 
 
 def read_record(request: Request, desk: Desk) -> Record:
-    """The whole of the first log, as it is fitted."""
+    """Return the whole of the first log, as it is fitted."""
     return prepare_log(request, desk).record
 
 
@@ -171,7 +171,7 @@ def _require_table(entry: Any, name: str) -> JsonTable:
 def _read_file(
     path: Path, columns: tuple[tuple[int, str, str], ...], interval: float | None, drop: bool, separator: str
 ) -> LabFile:
-    """A file as it was recorded; the last ones are remembered."""
+    """Return a file as it was recorded; the last ones are remembered."""
     raw = read_raw(path, separator)
     headings = {at: f"{name} [{unit}]" if unit else name for at, name, unit in columns}
     wrong = next((at for at in headings if not 0 <= at < len(raw.columns)), None)

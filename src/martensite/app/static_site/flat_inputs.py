@@ -79,7 +79,7 @@ def list_waveforms(scenario: Scenario) -> list[AbstractWaveform]:
 
 
 def list_inputs(scenario: Scenario, shapes: Sequence[DriveShape] | None = None) -> FlatInputs:
-    """The numbers of a scenario; with the shapes of an earlier one as many segments as there.
+    """Return the numbers of a scenario; with the shapes of an earlier one as many segments as there.
 
     Raises:
         ValueError: its waveforms need more segments than these shapes have.

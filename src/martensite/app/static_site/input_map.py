@@ -83,7 +83,7 @@ class MappedControl:
         return self.node["path"]
 
     def change(self, name: str, value: float) -> float:
-        """The change of the function of which a number follows."""
+        """Return the change of the function of which a number follows."""
         function = FUNCTIONS[self.terms[name][0]]
         return function(value) - function(self.value)
 
@@ -92,7 +92,7 @@ Pair = tuple[int, int]
 
 
 def _invert(value: float, inverted: bool) -> float:
-    """A number, or its inverse."""
+    """Return a number, or its inverse."""
     return (1.0 / value if value else math.inf) if inverted else value
 
 
@@ -118,7 +118,7 @@ class InputMap:
     rows: list[NumberRow] = field(default_factory=list[NumberRow])
 
     def predict(self, changes: Mapping[int, float]) -> dict[str, float]:
-        """The numbers under changes of controls."""
+        """Return the numbers under changes of controls."""
         found, moved = dict(self.numbers), dict[str, dict[int, float]]()
         for k, value in changes.items():
             for name in self.controls[k].terms:
@@ -136,7 +136,7 @@ class InputMap:
 
 
 def measure_map(text: str, only: Collection[str] | None = None) -> InputMap:
-    """The map of a scenario, of all controls or of those at some paths."""
+    """Return the map of a scenario, of all controls or of those at some paths."""
     return _Measurement(text).measure(only)
 
 
@@ -188,7 +188,7 @@ class _Measurement:
     # ------------------------------------------------------------ building
 
     def build(self, changes: Sequence[tuple[NumberNode, float]]) -> dict[str, float]:
-        """The numbers under changes of controls."""
+        """Return the numbers under changes of controls."""
         settings = self._write_settings(changes)
         try:
             scenario = build_packaged(self.text, settings)
@@ -267,7 +267,7 @@ class _Measurement:
     # ------------------------------------------------------------ single controls
 
     def _begin_control(self, node: NumberNode) -> MappedControl:
-        """A control with the functions of what follows from it, from two values beside its own."""
+        """Return a control with the functions of what follows from it, from two values beside its own."""
         slider, value = node["slider"], node["value"]
         if slider is None or value is None:
             raise UnmappedError("it has no slider")
@@ -289,7 +289,7 @@ class _Measurement:
         raise UnmappedError(reason)
 
     def _choose_value(self, control: MappedControl, end: float, share: float) -> float:
-        """A value of a share of the way to an end."""
+        """Return a value of a share of the way to an end."""
         slider, value = control.node["slider"], control.value
         log = slider is not None and slider["log"] and value > 0.0 and end > 0.0
         found = value * (end / value) ** share if log else value + share * (end - value)
@@ -323,7 +323,7 @@ class _Measurement:
         return found
 
     def _choose_function(self, control: MappedControl, name: str, inverted: bool) -> tuple[str, float] | None:
-        """The function through the rows of a control; None if no known one is."""
+        """Return the function through the rows of a control; None if no known one is."""
         before = _invert(self.map.numbers[name], inverted)
         rows = [(x, _invert(row[name], inverted)) for x, row in control.rows]
         at, value = rows[0]
@@ -384,7 +384,7 @@ class _Measurement:
                 made.apart.add((a, b))
 
     def _begin_item(self, node: NumberNode) -> MappedControl:
-        """A number of a row, from one trial."""
+        """Return a number of a row, from one trial."""
         slider, value = node["slider"], node["value"]
         if slider is None or value is None:
             raise UnmappedError("it has no slider")
@@ -435,7 +435,7 @@ class _Measurement:
         made.apart -= {pair for one, other in made.ordered for pair in ((one, other), (other, one))}
 
     def _find_order(self, pair: Pair) -> Pair | None:
-        """A pair that a builder refuses in the wrong order only, the smaller one first."""
+        """Return a pair that a builder refuses in the wrong order only, the smaller one first."""
         (a, one), (b, two) = sorted(((k, self.map.controls[k]) for k in pair), key=lambda item: item[1].value)
         low, high = max(one.low, two.low), min(one.high, two.high)
         if one.node["unit"] != two.node["unit"] or one.value >= two.value or low >= high:
@@ -461,7 +461,7 @@ def _is_same(one: float, other: float, slack: float = 1.0) -> bool:
 
 
 def write_quantity(node: NumberNode, value: float) -> str | float:
-    """A value in SI as the page sends it."""
+    """Return a value in SI as the page sends it."""
     shown = value * node["factor"] + node["offset"]
     number = float(f"{shown:.15g}")
     if node["slider"] is not None and node["slider"]["whole"]:

@@ -33,7 +33,7 @@ class NumberRow:
 
 
 def list_rows(form: ScenarioForm) -> Iterator[RowNode]:
-    """The rows of which the unit is known: values of tables, of a drive or of a reference."""
+    """Yield the rows of which the unit is known: values of tables, of a drive or of a reference."""
     waiting = list[object](form["sections"])
     while waiting:
         one = cast("JsonTable", waiting.pop(0))

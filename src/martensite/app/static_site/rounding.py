@@ -33,7 +33,7 @@ Columns = Mapping[str, Sequence[float]]
 
 
 def measure_rounding(scenario: Scenario, *others: Result) -> float:
-    """The most by which columns move with the last digits, as a share of their ranges; 0.0 up to `CLOSE`.
+    """Return the most by which columns move with the last digits, as a share of their ranges; 0.0 up to `CLOSE`.
 
     Args:
         scenario: the run.
@@ -57,7 +57,7 @@ def measure_rounding(scenario: Scenario, *others: Result) -> float:
 
 
 def compare_columns(ours: Columns, others: Columns, least: Mapping[str, float]) -> float:
-    """The largest difference: of the range of a column or the least that counts, of constants of their size."""
+    """Return the largest difference: of the range of a column or the least that counts, of constants of their size."""
     worst = 0.0
     for name, one in ours.items():
         other = others[name]

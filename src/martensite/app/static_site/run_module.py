@@ -48,7 +48,7 @@ class RunSource:
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
     def compile(self) -> bytes:
-        """The module."""
+        """Return the module."""
         files = {"run.c": self.run, "first.c": self.first, "math.h": write_math(), "string.h": STRING}
         names = EXPORTED["march" if self.march == "given" else "march_on"]
         exported = [f"-Wl,--export={name}" for name in (*names, "list_losses")]
@@ -56,7 +56,7 @@ class RunSource:
 
 
 def write_source(scenario: Scenario, waves: Sequence[AbstractWaveform]) -> RunSource:
-    """The C for a scenario, and all of the same structure."""
+    """Return the C for a scenario, and all of the same structure."""
     system = scenario.whole
     compiled = compile_march(system)
     outputs = tuple(range(len(compiled.outputs)))
@@ -69,7 +69,7 @@ def write_source(scenario: Scenario, waves: Sequence[AbstractWaveform]) -> RunSo
 
 
 def describe_layout(compiled: CompiledMarch, source: RunSource) -> dict[str, Any]:
-    """The lengths of what a module reads and writes."""
+    """Return the lengths of what a module reads and writes."""
     return {
         "march": source.march,
         "size": compiled.size,

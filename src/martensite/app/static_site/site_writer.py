@@ -93,7 +93,7 @@ def can_offer(text: str) -> bool:
 
 
 def describe_scenario_files(name: str, text: str) -> tuple[Mapping[str, bytes], JsonTable]:
-    """The files of a scenario, and its entry in the manifest."""
+    """Return the files of a scenario, and its entry in the manifest."""
     made = measure_map(text)
     source = write_source(made.scenario, list_waveforms(made.scenario))
     module = name_module(source)
@@ -104,7 +104,7 @@ def describe_scenario_files(name: str, text: str) -> tuple[Mapping[str, bytes], 
 
 
 def name_module(source: RunSource) -> str:
-    """The file of a module: by what is compiled, so that scenarios of one structure share it."""
+    """Return the file of a module: by what is compiled, so that scenarios of one structure share it."""
     return f"{source.digest}.wasm"
 
 
@@ -171,6 +171,6 @@ def copy_page(folder: Path) -> None:
 
 
 def measure_folder(folder: Path) -> FolderSize:
-    """The weight of all files in a folder."""
+    """Return the weight of all files in a folder."""
     files = [path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()]
     return FolderSize(len(files), sum(map(len, files)), sum(len(compress(one, 9)) for one in files))

@@ -33,5 +33,5 @@ def describe_stepped(text: str, paths: tuple[str, ...]) -> JsonTable:
 
 @functools.lru_cache(KEPT)
 def _compile_source(source: RunSource) -> str:
-    """The module in base 64: compiled once for every structure."""
+    """Return the module in base 64: compiled once for every structure."""
     return base64.b64encode(source.compile()).decode()

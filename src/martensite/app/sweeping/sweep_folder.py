@@ -46,13 +46,13 @@ class SweepFolder:
         return self.folder / STORES
 
     def new(self, title: str) -> tuple[str, Path]:
-        """A new key, and where its store shall be; nothing is made there."""
+        """Return a new key, and where its store shall be; nothing is made there."""
         key = make_key()
         self.place.mkdir(parents=True, exist_ok=True)
         return key, self.place / f"{make_slug(title)}-{key}.zarr"
 
     def path(self, key: str) -> Path:
-        """The store of a key.
+        """Return the store of a key.
 
         Raises:
             DataError: there is none.
@@ -122,7 +122,7 @@ def measure_bytes(path: Path) -> int:
 
 
 def summarise_store(key: str, path: Path) -> JsonTable:
-    """A line about a sweep: `state` is running, done, stopped or unreadable."""
+    """Return a line about a sweep: `state` is running, done, stopped or unreadable."""
     told = {"key": key, "path": str(path), "bytes": measure_bytes(path), "made": path.stat().st_mtime}
     try:
         store = Store(path)

@@ -68,7 +68,7 @@ def read_workers(request: Request) -> SweepExecution:
 
 
 def parse_step(words: str) -> float | None:
-    """A longest step [s]; None if the library shall choose it."""
+    """Return a longest step [s]; None if the library shall choose it."""
     if not words:
         return None
     found = units.parse_quantity(words, "s")
@@ -78,7 +78,7 @@ def parse_step(words: str) -> float | None:
 
 
 def require_size(plan: SweepPlan) -> SweepPlan:
-    """A plan that is not too large for the page.
+    """Return a plan that is not too large for the page.
 
     Raises:
         ParameterError: it is.
@@ -92,7 +92,7 @@ def require_size(plan: SweepPlan) -> SweepPlan:
 
 
 def read_texts(request: Request, name: str, default: Any = ...) -> tuple[str, ...]:
-    """A list of texts of a message.
+    """Return a list of texts of a message.
 
     Raises:
         BadMessageError: it is missing without a default, or holds something else, or too much.
@@ -125,7 +125,7 @@ class FieldFaults(dict[str, str]):
 
 
 def check_request(scenario: Scenario, request: Request) -> tuple[SweepPlan | None, FieldFaults]:
-    """The plan that a request asks for, or what is wrong with it, by field of the form.
+    """Return the plan that a request asks for, or what is wrong with it, by field of the form.
 
     Fields are `over.0`, `over.1` …, `sample`, `seed`, `measures.0` …, `step`, `runtime`,
     `workers`, and `` (the whole).

@@ -70,7 +70,7 @@ def describe_difference(name: str, unit: str) -> JsonTable:
 
 
 def describe_conversion(unit: str, spelling: str) -> JsonTable:
-    """A SI unit, the unit it is shown in, and how: shown = SI · factor + offset."""
+    """Return a SI unit, the unit it is shown in, and how: shown = SI · factor + offset."""
     offset = units.from_si(0.0, spelling, unit)
     return {
         "unit": unit,

@@ -32,7 +32,7 @@ SAME = frozenset({"detach", "store", "implicit_root"})
 
 
 def write_number(value: float) -> float | str:
-    """A number as JavaScript reads it, which knows what is infinite by name."""
+    """Return a number as JavaScript reads it, which knows what is infinite by name."""
     return value if math.isfinite(value) else "NaN" if math.isnan(value) else f"{'-' * (value < 0.0)}Infinity"
 
 
@@ -46,11 +46,11 @@ class Formulas:
         self._forced = forced
 
     def leaf(self, kind: str, name: str, value: float) -> RecordedNumber:
-        """A parameter or a column, with its value here and now."""
+        """Return a parameter or a column, with its value here and now."""
         return self._add([kind, name], value)
 
     def constant(self, value: Any) -> RecordedNumber:
-        """A number, or true or false, that is known."""
+        """Return a number, or true or false, that is known."""
         if isinstance(value, RecordedNumber):
             return value
         number = float(value)
@@ -185,23 +185,23 @@ class RecordedNumber:
         return whole
 
     def __format__(self, form: str) -> str:
-        """A place in a text where the browser writes the number."""
+        """Return a place in a text where the browser writes the number."""
         return f"\x02{self.row}:{form}\x03"
 
 
 def rebuild_recorded(whole: AbstractSystem, table: Formulas) -> AbstractSystem:
-    """A system, of a bench its plant, with recorded numbers for parameters."""
+    """Return a system, of a bench its plant, with recorded numbers for parameters."""
     found = record_part(whole, "", table)
     return found.plant if isinstance(found, Bench) else found
 
 
 def record_part(part: Any, path: str, table: Formulas) -> Any:
-    """A part that stands at a path, with a dot behind it, with recorded numbers for parameters."""
+    """Return a part that stands at a path, with a dot behind it, with recorded numbers for parameters."""
     return part.rebuilt({leaf.path: table.leaf("p", path + leaf.path, leaf.value) for leaf in part.leaves()})
 
 
 def locate_part(whole: Parametrised, part: object) -> str | None:
-    """The path of a part with a dot behind it; None if it is not in the tree."""
+    """Return the path of a part with a dot behind it; None if it is not in the tree."""
     for name, child in whole.children():
         below = "" if child is part else locate_part(child, part)
         if below is not None:

@@ -74,7 +74,7 @@ def describe_formulas(scenario: Scenario, result: Result) -> JsonTable:
 
 
 def list_parameters(scenario: Scenario, views: JsonTable) -> dict[str, float | str]:
-    """The parameters that some formulas take, by path."""
+    """Return the parameters that some formulas take, by path."""
     asked = {row[1] for one in views.values() for row in one["rows"] if row[0] == "p"}
     return {leaf.path: write_number(leaf.value) for leaf in scenario.whole.leaves() if leaf.path in asked}
 
@@ -123,7 +123,7 @@ def _describe_law(port: str, one: Actuator) -> JsonTable:
 
 
 def _list_doubts(scenario: Scenario, result: Result, port: str) -> list[JsonTable]:
-    """The stress from which its law is doubtful and the sentence, for every outcome of what the law asks."""
+    """Return the stress from which its law is doubtful and the sentence, for every outcome of what the law asks."""
     known = result.system.actuators()[port].element.law
     path = locate_part(scenario.whole, known)
     if not isinstance(known, AbstractLaw):

@@ -25,7 +25,7 @@ NOT_RECORDED = (
 
 
 def describe_shapes(whole: AbstractSystem, result: Result) -> JsonTable:
-    """The drawing of the mechanism; or a sentence, if it cannot be recorded."""
+    """Return the drawing of the mechanism; or a sentence, if it cannot be recorded."""
     table = Formulas()
     system, columns = rebuild_recorded(whole, table), result.columns
     outputs: Any = {name: table.leaf("y", name, columns[name][0]) for name in system.mechanism.outputs()}

@@ -56,7 +56,7 @@ class TracePanel:
 
 
 def list_panels(result: Result, *, repeated: bool = False) -> list[JsonTable]:
-    """The panels over time, from top to bottom; with columns that repeat an earlier one only if asked for."""
+    """Return the panels over time, from top to bottom; with columns that repeat an earlier one only if asked for."""
     panels: dict[str, TracePanel] = {}
     homes = _find_homes(result)
     for name in result.columns:
@@ -181,7 +181,7 @@ def list_margins(result: Result, alarm: Alarm, port: str) -> tuple[Numbers, Numb
 
 
 def _name_judged(result: Result, alarm: Alarm, port: str) -> str:
-    """The column that an alarm is about: of an actuator, or of the supply of all."""
+    """Return the column that an alarm is about: of an actuator, or of the supply of all."""
     return alarm.quantity if alarm.kind == "rig" else result.system.label(port, alarm.quantity)
 
 

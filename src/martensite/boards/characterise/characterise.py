@@ -53,7 +53,7 @@ def list_unknown(bench: Bench, names: Sequence[str], widths: Mapping[str, float]
 
 
 def plan_courses(bench: Bench, unknown: Sequence[UnknownNumber], budget: float) -> ChosenCourses:
-    """The courses that tell most of a wire within a time [s], none of which heats it above its limit.
+    """Return the courses that tell most of a wire within a time [s], none of which heats it above its limit.
 
     Raises:
         InputError: the plant has several wires, or the element no temperature limit.
@@ -111,5 +111,5 @@ def describe_fit(found: Fit) -> list[Block]:
 
 
 def name_logs(folder: Path, courses: Sequence[DutyCourse]) -> list[Path]:
-    """A file for the log of every course."""
+    """Return a file for the log of every course."""
     return [folder / f"{k + 1:02d}_{one.name.replace(' ', '_')}.csv" for k, one in enumerate(courses)]

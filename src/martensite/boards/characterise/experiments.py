@@ -45,7 +45,7 @@ class DutyCourse:
         return DutyCourse(self.name, levels)
 
     def sample(self, step: float) -> NDArray[np.float64]:
-        """The duty in every step [s]."""
+        """Return the duty in every step [s]."""
         return np.concatenate([np.full(max(1, round(length / step)), duty) for length, duty in self.levels])
 
 

@@ -67,7 +67,7 @@ class ChosenCourses:
 def choose_courses(
     bench: Bench, unknown: Sequence[UnknownNumber], candidates: Sequence[DutyCourse], *, limit: float, budget: float
 ) -> ChosenCourses:
-    """The safe courses that tell most within a time.
+    """Return the safe courses that tell most within a time.
 
     Args:
         bench: plant and sensors.
@@ -105,7 +105,7 @@ def choose_courses(
 def make_safe(
     plant: AbstractSystem, unknown: Sequence[UnknownNumber], course: DutyCourse, limit: float
 ) -> tuple[DutyCourse, float] | None:
-    """A course with as much of its duty as no wire that may be at hand gets too hot by, and the hottest [K]."""
+    """Return a course with as much of its duty as no wire that may be at hand gets too hot by, and the hottest [K]."""
     points = 2.0 * draw_points(len(unknown), OTHERS, 0) - 1.0
     values = {one.path: one.value + 2.0 * one.width * z for one, z in zip(unknown, points.T, strict=True)}
     for _ in range(TRIES):
@@ -119,7 +119,7 @@ def make_safe(
 
 
 def compute_information(bench: Bench, unknown: Sequence[UnknownNumber], course: DutyCourse) -> Numbers:
-    """The information of a course on all numbers, in units of their widths; 0 where the model fails."""
+    """Return the information of a course on all numbers, in units of their widths; 0 where the model fails."""
     count = len(unknown)
     values = {one.path: np.full(2 * count, one.value) for one in unknown}
     for k, one in enumerate(unknown):

@@ -116,5 +116,5 @@ class EmulatedRig:
 
 
 def start_rig(scenario: Scenario, elf: Path, board: str, folder: Path) -> EmulatedRig:
-    """A board of a firmware with the plant of its scenario; the program that holds it is made in the folder."""
+    """Return a board of a firmware with the plant of its scenario; the program that holds it is made in the folder."""
     return EmulatedRig(scenario, SimavrBoard(elf, board, find_board(board).baud, folder))

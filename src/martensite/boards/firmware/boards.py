@@ -39,14 +39,14 @@ class Board:
     """Number of the pin that is printed as A0; None where pins are printed by their numbers."""
 
     def name_pin(self, pin: int) -> str:
-        """A pin of a channel as it is printed on the board."""
+        """Return a pin of a channel as it is printed on the board."""
         if self.layer == "stm32f405":
             return f"PA{pin}"
         first = self.first_analog
         return f"A{pin - first}" if first is not None and pin >= first else str(pin)
 
     def name_drive_pin(self, pin: int) -> str:
-        """A pin of a switch as it is printed on the board."""
+        """Return a pin of a switch as it is printed on the board."""
         return ("PA6", "PA7", "PB0", "PB1")[pin] if self.layer == "stm32f405" else str(pin)
 
 
@@ -62,7 +62,7 @@ def list_boards() -> dict[str, Board]:
 
 
 def find_board(name: str) -> Board:
-    """A board by its name; `UnknownNameError` if there is none."""
+    """Return a board by its name; `UnknownNameError` if there is none."""
     if name not in list_boards():
         raise UnknownNameError("board", name, list(list_boards()))
     return list_boards()[name]

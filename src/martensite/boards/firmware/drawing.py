@@ -14,7 +14,7 @@ SENSORS, BOARD, SWITCH, SUPPLY = (20, 280), (410, 150), (720, 110), (960, 150)
 
 
 def draw_wiring(plan: FirmwarePlan, elements: list[str]) -> str:
-    """The text of `wiring.svg`: sensors, board, switches, elements, supply; hot lines are red, signals grey."""
+    """Return the text of `wiring.svg`: sensors, board, switches, elements, supply; hot lines are red, signals grey."""
     board, inputs = plan.board, plan.inputs
     rows = max(len(inputs.channels), 2 * plan.drives + 1)
     height = TOP + STEP * rows + 40

@@ -23,7 +23,7 @@ class WiringPart:
 
 
 def describe_elements(bench: Bench) -> list[str]:
-    """The element of every actuator, with diameter and length where it has them."""
+    """Return the element of every actuator, with diameter and length where it has them."""
     found: list[str] = []
     for one in bench.plant.actuators().values():
         words = [one.element.registered_name]

@@ -29,7 +29,7 @@ WRAP = 1 << 16
 
 
 def encode_frame(code: int, number: int, payload: bytes) -> bytes:
-    """A frame, its end included.
+    """Return a frame, its end included.
 
     Raises:
         InputError: the payload is too long.
@@ -124,7 +124,7 @@ class FrameReader:
 
 
 def _unstuff_frame(frame: bytes) -> bytes | None:
-    """The plain bytes of a frame, or None if its check is wrong."""
+    """Return the plain bytes of a frame, or None if its check is wrong."""
     if len(frame) > LONGEST:
         return None
     try:

@@ -41,7 +41,7 @@ class Port(Protocol):
 
 
 def open_port(address: str, baud: int = 500_000) -> Port:
-    """A serial line: a device such as `/dev/ttyACM0` or `COM3`, or an address of pyserial such as `socket://`.
+    """Return a serial line: a device such as `/dev/ttyACM0` or `COM3`, or an address of pyserial such as `socket://`.
 
     Raises:
         InputError: it cannot be opened; the sentence names the ports that there are.

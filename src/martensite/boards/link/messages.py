@@ -107,7 +107,7 @@ class MessageKind:
         return struct.Struct("<" + "".join(CODES[kind] for kind in self.fields.values()))
 
     def pack(self, values: Mapping[str, Any]) -> bytes:
-        """The payload.
+        """Return the payload.
 
         Raises:
             InputError: a field is missing, unknown, or does not fit.
@@ -178,7 +178,7 @@ def pack_message(name: str, **values: Any) -> tuple[int, bytes]:
 
 
 def unpack_message(code: int, payload: bytes, number: int = 0) -> Message:
-    """A message from its type and payload; `DataError` if there is none of it."""
+    """Return a message from its type and payload; `DataError` if there is none of it."""
     if code not in BY_CODE:
         raise DataError(f"There is no message of type {code:#04x}.")
     return Message(BY_CODE[code].name, BY_CODE[code].unpack(payload), number)

@@ -169,7 +169,7 @@ def _rest_after_cooling(lanes: DrivenLanes, middles: Numbers, high: float) -> Nu
 def _repeat_cycle(
     lanes: DrivenLanes, middles: Numbers, amplitude: float, samples: int, dt: float
 ) -> tuple[_Cycle, Any]:
-    """The cycle when nothing changes any more, or after many; and where it is so."""
+    """Return the cycle when nothing changes any more, or after many; and where it is so."""
     points = np.arange(samples + 1.0) if lanes.interval else np.arange(samples) + 0.5
     turns = points / samples
     levels = middles + amplitude * np.sin(2.0 * np.pi * turns)[:, None]

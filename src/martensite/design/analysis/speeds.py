@@ -132,7 +132,7 @@ def compute_speeds(
 def _step_response(
     lanes: DrivenLanes, levels: Numbers, low: float, lasting: tuple[float, float], dt: float
 ) -> tuple[Numbers, int]:
-    """The output from the step up on, shape (samples, lanes), and the sample of the step down."""
+    """Return the output from the step up on, shape (samples, lanes), and the sample of the step down."""
     up, down = (max(round(time / dt), 1) for time in lasting)
     first = lanes.reset(low)
     extra = 1 if lanes.interval else 0

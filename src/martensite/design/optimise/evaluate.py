@@ -149,7 +149,7 @@ class DesignEvaluator:
         return self.question.aims
 
     def course(self, numbers: Numbers, output: str) -> Numbers:
-        """An output of one design [SI], (free,) -> (samples,), in the first case; NaN if failed."""
+        """Return an output of one design [SI], (free,) -> (samples,), in the first case; NaN if failed."""
         self.counts.simulations += 1
         runner = BatchRunner(self.system, self.grid, [output], native=self.native)
         return runner.run_many(self._fill_table(numbers[None, :])[:1])[0, :, 0]
@@ -167,7 +167,7 @@ class DesignEvaluator:
         return -1.0 if self.question.most else 1.0
 
     def restore_goal(self, goal: float) -> float:
-        """A goal as a search sees it in SI."""
+        """Return a goal as a search sees it in SI."""
         return self.sign * self.goal_size * goal
 
     def set_size(self, values: Numbers) -> None:
@@ -224,7 +224,7 @@ class DesignEvaluator:
     # ---------------------------------------------------------------- measures
 
     def _select_columns(self, aim: DesignAim, seen: Numbers) -> Numbers:
-        """The columns that a measure looks at."""
+        """Return the columns that a measure looks at."""
         measure = aim.measure
         names = () if measure is None else measure.columns(self.system)
         return seen[[self.outputs.index(name) for name in names]]

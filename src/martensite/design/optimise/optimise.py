@@ -172,7 +172,7 @@ def list_exceeded(design: OptimisedDesign, duration: float, samples: int) -> tup
 
 
 def _find_longest_step(steering: WaveformLevels, question: DesignQuestion) -> float:
-    """The shortest of the longest sensible steps at the corners of the box [s]."""
+    """Return the shortest of the longest sensible steps at the corners of the box [s]."""
     ends = [[(c.path, v) for v in (one.low, one.high)] for one in question.free for c in one.targets if c.level is None]
     corners = itertools.islice(itertools.product(*ends), 256)
     return min(longest_step(steering.system.rebuilt(dict(corner))) for corner in corners)
@@ -181,7 +181,7 @@ def _find_longest_step(steering: WaveformLevels, question: DesignQuestion) -> fl
 def _refine_step(
     designs: DesignEvaluator, point: BoxPoint, how: DesignSearch, watch: Tell | None, accuracy: float, halvings: int
 ) -> tuple[DesignEvaluator, BoxPoint, float]:
-    """The design adjusted in steps that are short enough, and what halving them changes."""
+    """Return the design adjusted in steps that are short enough, and what halving them changes."""
     fixed = np.array([one.whole for one in designs.question.free])
     finer = _halve_step(designs)
     apart = _compare_steps(designs, finer, point.z)

@@ -226,7 +226,7 @@ class OptimisedDesign:
 
     @property
     def start(self) -> tuple[float, ...]:
-        """The free numbers of the scenario [SI]."""
+        """Return the free numbers of the scenario [SI]."""
         return tuple(one.start for one in self.question.free)
 
     @property

@@ -72,7 +72,7 @@ class Constraint:
 
     @property
     def scale(self) -> float:
-        """A difference that counts, in SI."""
+        """Return a difference that counts, in SI."""
         if self.aim.unit == "K":
             return BOX_TEMPERATURE
         return abs(self.limit) or 1.0
@@ -97,7 +97,7 @@ class DesignQuestion:
 
     @property
     def aims(self) -> tuple[DesignAim, ...]:
-        """The goal, then what is constrained."""
+        """Return the goal, then what is constrained."""
         return self.goal, *(one.aim for one in self.subject)
 
 
@@ -111,7 +111,7 @@ def read_question(
     cases: Sequence[str] = (),
     written: Mapping[str, str] | None = None,
 ) -> DesignQuestion:
-    """The question that texts ask about a system.
+    """Return the question that texts ask about a system.
 
     Args:
         steering: the system and its waveforms.
@@ -139,7 +139,7 @@ def read_question(
 
 
 def read_aim(words: str, steering: WaveformLevels, freed: Sequence[FreeNumber]) -> DesignAim:
-    """A measure, or a free number by its name or path.
+    """Return a measure, or a free number by its name or path.
 
     Raises:
         ParameterError: it is neither, or no output of the system is called so.

@@ -63,7 +63,7 @@ Keep = Callable[[DesignQuestion, Sequence[float], bool], None]
 def start_search(
     designs: DesignEvaluator, search: DesignSearch, watch: Tell | None = None, keep: Keep | None = None
 ) -> BoxSearch:
-    """A search of designs that has judged nothing yet."""
+    """Return a search of designs that has judged nothing yet."""
     hunt = BoxSearch(designs, iterations=search.iterations, clouds=search.clouds, seed=search.seed, watch=watch)
     best: list[BoxPoint] = []
 
@@ -92,7 +92,7 @@ def search_designs(
 
 
 def _sample_box(hunt: BoxSearch, designs: DesignEvaluator, begin: Numbers, search: DesignSearch) -> list[BoxPoint]:
-    """The sample, until one of its points keeps all constraints; the scenario first."""
+    """Return the sample, until one of its points keeps all constraints; the scenario first."""
     sobol = start_sobol(hunt.size, search.seed)
     hunt.tell("sampling", 0.0)
     first = np.concatenate([begin[None], sobol.random(search.sample)])
@@ -113,7 +113,7 @@ def _sample_box(hunt: BoxSearch, designs: DesignEvaluator, begin: Numbers, searc
 
 
 def _choose_starts(points: Sequence[BoxPoint], count: int) -> list[BoxPoint]:
-    """The best points that lie apart, after the design of the scenario."""
+    """Return the best points that lie apart, after the design of the scenario."""
     judged = JudgedPoints(np.array([p.goal for p in points]), -np.array([[p.violation] for p in points]))
     places = np.stack([point.z for point in points])
     chosen = [points[k] for k in choose_apart(places, judged.order(), count)]
@@ -134,7 +134,7 @@ ROUNDS = 3
 
 
 def round_design(hunt: BoxSearch, free: Sequence[FreeNumber], relaxed: BoxPoint) -> tuple[BoxPoint, Tried, BoxPoint]:
-    """The best design whose whole numbers are whole, all that were tried, and the best relaxed one.
+    """Return the best design whose whole numbers are whole, all that were tried, and the best relaxed one.
 
     A whole design that is better than the relaxed one shows that this was not the best: it is searched anew from there.
     The search goes on counting.
@@ -191,7 +191,7 @@ def _choose_best(tried: Tried) -> Combination:
 
 
 def _search_from(hunt: BoxSearch, z: NDArray[np.float64], fixed: NDArray[np.bool_]) -> BoxPoint:
-    """The best design from a point, whatever was found before."""
+    """Return the best design from a point, whatever was found before."""
     hunt.best = None
     hunt.judge(z[None])
     hunt.descend(z, fixed)

@@ -36,7 +36,7 @@ def name_level(drive: str, name: str) -> str:
 
 
 def find_alike(name: str, known: Sequence[Target]) -> list[Target]:
-    """The numbers that a path, or an ending of paths, names; several must be alike.
+    """Return the numbers that a path, or an ending of paths, names; several must be alike.
 
     Raises:
         ParameterError: there is none, or several that differ.
@@ -52,7 +52,7 @@ def find_alike(name: str, known: Sequence[Target]) -> list[Target]:
 
 
 def _suggest_ending(name: str, endings: set[str]) -> str:
-    """A suggestion, or where to find a list, which is long."""
+    """Return a suggestion, or where to find a list, which is long."""
     sentence = suggest_name(name, endings)
     if sentence.startswith("Valid"):
         return "`martensite params` lists those of every component."

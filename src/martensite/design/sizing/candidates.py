@@ -135,7 +135,7 @@ class Sizing:
 
     @property
     def best(self) -> Candidate | None:
-        """The first candidate that meets the request, if any does."""
+        """Return the first candidate that meets the request, if any does."""
         return next((found for found in self.candidates if found.feasible), None)
 
 
@@ -216,7 +216,7 @@ def judge_candidate(request: WireRequest, size: WireSize, alloy: str) -> Candida
 
 
 def _find_drive(request: WireRequest, static: Statics) -> tuple[Wiring, PulseCycle | None]:
-    """The wiring and the cycle of one strand; no cycle if the supply cannot make the stroke."""
+    """Return the wiring and the cycle of one strand; no cycle if the supply cannot make the stroke."""
     system = static.strand.system(static.mechanism(request.stroke, static.count))
     slowness = static.strand.time_constant()
     longest = max(PULSE, min(0.25 * request.period, 0.5 * slowness)) if request.element == "coil" else PULSE
@@ -235,7 +235,7 @@ def _find_drive(request: WireRequest, static: Statics) -> tuple[Wiring, PulseCyc
 def _find_pulse(
     request: WireRequest, static: Statics, system: System, heating: float
 ) -> tuple[Wiring, PulseCycle | None]:
-    """The wiring and cycle for a heating time [s], or for as short a one as the supply allows."""
+    """Return the wiring and cycle for a heating time [s], or for as short a one as the supply allows."""
     strand, count = static.strand, static.count
     needed = find_current(system, request.stroke, heating, strand.size.current.value)
     wiring = choose_wiring(request, count, strand.resistance, needed or math.inf)

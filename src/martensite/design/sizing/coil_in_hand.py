@@ -94,7 +94,7 @@ class CoilInHand(WireInHand):
         return self.turns if self.gives("turns") else self.solid / self.diameter
 
     def find_size(self, catalogue: WireCatalogue) -> WireSize:
-        """The wire of the catalogue, or on the continuation of its table."""
+        """Return the wire of the catalogue, or on the continuation of its table."""
         listed = (one for one in catalogue.sizes.values() if abs(one.diameter.value / self.diameter - 1.0) < LISTED)
         found = next(listed, None) or catalogue.interpolate(self.diameter)
         text = f"{1e3 * self.diameter:.9g} mm"
@@ -106,7 +106,7 @@ class CoilInHand(WireInHand):
         return (1.0 - SPARE) * list_alloy_numbers(self.alloy)["stress_limit"] * strand.bearing
 
     def make_strand(self, catalogue: WireCatalogue) -> CoilStrand:
-        """The coil.
+        """Return the coil.
 
         Raises:
             ParameterError: its wire is too short or too long for its turns, or its ohms are not those of its width.

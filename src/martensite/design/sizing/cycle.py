@@ -103,14 +103,14 @@ def find_reach_time(system: System, position: float, current: float, longest: fl
 
 
 def simulate_cycle(system: System, position: float, current: float, heating: float, time_constant: float) -> PulseCycle:
-    """The cooling after a pulse of `current` [A] that lasts `heating` [s]."""
+    """Return the cooling after a pulse of `current` [A] that lasts `heating` [s]."""
     left = RETURNED * position
     run, cooling = simulate_cooling(system, left, current, heating, time_constant)
     return PulseCycle(current, heating, cooling, run.find_range("temperature")[1], exceeded=judge_run(run).alarms)
 
 
 def repeat_pulse(system: System, found: PulseCycle, rate: float) -> PulseCycle:
-    """The cycle with what becomes of it when the same pulse is repeated at a rate [Hz].
+    """Return the cycle with what becomes of it when the same pulse is repeated at a rate [Hz].
 
     The later pulses meet a wire that is not quite cold, and heat it beyond the stroke.
     """
@@ -124,7 +124,7 @@ def repeat_pulse(system: System, found: PulseCycle, rate: float) -> PulseCycle:
 def simulate_cooling(
     system: System, left: float, current: float, heating: float, time_constant: float
 ) -> tuple[Result, float | None]:
-    """A pulse and the cooling after it, and the time [s] until only `left` [m] of it is left."""
+    """Return a pulse and the cooling after it, and the time [s] until only `left` [m] of it is left."""
     pulse = Step(high=current, until=heating)
     soon, late = (heating + window * time_constant for window in WINDOWS)
     run = _run_pulse(system, pulse, soon)

@@ -181,7 +181,7 @@ class Margin:
 
 
 def list_margins(request: WireRequest, found: Candidate) -> list[Margin]:
-    """The limits of a candidate: those of its statics, and of its cycle if it was simulated."""
+    """Return the limits of a candidate: those of its statics, and of its cycle if it was simulated."""
     static = found.statics
     return [
         Margin("stress", static.hot_stress, request.stress, "Pa", "MPa"),
@@ -207,5 +207,5 @@ def _list_cycle_margins(request: WireRequest, found: Candidate) -> Iterator[Marg
 
 
 def find_tightest(found: list[Margin]) -> Margin:
-    """The limit of which most is used, apart from what is put to its limit by choice."""
+    """Return the limit of which most is used, apart from what is put to its limit by choice."""
     return max((margin for margin in found if not margin.chosen), key=lambda margin: margin.share)

@@ -64,7 +64,7 @@ class WireRequest(Parametrised):
             )
 
     def alloys(self) -> tuple[str, ...]:
-        """The alloys that are allowed."""
+        """Return the alloys that are allowed."""
         return ALLOYS if self.alloy == "any" else (self.alloy,)
 
     @property
@@ -97,7 +97,7 @@ class Wiring:
 
 
 def choose_wiring(request: WireRequest, count: int, resistance: float, needed: float) -> Wiring:
-    """The arrangement for a current per strand [A].
+    """Return the arrangement for a current per strand [A].
 
     Series where the supply can drive it so, since that asks the least current of the driver;
     else parallel; if it can do neither, the one in which it drives more.

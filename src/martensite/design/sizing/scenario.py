@@ -22,7 +22,7 @@ SAMPLES = 3001
 
 
 def format_scenario(request: WireRequest, candidate: Candidate, catalogue: WireCatalogue) -> str:
-    """The text of a scenario: some cycles of a candidate at the rate asked for, or its fastest.
+    """Return the text of a scenario: some cycles of a candidate at the rate asked for, or its fastest.
 
     Raises:
         InputError: the candidate makes no cycle at all.
@@ -75,7 +75,7 @@ def _format_element(candidate: Candidate, catalogue: WireCatalogue) -> str:
 
 
 def format_strand(strand: Strand, catalogue: WireCatalogue, why: str, own: str = "element") -> str:
-    """The lines of a strand, and the section `own`.resistance; `why` says where its length is from."""
+    """Return the lines of a strand, and the section `own`.resistance; `why` says where its length is from."""
     size, ohms = strand.size, strand.size.resistance.text
     lines = ['kind = "wire"']
     shape = [f'length = "{1e3 * strand.length:.12g} mm"   # computed: {why}']
@@ -111,7 +111,7 @@ def _describe_origin(cell: Cell, catalogue: WireCatalogue) -> str:
 
 
 def format_environment(strand: Strand) -> str:
-    """The section of what is around a strand."""
+    """Return the section of what is around a strand."""
     ambient, cooling = strand.ambient - 273.15, toml_value(_describe_part(strand.cooling))
     return f'[environment]\ntemperature = "{ambient:.12g} degC"\ncooling = {cooling}\n'
 
@@ -161,7 +161,7 @@ def _format_drive(request: WireRequest, drive: Drive, cycle: PulseCycle, rate: f
 
 
 def format_ratings(found: WireRatings, catalogue: WireCatalogue) -> str:
-    """The text of a scenario: two pulses through a wire or a coil that is at hand, with what it pulls."""
+    """Return the text of a scenario: two pulses through a wire or a coil that is at hand, with what it pulls."""
     wire, strand, cycle = found.wire, found.strand, found.cycle
     title = f"{found.size.name}, {wire.alloy} °C, at {wire.supply:.4g} V"
     current, heating = 0.999 * found.supply_current, found.supply_time or wire.pulse

@@ -59,13 +59,13 @@ HEAVIER = 1.2
 
 @cache
 def read_alloy(alloy: str) -> Material:
-    """The material of one of the maker's alloys, `70` or `90`."""
+    """Return the material of one of the maker's alloys, `70` or `90`."""
     return load_material(f"flexinol-{alloy}")
 
 
 @cache
 def build_alloy_law(alloy: str) -> LiangRogers:
-    """The law of one of the maker's alloys."""
+    """Return the law of one of the maker's alloys."""
     numbers = list_alloy_numbers(alloy)
     taken: dict[str, Any] = {n: numbers[n] for n in LiangRogers.declarations if n in numbers}
     return LiangRogers(modulus="mixture", **taken)
@@ -104,7 +104,7 @@ class Strand:
 
     @property
     def law(self) -> LiangRogers:
-        """The law of the alloy."""
+        """Return the law of the alloy."""
         return build_alloy_law(self.alloy)
 
     @property
@@ -122,7 +122,7 @@ class Strand:
         return self.law.eps_L + cold / self.law.E_M - hot / self.law.E_A
 
     def shifted(self, name: str, stress: float) -> float:
-        """A transformation temperature [K], such as `M_f`, under `stress` [Pa]."""
+        """Return a transformation temperature [K], such as `M_f`, under `stress` [Pa]."""
         slope = self.law.C_M if name in ("M_s", "M_f") else self.law.C_A
         return getattr(self.law, name) + stress / slope
 
@@ -147,7 +147,7 @@ class Strand:
         return per_area / self.film(self.ambient + 50.0)
 
     def make_element(self) -> AbstractRoundWire:
-        """The strand as an element."""
+        """Return the strand as an element."""
         return Wire(length=self.length, **self.list_parts())
 
     def list_parts(self) -> dict[str, Any]:
@@ -163,7 +163,7 @@ class Strand:
         }
 
     def system(self, mechanism: AbstractMechanism) -> System:
-        """The strand, pulling on a mechanism, driven by a current."""
+        """Return the strand, pulling on a mechanism, driven by a current."""
         surroundings = Environment(temperature=self.ambient, cooling=self.cooling)
         return System(
             element=self.make_element(), environment=surroundings, source=CurrentSource(), mechanism=mechanism
@@ -195,7 +195,7 @@ class CoilStrand(Strand):
 
     @cached_property
     def element(self) -> CoilSpring:
-        """The coil as an element."""
+        """Return the coil as an element."""
         turns = self.turns
         return CoilSpring(
             coil_diameter=self.coil_diameter,
@@ -208,7 +208,7 @@ class CoilStrand(Strand):
         )
 
     def make_element(self) -> CoilSpring:
-        """The coil as an element."""
+        """Return the coil as an element."""
         return self.element
 
     @property
@@ -290,7 +290,7 @@ class Statics:
 
 
 def compute_statics(request: WireRequest, size: WireSize, alloy: str) -> Statics:
-    """The smallest number of strands of a size that carries the request, and their length."""
+    """Return the smallest number of strands of a size that carries the request, and their length."""
     one, count = _choose_strand(request, size, alloy)
     area = one.bearing
     if request.bias == "spring":

@@ -62,7 +62,7 @@ class WireInHand(Parametrised):
         return getattr(self, name) != NOT_GIVEN
 
     def find_size(self, catalogue: WireCatalogue) -> WireSize:
-        """The size of the catalogue, with the resistance that was measured.
+        """Return the size of the catalogue, with the resistance that was measured.
 
         Raises:
             ParameterError: the catalogue has no such wire.
@@ -80,7 +80,7 @@ class WireInHand(Parametrised):
         return describe_contradiction(self.resistance / self.length, listed, self.length, "the maker's table gives")
 
     def _find_listed(self, catalogue: WireCatalogue) -> WireSize:
-        """The nearest size of the catalogue; `ParameterError` if none is near."""
+        """Return the nearest size of the catalogue; `ParameterError` if none is near."""
         sizes = sorted(catalogue.sizes.values(), key=lambda one: abs(math.log(one.diameter.value / self.diameter)))
         best = sizes[0]
         if abs(best.diameter.value / self.diameter - 1.0) > NEAR:
@@ -89,7 +89,7 @@ class WireInHand(Parametrised):
         return best
 
     def make_strand(self, catalogue: WireCatalogue) -> Strand:
-        """The wire.
+        """Return the wire.
 
         Raises:
             ParameterError: the catalogue has no such wire.
@@ -111,7 +111,7 @@ class WireInHand(Parametrised):
 
 
 def take_resistance(size: WireSize, ohms: float, length: float) -> WireSize:
-    """A size whose resistance [ohm] was measured over a length [m]."""
+    """Return a size whose resistance [ohm] was measured over a length [m]."""
     cell, said = size.resistance, f"{ohms:.4g} ohm over {1e3 * length:.4g} mm"
     per_metre = ohms / length
     measured = replace(

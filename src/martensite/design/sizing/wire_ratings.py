@@ -247,7 +247,7 @@ def rate_wire(wire: WireInHand, catalogue: WireCatalogue | None = None) -> WireR
 
 
 def _round_up(value: float) -> float:
-    """A number that is not below a value, of three digits."""
+    """Return a number that is not below a value, of three digits."""
     unit = 10.0 ** (math.floor(math.log10(value)) - 2)
     return math.ceil(value / unit * (1.0 - 1e-12)) * unit
 

@@ -44,7 +44,7 @@ class SweepAxis:
     log: bool = False
 
     def levels(self) -> Numbers:
-        """The numbers of a grid.
+        """Return the numbers of a grid.
 
         Raises:
             ParameterError: the axis has none.
@@ -141,7 +141,7 @@ def _read_levels(words: str, target: Target) -> SweepAxis:
 
 
 def _read_normal(mean: str, deviation: float, unit: str, target: Target) -> SweepAxis:
-    """A distribution around a mean; the scenario's number if none is given."""
+    """Return a distribution around a mean; the scenario's number if none is given."""
     if unit and unit != "%" and is_bare(mean):
         mean = f"{mean} {unit}"
     middle = _parse_number(mean, target) if mean else target.value

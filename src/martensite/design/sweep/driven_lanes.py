@@ -91,7 +91,7 @@ class DrivenLanes:
         return rows
 
     def _sampled(self, levels: Numbers, dt: float) -> Numbers:
-        """A drive that is read ahead counts at the end of a sample, others at its start."""
+        """Return a drive that is read ahead counts at the end of a sample, others at its start."""
         signals = self._spread(levels)
         if self._ahead:
             return self.lanes.advance(signals[1:], dt)[:, self._output]

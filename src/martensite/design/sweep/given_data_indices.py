@@ -94,7 +94,7 @@ def _shuffle_runs(x: Numbers, y: Numbers, rng: np.random.Generator) -> tuple[Num
 def _estimate_axes(
     estimate: Callable[[Numbers, Numbers], float], x: Numbers, y: Numbers, rng: np.random.Generator
 ) -> SensitivityIndex:
-    """An index of every number, its bias reduced, with half of its interval."""
+    """Return an index of every number, its bias reduced, with half of its interval."""
     found: list[tuple[float, float]] = []
     for one in x.T:
         if not is_spread(one):

@@ -61,7 +61,7 @@ class SweepRequest:
 
 
 def build_plan(scenario: Scenario, wanted: SweepRequest) -> SweepPlan:
-    """The plan of a sweep of a scenario.
+    """Return the plan of a sweep of a scenario.
 
     Raises:
         InputError: an axis, a measure, an output or a design is wrong.
@@ -111,7 +111,7 @@ def build_spec(scenario: Scenario, wanted: SweepRequest, modules: Sequence[str] 
 
 
 def _digest_numbers(scenario: Scenario) -> str:
-    """A digest of all numbers of a scenario, and of its signals at the samples."""
+    """Return a digest of all numbers of a scenario, and of its signals at the samples."""
     waves = list_waveforms(scenario)
     last = min(scenario.samples, 10_001) - 1
     times = [scenario.duration * k / last for k in range(last + 1)]
@@ -130,7 +130,7 @@ class SweepJob:
 
     @property
     def plan(self) -> SweepPlan:
-        """The plan, made once in every process."""
+        """Return the plan, made once in every process."""
         return _restore_plan(self.spec)
 
     def __call__(self, chunk: int) -> Report:
@@ -141,7 +141,7 @@ class SweepJob:
         return replace(report, seconds=time.process_time() - begin)
 
     def rows(self, chunk: int) -> range:
-        """The runs of a chunk."""
+        """Return the runs of a chunk."""
         return self.plan.rows(chunk)
 
     def compute(self, rows: range) -> SweepPiece:
@@ -168,7 +168,7 @@ def _restore_plan(spec: str) -> SweepPlan:
 
 
 def _rebuild_plan(spec: Mapping[str, Any]) -> SweepPlan:
-    """The plan of a specification.
+    """Return the plan of a specification.
 
     Raises:
         InputError: this process has other files, or another version of the package.

@@ -119,7 +119,7 @@ class SweepPlan:
         return -(-self.size // self.chunk)
 
     def rows(self, chunk: int) -> range:
-        """The runs of a chunk."""
+        """Return the runs of a chunk."""
         return range(chunk * self.chunk, min((chunk + 1) * self.chunk, self.size))
 
     def cautions(self) -> list[str]:
@@ -202,7 +202,7 @@ class SweepPlan:
 
 
 def _count_bytes(part: Parametrised, path: str, number: float) -> tuple[Any, ...]:
-    """The structure with another number; that of the nominal one where a check refuses it."""
+    """Return the structure with another number; that of the nominal one where a check refuses it."""
     try:
         return describe_structure(part.with_values({path: number}))
     except MartensiteError:  # a refused run is a row of the sweep

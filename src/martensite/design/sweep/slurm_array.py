@@ -140,7 +140,7 @@ class SlurmArray:
         return self.store.absolute().with_name(f"{self.store.name}.slurm")
 
     def write_script(self, missing: int) -> str:
-        """The script for `sbatch`, for so many missing chunks.
+        """Return the script for `sbatch`, for so many missing chunks.
 
         Raises:
             InputError: submitit is not installed.

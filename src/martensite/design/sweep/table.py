@@ -57,7 +57,7 @@ class SweepColumn:
         return number if self.shown == "1" else f"{number} {self.shown}"
 
     def apart(self, difference: float) -> str:
-        """A difference of two of its numbers with its unit."""
+        """Return a difference of two of its numbers with its unit."""
         factor, offset = units.find_conversion(self.shown, self.declared)
         unit = "K" if offset else self.shown
         number = f"{difference / factor:.4g}"
@@ -111,7 +111,7 @@ class SweepTable:
         return np.stack([one.values for one in self.varied.values()], axis=1)
 
     def column(self, name: str) -> SweepColumn:
-        """A measure or a varied number, by its name or a unique ending of it.
+        """Return a measure or a varied number, by its name or a unique ending of it.
 
         Raises:
             UnknownNameError: there is none.
@@ -137,7 +137,7 @@ class SweepTable:
 
 
 def shorten_names(names: Mapping[str, SweepColumn] | list[str]) -> dict[str, str]:
-    """The shortest ending of every path that no other path has as well."""
+    """Return the shortest ending of every path that no other path has as well."""
     found: dict[str, str] = {}
     for name in names:
         words = name.split(".")

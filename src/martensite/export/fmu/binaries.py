@@ -51,14 +51,14 @@ TARGETS = {
 
 
 def find_target() -> str:
-    """The target that this machine is."""
+    """Return the target that this machine is."""
     machine = platform.machine().lower()
     machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
     return f"{machine}-{platform.system().lower()}"
 
 
 def find_command(target: str) -> list[str] | None:
-    """The compiler that makes a library for a target, or None."""
+    """Return the compiler that makes a library for a target, or None."""
     found = _find_gcc(target)
     if found is not None:
         return [found]
@@ -98,7 +98,7 @@ def checked_targets(names: Sequence[str] | None) -> list[str]:
 
 
 def build_library(sources: Mapping[str, str], target: str) -> bytes:
-    """The library that a compiler makes of all.c, with the other sources beside it.
+    """Return the library that a compiler makes of all.c, with the other sources beside it.
 
     The environment variable `MARTENSITE_CFLAGS` has the last word on the flags of the compiler.
 

@@ -74,7 +74,7 @@ def plan_port(model: Scenario | AbstractSystem, identifier: str, step: float | N
 
 
 def plan_of(model: Scenario | AbstractSystem, identifier: str, step: float | None) -> FmuPlan:
-    """The plan of a scenario or a system.
+    """Return the plan of a scenario or a system.
 
     Raises:
         ParameterError: the step is out of range, or is not to be chosen.
@@ -98,7 +98,7 @@ def plan_of(model: Scenario | AbstractSystem, identifier: str, step: float | Non
 
 
 def _fix_steps(system: AbstractSystem) -> AbstractSystem:
-    """A bench with as many steps in a period as it has now, whatever its numbers become."""
+    """Return a bench with as many steps in a period as it has now, whatever its numbers become."""
     if isinstance(system, Bench) and not system.substeps:
         return system.with_parts(substeps=system.turns)
     return system

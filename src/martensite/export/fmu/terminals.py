@@ -56,7 +56,7 @@ def write_terminals(variables: Sequence[FmuVariable]) -> str:
 
 
 def draw_icon() -> bytes:
-    """A wound wire between two grips, as PNG: 64 by 64 pixels, black on white."""
+    """Return a wound wire between two grips, as PNG: 64 by 64 pixels, black on white."""
     middle, size = PIXELS // 2, PIXELS // 4
     rows = [[255] * PIXELS for _ in range(PIXELS)]
     for column in range(4, PIXELS - 4):

@@ -46,12 +46,12 @@ class FmuVariable:
 
     @property
     def unit(self) -> str | None:
-        """The SI unit; None where it has none."""
+        """Return the SI unit; None where it has none."""
         return unit_of(self.declared)
 
     @property
     def display(self) -> str | None:
-        """The unit a person would rather read, if that is another one."""
+        """Return the unit a person would rather read, if that is another one."""
         return display_of(self.declared)
 
 
@@ -101,7 +101,7 @@ def _describe_parameter(name: str, reference: int, number: ModelNumber) -> FmuVa
 
 
 def _free_name(name: str, suffix: str, taken: set[str]) -> str:
-    """A name that is not taken, from now on taken: `drive_echo` for an output like an input."""
+    """Return a name that is not taken, from now on taken: `drive_echo` for an output like an input."""
     while name in taken:
         name = f"{name}_{suffix}"
     taken.add(name)
@@ -119,7 +119,7 @@ def unit_of(declared: str) -> str | None:
 
 
 def display_of(declared: str) -> str | None:
-    """The unit in which to show a quantity, if that is another one."""
+    """Return the unit in which to show a quantity, if that is another one."""
     shown = units.choose_readable_unit(declared)
     return None if declared == units.DEGREES or shown == declared else shown
 

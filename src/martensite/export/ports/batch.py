@@ -193,7 +193,7 @@ class UniaxialModel:
         return {"strain": 1, "state": self._batch.kernel.size}
 
     def create_history(self, points: int) -> dict[str, Array]:
-        """The history of points that begin at zero strain, at the temperature set."""
+        """Return the history of points that begin at zero strain, at the temperature set."""
         inputs = np.column_stack([np.zeros(points), np.broadcast_to(self.temperature, (points,))])
         return {"strain": np.zeros(points), "state": self._batch.start(inputs).ravel()}
 

@@ -50,7 +50,7 @@ class MovedEnd(AbstractMechanism):
         return {"elongation": "m"} | ({"velocity": "m/s"} if self.velocity == "given" else {})
 
     def outputs(self) -> dict[str, Output]:
-        """The stiffness of the element at frozen fractions and temperature."""
+        """Return the stiffness of the element at frozen fractions and temperature."""
         return {"stiffness": Output("N/m", "stiffness at frozen phase fractions and temperature", "k")}
 
     def convergence_scales(self) -> dict[str, float]:
@@ -58,36 +58,36 @@ class MovedEnd(AbstractMechanism):
         return {}
 
     def start_forces(self, xp: Namespace) -> Column:
-        """The preload [N]."""
+        """Return the preload [N]."""
         return [self.preload]
 
     def init(
         self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column
     ) -> MountedEnd:
-        """The elongation as mounted."""
+        """Return the elongation as mounted."""
         return MountedEnd(elongations[0])
 
     def advance(
         self, xp: Namespace, memory: MountedEnd, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[MountedEnd, list[Any], StepReport]:
-        """The element solves the step by itself, its end where it is moved to."""
+        """Return the element solves the step by itself, its end where it is moved to."""
         ((element, state, heating),) = loads
         after, report = element.advance(xp, state, heating, self._pull(memory, signals), dt)
         return memory, [after], report
 
     def observe(self, xp: Namespace, memory: MountedEnd, loads: Sequence[Load], signals: Column) -> Readout:
-        """The force in the state reached, with the end where it is now."""
+        """Return the force in the state reached, with the end where it is now."""
         (load,) = loads
         force = load.meet_pull(xp, self._pull(memory, signals))
         taut = xp.where(force > 0.0, 1.0, 0.0)
         return [force], [taut / load.element.tangent(xp, load.state, force).compliance]
 
     def load_line(self, memory: MountedEnd) -> Pull:
-        """The end where it was mounted."""
+        """Return the end where it was mounted."""
         return self._pull(memory, (0.0,))
 
     def mechanics(self, xp: Namespace, memory: MountedEnd, loads: Sequence[Load], signals: Column) -> Mechanics:
-        """The end works against who moves it; where the element is slack, without a force."""
+        """Return the end works against who moves it; where the element is slack, without a force."""
         ((element, state, _),) = loads
         force = element.force(state)
         taut = memory.elongation - element.elongation(xp, state, force)
@@ -95,7 +95,7 @@ class MovedEnd(AbstractMechanism):
         return Mechanics(MechanicalEnergy(), ways, outside=(Effort(-force, signals[0]),))
 
     def _pull(self, memory: MountedEnd, signals: Column) -> Pull:
-        """The end as the element sees it."""
+        """Return the end as the element sees it."""
 
         def meet(xp: Namespace, spring: Spring) -> Scalar:
             force = (memory.elongation + signals[0] - spring.free) / spring.compliance

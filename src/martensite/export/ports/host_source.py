@@ -8,7 +8,7 @@ from martensite.export.c_core import CCore
 
 
 def join_source(core: CCore, interface: str, title: str) -> str:
-    """A core with its header in the place where it is included, then an interface made of a template."""
+    """Return a core with its header in the place where it is included, then an interface made of a template."""
     whole = core.source.replace(f'#include "{core.name}.h"', core.header)
     filled = Template(interface).substitute(
         NAME=core.name, LAW=core.description, PARAMETERS="".join(_list_parameters(core)), INDEX=len(core.parameters)

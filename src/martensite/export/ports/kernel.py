@@ -89,7 +89,7 @@ class PortKernel:
         return found, found[self.size] <= SOLVED and all(map(math.isfinite, found))
 
     def _in_parts(self, state: Sequence[float], inputs: Sequence[float], dt: float, parts: int) -> Sequence[float]:
-        """The last of equal parts of a step, with the worst of their reports."""
+        """Return the last of equal parts of a step, with the worst of their reports."""
         begin, now, worst, crossing = state[: len(inputs)], state, 0.0, 0.0
         found: Sequence[float] = ()
         for k in range(1, parts + 1):

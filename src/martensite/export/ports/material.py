@@ -88,11 +88,11 @@ class MaterialPort(AbstractSystem):
         return [DriveSignal("strain", "1", True), DriveSignal("temperature", "K", True)]
 
     def label(self, port: str, name: str) -> str:
-        """The plain name."""
+        """Return the plain name."""
         return name
 
     def drive_at(self, port: str) -> str:
-        """The strain."""
+        """Return the strain."""
         return "strain"
 
     def outputs(self) -> dict[str, Output]:

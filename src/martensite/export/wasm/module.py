@@ -94,7 +94,7 @@ def build_wasm(
 
 
 def find_wasm_compiler() -> list[str]:
-    """The compiler; `InputError` if there is none."""
+    """Return the compiler; `InputError` if there is none."""
     zig = find_zig()
     if zig is None:
         raise InputError(f"WebAssembly is compiled by zig, which is not installed; run `{write_install_line('cc')}`.")

@@ -46,7 +46,7 @@ class CoreSlopes:
 
     @property
     def places(self) -> dict[str, int]:
-        """The directions that the module knows by name: the parameters, and all signals after them."""
+        """Return the directions that the module knows by name: the parameters, and all signals after them."""
         count = len(self._parameters)
         inputs = {one.name: one.index for one in self.core.inputs}
         return {name: count + inputs[name] if name in inputs else k for k, name in enumerate(self.names)}
@@ -60,7 +60,7 @@ class CoreSlopes:
 
     @cached_property
     def program(self) -> Program:
-        """The differentiated functions; of the results of a step only the state has slopes."""
+        """Return the differentiated functions; of the results of a step only the state has slopes."""
         core = self.core
         inputs = len(core.inputs) if len(self._parameters) < len(self.names) else 0
         moving = {"init": inputs, "step": core.states + inputs, "observe": core.states + inputs}

@@ -94,7 +94,7 @@ def _read_text(name: str) -> str:
 
 
 def _flatten(text: str) -> str:
-    """A text on one line, and no more."""
+    """Return a text on one line, and no more."""
     return " ".join(text.split())
 
 
@@ -107,7 +107,7 @@ def _describe_parameter(one: CoreVariable) -> dict[str, Any]:
 
 
 def _print_table(rows: Mapping[str, Any]) -> str:
-    """An object of JavaScript, which knows `Infinity` where JSON does not."""
+    """Return an object of JavaScript, which knows `Infinity` where JSON does not."""
     lines = "".join(f"  {json.dumps(name)}: {json.dumps(row)},\n" for name, row in rows.items())
     return f"{{\n{lines}}}"
 
@@ -117,6 +117,6 @@ def _join_names(variables: Sequence[CoreVariable]) -> str:
 
 
 def _print_rows(variables: Sequence[CoreVariable]) -> str:
-    """A table of names with unit and meaning."""
+    """Return a table of names with unit and meaning."""
     cells = [(f"`{one.name}`", one.unit, _flatten(one.words).replace("|", "\\|")) for one in variables]
     return "\n".join(f"| {' | '.join(row)} |" for row in [("name", "unit", ""), ("---", "---", "---"), *cells])

@@ -80,7 +80,7 @@ class AbstractBlock(Parametrised):
         return 0
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """The state at rest under a constant input."""
+        """Return the state at rest under a constant input."""
         return ()
 
     @abstractmethod
@@ -88,11 +88,11 @@ class AbstractBlock(Parametrised):
         """Outputs of this sample and the state for the next, `dt` [s] later."""
 
     def adapt_to(self, x: Numbers, dt: float) -> Self:
-        """The block with its fixed numbers set for an input of shape (samples, inputs)."""
+        """Return the block with its fixed numbers set for an input of shape (samples, inputs)."""
         return self
 
     def fence_in(self, theta: Numbers, states: Numbers, dt: float) -> Self:
-        """The block whose nonlinear terms go no further than in records; itself if they are bounded as they are.
+        """Return the block whose nonlinear terms go no further than in records; itself if they are bounded as they are.
 
         Args:
             theta: its free numbers.
@@ -117,7 +117,7 @@ class AbstractBlock(Parametrised):
         return None
 
     def as_linear(self, linear: AbstractBlock, theta: Numbers, x: Numbers, dt: float) -> tuple[Self, Numbers]:
-        """The block, and free numbers with which it runs as a linear one, nonlinear terms 0.
+        """Return the block, and free numbers with which it runs as a linear one, nonlinear terms 0.
 
         Args:
             linear: what `twin` gives.
@@ -146,7 +146,7 @@ class AbstractBlock(Parametrised):
         return [(name, float(value), "1") for name, value in zip(self.numbers(), theta, strict=True)]
 
     def text(self) -> str:
-        """The block as it is written in the text of a chain."""
+        """Return the block as it is written in the text of a chain."""
         told = [getattr(self, name) for name in self.shape]
         for name in reversed(self.shape):  # what is read goes by place: only the last may be left out
             if not isinstance(told[-1], str) or told[-1] != self.declarations[name].default:
@@ -156,11 +156,11 @@ class AbstractBlock(Parametrised):
         return f"{self.short}({inner})" if inner else self.short
 
     def given(self) -> tuple[float, ...]:
-        """The fixed numbers, in the order of `fixed`."""
+        """Return the fixed numbers, in the order of `fixed`."""
         return tuple(getattr(self, name) for name in self.fixed)
 
     def with_given(self, values: Sequence[Any]) -> Self:
-        """A twin with other fixed numbers, unchecked: for tracing kernels."""
+        """Return a twin with other fixed numbers, unchecked: for tracing kernels."""
         return self.rebuilt(dict(zip(self.fixed, values, strict=True)))
 
     def structure(self) -> tuple[Any, ...]:
@@ -190,11 +190,11 @@ class AbstractRanged(AbstractBlock):
 
     @property
     def middle(self) -> float:
-        """The middle of the range."""
+        """Return the middle of the range."""
         return 0.5 * (self.high + self.low)
 
     def unit(self, x: Scalar) -> Scalar:
-        """The input on a scale where its range is -1 to 1."""
+        """Return the input on a scale where its range is -1 to 1."""
         return (2.0 * x - self.low - self.high) / (self.high - self.low)
 
 
@@ -205,23 +205,23 @@ class AbstractStatic(AbstractRanged):
 
     @abstractmethod
     def value(self, xp: Namespace, theta: Column, x: Scalar) -> Scalar:
-        """The output."""
+        """Return the output."""
 
     @abstractmethod
     def line(self, slope: float, offset: float) -> Numbers:
         """Free numbers that make it a straight line, as well as it can be one."""
 
     def scale_departure(self, departure: Numbers, factor: float) -> Numbers:
-        """A departure from a line with its outputs times a factor.
+        """Return a departure from a line with its outputs times a factor.
 
         All numbers unless the block says otherwise: those of position and width do not scale.
         """
         return departure * factor
 
     def start(self) -> Numbers:
-        """The identity."""
+        """Return the identity."""
         return self.line(1.0, 0.0)
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """The output of this sample."""
+        """Return the output of this sample."""
         return (self.value(xp, theta, x[0]),), ()

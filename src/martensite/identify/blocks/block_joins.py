@@ -65,7 +65,7 @@ class Series(AbstractComposite):
         return found
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """A step of every block, one after the other."""
+        """Return a step of every block, one after the other."""
         after: list[Scalar] = []
         for block, own, before in self._list_parts(theta, state):
             x, held = block.step(xp, own, before, x, dt)
@@ -104,7 +104,7 @@ class SummedBlocks(AbstractComposite):
         return [s for block, numbers in own for s in block.rest(xp, numbers, x, dt)]
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """A step of every block."""
+        """Return a step of every block."""
         total: Scalar = 0.0
         after: list[Scalar] = []
         for block, own, before in self._list_parts(theta, state):
@@ -157,7 +157,7 @@ class FeedbackLoop(AbstractComposite):
         return (*super().given(), self.fence_low, self.fence_high)
 
     def with_given(self, values: Any) -> Self:
-        """A twin with other fixed numbers."""
+        """Return a twin with other fixed numbers."""
         shares = self.split(values, lambda block: len(block.fixed))
         made = tuple(block.with_given(own) for block, own in shares)
         return self.rebuilt({"blocks": made, "fence_low": values[-2], "fence_high": values[-1]})
@@ -171,7 +171,7 @@ class FeedbackLoop(AbstractComposite):
         return xp.clip(y, self.fence_low, self.fence_high)
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """The output y = a(u - g b(y)) of both at rest, by Newton's method from that without feedback."""
+        """Return the output y = a(u - g b(y)) of both at rest, by Newton's method from that without feedback."""
         forward, back = self.blocks
         count = len(forward.numbers())
 
@@ -202,7 +202,7 @@ class FeedbackLoop(AbstractComposite):
         return (y,), [*moved, *after, y]
 
     def adapt_to(self, x: Numbers, dt: float) -> Self:
-        """The forward path to its input, the other to what that makes of it."""
+        """Return the forward path to its input, the other to what that makes of it."""
         forward = self.blocks[0].adapt_to(x, dt)
         return self._adapt_back(forward, forward.start(), x, dt)
 
@@ -232,11 +232,11 @@ class FeedbackLoop(AbstractComposite):
         return np.append(expected, 0.0), np.append(weights, 0.0)
 
     def twin(self) -> AbstractBlock | None:
-        """The linear system of the forward path."""
+        """Return the linear system of the forward path."""
         return self.blocks[0].twin()
 
     def as_linear(self, linear: AbstractBlock, theta: Numbers, x: Numbers, dt: float) -> tuple[Self, Numbers]:
-        """The forward path as that system, nothing fed back."""
+        """Return the forward path as that system, nothing fed back."""
         forward, own = self.blocks[0].as_linear(linear, theta, x, dt)
         made = self._adapt_back(forward, own, x, dt)
         return made, np.concatenate([own, made.blocks[1].start(), [0.0]])

@@ -33,7 +33,7 @@ class BoucWen(AbstractRanged):
         return ("logit_line", "log_stiffness", "log_recovery")
 
     def states(self) -> int:
-        """The input before, and w."""
+        """Return the input before, and w."""
         return 2
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:

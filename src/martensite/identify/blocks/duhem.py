@@ -39,7 +39,7 @@ class Duhem(AbstractRanged):
         return branches.name_branch("rising", count) + branches.name_branch("falling", count)
 
     def states(self) -> int:
-        """The input before, and z."""
+        """Return the input before, and z."""
         return 2
 
     def _branches(self, xp: Namespace, theta: Column) -> tuple[branches.LogisticBranch, branches.LogisticBranch]:
@@ -63,7 +63,7 @@ class Duhem(AbstractRanged):
         return (z,), (r, z)
 
     def start(self) -> Numbers:
-        """A loop in the middle of the range, half as wide as it is far from its ends."""
+        """Return a loop in the middle of the range, half as wide as it is far from its ends."""
         if int(self.logistics) == 1:
             return np.array([0.2, np.log(0.15), -0.2, np.log(0.15)])
         widths = np.log([0.1, 0.3])

@@ -88,7 +88,7 @@ class Feedback(AbstractRanged):
         return 2 * int(self.order) + self._earlier
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """The output y with y + h φ(r, 0) = u."""
+        """Return the output y with y + h φ(r, 0) = u."""
         order, u = int(self.order), x[0]
         own = theta[order + self._zeros :]
         fed = [(i, c) for (i, j), c in zip(self.powers(), own, strict=True) if j == 0]
@@ -168,12 +168,12 @@ class Feedback(AbstractRanged):
         return made
 
     def twin(self) -> AbstractBlock:
-        """A transfer function of the same order, with as many numerator coefficients."""
+        """Return a transfer function of the same order, with as many numerator coefficients."""
         delay = self.feedthrough == "no"
         return TransferFunction(nb=self._zeros + 1, nf=self.order, nk=int(delay))
 
     def as_linear(self, linear: AbstractBlock, theta: Numbers, x: Numbers, dt: float) -> tuple[Feedback, Numbers]:
-        """The block and `like`."""
+        """Return the block and `like`."""
         own = isinstance(linear, TransferFunction)
         return self, self.like(linear, theta, dt) if own else self.start()
 
@@ -217,7 +217,7 @@ def _respond_to_impulse(linear: TransferFunction, theta: Numbers, dt: float, cou
 
 
 def _in_differences(numerator: Numbers, size: float) -> Numbers:
-    """The β_k of a numerator in powers of q^-1 = 1 - ∇."""
+    """Return the β_k of a numerator in powers of q^-1 = 1 - ∇."""
     powers = np.zeros(len(numerator))
     for coefficient in numerator[::-1]:  # Horner, times 1 - ∇ each
         powers[1:] -= powers[:-1].copy()
@@ -233,7 +233,7 @@ def _raise_power(x: Scalar, count: int) -> Scalar:
 
 
 def _shape_inputs(inputs: list[Scalar], weights: Column, size: Scalar) -> Scalar:
-    """The newest input plus its weighted differences."""
+    """Return the newest input plus its weighted differences."""
     total, differences, scale = inputs[0], list(inputs), 1.0
     for weight in weights:
         differences = [a - b for a, b in pairwise(differences)]

@@ -25,11 +25,11 @@ class Gain(AbstractCurve):
     short = "gain"
 
     def heights(self) -> tuple[str, ...]:
-        """The rise over half the range."""
+        """Return the rise over half the range."""
         return ("rise",)
 
     def curve(self, xp: Namespace, heights: Column, places: Column, r: Scalar) -> Scalar:
-        """The line through 0 in the middle of the range."""
+        """Return the line through 0 in the middle of the range."""
         return heights[0] * r
 
     def line(self, slope: float, offset: float) -> Numbers:
@@ -38,7 +38,7 @@ class Gain(AbstractCurve):
         return np.array([offset + slope * self.middle, rise] if self.first else [rise])
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """The gain, and the output at zero input."""
+        """Return the gain, and the output at zero input."""
         return [("gain", float(theta[-1]) / self.half, "1"), *self.offset_shown(theta)]
 
 
@@ -49,5 +49,5 @@ class UnitGain(AbstractBlock):
     short = "unit"
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """The input of this sample."""
+        """Return the input of this sample."""
         return (x[0],), ()

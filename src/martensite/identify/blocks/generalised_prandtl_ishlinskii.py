@@ -46,7 +46,7 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
     )
 
     def heights(self) -> tuple[str, ...]:
-        """The rise over half the range."""
+        """Return the rise over half the range."""
         return ("rise",)
 
     def places(self) -> tuple[str, ...]:
@@ -57,7 +57,7 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
         return tuple(names)
 
     def states(self) -> int:
-        """The plays."""
+        """Return the plays."""
         return int(self.plays)
 
     def _split_parameters(self, theta: Column) -> tuple[Scalar, Column, Column]:
@@ -67,7 +67,7 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
         return theta[self.first], own[:count], own[count:]
 
     def curves(self, xp: Namespace, logits: Column, r: Scalar) -> tuple[Scalar, Scalar]:
-        """The lower and the upper curve on the scale of the range."""
+        """Return the lower and the upper curve on the scale of the range."""
         count = int(self.knots) - 2
         above, below = [0.0], [0.0]
         for alpha, beta in zip(logits[:count], logits[count:], strict=True):
@@ -82,7 +82,7 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
         return [(int(self.knots) - 1.0) * (after - before) for after, before in pairs]
 
     def curve(self, xp: Namespace, heights: Column, places: Column, r: Scalar) -> Scalar:
-        """The curve at rest, half way between the two."""
+        """Return the curve at rest, half way between the two."""
         lower, upper = self.curves(xp, places[int(self.plays) - 1 :], r)
         return heights[0] * 0.5 * (lower + upper)
 
@@ -106,7 +106,7 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
         return ((theta[0] + y if self.offset == "yes" else y - zero),), after
 
     def line(self, slope: float, offset: float) -> Numbers:
-        """A line at rest, half way between two curves."""
+        """Return a line at rest, half way between two curves."""
         level = (offset + slope * self.middle,)[: self.first]
         weights = np.zeros(int(self.plays) - 1)
         return np.concatenate([level, [slope * self.half], weights, *self._open_curves(OPEN)])

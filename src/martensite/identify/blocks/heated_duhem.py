@@ -78,7 +78,7 @@ class _Heat(NamedTuple):
     falling: branches.LogisticBranch
 
     def power(self, xp: Namespace, u: Scalar, z: Scalar) -> Scalar:
-        """The rise [K] that the input would hold."""
+        """Return the rise [K] that the input would hold."""
         return self.gain * u * xp.exp(self.resistance * z)
 
     def loss(self, xp: Namespace, rise: Scalar) -> Scalar:
@@ -151,7 +151,7 @@ class HeatedDuhem(AbstractBlock):
         )
 
     def gains(self) -> tuple[str, ...]:
-        """The stroke, of the position."""
+        """Return the stroke, of the position."""
         return {"both": ("", "stroke"), "position": ("stroke",), "temperature": ("",)}[self.gives]
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
@@ -183,7 +183,7 @@ class HeatedDuhem(AbstractBlock):
         return self.with_parts(gain=TYPICAL / max(mean, 1e-12)) if self.gain == 0.0 else self
 
     def start(self) -> Numbers:
-        """The expected values, with branches of a steep and a flat part."""
+        """Return the expected values, with branches of a steep and a flat part."""
         log, widths = np.log, np.log([3.0, 12.0])
         gain = self.gain if self.gain > 0.0 else TYPICAL
         return np.array(
@@ -210,7 +210,7 @@ class HeatedDuhem(AbstractBlock):
         )
 
     def priors(self) -> tuple[Numbers, Numbers]:
-        """The expected values, and 1/σ of each; the stroke is free."""
+        """Return the expected values, and 1/σ of each; the stroke is free."""
         return self.start(), np.array([1.0 / spread for _, spread in SPREADS])
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
@@ -232,7 +232,7 @@ class HeatedDuhem(AbstractBlock):
 
 
 def _lag_ramp(xp: Namespace, log_tau: Scalar, y: Scalar, before: Scalar, after: Scalar, dt: Scalar) -> Scalar:
-    """A lag of first order over a step in which its input goes straight: exact."""
+    """Return a lag of first order over a step in which its input goes straight: exact."""
     p = first_order(xp, log_tau, dt)
     steps = dt * xp.exp(-xp.clip(log_tau, -14.0, 14.0))
     return y + p * (before - y) + (after - before) * (1.0 - p / steps)
@@ -254,7 +254,7 @@ def _heat_step(xp: Namespace, heat: _Heat, rise: Scalar, z: Scalar, u: Scalar, d
 
 
 def _hold_rise(xp: Namespace, heat: _Heat, u: Scalar) -> Scalar:
-    """The rise at which the loss is the power, on the rising branch, by Newton's method."""
+    """Return the rise at which the loss is the power, on the rising branch, by Newton's method."""
 
     def newton(rise: Scalar) -> Scalar:
         z = branches.from_below(xp, heat.rising, rise)

@@ -65,7 +65,7 @@ class AbstractNetwork(AbstractCurve):
 
     @abstractmethod
     def frame(self) -> tuple[Numbers, Numbers]:
-        """The two numbers of all units to start with: log b and centres."""
+        """Return the two numbers of all units to start with: log b and centres."""
 
     def spread(self, rng: np.random.Generator) -> tuple[Numbers, Numbers]:
         """Return random weights and offsets around the frame."""
@@ -100,7 +100,7 @@ class AbstractNetwork(AbstractCurve):
         return xp.implicit_root(value, value + slope * (q - here))
 
     def line(self, slope: float, offset: float) -> Numbers:
-        """The line alone, its units idle in their frame."""
+        """Return the line alone, its units idle in their frame."""
         level = (offset + slope * self.middle,)[: self.first]
         idle = np.zeros(int(self.units))
         return np.concatenate([level, [slope * self.half], idle, *self.frame()])
@@ -122,7 +122,7 @@ class SigmoidNetwork(AbstractNetwork):
     short = "sigmoid"
 
     def unit_shape(self, xp: Namespace, q: Scalar) -> tuple[Scalar, Scalar]:
-        """The logistic function."""
+        """Return the logistic function."""
         return compute_logistic(xp, q)
 
     def frame(self) -> tuple[Numbers, Numbers]:
@@ -144,7 +144,7 @@ class TanhNetwork(AbstractNetwork):
     short = "tanh"
 
     def unit_shape(self, xp: Namespace, q: Scalar) -> tuple[Scalar, Scalar]:
-        """The hyperbolic tangent, from an exponential."""
+        """Return the hyperbolic tangent, from an exponential."""
         share, slope = compute_logistic(xp, 2.0 * q)
         return 2.0 * share - 1.0, 4.0 * slope
 
@@ -177,7 +177,7 @@ class WaveletNetwork(AbstractNetwork):
     cites = ("zhang1992",)
 
     def unit_shape(self, xp: Namespace, q: Scalar) -> tuple[Scalar, Scalar]:
-        """The second derivative of a bell, upside down."""
+        """Return the second derivative of a bell, upside down."""
         square = q * q
         bell = xp.exp(-0.5 * square)
         return (1.0 - square) * bell, (square - 3.0) * q * bell

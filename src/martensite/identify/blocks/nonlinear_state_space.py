@@ -102,7 +102,7 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
     fence6: Number = param("1", "limit of the sixth state in monomials, over its reach", above=0.0, default=FARTHEST)
 
     def monomials(self) -> list[tuple[int, ...]]:
-        """The variables that each is a product of: states from 0 on, then the input."""
+        """Return the variables that each is a product of: states from 0 on, then the input."""
         count = int(self.order) + (self.input_terms == "yes")
         degrees = range(2, int(self.degree) + 1)
         return [m for d in degrees for m in combinations_with_replacement(range(count), d)]
@@ -127,7 +127,7 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
         return [self.half * _multiply_values(limited, monomial) for monomial in self.monomials()]
 
     def _scale_states(self, xp: Namespace, poles: Column, held: Column, dt: Scalar) -> list[Scalar]:
-        """The states on the scale of their reach: 1 is the largest of the linear system at the fit."""
+        """Return the states on the scale of their reach: 1 is the largest of the linear system at the fit."""
         wide = self.half * self.reach
         scaled: list[Scalar] = []
         for k, value in enumerate(held):
@@ -157,7 +157,7 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
         return fed
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """The state that a constant input holds, found from that of the linear system."""
+        """Return the state that a constant input holds, found from that of the linear system."""
         n = int(self.order)
 
         def held(xp: Namespace, state: Column, given: Column) -> Column:
@@ -185,13 +185,13 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
         return y, (*line[:nk], *made.state)
 
     def twin(self) -> AbstractBlock:
-        """The linear system."""
+        """Return the linear system."""
         return StateSpace(order=self.order, outs=self.outs, nk=self.nk, offset=self.offset)
 
     def as_linear(
         self, linear: AbstractBlock, theta: Numbers, x: Numbers, dt: float
     ) -> tuple[NonlinearStateSpace, Numbers]:
-        """The linear system, with the reach that its states have under an input."""
+        """Return the linear system, with the reach that its states have under an input."""
         made = np.zeros(len(self.numbers()))
         made[: self._linear] = theta
         return self.with_parts(reach=self._largest_departure(theta, x[:, 0], dt)), made
@@ -210,7 +210,7 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
         return max(most / half, LEAST)
 
     def start(self) -> Numbers:
-        """The linear system."""
+        """Return the linear system."""
         made = np.zeros(len(self.numbers()))
         made[: self._linear] = super().start()[: self._linear]
         return made
@@ -222,7 +222,7 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
         return np.zeros(len(weights)), weights
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """A random linear system with small nonlinear terms."""
+        """Return a random linear system with small nonlinear terms."""
         made = super().sample_parameters(rng, duration, dt)
         made[self._linear :] *= 0.02
         return made

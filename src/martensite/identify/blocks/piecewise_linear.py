@@ -54,7 +54,7 @@ class PiecewiseLinear(AbstractCurve):
         return [2.0 * (LEAST / count + (1.0 - LEAST) * size / total) for size in sizes]
 
     def curve(self, xp: Namespace, heights: Column, places: Column, r: Scalar) -> Scalar:
-        """A line and a hinge at every inner knot."""
+        """Return a line and a hinge at every inner knot."""
         gaps = self._gaps(xp, places)
         total, before, slope, knot = 0.0, 0.0, 0.0, -1.0
         for number, (value, gap) in enumerate(zip(heights, gaps, strict=True)):

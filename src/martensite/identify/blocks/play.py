@@ -27,11 +27,11 @@ class Play(AbstractRanged):
     cites = ("krasnoselskii1989",)
 
     def numbers(self) -> tuple[str, ...]:
-        """The radius."""
+        """Return the radius."""
         return ("log_radius",)
 
     def states(self) -> int:
-        """The output."""
+        """Return the output."""
         return 1
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
@@ -48,7 +48,7 @@ class Play(AbstractRanged):
         return self.half * xp.exp(xp.clip(theta[0], -STRONGEST, STRONGEST))
 
     def start(self) -> Numbers:
-        """A tenth of half the range."""
+        """Return a tenth of half the range."""
         return np.array([0.5 * float(np.log(BEGUN).sum())])
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
@@ -57,5 +57,5 @@ class Play(AbstractRanged):
         return rng.uniform(low, high, 1)
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """The radius, in the unit of the input."""
+        """Return the radius, in the unit of the input."""
         return [("radius", float(self.radius(floats, [float(theta[0])])), "1")]

@@ -22,12 +22,12 @@ class Polynomial(AbstractStatic):
     degree: Number = param("1", "highest power", low=1.0, high=15.0, default=2.0)
 
     def numbers(self) -> tuple[str, ...]:
-        """The offset, if it is free, and the coefficients."""
+        """Return the offset, if it is free, and the coefficients."""
         powers = tuple(f"c{k}" for k in range(1, int(self.degree) + 1))
         return ("offset", *powers) if self.offset == "yes" else powers
 
     def value(self, xp: Namespace, theta: Column, x: Scalar) -> Scalar:
-        """The polynomial."""
+        """Return the polynomial."""
         r, zero = self.unit(x), self.unit(0.0)
         free = int(self.offset == "yes")
         total: Scalar = theta[0] if free else 0.0
@@ -38,7 +38,7 @@ class Polynomial(AbstractStatic):
         return total
 
     def line(self, slope: float, offset: float) -> Numbers:
-        """The linear coefficient alone."""
+        """Return the linear coefficient alone."""
         made = np.zeros(len(self.numbers()))
         free = int(self.offset == "yes")
         made[:free] = offset

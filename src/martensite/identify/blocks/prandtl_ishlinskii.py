@@ -54,7 +54,7 @@ class PrandtlIshlinskii(AbstractRanged):
         return (*weights, "log_reach") if self.thresholds == "scaled" else weights
 
     def states(self) -> int:
-        """The plays."""
+        """Return the plays."""
         return int(self.plays)
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
@@ -126,7 +126,7 @@ class PrandtlIshlinskii(AbstractRanged):
         return made
 
     def operator(self, theta: Numbers) -> PlaySum:
-        """The operator with these numbers, for its inverse."""
+        """Return the operator with these numbers, for its inverse."""
         own = [float(value) for value in theta]
         sizes, whole = self._sizes(floats, own)
         return PlaySum(tuple(self.radii(floats, own)), tuple(size / whole for size in sizes))

@@ -42,7 +42,7 @@ class Preisach(AbstractCurve):
     )
 
     def heights(self) -> tuple[str, ...]:
-        """The rise of all curves over half the range, or the rise of each segment."""
+        """Return the rise of all curves over half the range, or the rise of each segment."""
         if self.slopes == "alike":
             return ("rise",)
         return tuple(f"rise{i}_{k}" for i, k in self._segments())
@@ -58,7 +58,7 @@ class Preisach(AbstractCurve):
         return [(i, k) for i in range(int(self.levels) + 1) for k in range(1, count)]
 
     def states(self) -> int:
-        """The plays."""
+        """Return the plays."""
         return int(self.levels)
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
@@ -83,7 +83,7 @@ class Preisach(AbstractCurve):
         return 2.0 * self.reach * level / int(self.levels)
 
     def curve(self, xp: Namespace, heights: Column, places: Column, r: Scalar) -> Scalar:
-        """The curve at rest, where all plays are at the input."""
+        """Return the curve at rest, where all plays are at the input."""
         return self._sum(xp, heights, places, [r] * (int(self.levels) + 1))
 
     def _sum(self, xp: Namespace, heights: Column, places: Column, at: Column) -> Scalar:

@@ -46,10 +46,10 @@ class AbstractInterval(AbstractCurve):
 
     @abstractmethod
     def shape_input(self, xp: Namespace, low: Scalar, high: Scalar, r: Scalar) -> Scalar:
-        """The shape, of slope 1 where it is a line."""
+        """Return the shape, of slope 1 where it is a line."""
 
     def heights(self) -> tuple[str, ...]:
-        """The rise over half the range, if the gain is free."""
+        """Return the rise over half the range, if the gain is free."""
         return ("rise",) if self.gain == "free" else ()
 
     def places(self) -> tuple[str, ...]:
@@ -63,13 +63,13 @@ class AbstractInterval(AbstractCurve):
         return (heights[0] if self.gain == "free" else self.half) * shape
 
     def line(self, slope: float, offset: float) -> Numbers:
-        """A line within the range; one of slope 1 if the gain is."""
+        """Return a line within the range; one of slope 1 if the gain is."""
         level = (offset + slope * self.middle,)[: self.first]
         rise = (slope * self.half,)[: len(self.heights())]
         return np.array([*level, *rise, 0.0, self.straight])
 
     def start(self) -> Numbers:
-        """The identity but for limits inside the range, where samples are on both sides."""
+        """Return the identity but for limits inside the range, where samples are on both sides."""
         made = super().start()
         made[-1] = np.log(np.mean(self.begun))
         return made
@@ -99,7 +99,7 @@ class Saturation(AbstractInterval):
     begun = (0.4, 1.0)
 
     def shape_input(self, xp: Namespace, low: Scalar, high: Scalar, r: Scalar) -> Scalar:
-        """The input within the limits."""
+        """Return the input within the limits."""
         return xp.clip(r, low, high)
 
 

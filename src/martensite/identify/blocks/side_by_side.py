@@ -48,7 +48,7 @@ class AbstractComposite(AbstractBlock):
         return enumerate(self.blocks, start=1)
 
     def split(self, column: Any, count: Callable[[AbstractBlock], int]) -> Iterator[tuple[AbstractBlock, Any]]:
-        """The blocks, each with its share of a column, of which it has a certain count."""
+        """Yield the blocks, each with its share of a column, of which it has a certain count."""
         first = 0
         for block in self.blocks:
             last = first + count(block)
@@ -56,7 +56,7 @@ class AbstractComposite(AbstractBlock):
             first = last
 
     def _list_parts(self, theta: Column, state: Column) -> list[tuple[AbstractBlock, Column, Column]]:
-        """The blocks, each with its free numbers and its state."""
+        """Return the blocks, each with its free numbers and its state."""
         own = self.split(theta, lambda block: len(block.numbers()))
         held = self.split(state, lambda block: block.states())
         return [(block, numbers, before) for (block, numbers), (_, before) in zip(own, held, strict=True)]
@@ -97,7 +97,7 @@ class AbstractComposite(AbstractBlock):
         ]
 
     def text(self) -> str:
-        """The blocks between square brackets."""
+        """Return the blocks between square brackets."""
         return f"[{f' {self.sign} '.join(block.text() for block in self.blocks)}]"
 
     @property
@@ -146,7 +146,7 @@ class SideBySide(AbstractComposite):
         return [s for block, own, taken in shares for s in block.rest(xp, own, taken, dt)]
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """A step of every block."""
+        """Return a step of every block."""
         held = self.split(state, lambda block: block.states())
         outputs: list[Scalar] = []
         after: list[Scalar] = []

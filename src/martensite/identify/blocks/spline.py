@@ -42,7 +42,7 @@ class Spline(AbstractCurve):
         return tuple(f"c{k}" for k in range(2, int(self.knots) + 1))
 
     def curve(self, xp: Namespace, heights: Column, places: Column, r: Scalar) -> Scalar:
-        """The bells within the range, and the slope at its end beyond."""
+        """Return the bells within the range, and the slope at its end beyond."""
         own = [0.0, *heights]
         all_ = [2.0 * own[0] - own[1], *own, 2.0 * own[-1] - own[-2]]
         gaps = len(own) - 1

@@ -55,7 +55,7 @@ class LinearStart(NamedTuple):
 
 
 def fit_weights(block: TransferFunction | StateSpace, known: Numbers, pairs: Sequence[Pair], dt: float) -> LinearStart:
-    """The start with given first numbers; all others are linear and follow from least squares."""
+    """Return the start with given first numbers; all others are linear and follow from least squares."""
     theta = np.zeros(len(block.numbers()))
     theta[: len(known)] = known
     own = _find_weights(block, len(known))
@@ -157,7 +157,7 @@ def linear_start(
 def best_linear(
     records: Sampled | Sequence[Sampled], order: int, nk: int = 1, skip: int = 0, iterations: int = 60
 ) -> Chain:
-    """The linear model of an order that reproduces records best in free run from rest.
+    """Return the linear model of an order that reproduces records best in free run from rest.
 
     One input and one output give `oe(order, order, nk) | poly1`, with nk = 0 one coefficient
     more; several give one `ss` block with offsets.
@@ -182,7 +182,7 @@ def best_linear(
 def polish_linear(
     block: Linear, records: Sequence[Sampled], start: str = "rest", skip: int = 0, iterations: int = 60
 ) -> Chain:
-    """An `oe` or `ss`, with the line that its gain and offset need, refined from its start.
+    """Return an `oe` or `ss`, with the line that its gain and offset need, refined from its start.
 
     `start` is the state at the first sample, `rest`, `zero` or `estimate`; samples before `skip` do not count; with 0
     iterations the start is left.
@@ -221,7 +221,7 @@ def _pair_records(w: Numbers | Sequence[Numbers], y: Numbers | Sequence[Numbers]
 
 
 def _shorten_records(pairs: Sequence[Pair]) -> list[Pair]:
-    """The first samples of every record: enough to compare poles."""
+    """Return the first samples of every record: enough to compare poles."""
     most = max(SCORED // len(pairs), FEWEST)
     return [(u[:most], y[:most]) for u, y in pairs]
 
@@ -254,7 +254,7 @@ def _find_poles(block: TransferFunction | StateSpace, pairs: Sequence[Pair], dt:
 
 
 def _find_mixing(block: AbstractBlock, model: Realised, z: Numbers, found: Matched, dt: float) -> Numbers:
-    """The free numbers of B."""
+    """Return the free numbers of B."""
     numbers = list(map(float, found.numbers))
     n, m = len(numbers), block.inputs
 

@@ -66,7 +66,7 @@ class Chain:
             raise ParameterError(f"Chain `{self.text()}` has {count} free numbers, but {len(self.theta)} are given.")
 
     def text(self) -> str:
-        """The chain as it is written: `poly2 | oe(3,3,1) | pwl10`."""
+        """Return the chain as it is written: `poly2 | oe(3,3,1) | pwl10`."""
         return " | ".join(block.text() for block in self.blocks)
 
     @cached_property
@@ -162,7 +162,7 @@ class Chain:
 
 
 def build_untrained(blocks: Sequence[AbstractBlock], record: Sampled, taps: Taps | None = None) -> Chain:
-    """A chain for a record, its blocks one by one adapted to what reaches them from the start."""
+    """Return a chain for a record, its blocks one by one adapted to what reaches them from the start."""
     made: list[AbstractBlock] = []
     x, theta = record.inputs, np.zeros(0)
     for block in blocks:

@@ -60,7 +60,7 @@ def parse_block(text: str) -> AbstractBlock:
 
 
 def _split_outside(text: str, sign: str) -> list[str]:
-    """The parts of a text between signs that stand outside of all brackets."""
+    """Return the parts of a text between signs that stand outside of all brackets."""
     parts, depth = [""], 0
     for character in text:
         depth += (character in "([") - (character in ")]")
@@ -110,12 +110,12 @@ def _build_block(block: type[AbstractBlock], text: str, words: list[str]) -> Abs
 
 
 def _parse_value(block: type[AbstractBlock], name: str, word: str) -> float | str:
-    """A choice as it is; anything else as a number."""
+    """Return a choice as it is; anything else as a number."""
     return word if block.declarations[name].kind == "option" else float(word)
 
 
 def parse_chain(text: str) -> tuple[AbstractBlock, ...]:
-    """The blocks of a text, their gauge set: only the last static block has an offset.
+    """Return the blocks of a text, their gauge set: only the last static block has an offset.
 
     Raises:
         InputError: a block is unknown or not well written.
@@ -158,7 +158,7 @@ def _fix_series(blocks: Sequence[AbstractBlock], after: list[bool]) -> tuple[tup
 
 
 def _drop_offset(block: AbstractBlock, after: list[bool]) -> tuple[AbstractBlock, list[bool]]:
-    """A block without an offset if one follows, and for each input whether one follows."""
+    """Return a block without an offset if one follows, and for each input whether one follows."""
     if isinstance(block, SideBySide):
         shares = block.split(after, lambda child: child.outputs)
         found = [_drop_offset(child, own) for child, own in shares]

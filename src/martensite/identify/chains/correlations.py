@@ -80,7 +80,7 @@ class Crossed:
 
     @property
     def sentence(self) -> str:
-        """The verdict with its numbers."""
+        """Return the verdict with its numbers."""
         lag, value = self.following
         what = f"residuals of `{self.output}` and {self.signal}"
         size = f"{format_number(value, 2)} after {format_number(lag * self.interval, 3)} s"

@@ -43,7 +43,7 @@ def coarsen_records(records: Sequence[Sampled], most: int = COARSE) -> list[Samp
 
 
 def _cut_part(record: Sampled, count: int) -> Sampled:
-    """The first samples, as many more as it takes until outputs move as in the whole."""
+    """Return the first samples, as many more as it takes until outputs move as in the whole."""
     whole = np.nanvar(record.outputs, axis=0)
     while count < len(record):
         first = record.outputs[:count]
@@ -55,7 +55,7 @@ def _cut_part(record: Sampled, count: int) -> Sampled:
 
 
 def find_thinnest(records: Sequence[Sampled], factor: int) -> int:
-    """The largest factor, up to a given one, whose averages keep the outputs' variance.
+    """Return the largest factor, up to a given one, whose averages keep the outputs' variance.
 
     White noise, which averages away as well, is told by what averages of two samples lose.
     """

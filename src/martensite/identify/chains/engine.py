@@ -198,7 +198,7 @@ class ChainEngine:
 
     @cached_property
     def plan(self) -> ChainPlan:
-        """The traced blocks."""
+        """Return the traced blocks."""
         return plan_blocks(self.blocks)
 
     def _numbers(self, theta: Numbers) -> Numbers:
@@ -206,7 +206,7 @@ class ChainEngine:
         return np.array([*theta, *given, self.interval], dtype=float)
 
     def rest(self, theta: Numbers, x: Numbers, deviation: Numbers | None = None) -> ChainStart:
-        """The state at rest under a constant input.
+        """Return the state at rest under a constant input.
 
         With a `deviation` of the state from rest, the first columns are derivatives with
         respect to it.

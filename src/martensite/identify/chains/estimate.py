@@ -81,7 +81,7 @@ class ChainEstimate:
         return sum(fit >= self.fits[0] - ALIKE for fit in self.fits)
 
     def squares(self) -> ResidualSquares:
-        """The sum of squares that was minimised."""
+        """Return the sum of squares that was minimised."""
         return ResidualSquares(self.chain.engine, self.aims)
 
 
@@ -101,7 +101,7 @@ def estimate_chain(
     watch: Tell | None = None,
     halt: Event | None = None,
 ) -> ChainEstimate:
-    """A chain of blocks that reproduces the outputs of records in free run.
+    """Return a chain of blocks that reproduces the outputs of records in free run.
 
     Args:
         blocks: the structure, as text such as `poly2 | oe(3,3,1) | pwl10`, or its blocks.
@@ -146,7 +146,7 @@ def _check_signals(blocks: Sequence[AbstractBlock], record: Sampled) -> None:
 
 
 def refine_chain(chain: Chain, records: Sequence[Sampled], options: Options) -> Found:
-    """The nearest minimum from the numbers of a chain, at the full rate."""
+    """Return the nearest minimum from the numbers of a chain, at the full rate."""
     squares = Goal.begin(options, records).squares(chain, records)
     return minimise_cost(squares, squares.extend_parameters(chain.theta), options.iterations)
 
@@ -246,7 +246,7 @@ class _Estimation:
             return ends
 
     def _leave_rest(self, ends: list[SearchEnd], doubted: Sequence[bool]) -> list[SearchEnd]:
-        """The ends from rest, or better ones with initial states that are estimated."""
+        """Return the ends from rest, or better ones with initial states that are estimated."""
         starts = tuple("estimate" if doubt else "rest" for doubt in doubted)
         free = replace(self.goal, starts=starts)
         # separate searches: those from rest may have ended where other initial states do not help
@@ -263,7 +263,7 @@ class _Estimation:
         return self._goal_for(self.thin, goal).bare_squares(end.chain, self.thin).value(end.found.theta)
 
     def _goal_for(self, level: Sequence[Sampled], goal: Goal | None = None, shorter: int = 1) -> Goal:
-        """The goal on thinner records: as long a start that does not count, perhaps fewer steps."""
+        """Return the goal on thinner records: as long a start that does not count, perhaps fewer steps."""
         goal = goal or self.goal
         skip = round(goal.options.skip * self.records[0].interval / level[0].interval)
         steps = max(goal.options.iterations // shorter, 1)
@@ -296,7 +296,7 @@ class _Estimation:
         self.tell(INTERRUPTED, 1.0)
 
     def _finish(self, refined: Sequence[SearchEnd], level: Sequence[Sampled]) -> SearchEnd:
-        """The end of the best search at the full rate.
+        """Return the end of the best search at the full rate.
 
         Raises:
             SolveError: no model that was found on thinner records can be simulated there.
@@ -330,7 +330,7 @@ def cut_block(record: Sampled, fold: int, folds: int) -> slice:
 
 
 def hide_block(record: Sampled, block: slice) -> Sampled:
-    """The record with the outputs of a block missing."""
+    """Return the record with the outputs of a block missing."""
     outputs = record.outputs.copy()
     outputs[block] = np.nan
     return record.with_outputs(outputs)
@@ -389,7 +389,7 @@ def _refine_all(
 
 
 def _refine_one(chain: Chain, records: Sequence[Sampled], goal: Goal) -> SearchEnd | None:
-    """The nearest minimum over records of any sample time; where it was halted, None without a step."""
+    """Return the nearest minimum over records of any sample time; where it was halted, None without a step."""
     chain = replace(chain, interval=records[0].interval)
     squares = goal.squares(chain, records)
     begun = squares.extend_parameters(chain.theta)
@@ -409,7 +409,7 @@ def _refine_one(chain: Chain, records: Sequence[Sampled], goal: Goal) -> SearchE
 
 
 def _stop_at(chain: Chain, records: Sequence[Sampled], goal: Goal) -> SearchEnd:
-    """A chain as it is, with initial states that the first samples of its records tell."""
+    """Return a chain as it is, with initial states that the first samples of its records tell."""
     squares = replace(goal, halt=Event()).squares(chain, records)
     theta = squares.extend_parameters(chain.theta)
     place = squares.columns

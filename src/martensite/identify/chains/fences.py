@@ -33,7 +33,7 @@ class StateWatch(AbstractBlock):
 
     @property
     def outputs(self) -> int:
-        """The states."""
+        """Return the states."""
         return self.watched.states()
 
     @property
@@ -46,7 +46,7 @@ class StateWatch(AbstractBlock):
         return self.watched.given()
 
     def with_given(self, values: Sequence[Any]) -> Self:
-        """A watch on a twin of the block."""
+        """Return a watch on a twin of the block."""
         return self.rebuilt({"watched": self.watched.with_given(values)})
 
     def structure(self) -> tuple[Any, ...]:
@@ -66,13 +66,13 @@ class StateWatch(AbstractBlock):
         return self.watched.rest(xp, theta, x, dt)
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """The step of the block."""
+        """Return the step of the block."""
         after = self.watched.step(xp, theta, state, x, dt)[1]
         return after, after
 
 
 def fence_chain(chain: Chain, records: Sequence[Sampled], states: Sequence[Numbers]) -> Chain:
-    """The chain whose nonlinear terms go no further than along its records, which begin in these states."""
+    """Return the chain whose nonlinear terms go no further than along its records, which begin in these states."""
     blocks, parts = list(chain.blocks), chain.split()
     last = max((k for k, block in enumerate(blocks) if block.fenced), default=-1)
     reaching = [record.inputs for record in records]

@@ -125,11 +125,11 @@ class Goal:
 
     @classmethod
     def begin(cls, options: Options, records: Sequence[Sampled]) -> Goal:
-        """The goal with which searches begin: what is to be tested is taken to be at rest."""
+        """Return the goal with which searches begin: what is to be tested is taken to be at rest."""
         return cls(options, ("rest" if options.start == AUTO else options.start,) * len(records))
 
     def squares(self, chain: Chain, records: Sequence[Sampled]) -> ResidualSquares:
-        """The sum of squares that a search from the numbers of a chain minimises."""
+        """Return the sum of squares that a search from the numbers of a chain minimises."""
         expected, weights = find_expected(chain, self.options)
         if self.strength:
             base = next((one for one in self.bases if _has_same_blocks(one, chain)), chain)
@@ -141,7 +141,7 @@ class Goal:
         return ResidualSquares(chain.engine, aims, self.options.ridge or 0.0, expected, weights, self.halt)
 
     def bare_squares(self, chain: Chain, records: Sequence[Sampled]) -> ResidualSquares:
-        """The squares of the records alone, without what is expected of numbers and of rest."""
+        """Return the squares of the records alone, without what is expected of numbers and of rest."""
         aims = build_aims(records, replace(self.options, anchor=0.0), self.starts)
         return ResidualSquares(chain.engine, aims, halt=self.halt)
 
@@ -152,7 +152,7 @@ def _has_same_blocks(one: Chain, other: Chain) -> bool:
 
 
 def _find_floor(moved: Numbers) -> float:
-    """A little of what a usual number moves: the pull of those that move nothing at the base."""
+    """Return a little of what a usual number moves: the pull of those that move nothing at the base."""
     positive = moved[moved > 0.0]
     return 1e-3 * float(np.median(positive)) if len(positive) else 0.0
 
@@ -238,7 +238,7 @@ def noise_model(residuals: Sequence[Numbers], order: int) -> Numbers:
 def whiten_chain(
     chain: Chain, found: Found, wanted: Sequence[RecordResidual], options: Options
 ) -> tuple[Found, tuple[RecordResidual, ...]]:
-    """The minimum of the prediction error: noise model and chain in turns, from a minimum."""
+    """Return the minimum of the prediction error: noise model and chain in turns, from a minimum."""
     aims_ = tuple(wanted)
     prior = find_expected(chain, options)
     for _ in range(TURNS):

@@ -134,7 +134,7 @@ def list_rows(
     undetermined: Numbers,
     moved: Numbers,
 ) -> list[PrintedNumber]:
-    """The rows of one block, numbered from 1 on, from the covariance of its free numbers.
+    """Return the rows of one block, numbered from 1 on, from the covariance of its free numbers.
 
     `slopes` are derivatives of what is shown, shape (rows, numbers); `undetermined` says which rows depend on
     directions that are not determined, `moved` how much each changes with them.

@@ -40,7 +40,7 @@ class LinearisationPoint(NamedTuple):
 
 
 def operating_point(chain: Chain, level: Any, history: Numbers | Sampled | None = None) -> LinearisationPoint:
-    """The state in which a chain rests under a constant input, a number or one for each input.
+    """Return the state in which a chain rests under a constant input, a number or one for each input.
 
     After a history of inputs from rest, shape (samples, inputs), the level is held until nothing changes. Of a chain
     without hysteresis it changes nothing.
@@ -85,7 +85,7 @@ def _settle_state(chain: Chain, u: Numbers, state: Numbers) -> None:
 def linearise_chain(
     chain: Chain, level: Any, history: Numbers | Sampled | None = None, push: Any = 0.0
 ) -> LinearSystem:
-    """The linear system of a chain around an operating point (see `operating_point`).
+    """Return the linear system of a chain around an operating point (see `operating_point`).
 
     Args:
         chain: the model.
@@ -107,7 +107,7 @@ def linearise_chain(
 
 
 def linearise_around(chain: Chain, point: LinearisationPoint, pushed: Sequence[Numbers] | None = None) -> LinearSystem:
-    """The linear system around any state and input: also one that does not rest.
+    """Return the linear system around any state and input: also one that does not rest.
 
     What enters blocks with memory may be `pushed` instead.
     """
@@ -138,7 +138,7 @@ def linearise_around(chain: Chain, point: LinearisationPoint, pushed: Sequence[N
 
 
 def _bind_blocks(chain: Chain) -> Any:
-    """The functions of all blocks on floats."""
+    """Return the functions of all blocks on floats."""
     given = [float(value) for block in chain.blocks for value in block.given()]
     program = chain.engine.plan.program
     return program.bind_floats(*map(float, chain.theta), *given, float(chain.interval))

@@ -22,7 +22,7 @@ LANES = 8
 
 
 def pad_count(count: int, unit: int = LANES) -> int:
-    """The next multiple of a unit, at least one."""
+    """Return the next multiple of a unit, at least one."""
     return -(-max(count, 1) // unit) * unit
 
 
@@ -41,12 +41,12 @@ def list_moving(piece: ChainPiece) -> int:
 
 
 def list_through(piece: ChainPiece) -> list[Entry]:
-    """The partial derivatives with respect to inputs and states."""
+    """Return the partial derivatives with respect to inputs and states."""
     return [e for e in piece.step.entries if e.column < list_moving(piece)]
 
 
 def list_own(piece: ChainPiece) -> list[Entry]:
-    """The partial derivatives with respect to free numbers."""
+    """Return the partial derivatives with respect to free numbers."""
     return [e for e in piece.step.entries if e.column >= list_moving(piece)]
 
 
@@ -56,7 +56,7 @@ def _count_begun(piece: ChainPiece) -> int:
 
 
 def at_once(piece: ChainPiece, results: Sequence[str]) -> tuple[list[str], list[str], list[str]]:
-    """A block without memory: lines before its loop over samples, in the loop, and behind it."""
+    """Return a block without memory: lines before its loop over samples, in the loop, and behind it."""
     block, entries = piece.block, list_through(piece)
     values = {e.place: f"j[{k}][t]" for k, e in enumerate(entries)}
     kept = [f"{values[e.place]} = {results[e.place]};" for e in entries]
@@ -87,7 +87,7 @@ def at_once(piece: ChainPiece, results: Sequence[str]) -> tuple[list[str], list[
 
 
 def in_sequence(piece: ChainPiece, results: Sequence[str]) -> tuple[list[str], list[str], list[str]]:
-    """A block with memory: lines before its loop over samples, in the loop, and behind it."""
+    """Return a block with memory: lines before its loop over samples, in the loop, and behind it."""
     block = piece.block
     varying = [e for e in list_through(piece) if not e.constant]
     rows = sorted({e.row for e in list_own(piece)})

@@ -56,7 +56,7 @@ class _Writer:
         )
 
     def statements(self, name: str) -> Statements:
-        """A function over its inputs x0, x1, … and its state s0, s1, …, declared around it."""
+        """Return a function over its inputs x0, x1, … and its state s0, s1, …, declared around it."""
         function = self.plan.program.functions[name]
         return self.kernels.print_function(function, function.inputs)
 
@@ -89,7 +89,7 @@ class _Writer:
         )
 
     def march(self, slopes: bool) -> str:
-        """The loop over tiles; the columns of signals are dw[signal][M][TILE]."""
+        """Return the loop over tiles; the columns of signals are dw[signal][M][TILE]."""
         plan, inputs = self.plan, self.plan.pieces[0].block.inputs
         state, beside, steps = 0, 0, list[str]()
         for k, piece in enumerate(plan.pieces):
@@ -140,7 +140,7 @@ class _Writer:
         return lines
 
     def rest(self) -> str:
-        """The chain at rest: each block under what the block before gives at rest."""
+        """Return the chain at rest: each block under what the block before gives at rest."""
         plan, inputs = self.plan, self.plan.pieces[0].block.inputs
         lines = [
             f"double c[{self.plan.program.constants}], w[{plan.width} * TILE] = {{0.0}};",
@@ -190,7 +190,7 @@ class _Writer:
 def _print_loop(
     piece: ChainPiece, lines: Sequence[str], results: Sequence[str], inside: Sequence[str], slopes: bool
 ) -> list[str]:
-    """The loop over samples; the state is in local variables meanwhile."""
+    """Return the loop over samples; the state is in local variables meanwhile."""
     inputs, outputs, states = piece.block.inputs, piece.block.outputs, piece.block.states()
     body = [
         *(f"const double x{i} = w[{i} * TILE + t];" for i in range(inputs)),

@@ -80,12 +80,12 @@ class ChainPlan:
 
     @property
     def width(self) -> int:
-        """The most signals between two blocks."""
+        """Return the most signals between two blocks."""
         return max(max(p.block.inputs, p.block.outputs) for p in self.pieces)
 
 
 def plan_blocks(blocks: Sequence[AbstractBlock]) -> ChainPlan:
-    """The plan of some blocks in series, traced once per structure."""
+    """Return the plan of some blocks in series, traced once per structure."""
     return _plan_keyed(tuple(_Shaped(block) for block in blocks))
 
 

@@ -52,7 +52,7 @@ SI = (
 
 
 def build_plant(chain: Chain) -> Machine:
-    """A chain as a system: its drives are called after its inputs, its outputs after its outputs.
+    """Return a chain as a system: its drives are called after its inputs, its outputs after its outputs.
 
     Raises:
         InputError: an input and an output have the same name.
@@ -97,7 +97,7 @@ class ModelMechanism(AbstractMechanism):
         return {"chain": self.model}
 
     def _with_paths(self, values: Mapping[str, Any]) -> Self:
-        """A checked copy with some numbers changed."""
+        """Return a checked copy with some numbers changed."""
         own = {**{name: self.__dict__[name] for name in _list_paths(self.model)}, **values}
         blocks = tuple(
             block.with_given([float(own[f"b{k}_{name}"]) for name in block.fixed])
@@ -108,7 +108,7 @@ class ModelMechanism(AbstractMechanism):
 
     @property
     def model(self) -> Chain:
-        """The chain, with the numbers that it was made of."""
+        """Return the chain, with the numbers that it was made of."""
         return self.__dict__["chain"]
 
     def ports(self) -> tuple[str, ...]:
@@ -120,15 +120,15 @@ class ModelMechanism(AbstractMechanism):
         return self.model.interval
 
     def first_step(self) -> float:
-        """The sample time [s]."""
+        """Return the sample time [s]."""
         return self.model.interval
 
     def signals(self) -> dict[str, str]:
-        """The inputs with their SI units."""
+        """Return the inputs with their SI units."""
         return {name: _find_conversion(self.model, name)[0] for name in self.model.input_names}
 
     def outputs(self) -> dict[str, Output]:
-        """The outputs with their SI units."""
+        """Return the outputs with their SI units."""
         return {
             name: Output(_find_conversion(self.model, name)[0], name.replace("_", " "), "y")
             for name in self.model.output_names
@@ -143,7 +143,7 @@ class ModelMechanism(AbstractMechanism):
         return ()
 
     def init(self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column) -> Any:
-        """The state at rest under the first inputs, block by block."""
+        """Return the state at rest under the first inputs, block by block."""
         x, found = self.convert_inputs(signals), []
         for block, theta in self._blocks():
             state = block.rest(xp, theta, x, self.model.interval)
@@ -154,14 +154,14 @@ class ModelMechanism(AbstractMechanism):
     def advance(
         self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[Any, list[Any], StepReport]:
-        """The state one sample on, whatever `dt`."""
+        """Return the state one sample on, whatever `dt`."""
         after, _ = self._sample(xp, memory, signals)
         return after, [], StepReport(0.0, 0.0)
 
     def observe(
         self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column
     ) -> tuple[list[Scalar], Column]:
-        """The outputs of this sample."""
+        """Return the outputs of this sample."""
         return [], self._sample(xp, memory, signals)[1]
 
     def _sample(self, xp: Namespace, memory: Any, signals: Column) -> tuple[Any, list[Scalar]]:
@@ -176,7 +176,7 @@ class ModelMechanism(AbstractMechanism):
         return tuple(after), self._outside(seen)
 
     def _blocks(self) -> list[tuple[AbstractBlock, Column]]:
-        """The blocks with the numbers of this mechanism, which may be traced."""
+        """Return the blocks with the numbers of this mechanism, which may be traced."""
         found: list[tuple[AbstractBlock, Column]] = []
         for k, block in enumerate(self.model.blocks, start=1):
             given = [self.__dict__[f"b{k}_{name}"] for name in block.fixed]

@@ -109,7 +109,7 @@ def summarise_segments(times: Numbers, residuals: Numbers, output: str, count: i
 
 
 def known_stretch(values: Numbers) -> slice:
-    """The longest run of finite values."""
+    """Return the longest run of finite values."""
     known = np.concatenate([[False], np.isfinite(values), [False]]).astype(int)
     edges = np.flatnonzero(np.diff(known))
     begins, ends = edges[::2], edges[1::2]

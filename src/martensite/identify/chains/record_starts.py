@@ -51,7 +51,7 @@ REST = RunStart(None, "at rest")
 
 
 def find_start(chain: Chain, record: Sampled, start: str = AUTO, skip: int = 0) -> RunStart:
-    """The state in which a chain begins a record.
+    """Return the state in which a chain begins a record.
 
     Args:
         chain: the model.
@@ -94,7 +94,7 @@ def _infer_start(chain: Chain, record: Sampled, skip: int) -> RunStart:
 
 
 def _settle(chain: Chain, record: Sampled, skip: int) -> tuple[Numbers, float, float]:
-    """The state that fits a record best, its squared error, and that from rest."""
+    """Return the state that fits a record best, its squared error, and that from rest."""
     squares = ResidualSquares(chain.engine, [RecordResidual(record, skip, start="estimate")])
     rested = squares.value(squares.extend_parameters(chain.theta))
     found = settle_states(squares, chain.theta, STEPS)
@@ -102,7 +102,7 @@ def _settle(chain: Chain, record: Sampled, skip: int) -> tuple[Numbers, float, f
 
 
 def keep_starts(chain: Chain, records: Sequence[Sampled], starts: Sequence[str], states: Sequence[Numbers]) -> Chain:
-    """The chain with the states in which its records begin, and the ranges that their signals had."""
+    """Return the chain with the states in which its records begin, and the ranges that their signals had."""
     kept = {
         record.hash: RecordStart(record.name, kind, tuple(map(float, state)) if kind == "estimate" else ())
         for record, kind, state in zip(records, starts, states, strict=True)

@@ -121,7 +121,7 @@ class ResidualSquares:
         return np.concatenate([theta, np.zeros(self.size - len(theta))])
 
     def value(self, theta: Numbers) -> float:
-        """The sum of squares; infinite where the run is not finite."""
+        """Return the sum of squares; infinite where the run is not finite."""
         total = float(self.pull @ (theta[: self.columns] - self.reference) ** 2)
         with np.errstate(all="ignore"):
             for aim, place in self._place_states():
@@ -143,7 +143,7 @@ class ResidualSquares:
             raise HaltedSearchError
 
     def normal(self, theta: Numbers) -> Normal:
-        """The sum of squares with gradient and JᵀJ; infinite where the run is not finite."""
+        """Return the sum of squares with gradient and JᵀJ; infinite where the run is not finite."""
         with np.errstate(all="ignore"):
             return self._normal(theta)
 
@@ -180,7 +180,7 @@ class ResidualSquares:
         return [self._start(aim, theta, place, False).state for aim, place in self._place_states()]
 
     def _place_states(self) -> Iterator[tuple[RecordResidual, int | None]]:
-        """The records, and where their initial states are among the numbers."""
+        """Yield the records, and where their initial states are among the numbers."""
         place = self.columns
         for aim in self.aims:
             estimated = aim.start == "estimate"
@@ -188,7 +188,7 @@ class ResidualSquares:
             place += self.states * estimated
 
     def _where(self, place: int | None) -> Numbers:
-        """The numbers that a record depends on, in the order of its columns."""
+        """Return the numbers that a record depends on, in the order of its columns."""
         theta = np.arange(self.columns)
         if place is None:
             return theta
@@ -219,7 +219,7 @@ class ResidualSquares:
 
 
 def settle_states(squares: ResidualSquares, theta: Numbers, steps: int) -> Found:
-    """The initial states that are estimated, found for a θ of the chain that is held."""
+    """Return the initial states that are estimated, found for a θ of the chain that is held."""
     theta = squares.extend_parameters(theta)
     return minimise_cost(squares, theta, steps, free=np.arange(squares.size) >= squares.columns)
 

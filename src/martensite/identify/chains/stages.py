@@ -40,7 +40,7 @@ class ModelStage:
 
     @classmethod
     def read(cls, text: str, output: str | None = None) -> ModelStage:
-        """A stage from `structure -> output`; the arrow may be left out where the output is given.
+        """Return a stage from `structure -> output`; the arrow may be left out where the output is given.
 
         Raises:
             InputError: the output is named by neither.
@@ -121,7 +121,7 @@ def _group_records(records: Sampled | Sequence[Sampled]) -> list[Sampled]:
 
 
 def _plan_stages(stages: str | Sequence[str | ModelStage], record: Sampled) -> list[ModelStage]:
-    """The stages, their outputs named; each structure well written."""
+    """Return the stages, their outputs named; each structure well written."""
     given = [stages] if isinstance(stages, str) else list(stages)
     if not given:
         raise InputError("A model needs at least one stage.")
@@ -152,7 +152,7 @@ def _score_stage(chain: Chain, groups: Sequence[Sequence[Sampled]], options: Opt
 
 
 def _join_series(estimates: Sequence[ChainEstimate], records: Sequence[Sampled]) -> Chain:
-    """The stages as one; where all know how a record begins, so does the series."""
+    """Return the stages as one; where all know how a record begins, so does the series."""
     model = estimates[0].chain
     if len(estimates) == 1:
         return model

@@ -44,7 +44,7 @@ def draw_numbers(chain: Chain, rng: np.random.Generator, record: Sampled) -> Num
 
 
 def align_chain(chain: Chain, records: Sequence[Sampled]) -> Chain:
-    """The chain with the line of its last static block fitted to the outputs.
+    """Return the chain with the line of its last static block fitted to the outputs.
 
     If linear blocks follow it, which have unit gain, the outputs are those of a slow system and
     the same line serves. Outputs that are proportional to a number of the last block get that
@@ -69,7 +69,7 @@ def _align_last(chain: Chain, records: Sequence[Sampled]) -> Chain:
 
 
 def _fit_gains(chain: Chain, records: Sequence[Sampled]) -> Chain:
-    """The chain with the gains of the outputs of its last block fitted, one by one."""
+    """Return the chain with the gains of the outputs of its last block fitted, one by one."""
     block = chain.blocks[-1]
     if not any(block.gains()) or chain.taps is not None:
         return chain
@@ -104,7 +104,7 @@ def _fit_line(x: Numbers, y: Numbers) -> tuple[float, float]:
 
 
 def _curve_around(theta: Numbers, block: AbstractStatic, slope: float, offset: float) -> Numbers:
-    """The drawn departure from the identity, scaled with the slope, around the line."""
+    """Return the drawn departure from the identity, scaled with the slope, around the line."""
     departure = theta - block.line(1.0, 0.0)
     scaled = block.scale_departure(departure, slope)
     return block.line(slope, offset if block.offset == "yes" else 0.0) + scaled
@@ -148,13 +148,13 @@ def _shared_out(chain: Chain, records: Sequence[Sampled], rng: np.random.Generat
 
 
 def linear_twin(block: AbstractBlock) -> Linear | None:
-    """The `oe` or `ss` that a block is without its nonlinear terms; None if there is none."""
+    """Return the `oe` or `ss` that a block is without its nonlinear terms; None if there is none."""
     twin = block.twin()
     return twin if isinstance(twin, TransferFunction | StateSpace) else None
 
 
 def from_linear(chain: Chain, records: Sequence[Sampled], state: str = "rest") -> Chain | None:
-    """The chain with its one dynamic block as the best linear model; None if it has not one."""
+    """Return the chain with its one dynamic block as the best linear model; None if it has not one."""
     twins = [(i, twin) for i, b in enumerate(chain.blocks) if (twin := linear_twin(b)) is not None]
     if len(twins) != 1 or chain.taps is not None:
         return None
@@ -186,7 +186,7 @@ def _fit_linear_start(
 
 
 def _adapt_again(chain: Chain, place: int, own: Numbers, record: Sampled) -> Chain:
-    """The chain, one block as a linear one, all adapted to what reaches them then."""
+    """Return the chain, one block as a linear one, all adapted to what reaches them then."""
     blocks, theta, x = list(chain.blocks), list[Numbers](), record.inputs
     for i, block in enumerate(blocks):
         blocks[i] = block.adapt_to(x, chain.interval)
@@ -216,7 +216,7 @@ STEPS = 40
 
 
 def begin_from_chain(chain: Chain, given: Chain, records: Sequence[Sampled]) -> Chain:
-    """The chain with numbers with which it does about what a given one does.
+    """Return the chain with numbers with which it does about what a given one does.
 
     Raises:
         InputError: the given one has another number of blocks, or of signals between them.
@@ -258,7 +258,7 @@ def _cut_record(x: Sequence[Numbers], y: Sequence[Numbers], dt: float) -> list[S
 
 
 def _follow_block(block: AbstractBlock, records: Sequence[Sampled]) -> tuple[AbstractBlock, Numbers]:
-    """The block, adapted, with numbers with which it reproduces the records of another."""
+    """Return the block, adapted, with numbers with which it reproduces the records of another."""
     longest = max(records, key=len)
     dt, x = longest.interval, longest.inputs
     block = block.adapt_to(x, dt)

@@ -160,7 +160,7 @@ class ChainUncertainty:
 def estimate_chain_uncertainty(
     chain: Chain, squares: ResidualSquares, blocks: Sequence[int] | int | None = None
 ) -> ChainUncertainty:
-    """The covariance of a chain, where a fit of these squares, such as `estimate.squares()`, ended.
+    """Return the covariance of a chain, where a fit of these squares, such as `estimate.squares()`, ended.
 
     Blocks are of so many samples, for all records or for each; by default three times the time for which the residuals
     are alike. 1 takes them as independent.

@@ -72,7 +72,7 @@ class Validation:
         return found
 
     def score(self, output: str | None = None, part: str = WHOLE) -> Score:
-        """The score of an output (the first, if left out) in a part; `DataError` if there is none."""
+        """Return the score of an output (the first, if left out) in a part; `DataError` if there is none."""
         name = self.record.output_names[0] if output is None else output
         for one in self.scores:
             if one.output == name and one.part == part:
@@ -86,11 +86,11 @@ class Validation:
         return float(np.mean(whole))
 
     def best(self, output: str | None = None) -> ErrorStretch:
-        """The stretch with the smallest error."""
+        """Return the stretch with the smallest error."""
         return min(self._own(output), key=lambda one: one.rms)
 
     def worst(self, output: str | None = None) -> ErrorStretch:
-        """The stretch with the largest error."""
+        """Return the stretch with the largest error."""
         return max(self._own(output), key=lambda one: one.rms)
 
     @property

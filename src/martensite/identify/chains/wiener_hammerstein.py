@@ -159,7 +159,7 @@ def _filter_signal(one: tuple[Numbers, Numbers], x: Numbers) -> Numbers:
 
 
 def _place_poles(chain: Chain, way: Shared, static: AbstractBlock, record: Sampled) -> Chain:
-    """The chain with the numbers for a way to share out, and some static block between."""
+    """Return the chain with the numbers for a way to share out, and some static block between."""
     probe = np.random.default_rng(0).normal(size=PROBE)
     probe[0] = 0.0
     dt, u = chain.interval, record.inputs
@@ -193,7 +193,7 @@ def _with_polynomial(chain: Chain, way: Shared, record: Sampled) -> tuple[float,
 
 
 def _begin_chain(chain: Chain, with_polynomial: Chain, record: Sampled) -> Chain:
-    """The chain with the dynamics of another and a static block near its polynomial."""
+    """Return the chain with the dynamics of another and a static block near its polynomial."""
     first, curve, last = with_polynomial.split()
     dt = chain.interval
     x = ChainEngine(chain.blocks[:1], dt).simulate(first, record.inputs)

@@ -52,7 +52,7 @@ class BlockedRecord:
     """False of one that is scored only."""
 
     def hide(self, whole: bool) -> Sampled:
-        """The record without the outputs that are held out, and without those to choose by unless `whole`."""
+        """Return the record without the outputs that are held out, and without those to choose by unless `whole`."""
         outputs = self.record.outputs.copy()
         for block in (*self.held, *(() if whole else self.chosen_by)):
             outputs[block] = np.nan
@@ -85,7 +85,7 @@ class ErrorFall(NamedTuple):
 
     @property
     def text(self) -> str:
-        """The fall of the errors with its uncertainty, in percent."""
+        """Return the fall of the errors with its uncertainty, in percent."""
         if not np.isfinite(self.value):
             return "–"
         ends = (self.value, self.value - self.uncertainty, self.value + self.uncertainty)

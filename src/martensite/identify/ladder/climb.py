@@ -81,7 +81,7 @@ class _Climb:
     stopped: str = ""
 
     def try_structure(self, rung: str, text: str, options: Options) -> LadderTrial:
-        """A structure fitted without the blocks to choose by, and its errors on these."""
+        """Return a structure fitted without the blocks to choose by, and its errors on these."""
         begun = measure_processor_time()
         seen = [one.hide(False) for one in self.blocked if one.fitted]
         numbers = len(build_untrained(parse_chain(text), seen[0]).theta)
@@ -156,15 +156,15 @@ class _Climb:
 
     @property
     def reference(self) -> BlockErrors:
-        """The errors of the model so far, or of the mean."""
+        """Return the errors of the model so far, or of the mean."""
         return self.best.chosen_by if self.best else self.measure_mean().chosen_by
 
     def measure_mean(self) -> LadderTrial:
-        """The mean of what was fitted, as a model."""
+        """Return the mean of what was fitted, as a model."""
         return LadderTrial("mean", 1, None, *self._measure(None), 0.0)
 
     def climb_linear(self, delay: int, count: int) -> int:
-        """The linear rung: the lowest order that no higher one is better than by more than chance."""
+        """Return the linear rung: the lowest order that no higher one is better than by more than chance."""
         ins, outs = (len(names) for names in (self.record.input_names, self.record.output_names))
         trials: list[LadderTrial] = []
         with self._keep_stopped():
@@ -187,7 +187,7 @@ class _Climb:
 
     @property
     def record(self) -> Sampled:
-        """The first record."""
+        """Return the first record."""
         return self.blocked[0].record
 
     def exhausts(self) -> bool:
@@ -209,7 +209,7 @@ def climb_ladder(
     watch: Watch | None = None,
     keep: Keep | None = None,
 ) -> Ladder:
-    """The simplest structure that predicts records best, without one being given.
+    """Return the simplest structure that predicts records best, without one being given.
 
     Args:
         records: what is fitted; those of another regime than the first are set apart. The last fifth of each is
@@ -292,7 +292,7 @@ def _rank(trial: LadderTrial) -> float:
 
 
 def _pick_best(trials: Sequence[LadderTrial]) -> LadderTrial:
-    """The one with the least error; of those that are as good but for chance the one of fewest numbers."""
+    """Return the one with the least error; of those that are as good but for chance the one of fewest numbers."""
     best = min(trials, key=_rank)
     near = [
         one
@@ -303,7 +303,7 @@ def _pick_best(trials: Sequence[LadderTrial]) -> LadderTrial:
 
 
 def _finish(climb: _Climb, tests: list[str], apart: Sequence[Sampled], said: Sequence[str]) -> Ladder:
-    """The chosen structure fitted to all that is not held out, and judged on that."""
+    """Return the chosen structure fitted to all that is not held out, and judged on that."""
     chosen = climb.best or climb.rungs[0].trials[0]
     chain, whole = chosen.chain, False
     remarks: list[str] = []
@@ -334,7 +334,7 @@ def _finish(climb: _Climb, tests: list[str], apart: Sequence[Sampled], said: Seq
 
 
 def _fit_whole(climb: _Climb, chain: Chain) -> tuple[Chain, bool, list[str]]:
-    """The chain, its numbers fitted to the blocks to choose by as well; whether it was."""
+    """Return the chain, its numbers fitted to the blocks to choose by as well; whether it was."""
     own = [one.hide(True) for one in climb.blocked if one.fitted]
     options = replace(PROBE, starts=0, begin=(chain,))
     try:
@@ -350,7 +350,7 @@ def _fit_whole(climb: _Climb, chain: Chain) -> tuple[Chain, bool, list[str]]:
 
 
 def _check_held(chain: Chain, blocked: Sequence[BlockedRecord], whole: bool) -> Iterator[Validation]:
-    """The chain on what is held out, each run on from the first sample of its record."""
+    """Yield the chain on what is held out, each run on from the first sample of its record."""
     runs = run_blocks(chain, blocked, whole)
     for one, run in zip(blocked, runs, strict=True):
         if not one.held or not np.all(np.isfinite(run)):
@@ -362,7 +362,7 @@ def _check_held(chain: Chain, blocked: Sequence[BlockedRecord], whole: bool) -> 
 
 
 def _run_until(chain: Chain, one: BlockedRecord, whole: bool, first: int) -> Numbers:
-    """The state of a run at a sample."""
+    """Return the state of a run at a sample."""
     from martensite.identify.chains.record_starts import find_start
 
     begin = find_start(chain, one.hide(whole) if one.fitted else one.record, AUTO)

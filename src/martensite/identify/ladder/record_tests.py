@@ -55,7 +55,7 @@ class DelayTest:
 
     @property
     def sentence(self) -> str:
-        """The delay and its interval."""
+        """Return the delay and its interval."""
         if self.left > UNKNOWN:
             return (
                 f"Delay: cannot be told, as linear models leave {100.0 * self.left:.0f} % of the variance of the "
@@ -69,7 +69,7 @@ class DelayTest:
 
 
 def find_delay(records: Sequence[Sampled], order: int = 2) -> DelayTest:
-    """The delay with which a linear model reproduces records best."""
+    """Return the delay with which a linear model reproduces records best."""
     thin = coarsen_records(records, 2000)
     if abs(thin[0].interval / records[0].interval - 1.0) > 1e-6:
         thin = [record.rows(0, 4000) for record in records]  # delays are counted in samples of the records

@@ -29,7 +29,7 @@ POOR = 0.25
 
 
 def set_apart(records: Sequence[Sampled]) -> tuple[list[Sampled], dict[int, str]]:
-    """The records of the regime of the first, and why others are not, by their place."""
+    """Return the records of the regime of the first, and why others are not, by their place."""
     first, kept, apart = records[0], [records[0]], dict[int, str]()
     for place, record in enumerate(records[1:], start=1):
         reason = _explain_range(first, record) or _explain_dynamics(first, record)

@@ -11,7 +11,7 @@ CURVES = ("poly3", "pwl(8,fixed)", "sigmoid4")
 
 
 def write_linear(order: int, delay: int, ins: int = 1, outs: int = 1) -> str:
-    """The text of a linear model with its line."""
+    """Return the text of a linear model with its line."""
     if (ins, outs) == (1, 1):
         return f"oe({order + (delay == 0)},{order},{delay}) | poly1"
     return f"{_write_state_space(order, delay, ins, outs)} | {_repeat_block('poly1', outs)}"
@@ -62,7 +62,7 @@ def list_rungs(order: int, delay: int, ins: int = 1, outs: int = 1) -> list[tupl
 
 
 def list_neighbours(structure: str) -> list[str]:
-    """The structure with one pole more, and with another delay: nonlinear terms may have hidden them."""
+    """Return the structure with one pole more, and with another delay: nonlinear terms may have hidden them."""
     found = LINEAR.search(structure)
     if found is None:
         return []

@@ -47,7 +47,7 @@ def compute_logistic(xp: Namespace, x: Scalar) -> Scalar:
 
 
 def branch_of(xp: Namespace, theta: Column) -> LogisticBranch:
-    """The branch of 2 free numbers (one logistic function) or 5 (two)."""
+    """Return the branch of 2 free numbers (one logistic function) or 5 (two)."""
     count = len(theta) // 2
     widths = [xp.exp(xp.clip(w, -FLATTEST, FLATTEST)) for w in theta[count : 2 * count]]
     first = compute_logistic(xp, theta[4]) if count == 2 else 1.0
@@ -93,7 +93,7 @@ class BranchLeg(NamedTuple):
 def follow_leg(
     xp: Namespace, rising: LogisticBranch, falling: LogisticBranch, upward: bool, x: Scalar, z: Scalar
 ) -> BranchLeg:
-    """The way on from x and z, upward or not."""
+    """Return the way on from x and z, upward or not."""
 
     def chosen(a: Sequence[Scalar], b: Sequence[Scalar]) -> list[Scalar]:
         return [xp.where(upward, p, q) for p, q in zip(a, b, strict=True)]

@@ -29,12 +29,12 @@ A share that is not needed would else send its logit away, step by step, and the
 
 
 def move_play(xp: Namespace, x: Scalar, r: Scalar, p: Scalar) -> Scalar:
-    """The next value of a play of threshold r ≥ 0 that was at p."""
+    """Return the next value of a play of threshold r ≥ 0 that was at p."""
     return keep_between(xp, x - r, x + r, p)
 
 
 def keep_between(xp: Namespace, lower: Scalar, upper: Scalar, p: Scalar) -> Scalar:
-    """The next value of a play that is kept between two bounds, lower ≤ upper."""
+    """Return the next value of a play that is kept between two bounds, lower ≤ upper."""
     return xp.maximum(lower, xp.minimum(upper, p))
 
 
@@ -70,7 +70,7 @@ def evaluate_hinges(xp: Namespace, rises: Sequence[Scalar], half: Scalar, p: Sca
 
 
 def compute_logits(shares: Numbers) -> Numbers:
-    """The logits that give positive shares."""
+    """Return the logits that give positive shares."""
     return np.log(shares[1:] / shares[0])
 
 
@@ -104,7 +104,7 @@ class PlaySum:
         return np.array(self.thresholds), np.array(self.weights)
 
     def rest(self, x: float) -> Numbers:
-        """The plays at rest under a constant input."""
+        """Return the plays at rest under a constant input."""
         return np.full(len(self.thresholds), float(x))
 
     def step(self, state: Numbers, x: float) -> tuple[float, Numbers]:
@@ -122,7 +122,7 @@ class PlaySum:
         return made
 
     def inverse(self) -> PlaySum:
-        """The operator that gives back the input: feed-forward against hysteresis.
+        """Return the operator that gives back the input: feed-forward against hysteresis.
 
             s_i = Σ_{j<i} a_j (r_i - r_j),   b_0 = 1/a_0,
             b_i = -a_i / ((a_0 + … + a_i)(a_0 + … + a_{i-1}))

@@ -38,11 +38,11 @@ class AbstractCurve(AbstractStatic):
         return int(self.offset == "yes")
 
     def numbers(self) -> tuple[str, ...]:
-        """The offset, if it is free, then heights, then places."""
+        """Return the offset, if it is free, then heights, then places."""
         return (*("offset",)[: self.first], *self.heights(), *self.places())
 
     def value(self, xp: Namespace, theta: Column, x: Scalar) -> Scalar:
-        """The curve, moved to its offset or to 0 at zero input."""
+        """Return the curve, moved to its offset or to 0 at zero input."""
         last = self.first + len(self.heights())
         heights, places = theta[self.first : last], theta[last:]
         made = self.curve(xp, heights, places, self.unit(x))
@@ -58,6 +58,6 @@ class AbstractCurve(AbstractStatic):
         return made
 
     def offset_shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """A row with the output at zero input."""
+        """Return a row with the output at zero input."""
         zero = self.value(floats, [float(v) for v in theta], 0.0)
         return [("output at zero", float(zero), "1")]

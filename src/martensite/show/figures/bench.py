@@ -63,7 +63,7 @@ class BenchPanel:
 
 
 def plot_bench(result: Result, records: Records = None, title: str | None = None, outside: Outside = None) -> Figure:
-    """The figure of a run on a bench.
+    """Return the figure of a run on a bench.
 
     Args:
         result: the run to show.
@@ -210,7 +210,7 @@ def _show_temperatures(result: Result, found: Sequence[Loop], records: Sequence[
 
 
 def _show_estimate(result: Result, name: str) -> BenchPanel:
-    """An estimate beside the truth, and how sure it is where that is known."""
+    """Return an estimate beside the truth, and how sure it is where that is known."""
     truth = name.removeprefix(ESTIMATED)
 
     def draw_panel(axes: Any) -> None:

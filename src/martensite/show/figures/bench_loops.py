@@ -36,7 +36,7 @@ class Loop:
 
 
 def find_bench(result: Result) -> Bench:
-    """The bench that was run; `InputError` if the result is that of a system alone."""
+    """Return the bench that was run; `InputError` if the result is that of a system alone."""
     if not isinstance(result.system, Bench):
         raise InputError(
             "This figure is that of a bench; use `plot_result` for a system without controllers and sensors."
@@ -45,7 +45,7 @@ def find_bench(result: Result) -> Bench:
 
 
 def find_loops(result: Result, outside: Mapping[str, AbstractController] | None = None) -> list[Loop]:
-    """The loops of a bench; controllers that ran outside of it are given by drive."""
+    """Return the loops of a bench; controllers that ran outside of it are given by drive."""
     bench = find_bench(result)
     members = bench.controllers.members()
     found = [
@@ -71,7 +71,7 @@ def _find_loop(result: Result, bench: Bench, drive: str, one: AbstractController
 
 
 def _find_column(result: Result, name: str) -> str | None:
-    """The column of a reading: of a sensor, of an observer, or of the system itself."""
+    """Return the column of a reading: of a sensor, of an observer, or of the system itself."""
     return next((c for c in (MEASURED + name, name) if c in result.outputs), None)
 
 

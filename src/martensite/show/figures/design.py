@@ -19,7 +19,7 @@ WIDTH, HEIGHT = 7.5, 3.2
 
 
 def plot_design(found: OptimisedDesign, title: str = "") -> Figure:
-    """The best design over the runs of the search, and the first coordinate over time."""
+    """Return the best design over the runs of the search, and the first coordinate over time."""
     with use_style():
         figure, ((left, right),) = make_panels(WIDTH, HEIGHT, 1, 2, title)
         _draw_history(found, left)

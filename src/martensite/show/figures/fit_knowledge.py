@@ -252,7 +252,7 @@ def _draw_panel(axes: Any, one: Profile, fit: Fit | None) -> None:
 
 
 def _interpolate_root(at: Any, excess: Any, best: float) -> tuple[Any, Any]:
-    """A curve through the points of a profile, interpolated in its root: nearly straight."""
+    """Return a curve through the points of a profile, interpolated in its root: nearly straight."""
     root = np.sign(at - best) * np.sqrt(np.maximum(excess, 0.0))
     fine = np.linspace(at[0], at[-1], 401)
     return fine, np.interp(fine, at, root) ** 2

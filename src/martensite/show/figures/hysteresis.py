@@ -83,7 +83,7 @@ def split_runs(sense: Any) -> list[tuple[int, int, int]]:
 
 
 def find_strips(result: Result) -> list[StripMark]:
-    """The strips of the law at the mean stress of the run; none if it has no such strips."""
+    """Return the strips of the law at the mean stress of the run; none if it has no such strips."""
     (actuator,) = result.system.actuators().values()
     law = actuator.element.law
     known = law.declarations

@@ -41,7 +41,7 @@ class QuantityAxis:
         return "K" if self.shown == "degC" else typeset_unit(self.shown)
 
     def values(self, column: ArrayLike) -> Any:
-        """A column in SI as an array in the shown unit."""
+        """Return a column in SI as an array in the shown unit."""
         factor, offset = units.find_conversion(self.shown, self.unit)
         return (np.asarray(column, dtype=np.float64) - offset) / factor
 
@@ -61,12 +61,12 @@ def describe_axis(result: Result, name: str) -> QuantityAxis:
 
 
 def read_column(result: Result, name: str) -> Any:
-    """A column of a result as an array in its shown unit."""
+    """Return a column of a result as an array in its shown unit."""
     return describe_axis(result, name).values(result[name])
 
 
 def typeset_symbol(symbol: str) -> str:
-    """A symbol such as ξ_S as italic mathematics with its subscript; words as they are."""
+    """Return a symbol such as ξ_S as italic mathematics with its subscript; words as they are."""
     if " " in symbol:
         return symbol.replace("$", "")
     head, _, index = symbol.partition("_")
@@ -100,7 +100,7 @@ def enclose_values(*columns: Any, least: float = 1e-3) -> tuple[float, float]:
 
 
 def label_difference(unit: str) -> tuple[str, float]:
-    """The unit in which a difference is read, as it is printed, and its size in the SI `unit`."""
+    """Return the unit in which a difference is read, as it is printed, and its size in the SI `unit`."""
     shown, size = choose_difference_unit(unit)
     return typeset_unit(shown, "1"), size
 

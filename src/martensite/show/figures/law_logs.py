@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def plot_law_log(comparisons: Sequence[LawComparison], *, title: str | None = None) -> Figure:
-    """The figure of laws beside a log, or beside several of one kind; from `compare_laws_with_log`.
+    """Return the figure of laws beside a log, or beside several of one kind; from `compare_laws_with_log`.
 
     Raises:
         InputError: there is nothing to draw, or stress rests in one log and moves in another.

@@ -60,7 +60,7 @@ ROOM, GAPS = (0.75, 0.2, HEAD, 0.5), (0.8, 0.65)
 def plot_point(
     results: PointResult | Sequence[PointResult], *, title: str | None = None, plane: tuple[str, str] = LOOP
 ) -> Figure:
-    """The figure of a material-point study.
+    """Return the figure of a material-point study.
 
     Args:
         results: one path, several paths of one law, or paths of several laws.

@@ -29,7 +29,7 @@ LOOPS = (("temperature", "martensite_fraction"), ("strain", "stress"))
 
 
 def draw_machine(result: Result) -> Figure:
-    """The panels of a machine, with the key of its actuators but no title."""
+    """Return the panels of a machine, with the key of its actuators but no title."""
     ports, own = list(result.system.actuators()), _group_outputs(result)
     rows = len(own) + (len(PANELS) if ports else 0)
     height = HEAD + FOOT + PANEL_HEIGHT * max(rows, 3)

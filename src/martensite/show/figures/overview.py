@@ -60,7 +60,7 @@ COLOURS = {"cell_temperature": "inferno", "cell_fraction": "cividis"}
 
 
 def plot_result(result: Result, records: Records = None, title: str | None = None, outside: Outside = None) -> Figure:
-    """The standard figure: all quantities over time, and the loops ξ–T, ε–T, σ–ε.
+    """Return the standard figure: all quantities over time, and the loops ξ–T, ε–T, σ–ε.
 
     Of a run on a bench it is that of `plot_bench`.
 
@@ -165,7 +165,7 @@ def _write_lead(result: Result) -> str:
 
 
 def list_panels(result: Result, records: Sequence[MeasuredRecord] = ()) -> list[str]:
-    """The quantities to show: the usual ones, and others that were measured.
+    """Return the quantities to show: the usual ones, and others that were measured.
 
     A drive that prescribes the temperature is the temperature, and is not shown twice.
     """

@@ -58,7 +58,7 @@ def add_panels(
 
 
 def make_grid(count: int, title: str) -> tuple[Figure, list[Any]]:
-    """A figure of so many panels, with room for a headline and a key above."""
+    """Return a figure of so many panels, with room for a headline and a key above."""
     columns = {1: 1, 2: 2, 4: 2}.get(count, 3)
     rows = math.ceil(count / columns)
     width, height = {1: 6.4, 2: 9.2, 3: 11.5}[columns], 1.0 + (2.95 if columns < 3 else 2.6) * rows
@@ -71,7 +71,7 @@ def make_grid(count: int, title: str) -> tuple[Figure, list[Any]]:
 
 
 def wrap_warnings(warnings: Iterable[str], width: float) -> list[str]:
-    """The lines that warnings take at the foot of a figure of a width [inch]."""
+    """Return the lines that warnings take at the foot of a figure of a width [inch]."""
     return [line for text in warnings for line in textwrap.wrap(text, int(LETTERS * width))]
 
 
@@ -94,7 +94,7 @@ def write_title(axes: Any, text: str, **look: Any) -> None:
 
 
 def shorten_name(name: str, most: int = 34) -> str:
-    """A name, or its beginning and end: members of a series differ in either."""
+    """Return a name, or its beginning and end: members of a series differ in either."""
     if len(name) <= most:
         return name
     kept = (most - 1) // 2
@@ -194,7 +194,7 @@ def draw_arrow(axes: Any, x: Any, y: Any, colour: str, at: float = 0.66) -> None
 def make_panels(
     width: float, height: float, rows: int, columns: int, title: str = "", **how: Any
 ) -> tuple[Figure, Any]:
-    """A figure [inch] whose panels, an array (rows, columns), find their places themselves."""
+    """Return a figure [inch] whose panels, an array (rows, columns), find their places themselves."""
     figure = make_figure(width, height)
     figure.set_layout_engine("constrained")
     write_suptitle(figure, title)

@@ -66,7 +66,7 @@ class Band:
 
 
 def find_bands(law: AbstractLaw, highest: float, coldest: float) -> list[Band]:
-    """The bands of a law up to a stress [Pa], horizontal ones from a temperature [K] on."""
+    """Return the bands of a law up to a stress [Pa], horizontal ones from a temperature [K] on."""
     values = {leaf.path: leaf.value for leaf in law.leaves()}
     if all(name in values for name in SHIFTED) and confirm_lines(law, values):
         if all(name in values for name in CRITICAL):

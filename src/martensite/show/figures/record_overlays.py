@@ -64,7 +64,7 @@ class Overlay:
 
 
 def check_records(result: Result, records: Records) -> list[MeasuredRecord]:
-    """The records as a list, each known to hold times and something to compare.
+    """Return the records as a list, each known to hold times and something to compare.
 
     Raises:
         DataError: a record has no times, or no column of the result in its unit, or lies
@@ -91,7 +91,7 @@ def list_recorded(result: Result, records: Iterable[MeasuredRecord]) -> list[str
 
 
 def find_overlays(result: Result, records: Iterable[MeasuredRecord], name: str) -> list[Overlay]:
-    """The measured columns `name` of all records that have it, ready to draw."""
+    """Return the measured columns `name` of all records that have it, ready to draw."""
     shown = describe_axis(result, name)
     return [
         _make_overlay(result, r, shown, choose_look(r, i))

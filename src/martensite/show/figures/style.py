@@ -76,7 +76,7 @@ def use_style() -> Iterator[None]:
 
 
 def make_figure(width: float, height: float) -> Figure:
-    """An empty figure of a size [inch] that needs no window, made inside `styled()`."""
+    """Return an empty figure of a size [inch] that needs no window, made inside `styled()`."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -86,7 +86,7 @@ def make_figure(width: float, height: float) -> Figure:
 
 
 def check_format(path: Path) -> str:
-    """The format that the suffix names, or `DataError`."""
+    """Return the format that the suffix names, or `DataError`."""
     kind = path.suffix.lower().removeprefix(".")
     if kind not in FORMATS:
         allowed = ", ".join(f"`.{name}`" for name in FORMATS)

@@ -89,7 +89,7 @@ def _write_parameter(fit: Fit, free: FreeNumber) -> tuple[str, ...]:
 
 
 def choose_parameter_unit(free: FreeNumber, value: float) -> str:
-    """The unit in which a parameter is read: an offset is a difference."""
+    """Return the unit in which a parameter is read: an offset is a difference."""
     if is_nuisance(free.path):
         return choose_difference_unit(free.unit)[0]
     return units.choose_familiar_unit(value, free.unit)

@@ -74,5 +74,5 @@ def _list_data(one: LabFile) -> dict[str, Any]:
 
 
 def _drop_gaps(column: dict[str, Any]) -> dict[str, Any]:
-    """A column without numbers has no range: JSON knows no NaN."""
+    """Return a column without numbers has no range: JSON knows no NaN."""
     return {key: None if isinstance(x, float) and math.isnan(x) else x for key, x in column.items()}

@@ -89,7 +89,7 @@ def _form_row(form: str, fit: FilmFit, level: float) -> tuple[str, ...]:
 
 
 def write_coefficient(fit: FilmFit, term: int, level: float) -> str:
-    """A coefficient with half its interval."""
+    """Return a coefficient with half its interval."""
     value = fit.coefficients[term]
     low, high = fit.interval(term, level)
     half = 0.5 * (high - low)
@@ -167,7 +167,7 @@ def _write_estimate(
 def _write_numbers(
     value: float, interval: Interval, factor: float, zero: float = 0.0, digits: str = ".4g"
 ) -> tuple[str, str]:
-    """A value and its interval in a unit; `unknown` for an interval without bounds."""
+    """Return a value and its interval in a unit; `unknown` for an interval without bounds."""
     low, high = ((end - zero) / factor for end in interval)
     bounds = f"{low:{digits}} to {high:{digits}}" if math.isfinite(high - low) else "unknown"
     return f"{(value - zero) / factor:{digits}}", bounds

@@ -26,7 +26,7 @@ HEAD = ("branch", "reading", "signal", "gain margin", "phase margin", "delay mar
 
 
 def check_scenario_loop(scenario: Scenario, bench: Bench) -> LoopReport:
-    """The loops of the bench of a scenario, with paths as in its file."""
+    """Return the loops of the bench of a scenario, with paths as in its file."""
     from martensite.control.margins.loop_check import check_loop
     from martensite.simulate.drive_waveforms import by_name
 

@@ -18,7 +18,7 @@ NUMBERS = ("name", "value", "kind", "meaning", "source", "note")
 
 
 def describe_part(part: Mapping[str, Any]) -> Iterator[Block]:
-    """A described part with its table of parameters and the works it rests on."""
+    """Yield a described part with its table of parameters and the works it rests on."""
     yield Heading(f"{part['kind']} {part['name']}: {part['summary']}")
     yield Sentence(f"\n{part['description']}")
     rows = [_parameter_row(entry) for entry in part["parameters"]]
@@ -34,7 +34,7 @@ def _parameter_row(entry: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def write_default(entry: Mapping[str, Any]) -> str:
-    """The default of a described parameter, in a readable unit if it is known."""
+    """Return the default of a described parameter, in a readable unit if it is known."""
     default = entry["default"]
     if not isinstance(default, float):
         return "required" if entry["required"] else str(default)

@@ -123,7 +123,7 @@ def _collect_guard(scenario: Scenario) -> Summary:
 
 
 def tabulate_key_results(result: Result) -> DataTable:
-    """The few numbers by which runs are compared: strokes, peaks, energies, time beyond limits."""
+    """Return the few numbers by which runs are compared: strokes, peaks, energies, time beyond limits."""
     beyond = sum(alarm.duration for alarm in result.alarms)
     rows = [*_list_strokes(result), *list_peaks(result), *_list_energies(result)]
     return DataTable(("result", "value"), [*rows, ("time beyond limits", f"{beyond:.4g} s")], right=(1,))

@@ -137,12 +137,12 @@ def strip_unit(size: str) -> str:
 
 
 def write_seconds(time: float | None) -> str:
-    """A time [s], or that it never comes."""
+    """Return a time [s], or that it never comes."""
     return "never" if time is None else f"{time:.3g}"
 
 
 def write_headline(found: Candidate) -> str:
-    """The wire in one sentence."""
+    """Return the wire in one sentence."""
     static = found.statics
     each = "" if static.count == 1 else " each"
     if (coil := static.strand.describe_shape(static.cold_stress, static.hot_stress)) is not None:
@@ -252,7 +252,7 @@ def list_doubts(found: Candidate) -> list[str]:
 
 
 def summarise_check(rows: Sequence[CheckRow], stress: float, ambient: float) -> Summary:
-    """The model beside the maker's table, under a stress [Pa] in still air [K]."""
+    """Return the model beside the maker's table, under a stress [Pa] in still air [K]."""
     blocks = [
         Sentence(write_conditions(stress, ambient)),
         DataTable(CHECKED, [list_check_cells(row) for row in rows], right=range(2, len(CHECKED))),

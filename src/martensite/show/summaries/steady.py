@@ -27,7 +27,7 @@ PROFILE = "["
 
 
 def write_speed(speed: float, unit: str) -> str:
-    """The speed of a rotor [rad/s] in a unit."""
+    """Return the speed of a rotor [rad/s] in a unit."""
     return f"{convert_speed(speed, unit):.6g} {unit}"
 
 

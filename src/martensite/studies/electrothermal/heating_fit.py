@@ -43,7 +43,7 @@ _STEP = 2.0
 
 
 def build_experiment(offset: float) -> Experiment:
-    """The wire driven by voltage, with its current beside it."""
+    """Return the wire driven by voltage, with its current beside it."""
     base = model.load_scenario().single_system
     environment = base.environment.with_parts(cooling=ConstantCooling(h=FILMS[0]))
     seen = fit_shape("mixture", offset)
@@ -66,7 +66,7 @@ def build_experiment(offset: float) -> Experiment:
 
 @cache
 def fit_heating(offset: float) -> Fit:
-    """The fit with one offset of the supply.
+    """Return the fit with one offset of the supply.
 
     The error changes with h only while plateaus lie in the strip, and so has several minima:
     the search begins at the best of evenly spaced h, with the resistivities of the other way.

@@ -56,17 +56,17 @@ class RecordCalibration:
 
 @cache
 def load_scenario() -> Scenario:
-    """The scenario of this study."""
+    """Return the scenario of this study."""
     return load(SCENARIO)
 
 
 def get_wire() -> Wire:
-    """The wire of the scenario."""
+    """Return the wire of the scenario."""
     return cast("Wire", load_scenario().single_system.element)
 
 
 def read_number(path: str) -> float:
-    """A number of the scenario's system by its dotted path, in SI units."""
+    """Return a number of the scenario's system by its dotted path, in SI units."""
     return load_scenario().system.value_of(path)
 
 
@@ -88,7 +88,7 @@ def free_films() -> tuple[float, float]:
 
 
 def calibrate_model(staircase: RecordStaircase) -> RecordCalibration:
-    """The three numbers that the record gives."""
+    """Return the three numbers that the record gives."""
     element, stated = get_wire(), staircase.stated
     cold, hot = staircase.mean(*stated.cold), staircase.mean(*stated.hot)
     per_ohm = float(element.section()) / float(element.length)
@@ -99,7 +99,7 @@ def calibrate_model(staircase: RecordStaircase) -> RecordCalibration:
 
 
 def build_system(key: str, stated: Printed, calibration: RecordCalibration | None = None) -> System:
-    """The system of one of `VARIANTS`; only `calibrated` needs a calibration."""
+    """Return the system of one of `VARIANTS`; only `calibrated` needs a calibration."""
     base = load_scenario().single_system
     if key == "maker":
         return base

@@ -16,7 +16,7 @@ KEPT = (1.3, 4.5)
 
 @cache
 def calibrate_numbers(stated: Printed) -> RecordCalibration:
-    """The three numbers that the record gives."""
+    """Return the three numbers that the record gives."""
     return model.calibrate_model(RecordStaircase(stated))
 
 

@@ -67,7 +67,7 @@ _COEFFICIENT = (-1e-3, 5e-3)
 
 @cache
 def load_staircase() -> RecordStaircase:
-    """The record."""
+    """Return the record."""
     return RecordStaircase(printed_numbers("electrothermal"))
 
 
@@ -78,7 +78,7 @@ def compared_places() -> list[int]:
 
 
 def compared_column(name: str) -> list[float]:
-    """A column of the plateaus that are compared."""
+    """Return a column of the plateaus that are compared."""
     return [load_staircase().table[name][i] for i in compared_places()]
 
 
@@ -90,7 +90,7 @@ def kept_back(place: int) -> tuple[tuple[float, float], ...]:
 
 
 def build_experiment(shape: str, offset: float, place: int = PLACE) -> Experiment:
-    """The wire at the apparent temperature, with its resistance beside it.
+    """Return the wire at the apparent temperature, with its resistance beside it.
 
     Args:
         shape: one of `SHAPES`, or `STRAINED`.
@@ -113,7 +113,7 @@ def build_experiment(shape: str, offset: float, place: int = PLACE) -> Experimen
 
 
 def _build_system(shape: str, offset: float) -> Any:
-    """The wire of the scenario, without load, at a prescribed temperature.
+    """Return the wire of the scenario, without load, at a prescribed temperature.
 
     As it was neither trained nor loaded it keeps its length, except where strain is the question;
     there the strip is that of the plain mixture.
@@ -143,7 +143,7 @@ def list_search_ranges(shape: str) -> list[SearchRange]:
 
 @cache
 def fit_shape(shape: str, offset: float, place: int = PLACE) -> Fit:
-    """The fit of one shape of R with one offset of the supply."""
+    """Return the fit of one shape of R with one offset of the supply."""
     return solve_problem(build_problem([build_experiment(shape, offset, place)], list_search_ranges(shape)))
 
 

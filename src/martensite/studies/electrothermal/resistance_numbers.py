@@ -69,7 +69,7 @@ def compute_shapes(stated: Printed) -> dict[str, float]:
 
 
 def compute_films(stated: Printed) -> dict[str, float]:
-    """The electrical way: film coefficient and difference of the resistivities."""
+    """Return the electrical way: film coefficient and difference of the resistivities."""
     heated, films = heating.fit_heating(stated.offset), heating.apparent_films(stated.offset)
     return {
         "heated_film": heated["h"],

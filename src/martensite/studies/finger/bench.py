@@ -41,12 +41,12 @@ Law = tuple[str, tuple[tuple[str, str], ...]]
 
 @cache
 def load_scenario() -> Scenario:
-    """The scenario of this study."""
+    """Return the scenario of this study."""
     return load(SCENARIO)
 
 
 def get_wire() -> Wire:
-    """The wire of the scenario."""
+    """Return the wire of the scenario."""
     return cast("Wire", cast("System", load_scenario().system).element)
 
 
@@ -57,7 +57,7 @@ def surface_conductance(printed: Printed) -> float:
 
 @cache
 def build_finger(law: Law = SINGLE, values: tuple[tuple[str, float], ...] = ()) -> System:
-    """The finger with another law, and with numbers changed by name."""
+    """Return the finger with another law, and with numbers changed by name."""
     system = cast("System", load_scenario().system)
     if law != SINGLE:
         name, settings = law
@@ -67,7 +67,7 @@ def build_finger(law: Law = SINGLE, values: tuple[tuple[str, float], ...] = ()) 
 
 
 def power_trapezoid(watts: float, printed: Printed) -> Table:
-    """The power of section 5 [W]."""
+    """Return the power of section 5 [W]."""
     begin, rise, fall = printed.start, printed.ramp, printed.fall
     times = (0.0, begin, begin + rise, fall, fall + rise, 25.0)
     return Table(times=times, values=(0.0, 0.0, watts, watts, 0.0, 0.0))
@@ -77,13 +77,13 @@ def power_trapezoid(watts: float, printed: Printed) -> Table:
 def run_bending(
     watts: float, offset: float, printed: Printed, arm: float | None = None, law: Law = SINGLE, step: float = STEP
 ) -> Result:
-    """The trapezoid at a power [W], for a wire at r = `offset` and a spring at a = `arm` [m]."""
+    """Return the trapezoid at a power [W], for a wire at r = `offset` and a spring at a = `arm` [m]."""
     places = {"mechanism.offset": offset} | ({} if arm is None else {"mechanism.arm": arm})
     return run_trapezoid(build_finger(law, tuple(places.items())), watts, printed, step)
 
 
 def run_trapezoid(system: System, watts: float, printed: Printed, step: float = STEP) -> Result:
-    """The trapezoid at a power [W] on any system."""
+    """Return the trapezoid at a power [W] on any system."""
     wave = power_trapezoid(watts, printed)
     return simulate(system, wave, 25.0, step=step, samples=501, runtime=choose_runtime())
 
@@ -94,7 +94,7 @@ def top_angle(result: Result, printed: Printed) -> float:
 
 
 def column_at(result: Result, name: str, time: float) -> float:
-    """A column at a sample time [s]."""
+    """Return a column at a sample time [s]."""
     return result[name][round(time / result.times[-1] * (len(result.times) - 1))]
 
 

@@ -15,7 +15,7 @@ class FingerCalibration(TableStudy):
     """Section 5.2 of the finger paper on synthetic records: two searches, and what data hold."""
 
     def compute_part(self, key: str) -> Mapping[str, Any]:
-        """The numbers of a part; in `full` coordinate search from four starts instead of two."""
+        """Return the numbers of a part; in `full` coordinate search from four starts instead of two."""
         from martensite.studies.finger_calibration.search_numbers import compute_search
 
         if key == "search":

@@ -59,12 +59,12 @@ EVERY = (NEAR, FAR, JOINT)
 
 @cache
 def load_scenario() -> Scenario:
-    """The scenario of this study."""
+    """Return the scenario of this study."""
     return load(SCENARIO)
 
 
 def build_finger(arm: float, offset: float, values: tuple[tuple[str, float], ...] = ()) -> AbstractSystem:
-    """The finger with Table 1, other numbers changed by name."""
+    """Return the finger with Table 1, other numbers changed by name."""
     places = {"mechanism.arm": arm, "mechanism.offset": offset}
     return load_scenario().system.with_values(places | dict(values))
 
@@ -96,7 +96,7 @@ def build_experiments(
     arm: float | None = None,
     values: tuple[tuple[str, float], ...] = (),
 ) -> tuple[Experiment, ...]:
-    """The records of a set, to be explained by the finger.
+    """Return the records of a set, to be explained by the finger.
 
     Args:
         data: the set.
@@ -124,7 +124,7 @@ def _build_experiment(name: str, system: AbstractSystem, angles: Any, printed: P
 
 
 def build_calibration(records: Sequence[Experiment], printed: Printed, start: Sequence[float]) -> Problem:
-    """The search of the paper: its five parameters within its ranges."""
+    """Return the search of the paper: its five parameters within its ranges."""
     wishes = [
         SearchRange(one.name, one.low, one.high, begin) for one, begin in zip(printed.searched, start, strict=True)
     ]
@@ -133,7 +133,7 @@ def build_calibration(records: Sequence[Experiment], printed: Printed, start: Se
 
 @cache
 def table_problem(data: Data, printed: Printed) -> Problem:
-    """The search on a set of records, starting from Table 1."""
+    """Return the search on a set of records, starting from Table 1."""
     return build_calibration(build_experiments(data, printed), printed, printed.searched.column("value"))
 
 

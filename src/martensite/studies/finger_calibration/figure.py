@@ -107,7 +107,7 @@ def _draw_ridge(axes: Any, data: Data, printed: Printed, starts: tuple[int, ...]
 
 
 def _label_once(axes: Any, name: str) -> str | None:
-    """A label, unless the axes have it already."""
+    """Return a label, unless the axes have it already."""
     return None if name in axes.get_legend_handles_labels()[1] else name
 
 

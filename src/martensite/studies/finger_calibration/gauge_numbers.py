@@ -43,7 +43,7 @@ TENTH = 0.1
 
 
 def compute_gauge(printed: Printed) -> dict[str, Any]:
-    """The two gauges, what follows for the table, and which numbers move the finger."""
+    """Return the two gauges, what follows for the table, and which numbers move the finger."""
     without = [name for name in FORCE if name not in ("E_A", "E_M", "layer_volume")]
     exact = [one for one in assess_test(FORCE, printed).weak if one.exact]
     return {
@@ -61,7 +61,7 @@ def compute_gauge(printed: Printed) -> dict[str, Any]:
 
 @cache
 def free_problem(printed: Printed) -> Problem:
-    """The calibration test with all free that takes part in a gauge or is unknown to the paper."""
+    """Return the calibration test with all free that takes part in a gauge or is unknown to the paper."""
     system = bench.build_finger(NEAR.arm, printed.offsets[0])
     rest = [*((one.name, one.value) for one in printed.fixed), *((name, system.value_of(name)) for name in BEYOND)]
     wishes = [SearchRange(one.name, one.low, one.high, one.value) for one in printed.searched]
@@ -104,7 +104,7 @@ def scale_gauge(names: Sequence[str], factor: float, printed: Printed) -> dict[s
 
 
 def scale_thermal_gauge(factor: float, printed: Printed) -> dict[str, float]:
-    """The thermal gauge by a factor."""
+    """Return the thermal gauge by a factor."""
     ambient = bench.build_finger(NEAR.arm, printed.offsets[0]).value_of("environment.temperature")
     hot = table_numbers(printed)["T_L"]
     others = scale_gauge([name for name in THERMAL if name != "T_L"], factor, printed)

@@ -41,7 +41,7 @@ def compute_record(printed: Printed) -> dict[str, Any]:
 
 
 def table_numbers(printed: Printed) -> dict[str, float]:
-    """The searched parameters as printed in Table 1 [SI]."""
+    """Return the searched parameters as printed in Table 1 [SI]."""
     return {one.name: one.value for one in printed.searched}
 
 

@@ -73,7 +73,7 @@ def angle_rms(cost: float) -> float:
 
 @cache_results
 def run_search(data: Data, start: int, method: str, printed: Printed, spread: int = 0) -> CalibrationSearch:
-    """A search from one of the starts, and from as many more as `spread` says."""
+    """Return a search from one of the starts, and from as many more as `spread` says."""
     records = bench.table_problem(data, printed).experiments
     problem = bench.build_calibration(records, printed, STARTS[start])
     told: list[SearchNote] = []
@@ -111,7 +111,7 @@ def moving_starts() -> tuple[int, ...]:
 
 
 def best_fit(data: Data, printed: Printed) -> CalibrationSearch:
-    """The best fit by least squares, of those from starts that move."""
+    """Return the best fit by least squares, of those from starts that move."""
     found = (run_search(data, start, SQUARES, printed) for start in moving_starts())
     return min(found, key=lambda one: one.rms)
 

@@ -81,7 +81,7 @@ def _mix_branches(low: Numbers, high: Numbers, share: float) -> Numbers:
 
 
 def _read_branches() -> list[Numbers]:
-    """The four branches on the grid, from the file."""
+    """Return the four branches on the grid, from the file."""
     with FILE.open(encoding="utf-8", newline="") as lines:
         rows = list(csv.reader(line for line in lines if not line.startswith("#")))
     table = np.array(rows[1:], dtype=float)
@@ -94,7 +94,7 @@ def _read_branches() -> list[Numbers]:
 
 
 def derive_text() -> str:
-    """The text of `branches.csv`, from the measurements.
+    """Return the text of `branches.csv`, from the measurements.
 
     Raises:
         DataError: the measurements are not on this machine.

@@ -40,7 +40,7 @@ class RecordScore:
 
 
 def compare_model(model: Chain, whole: Sampled, name: str) -> RecordScore:
-    """The last output of a model on a record."""
+    """Return the last output of a model on a record."""
     seen = models.mapped_signals(name, whole)
     computed = model.simulate(seen)[:, -1]
     return score_record(seen.outputs[:, -1], computed, heating_rows(whole.inputs[:, 0]))
@@ -70,13 +70,13 @@ def heating_rows(duty: Numbers) -> Numbers:
 
 @cache
 def compare_position(model: str, record: str) -> RecordScore:
-    """The position by a model of the study, on one of its records."""
+    """Return the position by a model of the study, on one of its records."""
     return compare_model(models.estimate_recipe(model), models.read_record(record), model)
 
 
 @cache
 def in_series(second: str, record: str) -> RecordScore:
-    """The position by stage 1 and a second stage, from the duty alone."""
+    """Return the position by stage 1 and a second stage, from the duty alone."""
     return compare_model(models.join_stages(second), models.read_record(record), "series")
 
 
@@ -100,14 +100,14 @@ VARIANTS = {
 
 @cache_results
 def other_bench_record(variant: str) -> Sampled:
-    """The validation record of another bench; with a fan, of more power."""
+    """Return the validation record of another bench; with a fan, of more power."""
     bench = VARIANTS[variant]
     return records.record_bench(records.validation_duty().scaled(bench.fan), bench)
 
 
 @cache
 def compare_elsewhere(model: str, variant: str) -> RecordScore:
-    """The position by a model on another bench."""
+    """Return the position by a model on another bench."""
     return compare_model(models.estimate_recipe(model), other_bench_record(variant), model)
 
 

@@ -46,7 +46,7 @@ def compute_fit(*, full: bool) -> dict[str, Any]:
 
 
 def _list_sealed(name: str, seeds: tuple[int, ...]) -> dict[str, Any]:
-    """A model on records that nothing was chosen with."""
+    """Return a model on records that nothing was chosen with."""
     middle, least = score_sealed(name, seeds)
     shared = {"key": KEYS[name], "name": name, "count": len(seeds)}
     return shared | {"median": middle, "least": least}

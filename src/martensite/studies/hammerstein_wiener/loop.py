@@ -28,12 +28,12 @@ SINE_TIME, SINE_SCORED = 70.0, 20.0
 
 
 def step_reference() -> Numbers:
-    """The reference of steps [m]."""
+    """Return the reference of steps [m]."""
     return build_steps(LEVELS, INTERVAL)
 
 
 def sine_reference() -> Numbers:
-    """The reference with a sine [m]: at its mean until the sine begins."""
+    """Return the reference with a sine [m]: at its mean until the sine begins."""
     mean, amplitude, period, begin = SINE
     times = INTERVAL * np.arange(round(SINE_TIME / INTERVAL))
     return mean + amplitude * np.sin(2.0 * np.pi * np.maximum(times - begin, 0.0) / period)
@@ -42,7 +42,7 @@ def sine_reference() -> Numbers:
 def run_controlled(
     gains: Gains, reference: Numbers, bench: ReferenceBench | None = None, seed: int = 3, law: PidLaw | None = None
 ) -> Trajectory:
-    """A run of the bench from rest; the position is the one measured [m].
+    """Return a run of the bench from rest; the position is the one measured [m].
 
     Args:
         gains: in duty per metre, per sample.

@@ -54,7 +54,7 @@ def first_step_share() -> float:
 
 
 def compute_trap() -> dict[str, float]:
-    """A model without a rest, and the bench under gains tuned on it."""
+    """Return a model without a rest, and the bench under gains tuned on it."""
     still = loops.build_controlled(LOOSE).chain.simulate(np.zeros((1, 1)))[0, -1]
     both = loops.compare_steps(LOOSE)
     return {"rest": float(still), "way": float(np.ptp(both.bench.output)), "likeness": both.likeness}

@@ -82,7 +82,7 @@ def _counted_rms(error: np.ndarray, where: np.ndarray | None = None) -> float:
 
 @cache
 def build_controlled(name: str) -> ControlledModel:
-    """A model of the study with its position in a loop."""
+    """Return a model of the study with its position in a loop."""
     chain: Chain = models.estimate_recipe("whole") if name == "whole" else models.join_stages(name)
     return ControlledModel(chain)
 

@@ -57,7 +57,7 @@ RECIPES = {
 
 @cache_results
 def read_record(name: str) -> Sampled:
-    """A record of the reference bench: estimation, validation, slow, or sealed with a seed."""
+    """Return a record of the reference bench: estimation, validation, slow, or sealed with a seed."""
     kind, _, seed = name.partition(" ")
     if kind == "sealed":
         return records.record_bench(records.sealed_duty(int(seed)))
@@ -74,7 +74,7 @@ def mapped_signals(model: str, whole: Sampled) -> Sampled:
 
 @cache_results
 def estimate_recipe(name: str) -> Chain:
-    """A model, by its recipe."""
+    """Return a model, by its recipe."""
     recipe, full = RECIPES[name], mapped_signals(name, read_record("estimation"))
     if name == RESTLESS:
         full = full.rows(round(AFTER / full.interval))

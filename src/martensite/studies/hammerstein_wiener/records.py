@@ -82,7 +82,7 @@ def parse_pulses(name: str, rows: tuple[tuple[float, float, float], ...], seed: 
 
 
 def parse_ramps(name: str, rows: tuple[tuple[float, float], ...], seed: int) -> Excitation:
-    """A hold as (level [%], time [s]), then ramps to levels in times."""
+    """Return a hold as (level [%], time [s]), then ramps to levels in times."""
     times = np.cumsum([0.0, *(time for _, time in rows)])
     levels = [rows[0][0], *(level for level, _ in rows)]
     count = round(times[-1] / INTERVAL)
@@ -90,7 +90,7 @@ def parse_ramps(name: str, rows: tuple[tuple[float, float], ...], seed: int) -> 
 
 
 def _add_lead(duty: Numbers) -> Numbers:
-    """A duty after the lead."""
+    """Return a duty after the lead."""
     return np.concatenate([np.zeros(round(LEAD / INTERVAL)), duty])
 
 
@@ -169,7 +169,7 @@ def record_bench(excitation: Excitation, bench: ReferenceBench | None = None) ->
 
 
 def split_stages(whole: Sampled) -> tuple[Sampled, Sampled]:
-    """The two stages of a record: duty to temperature, and temperature to position."""
+    """Return the two stages of a record: duty to temperature, and temperature to position."""
     temperature, position = whole.outputs[:, :1], whole.outputs[:, 1:]
     units = dict(whole.units)
     return (

@@ -50,32 +50,32 @@ _SETTLING = 600.0
 
 @cache
 def load_scenario() -> Scenario:
-    """The scenario of this study."""
+    """Return the scenario of this study."""
     return load(SCENARIO)
 
 
 def base_wire() -> Wire:
-    """The wire of the scenario."""
+    """Return the wire of the scenario."""
     return cast("Wire", load_scenario().single_system.element)
 
 
 def read_number(path: str) -> float:
-    """A number of the scenario's system by its dotted path, in SI units."""
+    """Return a number of the scenario's system by its dotted path, in SI units."""
     return load_scenario().system.value_of(path)
 
 
 def printed_film(printed: Printed) -> PolynomialCooling:
-    """The film coefficient as printed."""
+    """Return the film coefficient as printed."""
     return PolynomialCooling(h0=printed.h0, h1=printed.h1, h2=printed.h2)
 
 
 def mean_constant(printed: Printed) -> ConstantCooling:
-    """The mean of the four film coefficients of Table 2."""
+    """Return the mean of the four film coefficients of Table 2."""
     return ConstantCooling(h=sum(printed.steps.column("film")) / len(printed.steps.column("film")))
 
 
 def run_heated(cooling: AbstractCooling, values: Mapping[str, float] | None = None) -> System:
-    """The bench with a given cooling, heated by an imposed power; numbers changed by name."""
+    """Return the bench with a given cooling, heated by an imposed power; numbers changed by name."""
     base = load_scenario().single_system
     environment = base.environment.with_parts(cooling=cooling)
     system = base.with_parts(environment=environment, source=PowerSource())

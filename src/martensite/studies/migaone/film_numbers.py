@@ -18,7 +18,7 @@ ROUNDING = 0.25
 
 
 def compute_film(printed: Printed) -> dict[str, Any]:
-    """The fit, the steady temperatures, the influence of the ambient temperature."""
+    """Return the fit, the steady temperatures, the influence of the ambient temperature."""
     constant = steady_errors("constant", printed)
     films = films_at_ambient(OTHER_AMBIENT, printed)
     tilted = fit_film(printed.steps.column("temperature"), films, terms=(0, 1))
@@ -43,7 +43,7 @@ def compute_film(printed: Printed) -> dict[str, Any]:
 
 
 def _name_coefficients(fit: FilmFit) -> SimpleNamespace:
-    """A fit with its coefficients by name."""
+    """Return a fit with its coefficients by name."""
     named = {f"h{k}": h for k, h in enumerate(fit.coefficients)}
     return SimpleNamespace(**named, r_squared=fit.r_squared, adjusted=fit.adjusted)
 
@@ -75,7 +75,7 @@ def rounding_margin(printed: Printed) -> float:
 
 
 def fit_straight(printed: Printed) -> FilmFit:
-    """A straight line fitted."""
+    """Return a straight line fitted."""
     return fit_film(*_table_points(printed), terms=(0, 1))
 
 
@@ -91,7 +91,7 @@ def films_at_ambient(ambient: float, printed: Printed) -> list[float]:
 
 
 def refit_film(printed: Printed) -> PolynomialCooling:
-    """The film coefficient fitted here with h₁ = 0."""
+    """Return the film coefficient fitted here with h₁ = 0."""
     h0, h1, h2 = no_linear(printed).coefficients
     return PolynomialCooling(h0=h0, h1=h1, h2=h2)
 

@@ -18,7 +18,7 @@ TABLED_70 = {"A_s": 68.0, "A_f": 78.0, "M_s": 52.0, "M_f": 42.0}
 
 
 def compute_motion(printed: Printed) -> dict[str, Any]:
-    """The sine first, then the actuation time."""
+    """Return the sine first, then the actuation time."""
     found = {key: bench.read_response(key, printed) for key in bench.VARIANTS}
     return {
         "sines": [row for key, response in found.items() for row in _list_response(key, response)],

@@ -93,7 +93,7 @@ IN_SERIES = {
 
 @cache
 def load_scenario() -> Scenario:
-    """The scenario of this study: set A."""
+    """Return the scenario of this study: set A."""
     return load(SCENARIO)
 
 
@@ -101,7 +101,7 @@ def load_scenario() -> Scenario:
 
 
 def build_spring(case: Case, printed: Printed) -> CoilSpring:
-    """A spring of printed mass and resistances, free of force as assembled."""
+    """Return a spring of printed mass and resistances, free of force as assembled."""
     base = cast("CoilSpring", load_scenario().system.actuators()[HOT].element)
     outer = printed.coil_diameter if case.coil is None else case.coil + printed.diameter
     shape = base.with_values(
@@ -131,7 +131,7 @@ def build_spring(case: Case, printed: Printed) -> CoilSpring:
 
 
 def build_machine(case: Case, printed: Printed, voltage: float = 5.0, **mechanism: str) -> Machine:
-    """The platform of a case; keyword arguments are options of the mechanism."""
+    """Return the platform of a case; keyword arguments are options of the mechanism."""
     base = load_scenario().system
     limit = case.limits[0 if voltage >= printed.high else 1]
     one = base.actuators()[HOT].with_parts(element=build_spring(case, printed))
@@ -150,7 +150,7 @@ def build_machine(case: Case, printed: Printed, voltage: float = 5.0, **mechanis
 
 
 def build_platform(printed: Printed) -> ParallelPlatform:
-    """The mechanism alone."""
+    """Return the mechanism alone."""
     return cast("ParallelPlatform", build_machine(AS_PRINTED, printed).mechanism)
 
 
@@ -160,7 +160,7 @@ def build_platform(printed: Printed) -> ParallelPlatform:
 def run_heated(
     case: Case, printed: Printed, voltage: float, duration: float, step: float = FINE, until: float = math.inf
 ) -> Result:
-    """A voltage on the hot spring from rest, until a time [s]; one sample in every step."""
+    """Return a voltage on the hot spring from rest, until a time [s]; one sample in every step."""
     return _run_heated(case, without_results(printed), voltage, duration, step, until)
 
 
@@ -178,18 +178,18 @@ RESULTS = ("centroid", "current", "contraction", "fast", "slow")
 
 
 def without_results(printed: Printed) -> Printed:
-    """The numbers that a run depends on; the others as in the paper."""
+    """Return the numbers that a run depends on; the others as in the paper."""
     plain = vars(printed_numbers("platform"))
     return printed.with_numbers(**{name: plain[name] for name in RESULTS})
 
 
 def step_of(case: Case) -> float:
-    """A step [s] that suits a calibrated set: shorter where the spring outruns a stiff joint."""
+    """Return a step [s] that suits a calibrated set: shorter where the spring outruns a stiff joint."""
     return FINE if case.damping > 0.0 else COARSE
 
 
 def angle_degrees(result: Result, name: str = "alpha") -> list[float]:
-    """An angle at all samples [°]."""
+    """Return an angle at all samples [°]."""
     return [math.degrees(angle) for angle in result[name]]
 
 
@@ -202,7 +202,7 @@ def arrival_time(
 
 
 def at_angle(result: Result, angle: float, name: str) -> float:
-    """An output of the hot spring, in SI units, where the platform first passes an angle [°]."""
+    """Return an output of the hot spring, in SI units, where the platform first passes an angle [°]."""
     return passing_time(result.columns[f"{HOT}.{name}"], angle_degrees(result), angle)
 
 

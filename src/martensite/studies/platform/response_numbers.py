@@ -122,7 +122,7 @@ def time_ratios(printed: Printed) -> dict[str, float]:
 
 
 def compute_ratios(printed: Printed) -> dict[str, Any]:
-    """The smallest and the largest of `ratios`, and that with a limited current."""
+    """Return the smallest and the largest of `ratios`, and that with a limited current."""
     found = time_ratios(printed)
     least, most = (choose(found, key=found.__getitem__) for choose in (min, max))
     fast, slow = (
@@ -184,7 +184,7 @@ def _list_set(key: str, printed: Printed) -> list[dict[str, Any]]:
 
 
 def _list_currents(case: Case, volts: float, printed: Printed) -> str:
-    """The currents of a case at a voltage, in words."""
+    """Return the currents of a case at a voltage, in words."""
     limit = case.limits[0 if volts >= printed.high else 1]
     low, high = (min(volts / (ohms + case.series), limit) for ohms in (printed.R_M, printed.R_A))
     return f"{low:.2f} A" if high - low < 0.005 else f"{low:.2f} to {high:.2f} A"

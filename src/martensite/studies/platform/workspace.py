@@ -91,7 +91,7 @@ class Workspace:
 
 
 def reachable_angles(plates: Plates, shortest: float, longest: float, step: float = STEP) -> Workspace:
-    """The postures a platform can reach from home while its legs keep between two lengths.
+    """Return the postures a platform can reach from home while its legs keep between two lengths.
 
     Args:
         plates: geometry.
@@ -185,7 +185,7 @@ def compute_crosswise(xp: Namespace, plates: Plates, leg: int, alpha: Scalar, be
 
 
 def trace_ray(plates: Plates, leg: int, step: float, allowed: Callable[[float, float], bool]) -> list[Angles]:
-    """The curve of one leg: home, points (α, β) one step [rad] apart, and the end if it moves.
+    """Return the curve of one leg: home, points (α, β) one step [rad] apart, and the end if it moves.
 
     It ends where postures are no longer allowed or the leg gets no shorter; early, if it swings
     round too fast to be followed with this step.
@@ -208,7 +208,7 @@ def trace_ray(plates: Plates, leg: int, step: float, allowed: Callable[[float, f
 
 
 def find_balanced(plates: Plates, leg: int, radius: float, heading: float) -> Angles:
-    """The posture at a distance from home [rad], near a heading, that one leg brings about."""
+    """Return the posture at a distance from home [rad], near a heading, that one leg brings about."""
 
     def unbalance(xp: Namespace, turn: Scalar) -> Scalar:
         alpha, beta = radius * xp.cos(turn), radius * xp.sin(turn)

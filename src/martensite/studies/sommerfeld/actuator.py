@@ -31,13 +31,13 @@ def load_scenario() -> Scenario:
 
 @cache
 def run_heated(volts: float) -> Result:
-    """The voltage [V] on for 60 s, off for 60 s."""
+    """Return the voltage [V] on for 60 s, off for 60 s."""
     wave = Step(high=volts, until=HEATED)
     return simulate(load_scenario().system, wave, LENGTH, tolerance=1e-3, samples=601)
 
 
 def at_end(volts: float, name: str) -> float:
-    """A column just before the voltage is switched off."""
+    """Return a column just before the voltage is switched off."""
     run = run_heated(volts)
     return run[name][round(HEATED / LENGTH * (len(run.times) - 1)) - 1]
 
@@ -49,6 +49,6 @@ def recovered_strain(volts: float) -> float:
 
 
 def complete_from(printed: Printed) -> float:
-    """The lowest of the voltages that transforms the whole wire [V]; NaN if none does."""
+    """Return the lowest of the voltages that transforms the whole wire [V]; NaN if none does."""
     found = (volts for volts in printed.heating_voltages if at_end(volts, "martensite_fraction") < COMPLETE)
     return next(found, math.nan)

@@ -21,7 +21,7 @@ STEP = 4e-4
 
 @cache
 def load_scenario() -> Scenario:
-    """The calibrated beam with the wire."""
+    """Return the calibrated beam with the wire."""
     return load(SCENARIO)
 
 
@@ -76,6 +76,6 @@ def beam_with_motor(printed: Printed, frequency: float, modes: int) -> tuple[flo
 
 
 def motor_with_modes(motor: BeamMotor, printed: Printed, modes: int) -> BeamMotor:
-    """A motor on the beam of Table 4 in several modes, with its first natural frequency."""
+    """Return a motor on the beam of Table 4 in several modes, with its first natural frequency."""
     _, found = beam_with_motor(printed, natural_frequency(motor) / (2.0 * math.pi), modes)
     return motor.with_parts(**modal_numbers(found))

@@ -43,7 +43,7 @@ def compare_jumps(printed: Printed) -> dict[str, float]:
 
 
 def whole_millimetres(printed: Printed) -> tuple[int, int]:
-    """The amplitudes within 6 mm of that in the text that give the reduction, to its digits."""
+    """Return the amplitudes within 6 mm of that in the text that give the reduction, to its digits."""
     text, wanted = round(1e3 * printed.amplitude_in_text), round(100.0 * printed.reduction, 2)
     return next(
         (before, after)

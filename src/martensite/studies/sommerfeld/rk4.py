@@ -70,7 +70,7 @@ def mean_speed(motor: BeamMotor, volts: float) -> float:
 
 @cache
 def last_captured(motor: BeamMotor, first: float) -> float:
-    """The last voltage [V] of a grid of 0.1 V, from `first` on, before one that is not captured."""
+    """Return the last voltage [V] of a grid of 0.1 V, from `first` on, before one that is not captured."""
     limit = CAPTURED * natural_frequency(motor)
     return find_last(lambda volts: mean_speed(motor, volts) < limit, first)
 
@@ -88,7 +88,7 @@ def is_stable(motor: BeamMotor, h: float, volts: float = 5.0, steps: int = 4000)
 
 @cache
 def step_limit(motor: BeamMotor) -> float:
-    """The longest step [s] that is stable, found by trying."""
+    """Return the longest step [s] that is stable, found by trying."""
     shortest = motor.inductance / motor.resistance
     low, high = 2.0 * shortest, 4.0 * shortest
     for _ in range(12):

@@ -54,7 +54,7 @@ class Settled:
 
 @cache
 def from_rest(motor: BeamMotor, volts: float) -> Settled:
-    """A constant voltage [V] for 25 s."""
+    """Return a constant voltage [V] for 25 s."""
     run = simulate(
         Machine(mechanism=motor),
         {"motor": Constant(level=volts)},
@@ -71,12 +71,12 @@ def from_rest(motor: BeamMotor, volts: float) -> Settled:
 
 @cache
 def last_captured(motor: BeamMotor, first: float = 6.0) -> float:
-    """The last voltage [V] of a grid of 0.1 V, from `first` on, before one that is not captured."""
+    """Return the last voltage [V] of a grid of 0.1 V, from `first` on, before one that is not captured."""
     return find_last(lambda volts: from_rest(motor, volts).captured, first)
 
 
 def find_last(captured: Callable[[float], bool], first: float) -> float:
-    """The last voltage [V] of a grid of 0.1 V, from `first` on, before one that is not captured."""
+    """Return the last voltage [V] of a grid of 0.1 V, from `first` on, before one that is not captured."""
     number = round(first / GRID)
     while captured(round(number * GRID, 10)):
         number += 1
@@ -100,7 +100,7 @@ class Windows:
 
     @property
     def end(self) -> int:
-        """The last captured window."""
+        """Return the last captured window."""
         return int(np.flatnonzero(self.speed < self.limit)[-1])
 
     @property
@@ -120,7 +120,7 @@ class Windows:
 
 
 def split_windows(run: Result, motor: BeamMotor) -> Windows:
-    """A run in windows."""
+    """Return a run in windows."""
     size = round(WINDOW / (run.times[1] - run.times[0]))
     count = len(run.times) // size
 
@@ -138,7 +138,7 @@ def split_windows(run: Result, motor: BeamMotor) -> Windows:
 
 @cache
 def run_course(motor: BeamMotor, wave: AbstractWaveform, duration: float) -> Result:
-    """A run under a changing voltage."""
+    """Return a run under a changing voltage."""
     return simulate(
         Machine(mechanism=motor),
         {"motor": wave},

@@ -39,7 +39,7 @@ NAMES = ("rotor_speed", "displacement")
 
 
 def build_controller(printed: Printed) -> LatchedOnOff:
-    """The ON/OFF controller of the thesis."""
+    """Return the ON/OFF controller of the thesis."""
     return LatchedOnOff(
         measured="rotor_speed",
         reference=Constant(level=2.0 * math.pi * printed.switching_frequency),
@@ -52,7 +52,7 @@ def build_controller(printed: Printed) -> LatchedOnOff:
 
 @cache
 def run_ramp(slack: float, volts: float, drive: Step) -> Result:
-    """A ramp from 0 to a voltage [V] with a current in the wire."""
+    """Return a ramp from 0 to a voltage [V] with a current in the wire."""
     system = load_scenario().system.with_values({"slack": slack})
     duration = volts / RATE
     waves = {"motor": Ramp(high=volts, end=duration), "drive": drive}
@@ -93,25 +93,25 @@ class SlackTrial:
 
 @cache
 def run_without_wire(printed: Printed) -> Windows:
-    """The whole ramp without the wire."""
+    """Return the whole ramp without the wire."""
     return runs.run_upward(calibrated_motor(), RATE, printed.last_voltage)
 
 
 @cache
 def run_trial(printed: Printed, slack: float) -> SlackTrial:
-    """The ramp with a slack."""
+    """Return the ramp with a slack."""
     found = run_ramp(slack, REACH, always_on_current(printed))
     sweep = split_windows(found, calibrated_motor())
     return SlackTrial(slack, sweep.jump, 1.0 - sweep.peak / run_without_wire(printed).peak, sweep)
 
 
 def run_trials(printed: Printed) -> list[SlackTrial]:
-    """The ramp with every slack."""
+    """Return the ramp with every slack."""
     return [run_trial(printed, slack) for slack in SLACKS]
 
 
 def best_trial(printed: Printed) -> SlackTrial:
-    """The slack tried that comes nearest to both published numbers, by their relative errors."""
+    """Return the slack tried that comes nearest to both published numbers, by their relative errors."""
 
     def apart(one: SlackTrial) -> float:
         volts = one.jump / printed.jump_with_wire - 1.0
@@ -143,7 +143,7 @@ class Controlled:
 
 @cache
 def run_controlled(printed: Printed) -> Controlled:
-    """The whole ramp with the best slack."""
+    """Return the whole ramp with the best slack."""
     slack, on = best_trial(printed).slack, switched_on(printed)
     off = switching_times(printed, run_ramp(slack, REACH, always_on_current(printed)))[1]
     drive = Step(high=printed.wire_current, at=on, until=off)

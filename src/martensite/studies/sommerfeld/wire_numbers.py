@@ -13,7 +13,7 @@ from martensite.studies.tables import Printed
 
 
 def compute_wire(printed: Printed) -> dict[str, Any]:
-    """The fit, what follows from it, the control signal, the actuator alone."""
+    """Return the fit, what follows from it, the control signal, the actuator alone."""
     best, controlled = wire.best_trial(printed), wire.run_controlled(printed)
     result, volts = controlled.result, printed.heating_voltages[-1]
     return {

@@ -93,7 +93,7 @@ def textbook_prandtl(row: Printed) -> float:
 
 @cache
 def load_scenario(closure: str) -> Scenario:
-    """The scenario of closure `a` or `b`."""
+    """Return the scenario of closure `a` or `b`."""
     return load(CLOSURES[closure])
 
 
@@ -107,5 +107,5 @@ def simulated_temperature(closure: str, voltage: float) -> float:
 
 @cache
 def heating_run(closure: str) -> Result:
-    """The run of a closure's own scenario: the voltage on, then off."""
+    """Return the run of a closure's own scenario: the voltage on, then off."""
     return load_scenario(closure).run()  # type: ignore[return-value]

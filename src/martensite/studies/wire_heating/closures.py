@@ -100,7 +100,7 @@ def closure_b_free(printed: Printed) -> Closure:
 
 @cache
 def closure_b_single(printed: Printed) -> Closure:
-    """The resistance that voltage and current give, for all rows; h and ambient fitted."""
+    """Return the resistance that voltage and current give, for all rows; h and ambient fitted."""
     ohms = measured_resistance(printed)
     return _fit_line(printed, [ohms] * len(printed.rows), ohms)
 

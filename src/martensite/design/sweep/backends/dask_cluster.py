@@ -95,7 +95,7 @@ def _collect_reports(dask: Any, client: Any, job: SweepJob, waiting: Iterator[in
 
 
 def _build_report(dask: Any, future: Any, job: SweepJob, chunk: int) -> Report:
-    """The report of a task that has ended."""
+    """Return the report of a task that has ended."""
     try:
         return future.result()
     except dask.KilledWorker:
@@ -128,7 +128,7 @@ def _mute_client() -> Iterator[None]:
 
 @contextmanager
 def _open_client(dask: Any, wanted: DaskCluster) -> Iterator[Any]:
-    """A client of a cluster; whatever was opened is closed."""
+    """Yield a client of a cluster; whatever was opened is closed."""
     if wanted.scheduler is not None:
         with _connect_client(dask, wanted.scheduler) as client:
             yield client

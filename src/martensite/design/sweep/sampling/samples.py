@@ -80,7 +80,7 @@ class AbstractSample(AbstractDesign):
         """Points in the unit cube, (count, width)."""
 
     def values(self, axes: Sequence[SweepAxis], first: int, count: int) -> Numbers:
-        """The quantiles of points in the unit cube."""
+        """Return the quantiles of points in the unit cube."""
         points = self.cube(len(axes), first, count)
         return np.stack([one.quantile(points[:, k]) for k, one in enumerate(axes)], axis=1)
 
@@ -89,7 +89,7 @@ DESIGNS: Registry[AbstractDesign] = Registry("sample", "martensite.design.sweep.
 
 
 def parse_sampling(words: str, seed: int = 0) -> AbstractDesign:
-    """The design that words such as `grid` or `sobol:1024` name.
+    """Return the design that words such as `grid` or `sobol:1024` name.
 
     Raises:
         InputError: there is none of that name, or its number is none.
@@ -118,7 +118,7 @@ class Grid(AbstractDesign):
         return tuple(len(one.levels()) for one in axes)
 
     def size(self, axes: Sequence[SweepAxis]) -> int:
-        """The product of all levels."""
+        """Return the product of all levels."""
         found = math.prod(self.shape(axes))
         if found > MOST_RUNS:
             raise ParameterError(f"This grid has {found:,} runs; at most {MOST_RUNS:,} are allowed.")
@@ -196,7 +196,7 @@ _one_at_a_time = Lock()
 
 @lru_cache(maxsize=8)
 def _begin_sequence(width: int, seed: int) -> Any:
-    """A sequence that is gone on with: forward it takes as long as there are points on the way."""
+    """Return a sequence that is gone on with: forward it takes as long as there are points on the way."""
     qmc: Any = import_module("scipy.stats.qmc")
     return qmc.Sobol(width, seed=seed)
 
