@@ -57,7 +57,7 @@ def read_request_scenario(request: Request, desk: Desk) -> Scenario:
 
 
 def count_steps(scenario: Scenario) -> float:
-    """Steps that a run has at least."""
+    """Return the steps that a run has at least."""
     step = scenario.system.sample_time() or scenario.step or longest_step(scenario.system)
     return scenario.duration / step
 
@@ -92,19 +92,19 @@ def _list_files(node: Any, path: str) -> Iterator[str]:
 
 
 def list_standalone() -> dict[str, str]:
-    """Name and text of every scenario that stands by itself, first the one that is new on the bench."""
+    """Return the name and text of every scenario that stands by itself, first the one that is new on the bench."""
     data = "flexinol-isobaric/"  # measured by others, not packaged
     others = {n: text for n, text in _list_texts() if data not in text and not _is_following(text)}
     return {"dead_weight": NEW.read_text("utf-8"), **others}
 
 
 def list_following() -> dict[str, str]:
-    """Name and text of every scenario that follows a log."""
+    """Return the name and text of every scenario that follows a log."""
     return {name: text for name, text in _list_texts() if _is_following(text)}
 
 
 def describe_scenarios(texts: Mapping[str, str]) -> JsonTable:
-    """Scenarios as the page lists them, with their titles."""
+    """Return the scenarios as the page lists them, with their titles."""
     found = [
         {"name": name, "title": str(tomllib.loads(text).get("title", name)), "text": text}
         for name, text in texts.items()
@@ -120,7 +120,7 @@ def build_packaged(text: str, changes: Request | None = None, log: Record | None
 
 
 def _list_texts() -> Iterator[tuple[str, str]]:
-    """Name and text of all, without what is a fit of one."""
+    """Yield the name and text of all, without what is a fit of one."""
     for path in sorted(FOLDER.glob("*.toml")):
         text = path.read_text("utf-8")
         if "scenario" not in tomllib.loads(text):

@@ -45,7 +45,7 @@ class TokenRecord:
         return cls(cache_folder() / "app")
 
     def list_earlier(self, port: int) -> frozenset[str]:
-        """Digests of the tokens of earlier starts on a port that are not too old."""
+        """Return the digests of the tokens of earlier starts on a port that are not too old."""
         return frozenset(digest for digest, _ in self._read_starts(port))
 
     def find_port(self) -> int:

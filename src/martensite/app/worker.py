@@ -95,7 +95,7 @@ def limit_memory() -> None:
 
 
 def _open_streams() -> tuple[BinaryIO, BinaryIO]:
-    """Input and output of the messages; what prints elsewhere goes to standard error."""
+    """Return the input and output of the messages; what prints elsewhere goes to standard error."""
     source, out = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)

@@ -68,7 +68,7 @@ class BoardLog:
         ]
 
     def table(self, first: int = 0) -> NDArray[np.float64]:
-        """Rows from one on, and columns; time from the first sample of all on, all in SI."""
+        """Return the rows from one on, and columns; time from the first sample of all on, all in SI."""
         import numpy as np
 
         found = np.array(self._numbers[first * len(self.names) :], dtype=float).reshape(-1, len(self.names))
@@ -77,7 +77,7 @@ class BoardLog:
         return found
 
     def plot(self) -> Figure:
-        """Every column but the status over time, one above the other.
+        """Return every column but the status over time, one above the other.
 
         Raises:
             DataError: nothing was heard.

@@ -40,7 +40,7 @@ class CalibrationPoint:
 
 
 def list_channels(firmware: Mapping[str, Any]) -> list[str]:
-    """Names of the channels of a firmware."""
+    """Return the names of the channels of a firmware."""
     settings = firmware["settings"]
     return [row["name"].removeprefix("gain ") for row in settings if row["name"].startswith("gain ")]
 
@@ -85,7 +85,7 @@ def add_point(session: Session, channel: str, value: float) -> CalibrationPoint:
 
 
 def solve_points(points: list[CalibrationPoint], gain: float, offset: float) -> tuple[float, float]:
-    """Gain and offset by points, from those there were.
+    """Return the gain and offset by points, from those there were.
 
     Raises:
         DataError: the points do not determine them.

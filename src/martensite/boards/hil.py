@@ -147,7 +147,7 @@ class HilPlant:
         return found
 
     def read_inputs(self, k: int) -> list[float]:
-        """Inputs of the loop in sample k: readings with their ages, references and modes, free signals."""
+        """Return the inputs of the loop in sample k: readings with their ages, references and modes, free signals."""
         state = self.shape.rebuild(self.lane.state[:, 0].tolist())
         sensed = dict(zip(self.bench.sensors.members(), state.sensors, strict=True))
         time, taken = k * self.bench.period, self.bench.controllers.members()
@@ -157,7 +157,7 @@ class HilPlant:
         return [*readings, *followed, *(self._play(name, time) for name in free)]
 
     def advance(self, k: int, signals: Mapping[str, float]) -> list[float]:
-        """Outputs in sample k under signals; the plant goes on to the next one.
+        """Return the outputs in sample k under signals; the plant goes on to the next one.
 
         Raises:
             SolveError: it cannot be solved.

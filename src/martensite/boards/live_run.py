@@ -83,7 +83,7 @@ class LiveRun:
         self.list_levels()
 
     def list_levels(self) -> list[tuple[float, float]]:
-        """Times [s] and duties; none for the loop."""
+        """Return the times [s] and duties; none for the loop."""
         return read_levels(self.levels) if self.levels.strip() else []
 
 
@@ -119,7 +119,7 @@ class LiveWatch:
             self._told = len(log)
 
     def describe_rows(self, first: int, most: int | None = None) -> dict[str, Any]:
-        """Columns from a row on, at most so many rows, spread evenly and the newest among them."""
+        """Return the columns from a row on, at most so many rows, spread evenly and the newest among them."""
         if self.log is None or len(self.log) <= first:
             return {"columns": {}}
         table = self.log.table(first)

@@ -50,7 +50,7 @@ class Replay:
     readings: list[ReplayedReading]
 
     def plot(self) -> Figure:
-        """Every reading, measured and modelled."""
+        """Return every reading, measured and modelled."""
         from martensite.show.figures.style import make_figure, use_style
 
         with use_style():

@@ -78,7 +78,7 @@ class Session:
 
     @property
     def settings(self) -> dict[str, float]:
-        """Numbers of the board by name, in SI."""
+        """Return the numbers of the board by name, in SI."""
         return {row["name"]: row["value"] for row in self.firmware["settings"]}
 
     @property
@@ -94,7 +94,7 @@ class Session:
         return {} if bench is None else reference_waveforms(bench)
 
     def find_setting(self, name: str) -> int:
-        """Place of a setting or of a parameter of the loop; `InputError` if there is none."""
+        """Return the place of a setting or of a parameter of the loop; `InputError` if there is none."""
         names = [row["name"] for row in (*self.firmware["settings"], *self.firmware["parameters"])]
         if name not in names:
             raise InputError(f"The firmware has no setting `{name}`. {suggest_name(name, names)}")
@@ -238,7 +238,7 @@ REASONS = {
 
 
 def read_levels(text: str) -> list[tuple[float, float]]:
-    """Times [s] and duties from `2 s:0.4, 5 s:0`; `InputError` for what is none."""
+    """Return the times [s] and duties from `2 s:0.4, 5 s:0`; `InputError` for what is none."""
     found = list[tuple[float, float]]()
     for piece in text.split(","):
         length, sign, level = piece.rpartition(":")
@@ -265,7 +265,7 @@ def read_project(project: Path) -> dict[str, Any]:
 
 
 def load_calibration(project: Path) -> dict[str, Any]:
-    """Points and settings that are kept for a project; empty ones before there are any."""
+    """Return the points and settings that are kept for a project; empty ones before there are any."""
     place = project / CALIBRATION
     if not place.exists():
         return {"points": {}, "settings": {}}

@@ -46,7 +46,7 @@ class MeasuredValue:
     """Points to spare; infinite for a number that is given."""
 
     def interval(self, level: float = LEVEL) -> Interval:
-        """Confidence interval; a point for a given number, unbounded without a point to spare."""
+        """Return the confidence interval; a point for a given number, unbounded without a point to spare."""
         if self.error == 0.0:
             return self.value, self.value
         if self.freedom < 1 or math.isnan(self.error):
@@ -67,7 +67,7 @@ class MeasuredValue:
         return f"{self.value:.6g} ± {half:.2g}" if math.isfinite(half) else f"{self.value:.6g} ± unknown"
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
-        """All numbers by name, for JSON."""
+        """Return all numbers by name, for JSON."""
         return {"value": self.value, "standard_error": self.error, "interval": list(self.interval(level))}
 
 

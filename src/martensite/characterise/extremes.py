@@ -64,7 +64,7 @@ def find_extremes(
     frequency: float | None,
     decay: float = 0.0,
 ) -> Extremes:
-    """Extremes of a vibration, as many as there are, or as two per cycle asked for.
+    """Return the extremes of a vibration, as many as there are, or as two per cycle asked for.
 
     Args:
         times: times of the rows [s], equally spaced.
@@ -103,7 +103,7 @@ class _Scan:
         self.rest = float(values[len(values) // 2 :].mean())
 
     def run(self, most: int, least: float) -> Extremes:
-        """Extremes until they are too small, too many, or the record ends."""
+        """Return the extremes until they are too small, too many, or the record ends."""
         sign, vertex = self._first()
         found: list[_Vertex] = []
         first_sign = sign
@@ -174,6 +174,6 @@ class _Scan:
 
 
 def _estimate_noise(found: list[_Vertex]) -> float:
-    """Standard deviation of the rows about the sinusoids."""
+    """Return the standard deviation of the rows about the sinusoids."""
     freedom = sum(vertex.freedom for vertex in found)
     return math.sqrt(sum(vertex.squares for vertex in found) / freedom) if freedom else 0.0

@@ -50,21 +50,21 @@ class FreeAmbient:
 
     @property
     def leading(self) -> float:
-        """Highest coefficient of h: h₀, h₁ or h₂."""
+        """Return the highest coefficient of h: h₀, h₁ or h₂."""
         return self.flux.values[-1]
 
     def leading_interval(self, level: float = LEVEL) -> Interval:
-        """Confidence interval of the highest coefficient of h."""
+        """Return the confidence interval of the highest coefficient of h."""
         return self.flux.interval(self.degree + 1, level)
 
     @property
     def ambient(self) -> float:
-        """Ambient temperature [°C] of the best fit; NaN if the flux is zero nowhere below."""
+        """Return the ambient temperature [°C] of the best fit; NaN if the flux is zero nowhere below."""
         below = [root for root in _real_roots(np.roots(self.flux.values[::-1])) if root < self.coldest]
         return max(below, default=math.nan)
 
     def ambient_interval(self, level: float = LEVEL) -> Interval:
-        """Confidence interval of the ambient [°C], cut off at the coldest point and at 0 K."""
+        """Return the confidence interval of the ambient [°C], cut off at the coldest point and at 0 K."""
         from numpy.polynomial import Polynomial
 
         if not self.flux.freedom:
@@ -90,7 +90,7 @@ class FreeAmbient:
         return math.isfinite(self.ambient) and ABSOLUTE_ZERO < low and high < self.coldest
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
-        """All numbers by name, for JSON."""
+        """Return all numbers by name, for JSON."""
         return {
             "degree": self.degree,
             "leading": self.leading,
@@ -141,11 +141,11 @@ class AtAmbient:
 
     @property
     def mean(self) -> float:
-        """Mean film coefficient [W/(m² K)]."""
+        """Return the mean film coefficient [W/(m² K)]."""
         return sum(self.points.h) / len(self.points)
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
-        """All numbers by name, for JSON."""
+        """Return all numbers by name, for JSON."""
         return self.points.to_dict() | {"mean": self.mean, "linear": self.line.to_dict(level)}
 
 
@@ -178,7 +178,7 @@ def _fit_slope(points: FilmPoints, ambient: float) -> float:
 
 
 def find_level_ambient(points: FilmPoints) -> float:
-    """Ambient temperature [°C] at which the straight line through h is level; NaN if none."""
+    """Return the ambient temperature [°C] at which the straight line through h is level; NaN if none."""
     from scipy.optimize import root_scalar
 
     coldest = min(points.temperatures_degC)

@@ -67,7 +67,7 @@ class FilmPoints:
 
     @property
     def ambient(self) -> float:
-        """Ambient temperature [°C].
+        """Return the ambient temperature [°C].
 
         Raises:
             DataError: it is not known.
@@ -92,14 +92,14 @@ class FilmPoints:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """All numbers by name, for JSON."""
+        """Return all numbers by name, for JSON."""
         return {name: list(v) if isinstance(v, tuple) else v for name, v in vars(self).items()}
 
 
 def points_from_power(
     temperatures_degC: Sequence[float], powers: Sequence[float], *, diameter: float, length: float, ambient_degC: float
 ) -> FilmPoints:
-    """Film coefficients of a wire from steady temperatures and heating powers.
+    """Return the film coefficients of a wire from steady temperatures and heating powers.
 
     Args:
         temperatures_degC: steady temperatures [°C].
@@ -123,7 +123,7 @@ def points_from_power(
 
 
 def powers_from_voltage(voltages: Sequence[float], resistances: Sequence[float] | float) -> list[float]:
-    """Heating powers V²/R [W] from voltages [V] and one resistance, or one per voltage [ohm].
+    """Return the heating powers V²/R [W] from voltages [V] and one resistance, or one per voltage [ohm].
 
     Raises:
         ParameterError: a resistance is not above 0.
@@ -163,7 +163,7 @@ class FilmFit:
 
     @property
     def terms(self) -> tuple[int, ...]:
-        """Powers of the temperature that were fitted."""
+        """Return the powers of the temperature that were fitted."""
         return self.linear.terms
 
     @property
@@ -180,23 +180,23 @@ class FilmFit:
         return n * math.log(self.linear.squares / n) + 2.0 * p + 2.0 * p * (p + 1) / (n - p - 1)
 
     def film(self, temperature_degC: float) -> float:
-        """Film coefficient [W/(m² K)] at a temperature [°C]."""
+        """Return the film coefficient [W/(m² K)] at a temperature [°C]."""
         return film_value(self.coefficients, temperature_degC)
 
     def error(self, term: int) -> float:
-        """Standard error of the coefficient of a power of the temperature."""
+        """Return the standard error of the coefficient of a power of the temperature."""
         return self.linear.error(term)
 
     def interval(self, term: int, level: float = LEVEL) -> Interval:
-        """Confidence interval of the coefficient of a power of the temperature."""
+        """Return the confidence interval of the coefficient of a power of the temperature."""
         return self.linear.interval(term, level)
 
     def half_width(self, temperature_degC: float, level: float = LEVEL) -> float:
-        """Half the confidence band of h [W/(m² K)] at a temperature [°C]."""
+        """Return half the confidence band of h [W/(m² K)] at a temperature [°C]."""
         return self.linear.half_width(temperature_degC, level)
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
-        """All numbers by name, for JSON; coefficients by power."""
+        """Return all numbers by name, for JSON; coefficients by power."""
         return {
             "coefficients": list(self.coefficients),
             "terms": list(self.terms),
@@ -217,7 +217,7 @@ def check_film_points(temperatures_degC: Sequence[float], h: Sequence[float]) ->
 
 
 def film_value(coefficients: Sequence[float], temperature_degC: float) -> float:
-    """Film coefficient [W/(m² K)] of a polynomial at a temperature [°C]."""
+    """Return the film coefficient [W/(m² K)] of a polynomial at a temperature [°C]."""
     return sum(c * temperature_degC**k for k, c in enumerate(coefficients))
 
 

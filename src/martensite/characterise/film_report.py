@@ -53,7 +53,7 @@ class FilmVerdict:
     """The answer with its numbers."""
 
     def to_dict(self) -> dict[str, Any]:
-        """All fields by name, for JSON."""
+        """Return all fields by name, for JSON."""
         return asdict(self)
 
 
@@ -194,7 +194,7 @@ class AmbientReport:
     """Fits of h together with the ambient, by form."""
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
-        """All numbers by name, for JSON."""
+        """Return all numbers by name, for JSON."""
         return {
             "shifts": [shift.to_dict(level) for shift in self.shifts],
             "dh_dambient": list(self.per_kelvin),
@@ -223,7 +223,7 @@ class FilmReport:
         return next(verdict for verdict in self.verdicts if verdict.about == about)
 
     def to_dict(self) -> dict[str, Any]:
-        """All numbers and sentences by name, for JSON."""
+        """Return all numbers and sentences by name, for JSON."""
         return {
             "points": self.points.to_dict(),
             "level": self.level,

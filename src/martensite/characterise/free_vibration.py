@@ -63,18 +63,18 @@ class LogDecrement:
 
     @property
     def frequency(self) -> MeasuredValue:
-        """Natural frequency f_n of the undamped vibration [Hz]."""
+        """Return the natural frequency f_n of the undamped vibration [Hz]."""
         return propagate_errors(
             lambda period, delta: math.sqrt(1.0 + (delta / (2.0 * math.pi)) ** 2) / period, self.period, self.decrement
         )
 
     @property
     def cycles(self) -> float:
-        """Cycles from the first to the last extreme used."""
+        """Return the cycles from the first to the last extreme used."""
         return 0.5 * (len(self.extremes.values) - 1)
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
-        """All numbers by name, for JSON."""
+        """Return all numbers by name, for JSON."""
         names = ("decrement", "zeta", "damped_frequency", "frequency", "offset", "amplitude")
         return {name: getattr(self, name).to_dict(level) for name in names} | {
             "cycles": self.cycles,
@@ -174,7 +174,7 @@ def damping_ratio(decrement: float) -> float:
 
 
 def frequency_of(stiffness: float, mass: float) -> float:
-    """Natural frequency √(k/M)/(2 π) [Hz] from stiffness [N/m] and moving mass [kg]."""
+    """Return the natural frequency √(k/M)/(2 π) [Hz] from stiffness [N/m] and moving mass [kg]."""
     return math.sqrt(stiffness / mass) / (2.0 * math.pi)
 
 

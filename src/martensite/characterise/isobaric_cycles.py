@@ -118,7 +118,7 @@ def cut_cycle(record: Record, *, stress: float | None = None, cycle: int = -1) -
 
 
 def find_turning_points(temperatures: Sequence[float]) -> list[int]:
-    """Rows at which the temperature [K] turns, both ends of all full legs included."""
+    """Return the rows at which the temperature [K] turns, both ends of all full legs included."""
     span = max(temperatures) - min(temperatures)
     if span < LEAST_RANGE:
         return []
@@ -139,7 +139,7 @@ def find_turning_points(temperatures: Sequence[float]) -> list[int]:
 
 
 def _rows_in_time(record: Record) -> list[int]:
-    """Indices of the rows in the order of their times."""
+    """Return the indices of the rows in the order of their times."""
     rows = range(len(record))
     if out_of_order(record.times) is None:
         return list(rows)
@@ -157,7 +157,7 @@ def _cut_branch(name: str, kelvin: list[float], strain: list[float]) -> CycleBra
 
 
 def _mean_stress(record: Record, rows: list[int], given: float | None) -> tuple[float, float]:
-    """Stress and its standard deviation [Pa]."""
+    """Return the stress and its standard deviation [Pa]."""
     if given is not None:
         if not math.isfinite(given):
             raise ParameterError(f"Argument `stress` must be finite, but is {given} Pa.")

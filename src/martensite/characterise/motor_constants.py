@@ -92,7 +92,7 @@ class SteadyRunning:
 
 
 def winding_resistance(voltages: Sequence[float], currents: Sequence[float]) -> Winding:
-    """Resistance from a rotor held still, at several currents and rotor positions.
+    """Return the resistance from a rotor held still, at several currents and rotor positions.
 
     Args:
         voltages: [V]
@@ -116,7 +116,7 @@ def winding_resistance(voltages: Sequence[float], currents: Sequence[float]) -> 
 
 
 def steady_running(voltages: Sequence[float], currents: Sequence[float], speeds: Sequence[float]) -> SteadyRunning:
-    """Steady states, those of backward rotation turned forward.
+    """Return the steady states, those of backward rotation turned forward.
 
     Args:
         voltages: [V]
@@ -184,7 +184,7 @@ class MotorConstants:
         return self.resistance.value * self.inertia.value / self.constant.value**2
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
-        """All numbers by name, for JSON."""
+        """Return all numbers by name, for JSON."""
         estimates = {name: getattr(self, name) for name in UNITS}
         numbers = {n: None if e is None else e.to_dict(level) for n, e in estimates.items()}
         return numbers | {"run_up_time": self.run_up_time, "remarks": list(self.remarks)}
@@ -240,7 +240,7 @@ def estimate_motor_constants(
 
 
 def _constant_formulas(drop: float, centre: float, measured: bool) -> dict[str, Formula]:
-    """Every constant from what was measured: R, K at the best R (`centre` [ohm]), s, i₀, τ_e or L, and τ_m.
+    """Return every constant from what was measured: R, K at the best R (`centre` [ohm]), s, i₀, τ_e or L, and τ_m.
 
     K falls by `drop` per ohm of R; `measured` says that the fifth number is τ_e, not L.
     """
@@ -277,7 +277,7 @@ def _refuse_fast(run_up: Rise, tau_e: float) -> None:
 def _list_remarks(
     found: MotorConstants, winding: Winding, current_rise: Rise | None, run_up: Rise | None
 ) -> Iterator[str]:
-    """Sentences about what is doubtful or not supported."""
+    """Yield the sentences about what is doubtful or not supported."""
     time, offset = found.run_up_time, winding.offset
     if time is not None and time > LONG:
         yield (

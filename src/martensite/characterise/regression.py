@@ -52,21 +52,21 @@ class LinearFit:
 
     @property
     def freedom(self) -> int:
-        """Points to spare: n - p."""
+        """Return the points to spare: n - p."""
         return self.points - len(self.terms)
 
     @property
     def deviation(self) -> float:
-        """Standard deviation s of the residuals; NaN without a point to spare."""
+        """Return the standard deviation s of the residuals; NaN without a point to spare."""
         return math.sqrt(self.squares / self.freedom) if self.freedom else math.nan
 
     def error(self, term: int) -> float:
-        """Standard error of the coefficient of a power; NaN without a point to spare."""
+        """Return the standard error of the coefficient of a power; NaN without a point to spare."""
         place = self._place(term)
         return math.sqrt(self.covariance[place][place])
 
     def interval(self, term: int, level: float = LEVEL) -> Interval:
-        """Confidence interval of the coefficient of a power."""
+        """Return the confidence interval of the coefficient of a power."""
         return self.coefficient(term).interval(level) if self.freedom else EVERYTHING
 
     def p_value(self, term: int) -> float:
@@ -91,7 +91,7 @@ class LinearFit:
         return sum(c * x**k for k, c in zip(self.terms, self.values, strict=True))
 
     def half_width(self, x: float, level: float = LEVEL) -> float:
-        """Half the confidence band of the polynomial at x; infinite without a point to spare."""
+        """Return half the confidence band of the polynomial at x; infinite without a point to spare."""
         if not self.freedom:
             return math.inf
         powers = [x**k for k in self.terms]
@@ -227,12 +227,12 @@ class NonlinearFit:
 
     @property
     def rms(self) -> float:
-        """Root mean square of the residuals."""
+        """Return the root mean square of the residuals."""
         return root_mean_square(self.residuals)
 
 
 def root_mean_square(numbers: Sequence[float]) -> float:
-    """Root of the mean of the squares."""
+    """Return the root of the mean of the squares."""
     return math.sqrt(sum(number * number for number in numbers) / len(numbers))
 
 

@@ -44,7 +44,7 @@ class SpectralPeak:
     """Peak of magnitude of X over its median within the band."""
 
     def to_dict(self) -> dict[str, Any]:
-        """All numbers by name, for JSON."""
+        """Return all numbers by name, for JSON."""
         return asdict(self)
 
 
@@ -94,7 +94,7 @@ def natural_frequency(
 
 
 def sampling_interval(times: Sequence[float], values: Sequence[float]) -> float:
-    """Time between rows [s].
+    """Return the time between rows [s].
 
     Raises:
         DataError: the rows are too few or not finite, or a time is off by half an interval.

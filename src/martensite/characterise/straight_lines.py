@@ -46,16 +46,16 @@ class StraightLine:
     """Standard deviation of the rows about it [-]."""
 
     def value(self, temperature: Any) -> Any:
-        """Strain [-] at a temperature [K], or at an array of them."""
+        """Return the strain [-] at a temperature [K], or at an array of them."""
         return self.level + self.slope * (temperature - self.at)
 
     def meets(self, other: StraightLine) -> float:
-        """Temperature [K] at which another line has the same strain; infinite for a parallel."""
+        """Return the temperature [K] at which another line has the same strain; infinite for a parallel."""
         steeper = self.slope - other.slope
         return self.at + (other.value(self.at) - self.level) / steeper if steeper else math.inf
 
     def to_dict(self) -> dict[str, Any]:
-        """All numbers by name, for JSON."""
+        """Return all numbers by name, for JSON."""
         return {
             "temperature": self.at,
             "strain": self.level,
@@ -67,7 +67,7 @@ class StraightLine:
 
 
 def fit_line(temperatures: Any, strains: Any, rows: slice = slice(None)) -> StraightLine:
-    """Least squares through some rows; of ten and more, outlying ones are left out."""
+    """Return least squares through some rows; of ten and more, outlying ones are left out."""
     kelvin, strain = temperatures[rows], strains[rows]
     kept = np.ones(kelvin.size, dtype=bool)
     while True:
@@ -111,7 +111,7 @@ def fit_three_lines(kelvin: Any, strain: Any) -> tuple[StraightLine, StraightLin
 
 
 def sort_by_temperature(temperatures: Any, strains: Any) -> tuple[Any, Any]:
-    """Rows in the order of temperature, one per temperature, no more than `MOST_ROWS`."""
+    """Return the rows in the order of temperature, one per temperature, no more than `MOST_ROWS`."""
     kelvin, place = np.unique(np.asarray(temperatures, np.float64), return_inverse=True)
     strain = np.bincount(place, np.asarray(strains, np.float64)) / np.bincount(place)
     return average_cells(kelvin, strain, MOST_ROWS) if kelvin.size > MOST_ROWS else (kelvin, strain)
@@ -128,7 +128,7 @@ def average_cells(kelvin: Any, strain: Any, cells: int) -> tuple[Any, Any]:
 
 
 def smooth_median(values: Any) -> Any:
-    """Running median of five; the first and the last number repeated beyond the ends."""
+    """Return the running median of five; the first and the last number repeated beyond the ends."""
     padded = np.pad(values, 2, mode="edge")
     return np.median(np.lib.stride_tricks.sliding_window_view(padded, 5), axis=1)
 

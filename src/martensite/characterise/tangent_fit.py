@@ -68,11 +68,11 @@ class Direction:
         return 1.0 / self.shift.value if self.shift.value else math.inf
 
     def slope_interval(self, level: float = LEVEL) -> Interval:
-        """Confidence interval of C [Pa/K]; unbounded if b may be zero."""
+        """Return the confidence interval of C [Pa/K]; unbounded if b may be zero."""
         return invert_interval(self.shift.interval(level))
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
-        """All numbers by name, for JSON."""
+        """Return all numbers by name, for JSON."""
         own = {
             name: {
                 "zero_stress": fit.coefficient(0).to_dict(level),
@@ -117,7 +117,7 @@ def _add_width(middle: MeasuredValue, width: MeasuredValue, sign: float) -> Meas
 
 
 def invert_interval(interval: Interval) -> Interval:
-    """Interval of 1/b from that of b; unbounded if b may be zero."""
+    """Return the interval of 1/b from that of b; unbounded if b may be zero."""
     low, high = interval
     if low <= 0.0 <= high:
         return EVERYTHING
@@ -144,22 +144,22 @@ class TangentFit:
 
     @property
     def A_s(self) -> MeasuredValue:
-        """Austenite start temperature at zero stress [K]."""
+        """Return the austenite start temperature at zero stress [K]."""
         return self.reverse.start
 
     @property
     def A_f(self) -> MeasuredValue:
-        """Austenite finish temperature at zero stress [K]."""
+        """Return the austenite finish temperature at zero stress [K]."""
         return self.reverse.finish
 
     @property
     def M_s(self) -> MeasuredValue:
-        """Martensite start temperature at zero stress [K]."""
+        """Return the martensite start temperature at zero stress [K]."""
         return self.forward.start
 
     @property
     def M_f(self) -> MeasuredValue:
-        """Martensite finish temperature at zero stress [K]."""
+        """Return the martensite finish temperature at zero stress [K]."""
         return self.forward.finish
 
     @property
@@ -174,7 +174,7 @@ class TangentFit:
 
     @property
     def eps_L(self) -> MeasuredValue:
-        """Mean transformation strain [-]."""
+        """Return the mean transformation strain [-]."""
         return self.strain.mean
 
     @property
@@ -198,7 +198,7 @@ class TangentFit:
         return tuple(said)
 
     def guess(self, ends: str = "tangents") -> dict[str, float]:
-        """Numbers of a law by their canonical names, in SI; only what was found.
+        """Return the numbers of a law by their canonical names, in SI; only what was found.
 
         Slopes of the outer lines are left out, since they are no thermal expansions where
         transformation trails off. `eps_L` is the mean transformation strain; `H_min`, `H_sat` and
@@ -229,7 +229,7 @@ class TangentFit:
         return found
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
-        """All numbers by name in SI, for JSON; without the rows."""
+        """Return all numbers by name in SI, for JSON; without the rows."""
         return {
             "levels": [points.to_dict() for points in self.levels],
             "reverse": self.reverse.to_dict(level),

@@ -95,12 +95,12 @@ class BranchTangents:
         return float(self.cold.value(self.half) - self.hot.value(self.half))
 
     def room(self) -> tuple[float, float]:
-        """Range beyond the transformation, cold and hot, as a share of its width [-]."""
+        """Return the range beyond the transformation, cold and hot, as a share of its width [-]."""
         low, high = self.low, self.high
         return (low - self.span[0]) / (high - low), (self.span[1] - high) / (high - low)
 
     def to_dict(self) -> dict[str, Any]:
-        """All numbers by name, for JSON."""
+        """Return all numbers by name, for JSON."""
         return {
             "low": self.low,
             "high": self.high,
@@ -146,7 +146,7 @@ def _is_straight(kelvin: Any, strain: Any) -> bool:
 
 
 def _find_way(outer: tuple[StraightLine, StraightLine], middle: float, kelvin: Any, strain: Any, where: str) -> Any:
-    """Share of the way from the cold to the hot line, growing from row to row."""
+    """Return the share of the way from the cold to the hot line, growing from row to row."""
     cold, hot = outer
     gap = hot.value(middle) - cold.value(middle)
     if abs(gap) < LEAST:
@@ -158,7 +158,7 @@ def _find_way(outer: tuple[StraightLine, StraightLine], middle: float, kelvin: A
 
 
 def _find_steepest(kelvin: Any, way: Any) -> slice:
-    """Rows of the narrowest range of temperature in which `CORE` of the way is covered."""
+    """Return the rows of the narrowest range of temperature in which `CORE` of the way is covered."""
     begins = np.linspace(EDGE, 1.0 - EDGE - CORE, BEGINNINGS)
     low, high = np.interp(begins, way, kelvin), np.interp(begins + CORE, way, kelvin)
     best = int(np.argmin(high - low))
@@ -166,7 +166,7 @@ def _find_steepest(kelvin: Any, way: Any) -> slice:
 
 
 def _rows_between(kelvin: Any, low: float, high: float) -> slice:
-    """Rows within a range of temperature, and neighbours if there are fewer than needed."""
+    """Return the rows within a range of temperature, and neighbours if there are fewer than needed."""
     first = int(np.searchsorted(kelvin, low, "left"))
     last = int(np.searchsorted(kelvin, high, "right"))
     while last - first < FEWEST_STEEP:
@@ -175,7 +175,7 @@ def _rows_between(kelvin: Any, low: float, high: float) -> slice:
 
 
 def _outer_rows(kelvin: Any, end: float, side: str, where: str) -> slice:
-    """Rows of an outer line: the outer half of what lies beyond an end of the transformation."""
+    """Return the rows of an outer line: the outer half of what lies beyond an end of the transformation."""
     from_edge = kelvin - kelvin[0] if side == "cold" else kelvin[-1] - kelvin[::-1]
     beyond = end - float(kelvin[0]) if side == "cold" else float(kelvin[-1]) - end
     count = int(np.searchsorted(from_edge, FAR * beyond, "right"))
@@ -187,7 +187,7 @@ def _outer_rows(kelvin: Any, end: float, side: str, where: str) -> slice:
 
 
 def _find_half(outer: tuple[StraightLine, StraightLine], kelvin: Any, strain: Any) -> float:
-    """Temperature at which the strain passes the middle of the outer lines."""
+    """Return the temperature at which the strain passes the middle of the outer lines."""
     cold, hot = outer
     beyond = strain - 0.5 * (cold.value(kelvin) + hot.value(kelvin))
     sign = 1.0 if beyond[-1] > beyond[0] else -1.0

@@ -54,32 +54,32 @@ class TangentPoints:
 
     @property
     def A_s(self) -> float:
-        """Austenite start temperature at this stress [K]."""
+        """Return the austenite start temperature at this stress [K]."""
         return self.heating.low
 
     @property
     def A_f(self) -> float:
-        """Austenite finish temperature at this stress [K]."""
+        """Return the austenite finish temperature at this stress [K]."""
         return self.heating.high
 
     @property
     def M_s(self) -> float:
-        """Martensite start temperature at this stress [K]."""
+        """Return the martensite start temperature at this stress [K]."""
         return self.cooling.high
 
     @property
     def M_f(self) -> float:
-        """Martensite finish temperature at this stress [K]."""
+        """Return the martensite finish temperature at this stress [K]."""
         return self.cooling.low
 
     @property
     def A_half(self) -> float:
-        """Temperature half-way to austenite [K]."""
+        """Return the temperature half-way to austenite [K]."""
         return self.heating.half
 
     @property
     def M_half(self) -> float:
-        """Temperature half-way to martensite [K]."""
+        """Return the temperature half-way to martensite [K]."""
         return self.cooling.half
 
     @property
@@ -95,16 +95,16 @@ class TangentPoints:
 
     @property
     def alpha_A(self) -> float:
-        """Apparent thermal expansion of austenite, mean of both branches [1/K]."""
+        """Return the apparent thermal expansion of austenite, mean of both branches [1/K]."""
         return 0.5 * (self.heating.hot.slope + self.cooling.hot.slope)
 
     @property
     def alpha_M(self) -> float:
-        """Apparent thermal expansion of martensite, mean of both branches [1/K]."""
+        """Return the apparent thermal expansion of martensite, mean of both branches [1/K]."""
         return 0.5 * (self.heating.cold.slope + self.cooling.cold.slope)
 
     def to_dict(self) -> dict[str, Any]:
-        """All numbers by name in SI, for JSON; without the rows."""
+        """Return all numbers by name in SI, for JSON; without the rows."""
         names = (
             "name",
             "stress",

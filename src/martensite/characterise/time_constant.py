@@ -52,7 +52,7 @@ class Rise:
         return small or self.correlation < _ALONG
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
-        """All numbers by name, for JSON."""
+        """Return all numbers by name, for JSON."""
         estimates = {name: getattr(self, name) for name in ("tau", "final", "change")}
         numbers = {name: getattr(self, name) for name in ("deviation", "correlation", "follows")}
         return {name: one.to_dict(level) for name, one in estimates.items()} | numbers

@@ -68,7 +68,7 @@ class StrainFit:
         return saturating_strain(self.H_min.value, self.H_sat.value, self.H_k.value, crit, stress)
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
-        """All numbers by name, for JSON."""
+        """Return all numbers by name, for JSON."""
         found: dict[str, Any] = {"form": self.form, "deviation": self.deviation}
         for name in ("mean", "H_min", "H_sat", "H_k", "sigma_crit"):
             estimate = getattr(self, name)
@@ -180,7 +180,7 @@ def _refine_shape(stresses: Sequence[float], strains: Sequence[float], shape: _S
 
 
 def _solve_shape(stresses: Sequence[float], strains: Sequence[float], shape: _Shape) -> dict[str, MeasuredValue] | None:
-    """All free numbers by least squares; None if they do not settle within their range."""
+    """Return all free numbers by least squares; None if they do not settle within their range."""
     # what is zero in the shape is held there; the others are fitted in units of about their size
     units = {"low": shape.high, "high": shape.high, "rate": shape.rate, "crit": shape.crit}
     free = [name for name in NAMES if getattr(shape, name)]

@@ -80,17 +80,17 @@ class CCore:
 
     @cached_property
     def header(self) -> str:
-        """Text of the header."""
+        """Return the text of the header."""
         return header_text(self)
 
     @cached_property
     def source(self) -> str:
-        """Text of the source."""
+        """Return the text of the source."""
         return source_text(self)
 
     @property
     def constants(self) -> int:
-        """Numbers that follow from the parameters."""
+        """Return the numbers that follow from the parameters."""
         return len(self.program.hoisted_nodes)
 
     @property
@@ -207,7 +207,7 @@ def _sample_path(whole: AbstractSystem) -> str | None:
 
 
 def describe_drives(system: AbstractSystem) -> Rows:
-    """Name, unit and words of the inputs of a system."""
+    """Return the name, unit and words of the inputs of a system."""
     known = system.outputs()
     return [
         (one.name, one.unit, known[one.name].long_name if one.name in known else _describe_drive(one.name))
@@ -223,7 +223,7 @@ def _describe_drive(drive: str) -> str:
 
 
 def list_outputs(system: AbstractSystem, names: Sequence[str]) -> Rows:
-    """Outputs of a system, then what differs along its element."""
+    """Return the outputs of a system, then what differs along its element."""
     known = system.outputs()
     described = [known[name] if name in known else PROFILES[name.split("[")[0]] for name in names]
     return [(name, o.unit, o.long_name) for name, o in zip(names, described, strict=True)]

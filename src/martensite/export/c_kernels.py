@@ -127,7 +127,7 @@ class CKernel:
 
 
 def used_parameters(program: Program) -> set[int]:
-    """Places of the parameters that anything follows from."""
+    """Return the places of the parameters that anything follows from."""
     graph, stack = program.graph, [node.index for node in program.hoisted_nodes]
     numbers = {graph.input(f"p{i}", 0).index: i for i in range(len(program.parameters))}
     seen: set[int] = set()

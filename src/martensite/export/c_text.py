@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def count_elements(count: int) -> int:
-    """Length of an array: C has none of length 0."""
+    """Return the length of an array: C has none of length 0."""
     return max(1, count)
 
 
@@ -68,7 +68,7 @@ def _format_comment(text: str) -> str:
 
 
 def _print_answers(core: CCore) -> str:
-    """Places in what `NAME_try` gives."""
+    """Return the places in what `NAME_try` gives."""
     if not core.answers:
         return ""
     rows = [f"    {core.name}_a_{answer} = {i},\n" for i, answer in enumerate(core.answers)]

@@ -128,7 +128,7 @@ class Episodes:
 
     @property
     def sizes(self) -> tuple[int, int]:
-        """Numbers in an action and in an observation."""
+        """Return the numbers in an action and in an observation."""
         return len(self.signals), len(self._ranges)
 
     # ---------------------------------------------------------------- an episode
@@ -192,7 +192,7 @@ class Episodes:
             self._reference[:, outputs.index(name), k] = [wave.value(float(t)) for t in self._times]
 
     def step(self, actions: Any) -> Outcome:
-        """One period of all environments.
+        """Return one period of all environments.
 
         Args:
             actions: from -1 to 1, shape (environments, actions).
@@ -222,7 +222,7 @@ class Episodes:
     # ---------------------------------------------------------------- rows
 
     def list_outputs(self, k: int) -> dict[str, float]:
-        """Outputs of one environment now [SI], by name."""
+        """Return the outputs of one environment now [SI], by name."""
         return dict(zip(self._lanes.names, self.rows[:, k].tolist(), strict=True))
 
     def list_followed(self) -> tuple[Numbers, Numbers, Any]:
@@ -230,7 +230,7 @@ class Episodes:
         return self._wanted(), self.rows[self._output], self._at
 
     def _signals_at(self, acting: Numbers, later: int) -> Numbers:
-        """Signals of all drives: references and noise are those at the end of the period."""
+        """Return the signals of all drives: references and noise are those at the end of the period."""
         found = np.zeros((len(self._drives), self.count))
         at, lanes = np.minimum(self._at + later, self.length), np.arange(self.count)
         found[self._acting] = acting
@@ -248,7 +248,7 @@ class Episodes:
         return np.ascontiguousarray(cut.T, np.float32)
 
     def _wanted(self) -> Numbers:
-        """References now, shape (outputs, environments)."""
+        """Return the references now, shape (outputs, environments)."""
         return self._reference[self._at, :, np.arange(self.count)].T
 
     def _list_extras(self, rows: Numbers) -> dict[str, Numbers]:

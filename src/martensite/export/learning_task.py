@@ -91,7 +91,7 @@ class LearningTask:
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Names of all outputs that follow a reference."""
+        """Return the names of all outputs that follow a reference."""
         return (self.output,) if isinstance(self.output, str) else tuple(self.output)
 
     def reference(self, rng: np.random.Generator, times: Numbers) -> Numbers:
@@ -157,7 +157,7 @@ def _check_spread(bench: Bench, name: str, spread: float) -> EpisodeSpread:
 
 
 def scale_values(values: Numbers, ranges: Sequence[tuple[float, float]]) -> Numbers:
-    """Rows of values in -1 to 1 where they go through their ranges."""
+    """Return the rows of values in -1 to 1 where they go through their ranges."""
     low, high = np.array(ranges, float).reshape(-1, 2).T[:, :, None]
     return 2.0 * (values - low) / (high - low) - 1.0
 

@@ -95,7 +95,7 @@ def _describe_joint(finger: Finger, timestep: float) -> dict[str, Value]:
 
 
 def _describe_limits(finger: Finger, settles: float) -> dict[str, Value]:
-    """Range of the hinge, and how a limit gives way; it settles in `settles` [s]."""
+    """Return the range of the hinge, and how a limit gives way; it settles in `settles` [s]."""
     met = 2.0 * math.atan2(finger.bracket, finger.offset)
     reach = (finger.lowest, min(finger.highest, met))
     if finger.contact != "springs":

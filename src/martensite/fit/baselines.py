@@ -55,7 +55,7 @@ class BaselineScore:
     samples: int
 
     def to_dict(self) -> dict[str, Any]:
-        """All fields by name, for JSON."""
+        """Return all fields by name, for JSON."""
         return asdict(self)
 
 
@@ -76,7 +76,7 @@ def score_baselines(found: Fit | Problem) -> list[BaselineScore]:
 
 
 def pool_baselines(scores: Sequence[BaselineScore], output: str) -> dict[str, float]:
-    """Root-mean-square error over all records of every baseline of an output that all have [unit]."""
+    """Return the root-mean-square error over all records of every baseline of an output that all have [unit]."""
     own = [one for one in scores if one.output == output]
     records = len({one.record for one in own})
     found: dict[str, float] = {}
@@ -150,7 +150,7 @@ def _measure_move(x: Any) -> float:
 
 
 def _find_unit(one: Experiment) -> str:
-    """Unit of what drives; empty for nothing."""
+    """Return the unit of what drives; empty for nothing."""
     drive = _find_drive(one)
     return one.record.units[one.follows[drive]] if drive else ""
 
@@ -248,7 +248,7 @@ def _repeat_cycle(one: Experiment, k: int, own: Any) -> Any:
 
 
 def find_period(experiment: Experiment) -> float:
-    """Mean period [s] of what drives an experiment; its length if it never returns, 0 for none.
+    """Return the mean period [s] of what drives an experiment; its length if it never returns, 0 for none.
 
     Counted are passages from below a quarter of its range to above three quarters, and back.
     """
@@ -326,7 +326,7 @@ def _scale_record(others: Sequence[Experiment], one: Experiment, output: str, un
 
 
 def _measure_drive(one: Experiment) -> float:
-    """Root-mean-square of the first drive over the record, in its unit; 0 where there is none."""
+    """Return the root-mean-square of the first drive over the record, in its unit; 0 where there is none."""
     waves = arrange_waveforms(one.system, one.waveform)
     return math.sqrt(float(np.mean([waves[0].value(float(t)) ** 2 for t in one.times + one.lead]))) if waves else 0.0
 

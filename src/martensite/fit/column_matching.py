@@ -63,7 +63,7 @@ class ComparedColumn:
 
 
 def list_echoes(system: AbstractSystem) -> set[str]:
-    """Outputs that repeat what drives a system."""
+    """Return the outputs that repeat what drives a system."""
     found = set(system.signals())
     for port, one in system.actuators().items():
         names = ("drive", *ECHOES.get(one.source.unit, ()))
@@ -162,7 +162,7 @@ def _refuse_nothing(record: Record, system: AbstractSystem, driven: set[str]) ->
 def read_noise(
     noise: Mapping[str, str | float], known: Mapping[str, Output], followed: Mapping[str, str]
 ) -> tuple[dict[str, float], dict[str, float]]:
-    """Standard deviations in SI of measured outputs, and of columns that drive; numbers are in SI already.
+    """Return the standard deviations in SI of measured outputs, and of columns that drive; numbers are in SI already.
 
     Args:
         noise: name -> amount.
@@ -195,7 +195,7 @@ def _read_noise(text: str, name: str, unit: str) -> float:
 
 
 def read_columns(columns: str | Sequence[str] | Mapping[str, str] | None) -> list[ComparedColumn]:
-    """Outputs and the columns they are compared with; empty where none are named.
+    """Return the outputs and the columns they are compared with; empty where none are named.
 
     Raises:
         InputError: an entry cannot be read.

@@ -141,7 +141,7 @@ def _refuse_set(problem: Problem, scenario: Scenario, inputs: Sequence[str]) -> 
 def _build_experiments(
     table: ConditionTable, log: Log, scenario: Scenario, step: float | None, noise: dict[str, list[tuple[float, int]]]
 ) -> tuple[list[ConditionExperiment], list[str]]:
-    """One experiment for every combination of groups, and what to say of them."""
+    """Return one experiment for every combination of groups, and what to say of them."""
     count = len(table.measures[0].values)
     keys = list(zip(*table.groups.values(), strict=True)) if table.groups else [(log.name or table.name,)] * count
     made, notes = list[ConditionExperiment](), list[str]()
@@ -159,7 +159,7 @@ def _build_experiments(
 def _merge_repeats(
     table: ConditionTable, places: Sequence[int], noise: dict[str, list[tuple[float, int]]]
 ) -> list[_Row]:
-    """Rows of one condition put together, in the order of what drives; their scatter is noted."""
+    """Return the rows of one condition put together, in the order of what drives; their scatter is noted."""
     order = sorted(table.inputs, key=lambda one: not one.level)
     found: dict[tuple[float, ...], list[int]] = {}
     for k in places:
@@ -180,7 +180,7 @@ def _merge_repeats(
 
 
 def _weigh_row(table: ConditionTable, one: MeasureColumn, k: int) -> float:
-    """Repeats of a row, over its variance in units of the mean variance where it is known."""
+    """Return the repeats of a row, over its variance in units of the mean variance where it is known."""
     count = table.counts[k] if table.counts and math.isfinite(table.counts[k]) else 1.0
     if not one.spreads or not math.isfinite(one.spreads[k]):
         return count
@@ -188,7 +188,7 @@ def _weigh_row(table: ConditionTable, one: MeasureColumn, k: int) -> float:
 
 
 def _pool_spread(one: MeasureColumn) -> float:
-    """Standard deviation of single runs, by the root of the mean square of the column."""
+    """Return the standard deviation of single runs, by the root of the mean square of the column."""
     return math.sqrt(float(np.nanmean(np.square(one.spreads))))
 
 
@@ -252,7 +252,7 @@ def _choose_step(scenarios: Sequence[Scenario]) -> float:
 def _choose_scales(
     made: Sequence[ConditionExperiment], noise: Mapping[str, list[tuple[float, int]]]
 ) -> tuple[dict[str, float], list[str]]:
-    """Noise of single runs by measure, where repeats tell it."""
+    """Return the noise of single runs by measure, where repeats tell it."""
     found, notes = dict[str, float](), list[str]()
     for words in dict.fromkeys(words for one in made for words in one.columns):
         values = np.concatenate([one.measured[:, one.outputs.index(words)] for one in made if words in one.columns])
@@ -288,7 +288,7 @@ def _choose_held_rows(
 
 
 def pick_rows(count: int, share: float) -> list[float]:
-    """Rows from 1 to `count` that are kept back: the last, the middle, the first, and halves between."""
+    """Return the rows from 1 to `count` that are kept back: the last, the middle, the first, and halves between."""
     wanted = min(max(1, round(share * count)), count - 1)
     if wanted < 1:
         return []

@@ -65,7 +65,7 @@ class ConditionExperiment(Experiment):
 
     @cached_property
     def rows(self) -> Any:
-        """All of them."""
+        """Return all of them."""
         return np.arange(len(self.record))
 
     @cached_property
@@ -109,7 +109,7 @@ class ConditionExperiment(Experiment):
         return [_extend_grid(grid, most) for grid in found]
 
     def grid(self, step: float | None = None) -> Any:
-        """All rows side by side."""
+        """Return all rows side by side."""
         return lane_grid(self.grids(step))
 
     def runner(self, step: float | None = None, outputs: Sequence[str] | None = None) -> Any:
@@ -117,7 +117,7 @@ class ConditionExperiment(Experiment):
         return ConditionRunner(self, self.grids(step))
 
     def sample_outputs(self, system: AbstractSystem, outputs: Sequence[str], rows: Any, step: float | None) -> Any:
-        """Outputs at all samples of some rows, one run after the other."""
+        """Return the outputs at all samples of some rows, one run after the other."""
         runner = ConditionRunner(self, self.grids(step), outputs)
         values = np.array(runner.compiled.values(system))
         places = np.flatnonzero(rows)
@@ -152,16 +152,16 @@ class ConditionRunner:
 
     @cached_property
     def grid(self) -> LaneGrid:
-        """All rows side by side."""
+        """Return all rows side by side."""
         return lane_grid(self.grids)
 
     def run_one(self, values: Any) -> Any:
-        """Measures (rows, measures); None if a run fails."""
+        """Return the measures (rows, measures); None if a run fails."""
         found = self.run_many(np.asarray(values)[None])[0]
         return found if np.isfinite(found).all() else None
 
     def run_many(self, table: Any) -> Any:
-        """Measures (points, rows, measures) of a table (points, parameters); NaN where a run fails."""
+        """Return the measures (points, rows, measures) of a table (points, parameters); NaN where a run fails."""
         rows, points = len(self.grids), len(table)
         places = np.repeat(np.arange(rows), points)
         marched = self.march(places, np.tile(np.asarray(table), (rows, 1)))
@@ -171,7 +171,7 @@ class ConditionRunner:
         return found
 
     def run_slopes(self, values: Any, seeds: Any) -> tuple[Any, Any] | None:
-        """Measures with their derivatives (rows, measures, directions); None if a run fails."""
+        """Return the measures with their derivatives (rows, measures, directions); None if a run fails."""
         rows, slopes = list[Any](), list[Any]()
         for row, grid in enumerate(self.grids):
             own, moving = self._set_values(row, values), np.array(seeds)
@@ -209,7 +209,7 @@ class ConditionRunner:
         return found
 
     def _judge(self, row: int, runs: Any) -> Any:
-        """Measures (runs, measures) of runs (runs, samples, outputs) of a row."""
+        """Return the measures (runs, measures) of runs (runs, samples, outputs) of a row."""
         times = np.asarray(self.grids[row].times)
         with np.errstate(invalid="ignore"):
             found = [one.value(tabulate_samples(times, self._select(one, runs))) for one in self.measures]
@@ -221,7 +221,7 @@ class ConditionRunner:
         return np.transpose(runs[:, :, places], (2, 1, 0))
 
     def _weigh(self, one: AbstractMeasure, times: Any, run: Any, slopes: Any) -> Any:
-        """Derivatives (directions,) of a measure from those of the outputs."""
+        """Return the derivatives (directions,) of a measure from those of the outputs."""
         places = [self.needed.index(name) for name in one.columns(self.experiment.system)]
         weights = one.derivatives(tabulate_samples(times, self._select(one, run[None])))[:, :, 0]
         return np.einsum("cs,scd->d", weights, slopes[:, places])

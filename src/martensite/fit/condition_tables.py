@@ -175,7 +175,7 @@ def read_condition_table(
 
 
 def _split_heading(text: str) -> tuple[str, str]:
-    """Name in small letters with blanks, and the unit in brackets."""
+    """Return the name in small letters with blanks, and the unit in brackets."""
     found = _HEADING.match(text)
     name, unit = (found[1], found[2] or "") if found else (text.strip(), "")
     round_brackets = _ROUND.match(name)
@@ -213,7 +213,7 @@ def _find_words(name: str, outputs: Iterable[str]) -> str:
 
 
 def _find_output(words: str, known: Sequence[str]) -> str:
-    """Output that some words name; empty for the first coordinate."""
+    """Return the output that some words name; empty for the first coordinate."""
     plain = words.replace(" ", "_")
     if plain in known or words in STROKES:
         return "" if words in STROKES else plain

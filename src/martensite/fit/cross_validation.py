@@ -85,7 +85,7 @@ class PooledError(OutputError):
 
 
 def pool_errors(errors: Sequence[HeldOutError]) -> list[PooledError]:
-    """Errors of every output over all records; naive predictions that all records have."""
+    """Return the errors of every output over all records; naive predictions that all records have."""
     found: list[PooledError] = []
     for output in dict.fromkeys(one.output for one in errors):
         own = [one for one in errors if one.output == output]

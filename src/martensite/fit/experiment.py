@@ -62,7 +62,7 @@ class Experiment:
 
     @cached_property
     def rows(self) -> Any:
-        """Indices of the rows of the record that are compared."""
+        """Return the indices of the rows of the record that are compared."""
         count = len(self.record)
         stride = -(-count // MOST_ROWS)
         return np.arange(0, count, stride)
@@ -112,7 +112,7 @@ class Experiment:
         return 1.0
 
     def describe_outputs(self) -> Mapping[str, Output]:
-        """Everything that it could be compared in."""
+        """Return everything that it could be compared in."""
         return self.system.outputs()
 
     def describe_row(self, time: float) -> str:
@@ -120,7 +120,7 @@ class Experiment:
         return f"{format_number(time)} s"
 
     def sample_outputs(self, system: AbstractSystem, outputs: Sequence[str], rows: Any, step: float | None) -> Any:
-        """Outputs (samples, outputs) of a run with other numbers, at some of the rows that are compared."""
+        """Return the outputs (samples, outputs) of a run with other numbers, at some of the rows that are compared."""
         runner = self.runner(step, outputs)
         return runner.run_many(np.array([runner.compiled.values(system)]))[0][rows]
 
@@ -156,7 +156,7 @@ class Experiment:
 
     @cached_property
     def _grids(self) -> dict[float | None, TimeGrid]:
-        """Grids by longest step."""
+        """Return the grids by longest step."""
         return {}
 
     def grid(self, step: float | None = None) -> TimeGrid:

@@ -68,7 +68,7 @@ class ExperimentKind:
 
 
 def find_varying(records: Sequence[Record]) -> list[str]:
-    """Columns that vary in at least one record, in their order."""
+    """Return the columns that vary in at least one record, in their order."""
     names = dict.fromkeys(name for record in records for name in record.columns if name != "time")
     return [name for name in names if any(_is_varying(name, r[name]) for r in records if name in r.columns)]
 
@@ -117,7 +117,7 @@ def recognise_experiment(records: Sequence[Record], asked: str | None = None) ->
 
 
 def _list_possible(records: Sequence[Record], varying: Sequence[str]) -> Any:
-    """All kinds that the columns allow, the most telling first."""
+    """Return all kinds that the columns allow, the most telling first."""
     drives = [name for name in DRIVES if name in varying]
     shapes, loads = ([n for n in group if n in varying] for group in (DEFORMATIONS, LOADS))
     if drives:
@@ -161,7 +161,7 @@ def _list_driven(records: Sequence[Record], varying: Sequence[str], drives: Sequ
 
 
 def _count_levels(records: Sequence[Record], name: str) -> int:
-    """Different values of a column: a command has few, what answers to it has many."""
+    """Return different values of a column: a command has few, what answers to it has many."""
     return sum(len(set(np.round(r[name], 12))) for r in records if name in r.columns)
 
 
@@ -170,7 +170,7 @@ def _find_range(records: Sequence[Record], name: str) -> float:
 
 
 def _share_range(records: Sequence[Record], name: str) -> float:
-    """Range of a column over its largest value, without the outermost hundredths."""
+    """Return the range of a column over its largest value, without the outermost hundredths."""
     shares = [0.0]
     for record in records:
         if name in record.columns:

@@ -52,12 +52,12 @@ class ComparedOutput:
 
     @property
     def record(self) -> str:
-        """Name of the record."""
+        """Return the name of the record."""
         return self.experiment.name
 
     @property
     def column(self) -> str:
-        """Column of the record that was compared."""
+        """Return the column of the record that was compared."""
         return self.experiment.columns[self.output]
 
     @property
@@ -72,11 +72,11 @@ class ComparedOutput:
 
     @property
     def missing(self) -> int:
-        """Rows without a measured number."""
+        """Return the rows without a measured number."""
         return int(np.sum(~np.isfinite(self.measured)))
 
     def score(self) -> Iterator[Score]:
-        """Errors of `training` rows, and of `held-out` ones, where there are any."""
+        """Yield the errors of `training` rows, and of `held-out` ones, where there are any."""
         for part, rows in ((TRAINING, self.used), (HELD_OUT, self.held)):
             if rows.any():
                 found = score_model(
@@ -92,21 +92,21 @@ class ComparedOutput:
 
     @property
     def raw_rms(self) -> float:
-        """Root-mean-square error without what was fitted to the record alone; NaN where nothing was."""
+        """Return the root-mean-square error without what was fitted to the record alone; NaN where nothing was."""
         return math.nan if self.raw is None else float(np.sqrt(np.nanmean((self.raw - self.measured) ** 2)))
 
     def rms(self, part: str) -> float:
-        """Root-mean-square error of `training` or `held-out` rows; NaN if there are none."""
+        """Return the root-mean-square error of `training` or `held-out` rows; NaN if there are none."""
         return compute_rms([self], part)
 
 
 def list_compared(fit: Fit) -> list[ComparedOutput]:
-    """All records and outputs of a fit: those that were fitted, then those kept back."""
+    """Return all records and outputs of a fit: those that were fitted, then those kept back."""
     return list(_iterate_compared(fit))
 
 
 def compute_rms(rows: Iterable[ComparedOutput], part: str) -> float:
-    """Root-mean-square error of all `training` or `held-out` rows together; NaN for none."""
+    """Return the root-mean-square error of all `training` or `held-out` rows together; NaN for none."""
     pieces = [one.residuals[one.used if part == TRAINING else one.held] for one in rows]
     errors = np.concatenate(pieces) if pieces else np.zeros(0)
     return math.sqrt(float(np.mean(errors**2))) if errors.size else math.nan
@@ -122,7 +122,7 @@ def _iterate_compared(fit: Fit) -> Iterator[ComparedOutput]:
 
 
 def list_held_out(kept: HeldOutRecord) -> list[ComparedOutput]:
-    """All outputs of a record that was kept back, beside what is predicted."""
+    """Return all outputs of a record that was kept back, beside what is predicted."""
     raw = kept.raw if kept.numbers else None
     return list(_split_outputs(kept.experiment, kept.model, np.zeros(kept.model.shape, bool), raw))
 
@@ -135,7 +135,7 @@ def _split_outputs(one: Experiment, model: Any, used: Any, raw: Any = None) -> I
 
 
 def find_covered_range(fit: Fit) -> dict[str, tuple[float, float]]:
-    """Least and largest temperature [K] and stress [Pa] of the elements while they were fitted."""
+    """Return least and largest temperature [K] and stress [Pa] of the elements while they were fitted."""
     found: dict[str, tuple[float, float]] = {}
     for k, one in enumerate(fit.problem.experiments):
         system = fit.system(k)
@@ -205,7 +205,7 @@ class Fit:
 
     @property
     def cost(self) -> float:
-        """Mean of the squared residuals, as shares of noise or range."""
+        """Return the mean of the squared residuals, as shares of noise or range."""
         return self.evaluation.cost
 
     def system(self, record: int = 0) -> Any:
@@ -213,13 +213,13 @@ class Fit:
         return self.problem.system(record, self.values)
 
     def at_bound(self) -> list[str]:
-        """Parameters that ended on a bound of their search."""
+        """Return the parameters that ended on a bound of their search."""
         pairs = zip(self.problem.names, self.values, strict=True)
         return [name for name, u in pairs if not BOUND_DISTANCE < u < 1.0 - BOUND_DISTANCE]
 
     @cached_property
     def undetermined(self) -> dict[str, str]:
-        """Parameter -> why its number must not be called determined."""
+        """Return the parameter -> why its number must not be called determined."""
         found = {
             free.name: self._refuse_number(free, u) for free, u in zip(self.problem.free, self.values, strict=True)
         }
@@ -248,12 +248,12 @@ class Fit:
 
     @cached_property
     def scores(self) -> tuple[Score, ...]:
-        """Errors per record and output, those of held-out rows apart."""
+        """Return the errors per record and output, those of held-out rows apart."""
         return tuple(score for one in list_compared(self) for score in one.score())
 
     @cached_property
     def uncertainty(self) -> Uncertainty:
-        """Errors and correlations of the parameters, from the Jacobian at the optimum."""
+        """Return the errors and correlations of the parameters, from the Jacobian at the optimum."""
         weights = self.weights
         return estimate_uncertainty(
             weights * self.evaluation.residuals,

@@ -131,7 +131,7 @@ def _read_settings(table: Mapping[str, Any], where: str) -> dict[str, Any]:
 
 
 def _flatten_table(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
-    """Values by dotted path, whether the path was quoted or written as tables."""
+    """Return the values by dotted path, whether the path was quoted or written as tables."""
     found: dict[str, Any] = {}
     for key, value in table.items():
         path = f"{above}{key}"

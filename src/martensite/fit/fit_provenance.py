@@ -51,7 +51,7 @@ def compute_digest(record: Record) -> dict[str, str]:
 
 
 def list_published(fit: Fit) -> list[str]:
-    """Bibliography keys of the published data sets that the records of a fit come from."""
+    """Return the bibliography keys of the published data sets that the records of a fit come from."""
     known = dataset_names()
     sets = (one.experiment.record.name.partition("/")[0] for one in list_compared(fit))
     return list(dict.fromkeys(describe_dataset(name).cite for name in sets if name in known))

@@ -177,7 +177,7 @@ class ArrangedFit:
 
 
 def list_paths(scenario: Scenario) -> dict[str, str]:
-    """Path in the scenario, as `--set` takes it -> path in the system, where they differ."""
+    """Return the path in the scenario, as `--set` takes it -> path in the system, where they differ."""
     paths = {scenario.places.path(leaf.path): leaf.path for leaf in scenario.system.leaves()}
     own = set(paths.values())
     words = {word: places for word, places in INPUTS.items() if " " not in word and not find_paths(word, own)}
@@ -186,7 +186,7 @@ def list_paths(scenario: Scenario) -> dict[str, str]:
 
 
 def spell_paths(ranges: Sequence[str | SearchRange], known: Mapping[str, str]) -> list[str | SearchRange]:
-    """Free parameters with paths of the scenario put into those of the system."""
+    """Return the free parameters with paths of the scenario put into those of the system."""
     found: list[str | SearchRange] = []
     for one in [ranges] if isinstance(ranges, str) else ranges:
         name = one.name if isinstance(one, SearchRange) else parse_free(one)[0]
@@ -218,7 +218,7 @@ def _choose_steps(
 def _build_experiments(
     found: Sequence[LoadedLog], task: FitTask, wanted: Sequence[ComparedColumn]
 ) -> tuple[list[Experiment], list[str]]:
-    """One experiment per record, without steps, and what to say of its columns."""
+    """Return one experiment per record, without steps, and what to say of its columns."""
     held = _choose_held_out(found, task.hold_out)
     made: list[Experiment] = []
     notes: list[str] = []
@@ -247,7 +247,7 @@ def _build_experiments(
 def _describe_held(
     record: Record, system: AbstractSystem, waveform: Waveforms, follows: Mapping[str, str]
 ) -> list[str]:
-    """Columns whose levels are held from row to row."""
+    """Return the columns whose levels are held from row to row."""
     tables = {column: by_name(system, waveform)[drive] for drive, column in follows.items()}
     held = [column for column, one in tables.items() if isinstance(one, Table) and len(one.times) > len(record) + 1]
     return [
@@ -268,7 +268,7 @@ def _choose_held_out(found: Sequence[LoadedLog], hold_out: str | Sequence[str]) 
 def _drop_silent_outputs(
     made: list[Experiment], free: Sequence[SearchRange], each: Sequence[SearchRange]
 ) -> tuple[list[Experiment], list[str]]:
-    """Experiments without the outputs that no free parameter moves in any record."""
+    """Return the experiments without the outputs that no free parameter moves in any record."""
     own = [one for one in each if not is_nuisance(one.name)]
     training = build_problem(made, free, each=own).training
     quiet = find_silent_outputs(training)

@@ -112,7 +112,7 @@ def _list_baselines(scores: Sequence[BaselineScore], output: str, unit: str) -> 
 
 
 def warn_of_baselines(fit: Fit) -> Iterator[str]:
-    """Outputs that a prediction without a model predicts as well."""
+    """Yield the outputs that a prediction without a model predicts as well."""
     scores, rows = score_baselines(fit), _list_predicted(fit)
     for name, unit in dict.fromkeys((one.output, one.unit) for one in scores):
         found = pool_baselines(scores, name)
@@ -183,7 +183,7 @@ def _describe_one_cadence(fit: Fit) -> Iterator[str]:
 
 
 def _warn_of_cadence(fit: Fit) -> Iterator[str]:
-    """Records kept back whose speed is another than that of all fitted, and that are predicted worse."""
+    """Yield the records kept back whose speed is another than that of all fitted, and that are predicted worse."""
     rows = list_compared(fit)
     fitted = [find_period(one) for one in fit.problem.experiments]
     for one in rows:
@@ -204,7 +204,7 @@ def _warn_of_cadence(fit: Fit) -> Iterator[str]:
 
 
 def _compute_share(one: ComparedOutput, rows: Any) -> float:
-    """Error of some rows over what was measured to vary in them."""
+    """Return the error of some rows over what was measured to vary in them."""
     return float(np.std(one.residuals[rows]) + abs(np.mean(one.residuals[rows]))) / (
         float(np.std(one.measured[rows])) or math.inf
     )
@@ -254,7 +254,7 @@ def _measure_range(rows: list[ComparedOutput], output: str) -> float:
 
 
 def warn_of_directions(fit: Fit) -> Iterator[str]:
-    """Numbers that the records do not determine, or do not tell apart."""
+    """Yield the numbers that the records do not determine, or do not tell apart."""
     yield from (one.sentence for one in fit.identifiability.weak)
     weak = {name for one in fit.identifiability.weak for name in one.names} | set(fit.at_bound())
     yield from (f"`{name}` is not determined: {why}." for name, why in fit.undetermined.items() if name not in weak)
@@ -269,7 +269,7 @@ def warn_of_directions(fit: Fit) -> Iterator[str]:
 
 
 def _group_pairs(pairs: Sequence[set[str]]) -> list[set[str]]:
-    """Sets of names that are connected by pairs."""
+    """Return the sets of names that are connected by pairs."""
     found: list[set[str]] = []
     for pair in pairs:
         whole = pair.union(*(group for group in found if group & pair))

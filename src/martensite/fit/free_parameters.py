@@ -61,7 +61,7 @@ _SPREAD = re.compile(r"^\s*([^=@\s]+)\s*=\s*(?:±|\+/?-)\s*([^@]+?)\s*(@.*)?$")
 
 
 def split_list(texts: str | Sequence[str]) -> list[str]:
-    """Entries of a list that may be written with commas."""
+    """Return the entries of a list that may be written with commas."""
     given = [texts] if isinstance(texts, str) else texts
     return [part.strip() for text in given for part in text.split(",") if part.strip()]
 
@@ -72,7 +72,7 @@ def read_ranges(
     own: bool = False,
     outputs: Mapping[str, Output] | None = None,
 ) -> list[SearchRange]:
-    """Free parameters as asked for.
+    """Return the free parameters as asked for.
 
     Args:
         texts: one per parameter.

@@ -156,7 +156,7 @@ class _FollowedRuns:
         self.measured = self.one.measured[self.seen[1], self.seen[0]] * self.sizes
 
     def inputs(self, rows: Any) -> dict[str, Any]:
-        """Rows of all columns by drive."""
+        """Return the rows of all columns by drive."""
         return {one.drive: rows[a:b] for one, a, b in zip(self.drives, self.ends, self.ends[1:], strict=False)}
 
     def run(self, u: Any, variants: Any) -> Any:
@@ -211,7 +211,7 @@ class _FollowedRuns:
                 self.pieces.append((seen, rows, part))
 
     def _move(self, u: Any, groups: Sequence[Any], by: Any) -> Any:
-        """Half the difference of runs with groups of rows moved up and down, (groups, used residuals)."""
+        """Return half the difference of runs with groups of rows moved up and down, (groups, used residuals)."""
         moves = np.zeros((len(groups), len(self.rows)))
         for k, (rows, amount) in enumerate(zip(groups, by, strict=True)):
             moves[k, rows] = self.step * amount
@@ -236,7 +236,7 @@ class _FollowedRuns:
         return InputCorrection(self.inputs(self.rows), self.shift(), tuple(parts))
 
     def _merged(self) -> list[tuple[Any, Any, Any]]:
-        """Pieces of several columns over the same residuals side by side."""
+        """Return the pieces of several columns over the same residuals side by side."""
         joined: dict[bytes, tuple[Any, list[Any], list[Any]]] = {}
         for seen, rows, part in self.pieces:
             _, places, parts = joined.setdefault(seen.tobytes(), (seen, [], []))
@@ -245,7 +245,7 @@ class _FollowedRuns:
         return [(s, np.concatenate(places), np.concatenate(parts, axis=1)) for s, places, parts in joined.values()]
 
     def spectrum(self, residuals: Any) -> tuple[Any, Any, float]:
-        """Variances δ² along directions, residuals squared along them, and squares of the rest."""
+        """Return the variances δ² along directions, residuals squared along them, and squares of the rest."""
         sizes, along = list[Any](), list[Any]()
         for seen, _, part in self._merged():
             left, found, _ = np.linalg.svd(part, full_matrices=False)
@@ -397,7 +397,7 @@ def _step_towards(
 
 
 def _sum_squares(problem: Problem, runs: Sequence[_FollowedRuns], u: Any, rows: Sequence[Any], noise: float) -> float:
-    """Squares of what is compared and of what drives, each over its noise."""
+    """Return the squares of what is compared and of what drives, each over its noise."""
     fixes = (InputCorrection(one.inputs(x), np.zeros(len(one.at)), ()) for one, x in zip(runs, rows, strict=True))
     found = problem.with_corrections(list(fixes)).evaluate(u)
     if found is None:

@@ -58,7 +58,7 @@ class TriedModel:
 
     @cached_property
     def pooled(self) -> list[PooledError]:
-        """Held-out errors by output; the first is what the experiment is about."""
+        """Return the held-out errors by output; the first is what the experiment is about."""
         return pool_errors(self.errors)
 
 
@@ -101,7 +101,7 @@ class LogModel:
 
     @cached_property
     def input_noise(self) -> tuple[list[FollowedNoise], list[str]]:
-        """Noise of what drives, which no interval counts, and sentences about it."""
+        """Return the noise of what drives, which no interval counts, and sentences about it."""
         return find_input_noise(self.fit.problem)
 
     @property
@@ -180,7 +180,7 @@ def _name_columns(files: Sequence[LabFile], logs: int) -> tuple[str, ...] | None
 
 
 def _describe_file(file: LabFile) -> list[str]:
-    """Columns that were told by their values, and what was noticed on reading."""
+    """Return the columns that were told by their values, and what was noticed on reading."""
     guessed = [f"{one.number} as `{one.name} [{one.unit}]`" for one in file.columns if one.known == "values"]
     said = [f"by their values columns are taken, {', '.join(guessed)} (`--as`)."] if guessed else []
     return [*said, *file.notes]
@@ -236,7 +236,7 @@ def model_logs(
 
 
 def _part_still(records: Sequence[Record], measured: Sequence[str]) -> tuple[list[Record], list[str]]:
-    """Records in which all that is to be explained changes, and sentences about the others.
+    """Return the records in which all that is to be explained changes, and sentences about the others.
 
     Raises:
         DataError: a column is missing in one of the records.
@@ -283,7 +283,7 @@ def _solve_from_starts(problem: Problem, proposal: Proposal) -> Fit:
 
 
 def find_transformed(fit: Fit) -> float:
-    """Largest range of the martensite fraction in a fitted record."""
+    """Return the largest range of the martensite fraction in a fitted record."""
     most = 0.0
     for k, one in enumerate(fit.problem.experiments):
         system = fit.system(k)

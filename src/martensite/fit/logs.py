@@ -120,7 +120,7 @@ def describe_untimed(found: Sequence[LoadedLog]) -> list[str]:
 
 
 def describe_gaps(one: LoadedLog, columns: Iterable[str]) -> list[str]:
-    """Sentences about samples that a log misses."""
+    """Return the sentences about samples that a log misses."""
     follows, record = one.scenario.follows.values(), one.record
     notes: list[str] = []
     for name in dict.fromkeys([*follows, *columns]):
@@ -136,7 +136,7 @@ def describe_gaps(one: LoadedLog, columns: Iterable[str]) -> list[str]:
 
 
 def check_matching(logs: Sequence[Source], scenarios: Sequence[Model]) -> list[Model]:
-    """One scenario for every log.
+    """Return one scenario for every log.
 
     Raises:
         DataError: they are neither one nor equally many.

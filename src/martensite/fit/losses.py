@@ -46,7 +46,7 @@ class Loss:
         return self.name.replace("-", "_")
 
     def weights(self, residuals: Any, scale: float = 1.0) -> Vector:
-        """Weight of each squared residual, 0 to 1.
+        """Return the weight of each squared residual, 0 to 1.
 
         Raises:
             ParameterError: the scale is not above 0.

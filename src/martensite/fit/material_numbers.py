@@ -67,7 +67,7 @@ class MaterialNumbers:
         return law_words(law) | own
 
     def values(self) -> dict[str, MaterialNumber]:
-        """All numbers by canonical name, in the order of the names.
+        """Return all numbers by canonical name, in the order of the names.
 
         Raises:
             InputError: actuators, or the systems of several records, differ in a number.
@@ -132,7 +132,7 @@ class MaterialNumbers:
         return _build_number(leaf, text, "assumed", self._scenario_source(), "held fixed in the fit")
 
     def _carried(self, leaves: Leaves) -> Iterator[tuple[str, MaterialNumber]]:
-        """Numbers of the scenario's material that the fitted system does not use."""
+        """Yield the numbers of the scenario's material that the fitted system does not use."""
         if self.material:
             for name, number in self.material.values.items():
                 if name not in leaves:
@@ -153,7 +153,7 @@ class MaterialNumbers:
 
 
 def describe_trust(fit: Fit, free: FreeNumber) -> str:
-    """Interval and bounds of a fitted number, and what is wrong with them, in words."""
+    """Return the interval and bounds of a fitted number, and what is wrong with them, in words."""
     found = fit.uncertainty
     wide = format_interval(found.widened(free.name), free.unit)
     plain = format_interval(found.interval(free.name), free.unit)

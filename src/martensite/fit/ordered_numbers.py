@@ -102,15 +102,15 @@ class OrderedNumbers:
         return any(self.below) or ends != list(zip(self.lowest, self.highest, strict=True))
 
     def find_shares(self, places: Any) -> Any:
-        """Shares u (free,) of places v (free,)."""
+        """Return the shares u (free,) of places v (free,)."""
         return self._walk(np.asarray(places, float))[0]
 
     def find_slopes(self, places: Any) -> Any:
-        """Derivatives du/dv (free, free)."""
+        """Return the derivatives du/dv (free, free)."""
         return self._walk(np.asarray(places, float))[1]
 
     def find_places(self, shares: Any, inside: float = 0.0) -> Any:
-        """Places v of shares u; what is out of order comes to the nearest end, or a part `inside` of it."""
+        """Return the places v of shares u; what is out of order comes to the nearest end, or a part `inside` of it."""
         places = np.asarray(shares, float).copy()
         if not self.active:
             return places
@@ -144,7 +144,7 @@ class OrderedNumbers:
         return shares, slopes
 
     def _find_ends(self, i: int, shares: Any) -> tuple[float, float, int | None]:
-        """Shares between which a number is, and the one below it that says where it begins."""
+        """Return the shares between which a number is, and the one below it that says where it begins."""
         free, least, lower = self.free[i], self.lowest[i], None
         for k in self.below[i]:
             value = self.free[k].value(float(shares[k])) + self._gap(i)

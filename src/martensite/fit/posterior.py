@@ -57,7 +57,7 @@ class Posterior:
 
     @property
     def effective(self) -> dict[str, float]:
-        """Number of independent draws with the same information, by name."""
+        """Return the number of independent draws with the same information, by name."""
         return {name: self.walkers * self.draws / time for name, time in self.times.items()}
 
     @property
@@ -67,7 +67,7 @@ class Posterior:
 
     @property
     def sentence(self) -> str:
-        """State how far the samples can be trusted, and what to do if the chain has not converged."""
+        """Return the state how far the samples can be trusted, and what to do if the chain has not converged."""
         slowest = max(self.times, key=lambda name: (not math.isfinite(self.times[name]), self.times[name]))
         time = self.times[slowest]
         size = f"{self.walkers} walkers made {self.draws} steps each"

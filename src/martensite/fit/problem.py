@@ -64,7 +64,7 @@ class Evaluation:
 
     @property
     def cost(self) -> float:
-        """Mean of the squared residuals."""
+        """Return the mean of the squared residuals."""
         return float(np.mean(self.residuals**2))
 
 
@@ -80,7 +80,7 @@ class InputCorrection:
     """Places of residuals, directions (places, k) in which they scatter more, and how much less each counts."""
 
     def whiten(self, rows: Any) -> Any:
-        """Residuals (n,), or derivatives (n, free), such that all scatter alike."""
+        """Return the residuals (n,), or derivatives (n, free), such that all scatter alike."""
         found = rows.copy()
         for places, directions, less in self.parts:
             found[places] -= directions @ (less * (directions.T @ rows[places]).T).T
@@ -128,7 +128,7 @@ class Problem:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the free parameters."""
+        """Return the names of the free parameters."""
         return tuple(free.name for free in self.free)
 
     @property
@@ -188,12 +188,12 @@ class Problem:
 
     @cached_property
     def runners(self) -> tuple[BatchRunner, ...]:
-        """One per experiment."""
+        """Return one per experiment."""
         found = tuple(one.runner(self.step) for one in self.experiments)
         return self._drive_runners(found) if self.corrections else found
 
     def _drive_runners(self, runners: Sequence[BatchRunner]) -> tuple[BatchRunner, ...]:
-        """Runners that follow what the corrections say instead of what was logged."""
+        """Return the runners that follow what the corrections say instead of what was logged."""
         rows = zip(runners, self.experiments, self.corrections, strict=True)
         return tuple(
             runner.with_grid(one.driven_grid([fix.inputs], self.step).lane(0)) if fix.inputs else runner
@@ -213,7 +213,7 @@ class Problem:
         return [np.isfinite(one.measured) & ~one.kept_back[:, None] for one in self.experiments]
 
     def evaluate(self, u: Sequence[float], *, slopes: bool = False) -> Evaluation | None:
-        """Residuals at a point, with their Jacobian if wanted; None where a run fails."""
+        """Return the residuals at a point, with their Jacobian if wanted; None where a run fails."""
         moved = [self.change_values(k, u) for k in range(len(self.runners))]
         if any(values is None for values in moved):
             return None
@@ -238,7 +238,7 @@ class Problem:
         return Evaluation(fitted, np.concatenate(residuals), None if jacobian is None else np.concatenate(jacobian))
 
     def split(self, residuals: Any) -> list[Any]:
-        """Residuals of measurements that count, by experiment."""
+        """Return the residuals of measurements that count, by experiment."""
         ends = np.cumsum([int(used.sum()) for used in self.used])
         return np.split(residuals[: ends[-1]], ends[:-1])
 
@@ -249,7 +249,7 @@ class Problem:
 
     @cached_property
     def spreads(self) -> list[tuple[int, int | None]]:
-        """Every number with a spread, and the common number that is its centre, by their places."""
+        """Return every number with a spread, and the common number that is its centre, by their places."""
         common = {free.path: i for i, free in enumerate(self.free) if free.record is None}
         return [(i, common.get(free.path)) for i, free in enumerate(self.free) if free.spread and free.record]
 
@@ -275,7 +275,7 @@ class Problem:
         return apart, slopes
 
     def costs(self, points: Any) -> Any:
-        """Costs (m,) of many points (m, free), in batches; inf where a run fails."""
+        """Return the costs (m,) of many points (m, free), in batches; inf where a run fails."""
         totals, counts = np.zeros(len(points)), 0
         for k, runner in enumerate(self.runners):
             table, refused = self._tabulate_values(k, points)
@@ -345,11 +345,11 @@ class Problem:
 
     @cached_property
     def _values(self) -> dict[int, tuple[tuple[float, ...], Any]]:
-        """Experiment -> the last point, and its parameter values."""
+        """Return the experiment -> the last point, and its parameter values."""
         return {}
 
     def change_values(self, k: int, u: Sequence[float]) -> Any:
-        """Parameter values of an experiment at a point; None if they contradict each other."""
+        """Return the parameter values of an experiment at a point; None if they contradict each other."""
         point = tuple(map(float, u))
         if self._values.get(k, ((),))[0] != point:
             try:
@@ -388,7 +388,7 @@ class Problem:
         return self._compare_model(k, found[0], u, spread)
 
     def _compare_model(self, k: int, model: Any, u: Sequence[float], slopes: Any) -> FittedRecord | None:
-        """Residuals of a run, with the offsets and the delay of its record."""
+        """Return the residuals of a run, with the offsets and the delay of its record."""
         if model is None:
             return None
         model, slopes = self.shift_model(k, model, u, slopes)
@@ -420,7 +420,7 @@ class Problem:
 
 @cache
 def _start_threads() -> ThreadPoolExecutor:
-    """Runs in C release the interpreter, so that threads use all cores."""
+    """Return the runs in C release the interpreter, so that threads use all cores."""
     return ThreadPoolExecutor(max(1, cpu_count() or 1))
 
 

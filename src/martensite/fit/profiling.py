@@ -62,7 +62,7 @@ def profile_likelihood(fit: Fit, name: str, *, level: float = LEVEL, most: int =
 
 
 def _choose_first_step(fit: Fit, place: int) -> float | None:
-    """Half a standard error, as a share of the search range; None where there is none."""
+    """Return half a standard error, as a share of the search range; None where there is none."""
     error = fit.uncertainty.errors[place] * fit.uncertainty.widening
     slope = abs(fit.problem.free[place].slope(fit.values[place]))
     share = 0.5 * error / slope
@@ -76,11 +76,11 @@ class _Refit:
         self.problem, self.weights = fit.problem, fit.weights
 
     def cost(self, residuals: Any) -> float:
-        """Sum of the squared weighted residuals."""
+        """Return the sum of the squared weighted residuals."""
         return float(np.sum((self.weights * residuals) ** 2))
 
     def __call__(self, held: dict[int, float], start: Sequence[float]) -> tuple[Sequence[float], float]:
-        """All parameters, and the cost."""
+        """Return all parameters, and the cost."""
         point = np.array(start, float)
         point[list(held)] = list(held.values())
         first = self._evaluate(point, False)

@@ -128,7 +128,7 @@ class Assumptions:
         return value
 
     def find_diameter(self, matters: bool) -> float:
-        """Diameter of the element [m]: as set; 1 mm where nothing depends on it."""
+        """Return the diameter of the element [m]: as set; 1 mm where nothing depends on it."""
         if not matters and "element.diameter" not in self.settings:
             return 1e-3
         return self.take("element.diameter", "m", 1e-3, "stresses and moduli are counted from this section")
@@ -152,7 +152,7 @@ def _write_values(unit: str, **values: float) -> Document:
 def propose_scenarios(
     kind: ExperimentKind, records: Sequence[Record], settings: Mapping[str, Any]
 ) -> tuple[list[Proposal], list[str]]:
-    """Scenarios for the records of an experiment, and sentences about what was assumed or done.
+    """Return the scenarios for the records of an experiment, and sentences about what was assumed or done.
 
     Raises:
         DataError: something indispensable is missing; one sentence asks for it.
@@ -182,7 +182,7 @@ def _with_column(record: Record, name: str, unit: str, values: Any) -> Record:
 
 
 def propose_isobaric(kind: ExperimentKind, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
-    """Loops of temperature under constant loads."""
+    """Yield the loops of temperature under constant loads."""
     width = known.find_diameter(any("stress" not in r.columns and "force" in r.columns for r in records))
     section = math.pi / 4.0 * width**2
     rows = [_read_loop(record, kind.measured[0], section, known) for record in records]
@@ -217,7 +217,7 @@ def _read_loop(record: Record, column: str, section: float, known: Assumptions) 
 
 
 def _find_load(record: Record, section: float) -> float:
-    """Mean stress of a loop [Pa]: of its column, by its force, or of its name."""
+    """Return the mean stress of a loop [Pa]: of its column, by its force, or of its name."""
     for name, area in (("stress", 1.0), ("force", section)):
         if name in record.columns:
             return float(np.nanmean(record[name])) / area
@@ -231,7 +231,7 @@ def _find_load(record: Record, section: float) -> float:
 
 
 def _guess_temperatures(rows: Sequence[Record]) -> dict[str, float]:
-    """Numbers of a law by tangents; by the middles of the strokes where there are none."""
+    """Return the numbers of a law by tangents; by the middles of the strokes where there are none."""
     found: list[Any] = []
     for one in rows:
         try:
@@ -295,7 +295,7 @@ def _vary_loop_laws(
 
 
 def propose_isothermal(kind: ExperimentKind, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
-    """Loops of strain at constant temperatures; the machine prescribes the strain."""
+    """Yield the loops of strain at constant temperatures; the machine prescribes the strain."""
     load, shape = kind.measured
     width = known.find_diameter(load == "force")
     rows, length = [_thin_rows(one, kind.measured, 2 * ROWS) for one in records], 0.1
@@ -368,7 +368,7 @@ def _vary_plateau_laws(rows: Sequence[Record], base: Document, stays: bool) -> I
 
 
 def _find_first_slope(rows: Sequence[Record]) -> float:
-    """Stiffness of the first eighth of the way up [Pa]."""
+    """Return the stiffness of the first eighth of the way up [Pa]."""
     found: list[float] = []
     for one in rows:
         strain, stress = np.asarray(one["strain"]), np.asarray(one["stress"])
@@ -414,7 +414,7 @@ def _start_driven(
     length: float,
     diameter: tuple[float, str] = (WIDTH, ABSORBED),
 ) -> DrivenElement:
-    """Film coefficient and heat capacity from where the answer saturates, and from how late it comes."""
+    """Return the film coefficient and heat capacity from where the answer saturates, and from how late it comes."""
     lag, width = fit_drive_lag(records, kind.drive, kind.measured[0]), known.take("element.diameter", "m", *diameter)
     room = units.parse_quantity(ROOM, "K")
     if all("temperature" in one.columns for one in records):

@@ -355,7 +355,7 @@ def find_step(residuals: Any, jacobian: Any, point: Any) -> tuple[Any, float]:
 
 
 def descend_from(watch: SearchMonitor, begin: Any, loss: Loss, most: int = MOST_EVALUATIONS) -> str:
-    """One trust-region search; its points and costs are kept by the watch."""
+    """Return one trust-region search; its points and costs are kept by the watch."""
     first = watch.evaluate(begin, slopes=True)
     if first is None:
         return "failed at the start"

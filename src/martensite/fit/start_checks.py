@@ -60,7 +60,7 @@ def check_start(problem: Problem, follows: Sequence[str] = ()) -> list[str]:
 
 
 def _describe_moved_starts(problem: Problem) -> Iterator[str]:
-    """Starts that were out of the order that a law declares."""
+    """Yield the starts that were out of the order that a law declares."""
     for free, u in zip(problem.free, problem.start, strict=True):
         if abs(free.share(free.start) - u) > NO_EFFECT:
             begun, at = (format_quantity(x, free.unit) for x in (free.start, free.value(float(u))))
@@ -79,7 +79,7 @@ def detect_transformation(problem: Problem, u: Any) -> bool:
 
 
 def find_silent_outputs(problem: Problem) -> list[tuple[str, str]]:
-    """Record and output of all that no free parameter moves, at the start."""
+    """Return the record and output of all that no free parameter moves, at the start."""
     found = problem.evaluate(problem.start, slopes=True)
     if found is None:
         return []
@@ -102,7 +102,7 @@ def _require_rows(problem: Problem) -> None:
 
 
 def find_idle(problem: Problem, found: Evaluation) -> list[int]:
-    """Free parameters whose derivatives are zero in all that is compared."""
+    """Return the free parameters whose derivatives are zero in all that is compared."""
     largest = np.max(np.abs(found.jacobian), axis=0)
     return [i for i in range(len(problem.free)) if not largest[i] > NO_EFFECT]
 
@@ -145,7 +145,7 @@ def _suggest_remedy(problem: Problem, dead: Sequence[int], follows: Sequence[str
 
 
 def _find_moved_outputs(problem: Problem, free: FreeNumber) -> list[str]:
-    """Outputs that a parameter moves at the start, compared or not."""
+    """Return the outputs that a parameter moves at the start, compared or not."""
     found: list[str] = []
     if is_nuisance(free.path):
         return found
@@ -174,7 +174,7 @@ def _describe_ranges(problem: Problem, follows: Sequence[str]) -> str:
 
 
 def _find_doubtful(problem: Problem, found: Evaluation) -> list[tuple[int, int]]:
-    """Experiment and output whose measured range is far from what the model gives."""
+    """Return the experiment and output whose measured range is far from what the model gives."""
     return [
         (e, k)
         for e, one in enumerate(problem.experiments)

@@ -292,7 +292,7 @@ class BenchBuilder:
         return built
 
     def _find_drive(self, name: str, path: str) -> tuple[str, str]:
-        """Name and unit of the drive that a controller has; a single one has the only free one."""
+        """Return the name and unit of the drive that a controller has; a single one has the only free one."""
         drives = {drive.name: drive.unit for drive in self.plant.drives()}
         waved = self.assembly.waveforms
         free = [one for one in drives if one not in waved]

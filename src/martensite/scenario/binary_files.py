@@ -130,7 +130,7 @@ def _is_numeric(kind: str) -> bool:
 
 
 def read_mat(path: Path) -> Columns:
-    """Vectors, columns of matrices, and logs in structs of a MAT file, by name."""
+    """Return the vectors, columns of matrices, and logs in structs of a MAT file, by name."""
     from scipy.io import loadmat
 
     try:
@@ -150,7 +150,7 @@ def read_mat(path: Path) -> Columns:
 
 
 def _read_hdf(path: Path) -> dict[str, Any]:
-    """Arrays and structs of a MAT file of version 7.3, which stores arrays transposed."""
+    """Return the arrays and structs of a MAT file of version 7.3, which stores arrays transposed."""
     import h5py
 
     def read_group(group: Any) -> dict[str, Any]:
@@ -165,7 +165,7 @@ def _read_hdf(path: Path) -> dict[str, Any]:
 
 
 def _flatten_value(name: str, value: Any) -> Columns:
-    """Columns of a variable: of a struct those of its fields, of Simulink's struct with time its signals."""
+    """Return the columns of a variable: of a struct those of its fields, of Simulink's struct with time its signals."""
     if isinstance(value, dict):
         fields = cast("dict[str, Any]", value)
         signals, time = fields.get("signals"), fields.get("time", fields.get("Time"))

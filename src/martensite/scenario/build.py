@@ -108,7 +108,7 @@ class Builder:
     def _find_child(
         self, cls: type[Parametrised], name: str, table: Table, path: str, draws: bool
     ) -> tuple[type[Parametrised], Table] | None:
-        """Class and table of a component, or None if its default is meant."""
+        """Return the class and table of a component, or None if its default is meant."""
         declared = cls.declarations[name]
         given = table.get(name, ASSUMED_KINDS.get(name))
         if name == LAW and draws and self.material and self.material.law:

@@ -61,7 +61,7 @@ class PartDescription(NamedPart):
 
 
 def list_registries(blocks: bool = False) -> dict[str, Registry[Any]]:
-    """Every registry of parts, by the word for one of its entries.
+    """Return every registry of parts, by the word for one of its entries.
 
     Those of blocks and measures if wanted: they are no parts of a scenario, and load NumPy, which
     takes longer than all the rest.
@@ -120,7 +120,7 @@ def find_registry(kind: str) -> Registry[Any]:
 
 
 def summarise_class(cls: type[Any]) -> str:
-    """First line of the class's description."""
+    """Return the first line of the class's description."""
     return (inspect.getdoc(cls) or "").partition("\n")[0]
 
 
@@ -131,12 +131,12 @@ def describe_words(cls: type[Any]) -> str:
 
 
 def list_named(registry: Registry[Any]) -> list[NamedPart]:
-    """Names and summaries of the parts of a registry."""
+    """Return the names and summaries of the parts of a registry."""
     return [{"name": name, "summary": summarise_class(registry[name])} for name in registry.names()]
 
 
 def describe_parts() -> dict[str, list[PartDescription]]:
-    """Every registered part with all that is declared of it, by the word for its kind."""
+    """Return every registered part with all that is declared of it, by the word for its kind."""
     return {
         kind: [describe_class(kind, registry[name]) for name in registry.names()]
         for kind, registry in list_registries(blocks=True).items()
@@ -144,7 +144,7 @@ def describe_parts() -> dict[str, list[PartDescription]]:
 
 
 def describe_named(name: str) -> list[PartDescription]:
-    """All registered parts of that name, of whichever kind; at least one.
+    """Return all registered parts of that name, of whichever kind; at least one.
 
     Raises:
         UnknownNameError: there is none.
@@ -157,7 +157,7 @@ def describe_named(name: str) -> list[PartDescription]:
 
 
 def describe_class(kind: str, cls: type[Parametrised]) -> PartDescription:
-    """Everything about a registered class, ready for JSON."""
+    """Return everything about a registered class, ready for JSON."""
     return {
         "name": cls.registered_name,
         "kind": kind,

@@ -172,7 +172,7 @@ def _to_clock(cell: str, style: NumberStyle) -> float:
 def _count_seconds(
     first: str, second: str, third: str | None, part: str | None, short: str | None, half: str | None
 ) -> float:
-    """Seconds of the day of 17:27:33.5, of 5:27 PM, or seconds that have passed, of 27:33.5."""
+    """Return the seconds of the day of 17:27:33.5, of 5:27 PM, or seconds that have passed, of 27:33.5."""
     if third is None and short is not None:
         return 60.0 * int(first) + int(second) + float(f"0.{short}")
     hours = int(first)

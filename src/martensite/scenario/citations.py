@@ -40,7 +40,7 @@ _ACCENTS = {
 
 @cache
 def read_bibliography() -> dict[str, str]:
-    """All entries of the package's bibliography: key -> BibTeX text."""
+    """Return all entries of the package's bibliography: key -> BibTeX text."""
     text = _FILE.read_text(encoding="utf-8")
     return {found[1]: _read_entry(text, found.start()) for found in _START.finditer(text)}
 
@@ -69,7 +69,7 @@ def list_entries(keys: Iterable[str]) -> list[str]:
 
 
 def read_title(key: str) -> str:
-    """Title of a work, without BibTeX braces."""
+    """Return the title of a work, without BibTeX braces."""
     found = _TITLE.search(list_entries([key])[0])
     return re.sub(r"\s+", " ", re.sub(r"[{}]", "", found[1])) if found else key
 
@@ -87,7 +87,7 @@ def _remove_markup(value: str) -> str:
 
 
 def list_citations(system: Parametrised | Scenario, material: Material | None = None) -> list[str]:
-    """Keys of the works behind the parts of a system or scenario, and of its material."""
+    """Return the keys of the works behind the parts of a system or scenario, and of its material."""
     every = system.tree() if isinstance(system, Parametrised) else system.parts()
     parts = [key for part in every for key in part.cites]
     return list(dict.fromkeys([*parts, *(material.cites() if material else [])]))

@@ -100,7 +100,7 @@ def _find_headed_time(raw: RawTable, found: list[Meaning]) -> list[Meaning]:
 
 
 def _name_apart(raw: RawTable, found: list[Meaning], given: Mapping[int, Meaning]) -> list[Meaning]:
-    """Columns with names that differ; what is unknown but headed is kept under its heading."""
+    """Return the columns with names that differ; what is unknown but headed is kept under its heading."""
     order = sorted(range(len(found)), key=lambda k: (k not in given, bool(SECOND.search(raw.columns[k].heading)), k))
     taken: set[str] = set()
     named = list(found)

@@ -64,7 +64,7 @@ def compare_with_record(result: Result, record: Record) -> list[Agreement]:
 
 
 def list_common(result: Result, record: Record) -> list[str]:
-    """Columns that a run and a record both hold, and that are not missing throughout."""
+    """Return the columns that a run and a record both hold, and that are not missing throughout."""
     return [
         name for name, column in record.columns.items() if name in result.columns and any(map(math.isfinite, column))
     ]

@@ -21,7 +21,7 @@ PLAIN = ("Any", "int")
 
 
 def component_class(owner: type[Parametrised], name: str) -> type[Parametrised] | None:
-    """Class of a component that is not chosen from a registry, if it is known."""
+    """Return the class of a component that is not chosen from a registry, if it is known."""
     declared = owner.declarations[name]
     if declared.kind != "part" or declared.registry is not None:
         return None
@@ -37,7 +37,7 @@ def is_members(cls: type[Parametrised] | None) -> bool:
 
 
 def list_nested(owner: type[Parametrised], path: str = "") -> Iterator[tuple[str, str]]:
-    """Name and path of every value in components whose class is known, at any depth."""
+    """Yield the name and path of every value in components whose class is known, at any depth."""
     for part in owner.declarations:
         inner = component_class(owner, part)
         if inner is None or is_members(inner) or not isinstance(inner.declarations, dict):

@@ -60,7 +60,7 @@ def read_container(path: Path) -> RawTable:
 
 
 def read_workbook(path: Path) -> Columns:
-    """Cells of the sheet with most numbers, column by column as text, and its title."""
+    """Return the cells of the sheet with most numbers, column by column as text, and its title."""
     from openpyxl import load_workbook
 
     book = cast(Any, load_workbook(path, read_only=True, data_only=True))
@@ -87,7 +87,7 @@ def _write_cell(cell: Any) -> str:
 
 
 def read_tdms(path: Path) -> Columns:
-    """Channels of numbers of a TDMS file, by name with unit, and their times."""
+    """Return the channels of numbers of a TDMS file, by name with unit, and their times."""
     from nptdms import TdmsFile
 
     columns: Columns = {}

@@ -69,7 +69,7 @@ def format_heading(name: str, unit: str) -> str:
 
 
 def format_record(record: Record, names: Sequence[str]) -> str:
-    """Columns of a record as text with headings that `read_table` reads; missing samples are empty."""
+    """Return the columns of a record as text with headings that `read_table` reads; missing samples are empty."""
     rows = zip(*(record[name] for name in names), strict=True)
     lines = [",".join("" if math.isnan(x) else f"{x:.10g}" for x in row) for row in rows]
     return "\n".join([",".join(format_heading(name, record.units[name]) for name in names), *lines, ""])

@@ -69,7 +69,7 @@ class DataSet:
 
 
 def dataset_names() -> list[str]:
-    """Names of all data sets."""
+    """Return the names of all data sets."""
     return sorted(path.stem for path in _LISTED.glob("*.toml"))
 
 

@@ -37,7 +37,7 @@ def format_quantity(value: float, unit: str, digits: int = 4) -> str:
 
 
 def shown_range(ends: tuple[float, float], unit: str, digits: int = 4) -> str:
-    """Two quantities in one unit: `62.5 to 63.9 degC`."""
+    """Return two quantities in one unit: `62.5 to 63.9 degC`."""
     spelling = choose_familiar_unit(max(map(abs, ends)), unit)
     low, high = (shown_in(end, unit, spelling, digits) for end in ends)
     return high if low == high else f"{low.removesuffix(f' {spelling}')} to {high}"

@@ -57,7 +57,7 @@ class FromPlant(Parametrised):
     )
 
     def numbers(self) -> dict[str, Any]:
-        """Numbers of a bound, as far as they are known."""
+        """Return the numbers of a bound, as far as they are known."""
         known = {name: _known_number(getattr(self, name)) for name in ("temperature_limit", "hottest", "full")}
         return {**known, "least_cooling": self.least_cooling}
 

@@ -107,7 +107,7 @@ def guess_heading(heading: str) -> Guess:
 
 
 def usual_units(name: str) -> list[str]:
-    """Units that a known column may be written in, the usual one first."""
+    """Return the units that a known column may be written in, the usual one first."""
     wanted = CANONICAL.get(name.rpartition(".")[2])
     if wanted is None:
         return []

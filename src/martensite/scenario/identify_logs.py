@@ -29,7 +29,7 @@ ANSWERING += ("resistance", "rotor_speed", "y", "output")
 
 
 def list_columns(log: str, given: Mapping[str, str] | None = None) -> list[str]:
-    """Names of the columns of a log, without its time."""
+    """Return the names of the columns of a log, without its time."""
     whole = given or not is_columnar(log)
     known = read_log_table(log, named=given).columns if whole else map(name_column, read_arrays(Path(log)))
     return [name for name in known if name != "time"]
@@ -38,7 +38,7 @@ def list_columns(log: str, given: Mapping[str, str] | None = None) -> list[str]:
 def choose_columns(
     log: str, inputs: Sequence[str], output: str | None, named: Sequence[str], given: Mapping[str, str] | None = None
 ) -> tuple[list[str], str]:
-    """Inputs and last output: those given, else what alone is left in the log.
+    """Return the inputs and last output: those given, else what alone is left in the log.
 
     Raises:
         InputError: the log leaves a choice.
@@ -64,7 +64,7 @@ def choose_columns(
 def guess_columns(
     log: str, inputs: Sequence[str], output: str | None, given: Mapping[str, str] | None = None
 ) -> tuple[list[str], str, str]:
-    """Inputs, output and why these: given, alone in the log, or named like what drives and what answers.
+    """Return the inputs, output and why these: given, alone in the log, or named like what drives and what answers.
 
     Raises:
         InputError: the headings leave a choice.

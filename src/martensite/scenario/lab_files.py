@@ -177,7 +177,7 @@ def _is_titled(raw: RawTable) -> bool:
 
 
 def _drop_empty(columns: Mapping[str, list[float]]) -> list[int]:
-    """Rows that hold a number besides their time."""
+    """Return the rows that hold a number besides their time."""
     others = np.array([column for name, column in columns.items() if name != "time"])
     rows = np.flatnonzero(np.any(np.isfinite(others), axis=0))
     if not rows.size:
@@ -243,7 +243,7 @@ def _judge_by_clock(one: Meaning, times: Numbers, seconds: Numbers) -> Meaning:
 
 
 def _list_doubts(raw: RawTable, meant: list[Meaning], clock: int) -> list[str]:
-    """Sentences about columns that are not certain, or passed over."""
+    """Return the sentences about columns that are not certain, or passed over."""
     doubts: list[str] = []
     for place, (column, one) in enumerate(zip(raw.columns, meant, strict=True)):
         title = f"Column {place + 1}" + (f" `{column.heading}`" if column.heading else "")

@@ -62,7 +62,7 @@ class LawComparison:
 
     @property
     def rms(self) -> float:
-        """Root mean square of the misfit."""
+        """Return the root mean square of the misfit."""
         return float(np.sqrt(np.mean(self.misfit**2)))
 
 
@@ -79,7 +79,7 @@ def compare_laws_with_log(
     tolerance: float = 1e-3,
     runtime: str = "floats",
 ) -> list[LawComparison]:
-    """Drive laws along the recorded path of a specimen, and say how far they are from it.
+    """Return the drive laws along the recorded path of a specimen, and say how far they are from it.
 
     Args:
         names: laws, numbers as `martensite law` finds them.
@@ -132,7 +132,7 @@ def _pick_rows(record: Record, constant: Mapping[str, float | None]) -> dict[str
 def _follow_rows(
     one: ConfiguredLaw, rows: dict[str, Column], compared: str, fractions: Fractions | None, how: dict[str, Any]
 ) -> LawComparison:
-    """One law, cooled from 10 K above A_f (or the hottest row) where no phase state is given."""
+    """Return one law, cooled from 10 K above A_f (or the hottest row) where no phase state is given."""
     law, cold, shift = one.law, float(rows["temperature"][0]), 0.0
     pull = float(rows["stress"][0]) if compared == "strain" else max(float(rows["stress"][0]), 0.0)
     start, before = (pull, cold), list[PathLeg]()

@@ -26,7 +26,7 @@ class ConfiguredLaw:
 
     @property
     def cautions(self) -> list[str]:
-        """Sentences about numbers that are probably not meant."""
+        """Return the sentences about numbers that are probably not meant."""
         other = law_caution(self.material, self.law)
         return [*([other] if other else []), *self.law.cautions()]
 
@@ -123,7 +123,7 @@ def _own_material(law: str, needed: Sequence[str]) -> Material:
 
 
 def law_words(law: AbstractLaw) -> dict[str, str]:
-    """Name and options of a law, as a scenario writes them."""
+    """Return the name and options of a law, as a scenario writes them."""
     words = {n: getattr(law, n) for n, d in law.declarations.items() if d.kind == "option"}
     return {KIND: law.registered_name, **words}
 

@@ -110,7 +110,7 @@ def find_quantity(words: str, fits: Callable[[str], bool] = lambda _: True) -> s
 
 
 def list_quantities(role: str) -> tuple[str, ...]:
-    """Known columns of a role."""
+    """Return the known columns of a role."""
     return tuple(name for name, one in QUANTITIES.items() if one.role == role)
 
 

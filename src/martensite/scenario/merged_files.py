@@ -71,7 +71,7 @@ def merge_by_clock(files: Sequence[LabFile], offsets: Sequence[float] | None = N
 
 
 def find_offset(first: LabFile, other: LabFile) -> tuple[float, str]:
-    """Time of the first file's clock at the other's zero [s], and by what it is known.
+    """Return the time of the first file's clock at the other's zero [s], and by what it is known.
 
     Raises:
         DataError: neither clocks nor quantities tell it.
@@ -105,7 +105,7 @@ def _list_matches(one: Record, other: Record) -> list[tuple[float, float, str, s
 
 
 def estimate_lag(one: tuple[Numbers, Numbers], other: tuple[Numbers, Numbers], alike: bool) -> tuple[float, float]:
-    """Largest correlation of two curves over time, and the lag at which the second must be put [s].
+    """Return the largest correlation of two curves over time, and the lag at which the second must be put [s].
 
     Of curves that are not `alike`, of other quantities, it may be negative.
     Zero where another lag, farther away than the curve takes to lose its likeness, does as well.

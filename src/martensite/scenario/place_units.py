@@ -80,7 +80,7 @@ class PlaceUnits:
 
 
 def named_readings(cls: type[Parametrised], texts: Mapping[str, Any]) -> tuple[str, ...]:
-    """Names of the readings that a component names by its texts, if it does."""
+    """Return the names of the readings that a component names by its texts, if it does."""
     for name in cls.names_reading:
         found = texts.get(name, cls.declarations[name].default)
         rows = [found] if isinstance(found, str) else found

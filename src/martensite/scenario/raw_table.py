@@ -77,7 +77,7 @@ class RawTable:
 
     @property
     def rows(self) -> int:
-        """Rows of numbers."""
+        """Return the rows of numbers."""
         return len(self.numbers)
 
 
@@ -134,7 +134,7 @@ def find_table(
 
 
 def _find_width(rows: Sequence[Row], numeric: set[int], where: str) -> int:
-    """Cells of the rows of the table: the width of most rows with numbers, wider ones preferred."""
+    """Return the cells of the rows of the table: the width of most rows with numbers, wider ones preferred."""
     widths = Counter(len(rows[k][1]) for k in numeric)
     if not widths:
         begin = " ".join(rows[0][1]).strip()[:40]
@@ -146,7 +146,7 @@ def _find_width(rows: Sequence[Row], numeric: set[int], where: str) -> int:
 
 
 def _find_body(rows: Sequence[Row], alike: Sequence[int], places: Sequence[int], where: str) -> list[int]:
-    """Indices of the rows of the table, of rows of its width."""
+    """Return the indices of the rows of the table, of rows of its width."""
     body = [k for k in alike if _is_data(rows[k][1], places)]
     while len(body) > 2 and _stands_above(rows, body, places):
         body = body[1:]
@@ -201,7 +201,7 @@ def _say_lines(lines: int) -> str:
 
 
 def _find_places(rows: Sequence[Sequence[str]]) -> list[int]:
-    """Columns of which most cells in the rows looked at are values."""
+    """Return the columns of which most cells in the rows looked at are values."""
     looked = rows[:: max(1, len(rows) // LOOKED_AT)]
     found: list[int] = []
     for place in range(len(looked[0])):
@@ -251,7 +251,7 @@ def _read_columns(
 
 
 def _use_unit_columns(columns: list[RawColumn]) -> tuple[RawColumn, ...]:
-    """Columns whose unit stands in the column behind them (`Reading`, `Unit`)."""
+    """Return the columns whose unit stands in the column behind them (`Reading`, `Unit`)."""
     for k, one in enumerate(columns[1:], start=1):
         before = columns[k - 1]
         if one.kind == "text" and re.fullmatch(r"units?", one.heading.lower()) and not before.unit and one.sample:

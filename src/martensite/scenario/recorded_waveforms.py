@@ -159,7 +159,7 @@ def is_stepped(values: Sequence[float]) -> bool:
 
 
 def hold_levels(rows: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Rows (time, level) with every level held until just before the next row."""
+    """Return the rows (time, level) with every level held until just before the next row."""
     found = [rows[0]]
     for (before, level), (time, new) in pairwise(rows):
         if new != level:

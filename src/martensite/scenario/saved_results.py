@@ -99,7 +99,7 @@ def _fill(empty: Result, saved: LabelledData) -> Result:
 
 
 def _read_columns(empty: Result, saved: LabelledData) -> dict[str, Any]:
-    """Columns by name; in the file those of several actuators are stacked."""
+    """Return the columns by name; in the file those of several actuators are stacked."""
     if empty.variants is not None:
         return {name: one.values for name, one in saved.variables.items() if one.dims == (VARIANT, TIME)}
     stacked = {

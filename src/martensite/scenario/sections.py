@@ -41,7 +41,7 @@ def check_sections(document: Table) -> None:
 
 
 def list_rows(document: Table, one: str) -> Iterator[Row]:
-    """Every component of a section; the name of a single one is ''."""
+    """Yield every component of a section; the name of a single one is ''."""
     if one in document and one in PAIRS:
         yield "", section_of(document, one), one
     several = PAIRS.get(one, one)

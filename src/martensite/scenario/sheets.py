@@ -80,7 +80,7 @@ def read_sheet(path: Path, layout: Layout) -> Sheet:
 
 
 def split_heading(line: str) -> list[str]:
-    """Headings that blanks separate, each with its unit in brackets."""
+    """Return the headings that blanks separate, each with its unit in brackets."""
     return _HEADING.findall(line)
 
 
@@ -98,7 +98,7 @@ def _find_separator(lines: list[str], layout: Layout) -> str:
 
 
 def _split_singly(lines: list[tuple[int, str]], sign: str, width: int) -> list[list[str]]:
-    """Cells of lines that have nothing to do with each other."""
+    """Return the cells of lines that have nothing to do with each other."""
     rows: list[list[str]] = []
     for _, line in lines:
         if line.count('"') % 2:  # an open quote

@@ -25,7 +25,7 @@ _SIGNAL = re.compile(r"^Sig(\d+)\s+(.+)$")
 def find_headings(
     above: Sequence[Row], texts: Mapping[int, str], width: int, sign: str | None
 ) -> tuple[list[str], Above, set[int]]:
-    """Headings, units, and the rows they were found in, from the lines above the numbers."""
+    """Return the headings, units, and the rows they were found in, from the lines above the numbers."""
     signals = {int(m[1]): m[2] for _, row in above if (m := _SIGNAL.match(" ".join(row)))}
     if len(signals) == width:
         return [signals[k] for k in sorted(signals)], {}, {n for n, _ in above}
@@ -72,7 +72,7 @@ def _fit_width(cells: Sequence[str], line: str, width: int, sign: str | None) ->
 
 
 def collect_said(rows: Sequence[Row]) -> dict[str, str]:
-    """Words above the table with what stands beside them."""
+    """Return the words above the table with what stands beside them."""
     found: dict[str, str] = {}
     for _, row in rows:
         cells = [part.strip() for cell in row for part in re.split(r":\s", cell, maxsplit=1) if part.strip()]

@@ -66,7 +66,7 @@ def is_part_of_clock(raw: RawTable, column: RawColumn) -> bool:
 
 
 def pass_midnight(seconds: Numbers, dated: bool) -> Numbers:
-    """Times of day that go on behind midnight, and, of a clock of twelve hours, behind noon."""
+    """Return the times of day that go on behind midnight, and, of a clock of twelve hours, behind noon."""
     if dated:
         return seconds
     filled = np.where(np.isfinite(seconds), seconds, 0.0)
@@ -75,7 +75,7 @@ def pass_midnight(seconds: Numbers, dated: bool) -> Numbers:
 
 
 def build_times(raw: RawTable, times: Numbers, start: float | None, counted: bool) -> TableTimes:
-    """Times that increase from row to row.
+    """Return the times that increase from row to row.
 
     Args:
         raw: the table.
@@ -116,7 +116,7 @@ def build_times(raw: RawTable, times: Numbers, start: float | None, counted: boo
 
 
 def mend_wrap(times: Numbers) -> tuple[Numbers, str]:
-    """Times of a counter that began anew at its highest number, and in words which it is."""
+    """Return the times of a counter that began anew at its highest number, and in words which it is."""
     back = np.flatnonzero(np.diff(times) < 0.0)
     if not back.size:
         return times, ""
@@ -133,7 +133,7 @@ def mend_wrap(times: Numbers) -> tuple[Numbers, str]:
 
 
 def spread_rows(times: Numbers) -> Numbers:
-    """Times of a coarse clock, with rows of one time spread evenly until the next."""
+    """Return the times of a coarse clock, with rows of one time spread evenly until the next."""
     first = np.flatnonzero(np.concatenate([[True], np.diff(times) > 0.0]))
     rows = np.arange(times.size)
     last = times[first[-1]] + (times.size - first[-1]) * (times[first[-1]] - times[first[0]]) / max(
@@ -150,7 +150,7 @@ _AMOUNT = re.compile(r"([\d.,]+(?:[eE][+-]?\d+)?)\s*(.*)")
 
 
 def find_interval(said: Mapping[str, str]) -> float | None:
-    """Time between samples [s] that the lines above a table name; None if they do not."""
+    """Return the time between samples [s] that the lines above a table name; None if they do not."""
     for word, text in said.items():
         plain = re.sub(r"\s*[\[(].*", "", word)
         for pattern, wanted in ((_INTERVAL, "s"), (_RATE, "Hz")):

@@ -124,7 +124,7 @@ def _read_columns(sheet: Sheet, headings: list[FileColumn], gaps: bool) -> dict[
 
 
 def _read_column(sheet: Sheet, place: int, column: FileColumn, gaps: bool) -> list[float]:
-    """One column in SI, with NaN for missing samples if there may be such `gaps`."""
+    """Return one column in SI, with NaN for missing samples if there may be such `gaps`."""
     cells = [row[place] for row in sheet.rows]
     if gaps:
         rows = [i for i, cell in enumerate(cells) if not is_gap(cell)]
@@ -151,7 +151,7 @@ def _read_column(sheet: Sheet, place: int, column: FileColumn, gaps: bool) -> li
 
 
 def _find_readable(sheet: Sheet, headings: list[FileColumn], gaps: bool) -> list[int]:
-    """Indices of the rows that can be read and do not repeat the time of the one before."""
+    """Return the indices of the rows that can be read and do not repeat the time of the one before."""
     wanted = [
         (p, _or_gap(sheet.parser(c)) if gaps and c.name != "time" else sheet.parser(c))
         for p, c in enumerate(headings)

@@ -32,14 +32,14 @@ def find_one(name: str, targets: Mapping[str, Target]) -> Target:
 
 
 def list_targets(scenario: Scenario) -> dict[str, Target]:
-    """Every number of a scenario that can be varied, by its path in the scenario."""
+    """Return every number of a scenario that can be varied, by its path in the scenario."""
     references = _list_references(scenario.bench) if scenario.bench else {}
     found = [*_list_system_targets(scenario, references), *_list_waveform_targets(scenario)]
     return {target.name: target for target in found}
 
 
 def _list_system_targets(scenario: Scenario, references: Mapping[str, str]) -> Iterator[Target]:
-    """Numbers of the system or bench; those of a reference belong to its waveform."""
+    """Yield the numbers of the system or bench; those of a reference belong to its waveform."""
     for leaf in scenario.whole.leaves():
         name, unit = scenario.places.path(leaf.path), scenario.places.unit(leaf)
         if scenario.places.is_copy(leaf.path) or not math.isfinite(leaf.value):
@@ -62,7 +62,7 @@ def _list_references(bench: Bench) -> dict[str, str]:
 
 
 def _list_waveform_targets(scenario: Scenario) -> Iterator[Target]:
-    """Numbers of the waveforms of a scenario."""
+    """Yield the numbers of the waveforms of a scenario."""
     signals = {drive.name: drive.unit for drive in scenario.system.drives()}
     played: Mapping[str, Any] = by_name(scenario.system, scenario.waveform)
     for name, waveform in played.items():

@@ -47,7 +47,7 @@ def read_text_table(path: Path, separator: str = "auto") -> RawTable:
 
 
 def _decode(raw: bytes, path: Path) -> tuple[str, str]:
-    """Text and its encoding, empty for UTF-8."""
+    """Return the text and its encoding, empty for UTF-8."""
     wide = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}.get(raw[:2], "")
     if not wide and len(raw) > 3 and raw[:200].count(0) * 3 > len(raw[:200]):
         wide = "utf-16-le" if raw[1] == 0 else "utf-16-be"
@@ -78,7 +78,7 @@ def _expand_serial(lines: list[tuple[int, str]]) -> list[tuple[int, str]]:
 
 
 def _find_labels(line: str) -> list[tuple[str, str, str]]:
-    """Names, numbers and units of a line that holds nothing else."""
+    """Return the names, numbers and units of a line that holds nothing else."""
     if len(line) > LONGEST:
         return []
     parts = [part for part in re.split(r"[,;\t]|\s{2,}|(?<=\d)\s+(?=[A-Za-z_]\w*\s*[:=])", line) if part.strip()]

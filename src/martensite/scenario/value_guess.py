@@ -69,7 +69,7 @@ def guess_unit(name: str, numbers: Numbers) -> ValueGuess:
 
 
 def _guess_time_unit(times: Numbers) -> tuple[str, bool]:
-    """Seconds, unless they are stamps of a computer, or whole numbers that are far apart."""
+    """Return the seconds, unless they are stamps of a computer, or whole numbers that are far apart."""
     first = float(times[0])
     stamp = next((unit for unit, size in (("s", 1e9), ("ms", 1e12), ("us", 1e15)) if size < first < 2.2 * size), "")
     if stamp:
@@ -128,7 +128,7 @@ def _correlate(one: Numbers, other: Numbers) -> float:
 
 
 def _guess_loop(columns: Mapping[int, Numbers]) -> dict[int, ValueGuess]:
-    """Temperature, strain and stress of a loop in which one of temperature and stress is held."""
+    """Return the temperature, strain and stress of a loop in which one of temperature and stress is held."""
     if len(columns) != 3:
         return {}
     by_size = sorted(columns, key=lambda place: float(np.nanmax(np.abs(columns[place]))))
@@ -163,7 +163,7 @@ def _guess_loop(columns: Mapping[int, Numbers]) -> dict[int, ValueGuess]:
 
 
 def _guess_pair(columns: Mapping[int, Numbers]) -> dict[int, ValueGuess]:
-    """Strain beside a temperature that it falls with, or a stress that it rises with."""
+    """Return the strain beside a temperature that it falls with, or a stress that it rises with."""
     if len(columns) != 2:
         return {}
     strain, other = sorted(columns, key=lambda place: float(np.nanmax(np.abs(columns[place]))))

@@ -34,7 +34,7 @@ def render_page(summary: Summary, by: str) -> str:
 
 
 def render_fragment(summary: Summary) -> str:
-    """Title and blocks alone, without styles."""
+    """Return the title and blocks alone, without styles."""
     lines = [f"<p><b>{escape(line)}</b></p>" for line in (summary.title,) if line]
     lead = [f"<p>{_render_inline(line)}</p>" for line in (summary.lead,) if line]
     return "\n".join([*lines, *lead, *map(_render_block, summary.blocks)])

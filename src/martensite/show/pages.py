@@ -93,7 +93,7 @@ def write_page(summary: Summary, path: str | Path) -> list[Path]:
 
 
 def list_page_files(summary: Summary, path: Path) -> list[Path]:
-    """All files that `write_page` writes or replaces, the page first."""
+    """Return all files that `write_page` writes or replaces, the page first."""
     if path.suffix.lower() in HTML:
         return [path]
     folder = find_figure_folder(path)

@@ -49,7 +49,7 @@ def paint_text(text: str, tone: Tone) -> str:
 
 
 def measure_width() -> int:
-    """Columns that tables may take."""
+    """Return the columns that tables may take."""
     if sys.stdout.isatty():
         return shutil.get_terminal_size().columns
     given = os.environ.get("COLUMNS", "")

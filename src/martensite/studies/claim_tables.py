@@ -163,7 +163,7 @@ Row = tuple[Mapping[str, Any], Mapping[str, Any], Any, str]
 def _list_rows(
     table: Mapping[str, Any], blocks: list[list[dict[str, Any]]], numbers: Mapping[str, Any], printed: Any
 ) -> Iterator[Row]:
-    """Every claim or report: what the table says, words and numbers by name, printed ones, why there is none."""
+    """Yield every claim or report: what the table says, words and numbers by name, printed ones, why there is none."""
     from martensite.scenario.datasets import is_here
 
     for block in (block for block in blocks if block):
@@ -233,7 +233,7 @@ def _published_number(said: Mapping[str, Any], names: Mapping[str, Any], printed
 
 
 def _list_printed(printed: Any) -> Iterator[Any]:
-    """Every printed number, those of tables too."""
+    """Yield every printed number, those of tables too."""
     for name, value in vars(printed).items():
         for one in value if isinstance(value, tuple) else (value,):
             if name not in printed.unprinted:

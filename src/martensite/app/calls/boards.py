@@ -115,7 +115,7 @@ def _describe_units(known: Request) -> dict[str, JsonTable]:
 
 
 def _draw_columns(columns: dict[str, list[float]]) -> JsonTable:
-    """Times and curves thinned so that lows and highs of every column stay."""
+    """Return the times and curves thinned so that lows and highs of every column stay."""
     times = columns.get("time", [])
     rows = set(choose_rows(len(times), 200))
     for values in columns.values():

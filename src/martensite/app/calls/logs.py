@@ -90,7 +90,7 @@ def describe_table(request: Request, desk: Desk) -> JsonTable:
 
 
 def _name_guess(meaning: Meaning, is_clock: bool) -> tuple[str, str]:
-    """Known name and unit of a column, empty where there is none; one column alone is the time."""
+    """Return the known name and unit of a column, empty where there is none; one column alone is the time."""
     known = meaning.name.rpartition(".")[2] in CANONICAL and (meaning.name != "time" or is_clock)
     return (meaning.name, meaning.unit) if known else ("", "")
 
@@ -204,7 +204,7 @@ def propose_fit(request: Request, desk: Desk) -> JsonTable:
 
 
 def list_followers(request: Request, desk: Desk) -> JsonTable:
-    """Scenarios that come with the package and follow a log.
+    """Return the scenarios that come with the package and follow a log.
 
     {} -> {"scenarios": [{name, title, text}]}
     """
@@ -289,7 +289,7 @@ def _describe_built(scenario: Scenario, record: Record) -> JsonTable:
 
 
 def list_numbers(scenario: Scenario) -> list[JsonTable]:
-    """One entry per number, or per numbers of one name and value, which then move together."""
+    """Return one entry per number, or per numbers of one name and value, which then move together."""
     leaves = [leaf for leaf in scenario.system.leaves() if _can_be_free(leaf)]
     endings: dict[str, list[Leaf]] = {}
     for leaf in leaves:

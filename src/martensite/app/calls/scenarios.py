@@ -49,7 +49,7 @@ def compare_documents(request: Request, desk: Desk) -> JsonTable:
 
 
 def _flatten_document(table: Request, above: str = "") -> Iterator[tuple[str, str]]:
-    """Dotted path and value, as it is written, of every entry."""
+    """Yield the dotted path and value, as it is written, of every entry."""
     for key, value in table.items():
         path = f"{above}{key}"
         if isinstance(value, dict):

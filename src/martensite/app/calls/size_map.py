@@ -20,12 +20,12 @@ FORCES, STROKES = 9, 7
 
 
 def list_levels(middle: float, count: int) -> list[float]:
-    """Levels around a number, equally far from one another in the logarithm."""
+    """Return the levels around a number, equally far from one another in the logarithm."""
     return [middle * SPAN ** (2.0 * k / (count - 1) - 1.0) for k in range(count)]
 
 
 def list_cells() -> list[tuple[int, int]]:
-    """Columns and rows of the map, the wish first, then outwards."""
+    """Return the columns and rows of the map, the wish first, then outwards."""
     middle = ((FORCES - 1) / 2, (STROKES - 1) / 2)
     return sorted(product(range(FORCES), range(STROKES)), key=lambda cell: math.dist(cell, middle))
 

@@ -27,7 +27,7 @@ LONGEST_FIELD = 200
 
 
 def list_fields() -> list[JsonTable]:
-    """Every field of a request: what is declared of it, its default as text, an example."""
+    """Return every field of a request: what is declared of it, its default as text, an example."""
     found: list[JsonTable] = []
     for entry in describe_class("", WireRequest)["parameters"]:
         declared = WireRequest.declarations[entry["name"]]
@@ -83,7 +83,7 @@ def convert_field(name: str, text: str) -> Any:
 
 
 def convert_fields(given: Mapping[str, str]) -> tuple[JsonTable, dict[str, str]]:
-    """Values of the fields that can be read, and the sentences about the others."""
+    """Return the values of the fields that can be read, and the sentences about the others."""
     found: JsonTable = {}
     refused: dict[str, str] = {}
     for name, text in given.items():

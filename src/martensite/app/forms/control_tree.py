@@ -108,7 +108,7 @@ class ControlWalk:
         return [made] if made["items"] or made["kind"] else []
 
     def members(self, value: Members[Any], path: str, title: str, meaning: str = "") -> GroupNode:
-        """Components by names of the user's own."""
+        """Return the components by names of the user's own."""
         below = [self.group(one, f"{path}.{name}", name, "", value.registry) for name, one in value.members().items()]
         return build_group(self.written(path), spell_title(title), below, meaning=meaning)
 
@@ -147,7 +147,7 @@ class ControlWalk:
             yield controls.describe_row(spot, value if raw is None else raw)
 
     def _list_texts(self, path: str, name: str, declared: Declared) -> Iterator[SingleNode]:
-        """Samples as the document lists them; what a file holds is not shown."""
+        """Yield the samples as the document lists them; what a file holds is not shown."""
         raw = documents.find_entry(self.document, self.written(path))
         if raw is not None:
             row = controls.describe_row(EntrySpot(self.written(path), name, declared, "scenario"), raw)
@@ -163,7 +163,7 @@ def _rank_entry(part: Parametrised) -> Callable[[tuple[str, Declared]], tuple[bo
 
 
 def place_units(drive_unit: str) -> Callable[[Leaf], str]:
-    """Units of the numbers of a waveform of a drive."""
+    """Return the units of the numbers of a waveform of a drive."""
     return lambda leaf: drive_unit if leaf.declared.unit == DRIVE else leaf.declared.unit
 
 
@@ -186,7 +186,7 @@ def join_path(begin: str, path: str) -> str:
 
 
 def flatten_controls(items: Sequence[FormNode]) -> Iterator[SingleNode]:
-    """All controls below some, at any depth."""
+    """Yield all controls below some, at any depth."""
     for item in items:
         if item["sort"] == "group":
             yield from flatten_controls(item["items"])

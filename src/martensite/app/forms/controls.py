@@ -289,7 +289,7 @@ def _choose_ends(value: float, declared: Declared) -> tuple[float, float, bool]:
 
 
 def _choose_signed_ends(value: float, unit: str, low: float, high: float) -> tuple[float, float, bool]:
-    """Ends for a number that may be negative; a level is positive unless it is not."""
+    """Return the ends for a number that may be negative; a level is positive unless it is not."""
     if math.isfinite(low) and math.isfinite(high) and high - low <= 20.0 * abs(value):
         return low, high, False
     size = 3.0 * abs(value) if value else SIZES.get(unit, 1.0)

@@ -117,7 +117,7 @@ def _put_kind(
 
 
 def _place_units(unit: Unit, at: str, place: str) -> Unit:
-    """Units of numbers at paths of the document, as the walk knows them by paths of objects."""
+    """Return the units of numbers at paths of the document, as the walk knows them by paths of objects."""
 
     def known(leaf: Leaf) -> str:
         rest = leaf.path.removeprefix(place).removeprefix(".")
@@ -129,7 +129,7 @@ def _place_units(unit: Unit, at: str, place: str) -> Unit:
 def _keep_entries(
     registry: Registry[Any], cls: type[Parametrised], was: type[Parametrised], old: JsonTable, fresh: bool
 ) -> JsonTable:
-    """Entries of a table that belong to no kind."""
+    """Return the entries of a table that belong to no kind."""
     inner = [name for name, _ in list_nested(cls)]
     names = {
         "element": ["material"],

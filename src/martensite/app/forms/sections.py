@@ -69,7 +69,7 @@ class FormSections:
         )
 
     def all(self) -> list[GroupNode]:
-        """All sections, in the order in which one thinks of them."""
+        """Return all sections, in the order in which one thinks of them."""
         if MODEL in self.document:
             found = [self._model(), self._drive_alone()]
         else:
@@ -217,7 +217,7 @@ class FormSections:
             yield made
 
     def _describe_different(self, port: str, actuator: Parametrised, own: set[str]) -> list[SingleNode]:
-        """Controls of what a port has otherwise than the others."""
+        """Return the controls of what a port has otherwise than the others."""
         begin, drive = f"{GROUP}.{port}.", self.scenario.places.drive
         place = partial(_is_member, port, drive)
         walk = replace(
@@ -252,7 +252,7 @@ def _list_paths(table: Any, drive: str, prefix: str = "") -> list[str]:
 
 
 def describe_bench(scenario: Scenario, walk: ControlWalk) -> Iterator[GroupNode]:
-    """Everything around the system, if there is anything."""
+    """Yield everything around the system, if there is anything."""
     bench = scenario.bench
     if bench is None:
         return
@@ -297,6 +297,6 @@ def describe_run(scenario: Scenario, walk: ControlWalk) -> GroupNode:
 
 
 def _list_controls(walk: ControlWalk, part: Parametrised, place: Paths) -> list[FormNode]:
-    """Controls of a component that the scenario has not kept."""
+    """Return the controls of a component that the scenario has not kept."""
     own = replace(walk, written=place, noted=place, unit=lambda leaf: leaf.declared.unit, skipped=lambda path: False)
     return own.group(part, "", "")["items"]

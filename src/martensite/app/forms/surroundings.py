@@ -40,7 +40,7 @@ def relax_surroundings(scenario: Scenario, one: ChangedScenario) -> Iterator[Cha
 
 
 def change_reference(scenario: Scenario, one: ChangedScenario, place: str) -> Iterator[ChangedScenario]:
-    """Candidates in which a controller follows something else, in the units that there are."""
+    """Yield the candidates in which a controller follows something else, in the units that there are."""
     name = place.partition(".")[2]
     path = f"references.{name}" if name else REFERENCE
     if documents.find_entry(one.document, f"{place}.{REFERENCE}") is not None:

@@ -89,7 +89,7 @@ class TableFiller:
         return made
 
     def _collect_entries(self, old: JsonTable, was: PartClass, registry: Kinds) -> Entries:
-        """Entries by name with their declarations, those of a component of the same sort too."""
+        """Return the entries by name with their declarations, those of a component of the same sort too."""
         found: Entries = {}
         for name, declared in was.declarations.items():
             if name not in old:
@@ -105,7 +105,7 @@ class TableFiller:
     def _fill_single(
         self, cls: PartClass, registry: Kinds, name: str, declared: Declared, old: Entries, path: str
     ) -> Any:
-        """Value of a number, option or text; None if it can be left out."""
+        """Return the value of a number, option or text; None if it can be left out."""
         if name in old and self._can_keep(declared, *old[name], path):
             return old[name][0]
         if declared.default is not REQUIRED:

@@ -106,7 +106,7 @@ class FitProgress:
 
 
 def model_curves(one: Experiment, model: Any) -> list[list[float]]:
-    """Modelled outputs of a record at the rows that are drawn."""
+    """Return the modelled outputs of a record at the rows that are drawn."""
     rows = choose_rows(len(one.times), MOST_CORNERS)
     return [[round_digits(model[row, k]) for row in rows] for k in range(len(one.outputs))]
 
@@ -147,7 +147,7 @@ def describe_parameter(free: FreeNumber) -> JsonTable:
 
 
 def describe_outcome(fit: Fit, proposal: Proposal | None = None) -> JsonTable:
-    """All that is shown of a fit, which may be that of a proposed scenario; numbers in SI."""
+    """Return all that is shown of a fit, which may be that of a proposed scenario; numbers in SI."""
     return {
         "verdict": describe_judgement(fit, proposal),
         "title": fit.scenario.title if fit.scenario else "",
@@ -177,7 +177,7 @@ def describe_outcome(fit: Fit, proposal: Proposal | None = None) -> JsonTable:
 
 
 def _list_warnings(fit: Fit) -> list[str]:
-    """Warnings but those that say what the data leave open, which is told by itself."""
+    """Return the warnings but those that say what the data leave open, which is told by itself."""
     told = {one.sentence for one in fit.identifiability.weak}
     return [sentence for sentence in list_fit_warnings(fit) if sentence not in told]
 

@@ -39,7 +39,7 @@ def describe_drives(document: Request) -> list[dict[str, str]]:
 
 
 def _list_driven(document: Request) -> Iterator[tuple[str, Request]]:
-    """Path of every waveform, and the table that holds it."""
+    """Yield the path of every waveform, and the table that holds it."""
     drive = drive_section(document)
     if isinstance(document.get(drive), dict):
         yield f"{drive}.{WAVEFORM}", document[drive]

@@ -88,7 +88,7 @@ class ProposedModels:
 
 
 def propose_models(records: Sequence[Record], settings: Mapping[str, str]) -> ProposedModels:
-    """Scenarios for records; those of few free numbers last, as the library proposes them.
+    """Return the scenarios for records; those of few free numbers last, as the library proposes them.
 
     Raises:
         DataError: the experiment cannot be told, or something indispensable is missing.

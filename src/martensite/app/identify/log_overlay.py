@@ -70,7 +70,7 @@ def _draw_times(records: Sequence[Record], align: str, names: Sequence[str]) -> 
 
 
 def _draw_loops(records: Sequence[Record], axis: str, names: Sequence[str]) -> JsonTable:
-    """Dots over what drives: a loop goes there and back, and has no one value at each."""
+    """Return the dots over what drives: a loop goes there and back, and has no one value at each."""
     dots = [(one, choose_rows(len(one), DOTS)) for one in records]
     places = sorted((one[axis][row], k, row) for k, (one, rows) in enumerate(dots) for row in rows)
     places = [place for place in places if math.isfinite(place[0])]
@@ -89,7 +89,7 @@ def _draw_loops(records: Sequence[Record], axis: str, names: Sequence[str]) -> J
 
 
 def interpolate_within(times: Sequence[float], values: Sequence[float], wanted: Sequence[float]) -> list[float]:
-    """Values at other times by straight lines; nothing beyond the ends, nor beside what is missing."""
+    """Return the values at other times by straight lines; nothing beyond the ends, nor beside what is missing."""
     places = np.asarray(wanted, float)
     inside = (places >= times[0]) & (places <= times[-1])
     return np.where(inside, interpolate_column(places, times, np.asarray(values, float)), np.nan).tolist()

@@ -86,7 +86,7 @@ def list_steps(request: Request) -> list[JsonTable]:
 
 
 def list_further(request: Request) -> list[JsonTable]:
-    """Logs beside the first."""
+    """Return the logs beside the first."""
     found = [_require_table(one, "further") for one in require_entry(request, "further", list, [])]
     if len(found) >= MOST_RECORDS:
         raise DataError(f"{len(found) + 1} logs are too many; at most {MOST_RECORDS} are fitted.")

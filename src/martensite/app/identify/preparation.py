@@ -178,7 +178,7 @@ def _resample_rows(record: Record, step: Request) -> tuple[Record, str]:
 
 
 def interpolate_column(grid: Any, times: Any, values: Any) -> Any:
-    """Straight lines between neighbours; nothing beside a sample that is missing."""
+    """Return the straight lines between neighbours; nothing beside a sample that is missing."""
     found = np.interp(grid, times, np.where(np.isfinite(values), values, 0.0))
     lost = np.interp(grid, times, (~np.isfinite(values)).astype(float))
     return np.where(lost > 1e-9, np.nan, found)

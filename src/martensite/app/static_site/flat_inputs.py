@@ -130,7 +130,7 @@ def _choose_shape(wave: AbstractWaveform, duration: float, interval: float) -> D
 
 
 def _list_until(wave: AbstractWaveform, end: float) -> Iterator[Segment]:
-    """Segments that begin by a time [s], and one more, with which the last of these ends."""
+    """Yield the segments that begin by a time [s], and one more, with which the last of these ends."""
     for one in wave.segments(0.0):
         yield one
         if one.start > end:

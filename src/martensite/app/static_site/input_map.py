@@ -141,7 +141,7 @@ def measure_map(text: str, only: Collection[str] | None = None) -> InputMap:
 
 
 def list_numbers(form: ScenarioForm) -> Iterator[NumberNode]:
-    """All controls of numbers in a form."""
+    """Yield all controls of numbers in a form."""
     waiting: list[Any] = list(form["sections"])
     while waiting:
         one = waiting.pop(0)

@@ -32,7 +32,7 @@ SPELLINGS = (
 def describe_static(
     name: str, text: str, made: InputMap, source: RunSource, module: str, *, measured: bool = False
 ) -> JsonTable:
-    """Everything that the page needs to run a scenario and to draw what comes of it.
+    """Return everything that the page needs to run a scenario and to draw what comes of it.
 
     With `measured` it says how equal a run on the page is to one of `martensite run`, where that is not within
     `rounding.CLOSE`: several runs more.
@@ -57,7 +57,7 @@ def describe_static(
 
 
 def order_entries(made: InputMap, compiled: CompiledMarch) -> list[str]:
-    """Names of the inputs, in their order: parameters first."""
+    """Return the names of the inputs, in their order: parameters first."""
     bounds = range(len(compiled.envelope))
     found = [f"p:{path}" for path in compiled.paths]
     found += [*SCALARS, *(f"low:{k}" for k in bounds), *(f"high:{k}" for k in bounds)]
@@ -107,7 +107,7 @@ def _list_shown(made: InputMap, entries: dict[str, int]) -> list[tuple[int, str]
 
 
 def _describe_map(made: InputMap, entries: dict[str, int]) -> JsonTable:
-    """Controls and how inputs follow from them."""
+    """Return the controls and how inputs follow from them."""
     controls = [
         {
             "path": one.path,

@@ -56,17 +56,17 @@ class SweepDrawing:
 
     @cached_property
     def levels(self) -> tuple[Any, ...] | None:
-        """Levels of every axis of a grid."""
+        """Return the levels of every axis of a grid."""
         return read_levels(self.store, self.axes)
 
     @cached_property
     def size(self) -> int:
-        """Number of runs."""
+        """Return the number of runs."""
         return int(self.store.group[STATUS].shape[0])
 
     @cached_property
     def strides(self) -> list[int]:
-        """Every how many-th level of each axis of a grid is drawn, or run of a sample."""
+        """Return every how many-th level of each axis of a grid is drawn, or run of a sample."""
         if self.levels is None:
             return [-(-self.size // MOST_DRAWN)]
         shape = [len(one) for one in self.levels]
@@ -84,12 +84,12 @@ class SweepDrawing:
         return rows[np.logical_and.reduce([place % stride == 0 for place, stride in pairs])]
 
     def rows(self, chunk: int) -> Rows:
-        """Runs of a chunk."""
+        """Return the runs of a chunk."""
         length = int(self.spec["chunk"])
         return np.arange(chunk * length, min((chunk + 1) * length, self.size))
 
     def points(self, chunks: Iterable[int]) -> JsonTable:
-        """Drawn runs of chunks that are there: numbers of runs, status, and columns in SI.
+        """Return the drawn runs of chunks that are there: numbers of runs, status, and columns in SI.
 
         Columns of a grid are its measures alone: levels say the rest.
         """
@@ -244,5 +244,5 @@ class SweepProgress:
 
 
 def name_statuses(counts: Counter[int]) -> dict[str, int]:
-    """Runs by the name of their status."""
+    """Return the runs by the name of their status."""
     return {Status(one).name.lower(): n for one, n in sorted(counts.items()) if n}

@@ -28,7 +28,7 @@ _STORE = re.compile(r"^[a-z0-9-]+-([0-9a-f]{16})\.zarr$")
 
 
 def make_slug(title: str) -> str:
-    """Small letters, digits and dashes that are left of a title."""
+    """Return the small letters, digits and dashes that are left of a title."""
     short = re.sub(r"[^a-z0-9]+", "-", title.lower())[:LONGEST_SLUG].strip("-")
     return short or "sweep"
 
@@ -63,7 +63,7 @@ class SweepFolder:
         return found[0]
 
     def all(self) -> dict[str, Path]:
-        """All stores, the newest first."""
+        """Return all stores, the newest first."""
         if not self.place.is_dir():
             return {}
         found = {m[1]: p for p in self.place.iterdir() if (m := _STORE.match(p.name))}

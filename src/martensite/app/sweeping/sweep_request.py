@@ -181,7 +181,7 @@ class TimedBlock:
     seconds: float
 
     def total(self, size: int, workers: int) -> float:
-        """Time of so many runs on so many processes [s]."""
+        """Return the time of so many runs on so many processes [s]."""
         return -(-size // self.lanes) * self.seconds / max(workers or count_cores(), 1)
 
 
@@ -196,7 +196,7 @@ def time_block(plan: SweepPlan) -> TimedBlock:
 
 
 def choose_chunk(plan: SweepPlan) -> int:
-    """Runs in a chunk: whole blocks of about `ABOUT`, and no more chunks than are good."""
+    """Return the runs in a chunk: whole blocks of about `ABOUT`, and no more chunks than are good."""
     one = time_block(plan)
     blocks = max(int(CHUNK_TIME / max(one.seconds, 1e-6)), 1)
     usual = min(blocks * one.lanes, CHUNK)
@@ -205,7 +205,7 @@ def choose_chunk(plan: SweepPlan) -> int:
 
 
 def quote_words(words: str) -> str:
-    """Words as a shell takes them: in double quotes, which all shells know, where that is safe."""
+    """Return the words as a shell takes them: in double quotes, which all shells know, where that is safe."""
     if _PLAIN.match(words):
         return words
     return f'"{words}"' if _QUOTABLE.match(words) else shlex.quote(words)

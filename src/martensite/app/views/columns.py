@@ -35,7 +35,7 @@ def list_columns(result: Result) -> JsonTable:
 
 
 def choose_rows(count: int, most: int = MOST_ROWS) -> list[int]:
-    """Rows, at most so many, first and last among them."""
+    """Return the rows, at most so many, first and last among them."""
     if count <= most:
         return list(range(count))
     return [round(i * (count - 1) / (most - 1)) for i in range(most)]
@@ -86,7 +86,7 @@ def round_digits(value: float, digits: int = 5) -> float:
 
 
 def find_envelope(numbers: Sequence[float], most: int = MOST_CORNERS) -> list[int]:
-    """Rows of a long column that keep its lows and highs."""
+    """Return the rows of a long column that keep its lows and highs."""
     import numpy as np
 
     count = len(numbers)
@@ -102,7 +102,7 @@ def find_envelope(numbers: Sequence[float], most: int = MOST_CORNERS) -> list[in
 
 
 def find_corners(times: Sequence[float], values: Sequence[float], most: int = 150) -> list[int]:
-    """Rows between which straight lines come nearest to a curve (Douglas and Peucker, 1973).
+    """Return the rows between which straight lines come nearest to a curve (Douglas and Peucker, 1973).
 
     The row that is farthest from the lines so far is added until `most` are kept, or all others
     are nearer than a thousandth of the range.
@@ -123,7 +123,7 @@ def find_corners(times: Sequence[float], values: Sequence[float], most: int = 15
 
 
 def _find_farthest(t: Any, y: Any, first: int, last: int) -> tuple[float, int, int, int]:
-    """Distance and row of what is farthest from the line between two rows."""
+    """Return the distance and row of what is farthest from the line between two rows."""
     import numpy as np
 
     inside = slice(first, last + 1)

@@ -40,7 +40,7 @@ NO_LINES = "This law has no transformation lines in the plane of temperature and
 
 
 def describe_energy(result: Result) -> JsonTable:
-    """Courses of the energies, efficiency over time, and what is not known, in a sentence."""
+    """Return the courses of the energies, efficiency over time, and what is not known, in a sentence."""
     actuators = result.system.actuators()
     if not actuators:
         return _describe_missing(NO_ELEMENT)
@@ -81,7 +81,7 @@ def _describe_missing(sentence: str) -> JsonTable:
 
 
 def _find_limits(result: Result) -> tuple[float, float]:
-    """Highest stress [Pa] and lowest temperature [K] of the diagrams, rounded outwards."""
+    """Return the highest stress [Pa] and lowest temperature [K] of the diagrams, rounded outwards."""
     system = result.system
     ports = list(system.actuators())
     stress = max((result.find_range(system.label(p, "stress"))[1] for p in ports), default=0.0)

@@ -40,7 +40,7 @@ from martensite.simulate.result import Result
 
 
 def describe_page(scenario: Scenario, result: Result | None = None) -> JsonTable:
-    """Everything that the page draws of a run of a scenario, but for its numbers.
+    """Return everything that the page draws of a run of a scenario, but for its numbers.
 
     Args:
         scenario: any.
@@ -80,7 +80,7 @@ def list_parameters(scenario: Scenario, views: JsonTable) -> dict[str, float | s
 
 
 def _describe_elements(scenario: Scenario, result: Result) -> JsonTable:
-    """Limits of elements, what their sources reach, and the ways along which they work."""
+    """Return the limits of elements, what their sources reach, and the ways along which they work."""
     table = Formulas()
     system = rebuild_recorded(scenario.whole, table)
     ports = {port: _describe_port(table, system, port, one, result) for port, one in system.actuators().items()}
@@ -158,7 +158,7 @@ def _describe_guard(result: Result) -> JsonTable | None:
 
 
 def _describe_key(result: Result) -> JsonTable:
-    """Strokes and peaks by which runs are compared, and how they are written."""
+    """Return the strokes and peaks by which runs are compared, and how they are written."""
     judged = {result.coordinate, *result.system.mechanism.convergence_scales()}
     strokes: list[JsonTable] = []
     for name, output in result.system.mechanism.outputs().items():

@@ -125,14 +125,14 @@ def _is_repeated(result: Result, panel: TracePanel, port: str, name: str) -> boo
 
 
 def _rank_panel(panel: TracePanel) -> tuple[bool, int]:
-    """Mechanism first, then actuators in the usual order, then others; the usual ones first."""
+    """Return the mechanism first, then actuators in the usual order, then others; the usual ones first."""
     order = [*USUAL, *(name for name in OUTPUTS if name not in USUAL)]
     known = panel.key in order
     return not panel.usual, order.index(panel.key) + 1 if known else 0 if panel.usual else 99
 
 
 def list_loops(result: Result) -> list[JsonTable]:
-    """Quantities over one another, by port: `{key, ports: {port: [x, y]}}`.
+    """Return the quantities over one another, by port: `{key, ports: {port: [x, y]}}`.
 
     The first coordinate over temperature belongs to them if there is but one actuator.
     """
@@ -148,7 +148,7 @@ def list_loops(result: Result) -> list[JsonTable]:
 
 
 def list_alarms(result: Result) -> list[JsonTable]:
-    """All alarms with panel, column, how it is shown, and spans [s]; then the supervisor's."""
+    """Return all alarms with panel, column, how it is shown, and spans [s]; then the supervisor's."""
     found = [_describe_alarm(result, alarm) for alarm in result.alarms]
     return [*found, *_list_supervised(result)]
 

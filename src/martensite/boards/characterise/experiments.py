@@ -36,7 +36,7 @@ class DutyCourse:
 
     @property
     def duration(self) -> float:
-        """Time of all levels [s]."""
+        """Return the time of all levels [s]."""
         return sum(length for length, _ in self.levels)
 
     def scaled(self, factor: float) -> DutyCourse:
@@ -62,7 +62,7 @@ class WirePace:
 
 
 def measure_pace(plant: AbstractSystem, longest: float = 60.0) -> WirePace:
-    """Full duty of a plant of one wire, and its times, by its model.
+    """Return the full duty of a plant of one wire, and its times, by its model.
 
     Raises:
         SolveError: no duty makes it austenite in the longest time [s].
@@ -84,7 +84,7 @@ def measure_pace(plant: AbstractSystem, longest: float = 60.0) -> WirePace:
 
 
 def list_courses(pace: WirePace) -> Iterator[DutyCourse]:
-    """All courses that there are for a wire."""
+    """Yield all courses that there are for a wire."""
     full, rise, rest = pace.full, pace.rise, (REST * pace.fall, 0.0)
     for share in (0.4, 0.7, 1.0):
         yield DutyCourse(f"pulse {share:g}", ((share * rise, full), rest))

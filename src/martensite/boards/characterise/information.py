@@ -145,7 +145,7 @@ def compute_information(bench: Bench, unknown: Sequence[UnknownNumber], course: 
 def _march_wires(
     plant: AbstractSystem, course: DutyCourse, values: Mapping[str, Numbers], count: int
 ) -> tuple[Numbers, list[str]]:
-    """Outputs of wires under a course, (steps, outputs, wires), and their names."""
+    """Return the outputs of wires under a course, (steps, outputs, wires), and their names."""
     lanes = Lanes(plant, count, values)
     lanes.reset(np.zeros((1, count)))
     duty = course.sample(STEP)

@@ -45,15 +45,15 @@ class SimavrBoard:
 
     @property
     def clock(self) -> float:
-        """Cycles in a second."""
+        """Return the cycles in a second."""
         return find_board(self.board).clock
 
     def now(self) -> float:
-        """Time since its reset [s]."""
+        """Return the time since its reset [s]."""
         return self.cycles / self.clock
 
     def write(self, data: bytes) -> int:
-        """Bytes for the board, which it gets while time goes on."""
+        """Return the bytes for the board, which it gets while time goes on."""
         self._waiting += data
         return len(data)
 

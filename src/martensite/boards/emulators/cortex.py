@@ -46,7 +46,7 @@ class QemuBoard:
         self._line.settimeout(0.002)
 
     def write(self, data: bytes) -> int:
-        """Bytes for the board."""
+        """Return the bytes for the board."""
         self._line.sendall(data)
         return len(data)
 

@@ -52,7 +52,7 @@ class StepCost:
 
     @property
     def time(self) -> float:
-        """Time of the dearest step [s], with a cycle for an instruction."""
+        """Return the time of the dearest step [s], with a cycle for an instruction."""
         return self.most / self.clock
 
     @property
@@ -118,7 +118,7 @@ def write_cost(core: CCore, rows: Sequence[Sequence[float]], period: float, fold
 
 
 def cost_on_avr(core: CCore, folder: Path) -> StepCost:
-    """Cycles of the dearest step on an ATmega2560 at 16 MHz.
+    """Return the cycles of the dearest step on an ATmega2560 at 16 MHz.
 
     Raises:
         InputError: a tool is missing.

@@ -49,11 +49,11 @@ class EmulatedRig:
         self.truth = self._look()
 
     def now(self) -> float:
-        """Time since the reset of the board [s]."""
+        """Return the time since the reset of the board [s]."""
         return self.board.now()
 
     def write(self, data: bytes) -> int:
-        """Bytes for the board."""
+        """Return the bytes for the board."""
         return self.board.write(data)
 
     def read(self, size: int = 1) -> bytes:

@@ -109,7 +109,7 @@ def explain_overflow(said: str, board: str) -> None:
 
 
 def read_sizes(tool: str, elf: Path) -> tuple[int, int]:
-    """Flash and static RAM of a program [bytes]."""
+    """Return the flash and static RAM of a program [bytes]."""
     done = subprocess.run([tool, str(elf)], capture_output=True, text=True, check=True)
     text, data, bss, *_ = done.stdout.splitlines()[1].split()
     return int(text) + int(data), int(data) + int(bss)

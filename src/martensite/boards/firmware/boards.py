@@ -52,7 +52,7 @@ class Board:
 
 @cache
 def list_boards() -> dict[str, Board]:
-    """All boards by name."""
+    """Return all boards by name."""
     text = (files("martensite.boards.firmware") / "boards.toml").read_text("utf-8")
     found: dict[str, Board] = {}
     for name, table in tomllib.loads(text).items():

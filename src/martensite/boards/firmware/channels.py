@@ -76,13 +76,13 @@ class BoardInputs:
     """[V]"""
 
     def told_channels(self) -> list[Channel]:
-        """Channels that no reading says already."""
+        """Return the channels that no reading says already."""
         said = {one.channel for one in self.readings if not one.ratio}
         return [one for k, one in enumerate(self.channels) if k not in said]
 
 
 def find_supply(bench: Bench) -> tuple[float, float]:
-    """Voltage [V] of the supply, and the largest current [A] at the full signal.
+    """Return the voltage [V] of the supply, and the largest current [A] at the full signal.
 
     Raises:
         InputError: a source takes no duty.
@@ -105,7 +105,7 @@ def find_supply(bench: Bench) -> tuple[float, float]:
 
 
 def plan_inputs(bench: Bench, board: Board) -> BoardInputs:
-    """Channels and readings of a loop on a board.
+    """Return the channels and readings of a loop on a board.
 
     Raises:
         InputError: a source takes no duty, a reading cannot be measured by it, or it has too few pins.

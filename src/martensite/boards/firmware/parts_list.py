@@ -36,7 +36,7 @@ def describe_elements(bench: Bench) -> list[str]:
 
 
 def list_wiring_parts(plan: FirmwarePlan, elements: list[str]) -> list[WiringPart]:
-    """Parts of a firmware's wiring."""
+    """Return the parts of a firmware's wiring."""
     inputs, drives = plan.inputs, plan.drives
     most, analog = inputs.largest_current, [one for one in inputs.channels if one.pin >= 0]
     shunts = sum(one.name.startswith("current") for one in analog)

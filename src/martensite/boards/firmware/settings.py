@@ -70,7 +70,7 @@ class FirmwarePlan:
     """Digest of loop and settings."""
 
     def telemetry(self) -> list[tuple[str, str]]:
-        """Name and unit of every number of a telemetry, in their order."""
+        """Return the name and unit of every number of a telemetry, in their order."""
         outputs = self.core.outputs
         rows = [(one.name, one.unit) for one in self.inputs.readings]
         rows += [(name_duty(one.name), one.unit) for one in outputs[: self.drives]]
@@ -86,7 +86,7 @@ def name_duty(drive: str) -> str:
 def list_settings(
     inputs: BoardInputs, limits: Limits, wanted: Sequence[tuple[str, str]], first: Sequence[float]
 ) -> tuple[Setting, ...]:
-    """All settings in their order: those in flash, then those that the host may change.
+    """Return all settings in their order: those in flash, then those that the host may change.
 
     Args:
         inputs: what the board measures.

@@ -145,7 +145,7 @@ class BoardClock:
     _wraps: int = 0
 
     def unwrap(self, micros: int) -> int:
-        """Time since the board began [us]."""
+        """Return the time since the board began [us]."""
         if micros < self._last:
             self._wraps += 1
         self._last = micros

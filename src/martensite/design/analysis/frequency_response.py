@@ -145,7 +145,7 @@ def measure_frequency_response(
 
 
 def _count_steps(lanes: DrivenLanes, frequency: float) -> tuple[int, float]:
-    """Steps in a period, and their length [s]."""
+    """Return the steps in a period, and their length [s]."""
     if not lanes.interval:
         samples = max(SAMPLES, math.ceil(1.0 / (frequency * lanes.step(math.inf)) - 1e-9))
         return samples, 1.0 / (frequency * samples)
@@ -160,7 +160,7 @@ def _count_steps(lanes: DrivenLanes, frequency: float) -> tuple[int, float]:
 
 
 def _rest_after_cooling(lanes: DrivenLanes, middles: Numbers, high: float) -> Numbers:
-    """States of rest on the cooling branch, shape (states, lanes)."""
+    """Return the states of rest on the cooling branch, shape (states, lanes)."""
     given: Any = {"direction": "cooling", "high": high, "drive": lanes.drive}
     points = [find_operating_point(lanes.system, float(level), **given) for level in middles]
     return np.stack([point.state for point in points], axis=1)
@@ -191,7 +191,7 @@ def _repeat_cycle(
 
 
 def _run_cycle(lanes: DrivenLanes, levels: Numbers, amplitude: float, dt: float) -> _Cycle:
-    """One more cycle."""
+    """Return one more cycle."""
     y = lanes.run(levels, dt)
     samples = len(y)
     angles = 2.0 * np.pi * np.arange(1, samples + 1) / samples

@@ -75,7 +75,7 @@ def compute_speeds(
     output: str | None = None,
     native: bool | None = None,
 ) -> Speeds:
-    """Steps up and down again, all signals and loads side by side.
+    """Return the steps up and down again, all signals and loads side by side.
 
     Args:
         system: a plant, or a bench; of one with a controller the drive is `reference`.
@@ -142,7 +142,7 @@ def _step_response(
 
 
 def _find_rise_time(rows: Numbers, dt: float) -> Numbers:
-    """Time until 90 % of the way to the last row are gone [s], read between samples."""
+    """Return the time until 90 % of the way to the last row are gone [s], read between samples."""
     way = rows[-1] - rows[0]
     safe = np.where(way == 0.0, 1.0, way)
     gone = (rows - rows[0]) / safe

@@ -106,7 +106,7 @@ class DesignEvaluator:
         self._rows = [[self._find_row(c.path, c.level) for c in one.targets] for one in question.free]
 
     def numbers(self, z: Numbers) -> Numbers:
-        """Free numbers [SI] at places, (..., free)."""
+        """Return the free numbers [SI] at places, (..., free)."""
         columns = [one.value(z[..., k]) for k, one in enumerate(self.question.free)]
         return np.stack(columns, axis=-1)
 
@@ -115,7 +115,7 @@ class DesignEvaluator:
         return self.evaluate_aims(self.numbers(z), self.aims)
 
     def evaluate_aims(self, numbers: Numbers, aims: Sequence[DesignAim]) -> Numbers:
-        """Some aims of free numbers [SI], (designs, free) -> (designs, cases, aims); or NaN."""
+        """Return some aims of free numbers [SI], (designs, free) -> (designs, cases, aims); or NaN."""
         cases, table = len(self.question.cases), self._fill_table(numbers)
         self.counts.simulations += len(table)
         seen, every = self.runner.run_many(table).T, np.repeat(numbers, cases, axis=0)
@@ -124,7 +124,7 @@ class DesignEvaluator:
         return found.reshape(len(numbers), cases, -1)
 
     def slopes(self, z: Numbers) -> AimSlopes | None:
-        """One design with its derivatives; None if a run of it fails."""
+        """Return one design with its derivatives; None if a run of it fails."""
         inner = np.array([one.slope(p) for one, p in zip(self.question.free, z, strict=True)])
         seeds = np.zeros((len(self.runner.paths), len(self._rows)))
         for k, rows in enumerate(self._rows):
@@ -158,7 +158,7 @@ class DesignEvaluator:
 
     @property
     def runs(self) -> int:
-        """Runs so far, with derivatives and without."""
+        """Return the runs so far, with derivatives and without."""
         return self.counts.simulations + self.counts.slopes
 
     @property
@@ -177,11 +177,11 @@ class DesignEvaluator:
         self.goal_size = float(np.median(goals)) if len(goals) else 1.0
 
     def judge(self, z: Numbers) -> JudgedPoints:
-        """Goals and slacks of designs (designs, free)."""
+        """Return the goals and slacks of designs (designs, free)."""
         return self.judge_values(self.values(z))
 
     def judge_values(self, values: Numbers) -> JudgedPoints:
-        """Goals and slacks of values of designs, (designs, cases, aims)."""
+        """Return the goals and slacks of values of designs, (designs, cases, aims)."""
         goal = self.sign * values[:, :, 0].mean(axis=1) / self.goal_size
         slack = [c.sign * (values[:, :, k + 1] - c.limit) / c.scale for k, c in enumerate(self.question.subject)]
         table = np.stack(slack, axis=2).reshape(len(values), -1) if slack else goal[:, None][:, :0]
@@ -210,7 +210,7 @@ class DesignEvaluator:
         return self.runner.place(whole)
 
     def _fill_table(self, numbers: Numbers) -> Numbers:
-        """Parameters of every design in every case, (designs * cases, parameters)."""
+        """Return the parameters of every design in every case, (designs * cases, parameters)."""
         cases = self.question.cases
         found = self.runner.table({}, len(numbers) * len(cases))
         for rows, column in zip(self._rows, numbers.T, strict=True):

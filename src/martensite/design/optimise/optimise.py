@@ -208,7 +208,7 @@ def _halve_step(old: DesignEvaluator) -> DesignEvaluator:
 
 
 def _compare_steps(designs: DesignEvaluator, finer: DesignEvaluator, z: Numbers) -> float:
-    """Largest change of what a design is judged by, as a share of limits and of the goal."""
+    """Return the largest change of what a design is judged by, as a share of limits and of the goal."""
     both = [one.judge(z[None]) for one in (designs, finer)]
     goal = abs(both[0].goal[0] - both[1].goal[0])
     slack = np.abs(both[0].slack - both[1].slack)

@@ -65,7 +65,7 @@ class ActiveConstraint:
         return self.gain / self.goal
 
     def to_dict(self) -> dict[str, Any]:
-        """All fields and what relaxing it gains by name, for JSON."""
+        """Return all fields and what relaxing it gains by name, for JSON."""
         return asdict(self) | {"gain": self.gain, "share": self.share}
 
     def words(self, goal_unit: str) -> str:
@@ -231,7 +231,7 @@ class OptimisedDesign:
 
     @property
     def goal(self) -> float:
-        """Mean over the cases [SI]."""
+        """Return the mean over the cases [SI]."""
         return _compute_mean(self.reported[0].after)
 
     @property
@@ -245,7 +245,7 @@ class OptimisedDesign:
         return dict(zip(names, self.numbers, strict=True))
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything, ready for JSON; numbers in SI."""
+        """Return everything, ready for JSON; numbers in SI."""
         question, balance = self.question, self.balance
         free = zip(question.free, self.numbers, self.z, strict=True)
         return {

@@ -176,7 +176,7 @@ def read_constraint(text: str, steering: WaveformLevels, freed: Sequence[FreeNum
 
 
 def _read_case(text: str, known: Sequence[Target], freed: Sequence[FreeNumber]) -> dict[str, float]:
-    """Numbers of the system that differ in a case."""
+    """Return the numbers of the system that differ in a case."""
     found: dict[str, float] = {}
     free = {target.path for one in freed for target in one.targets}
     for piece in text.split(","):

@@ -271,7 +271,7 @@ def scan_designs(
 
 
 def _evaluate_grid(designs: DesignEvaluator, z: Numbers, watch: Callable[[float], None] | None) -> Numbers:
-    """Values of all designs, which do not count as those of a search."""
+    """Return the values of all designs, which do not count as those of a search."""
     counts, designs.counts = designs.counts, RunCounts()
     found: list[Numbers] = []
     try:
@@ -285,7 +285,7 @@ def _evaluate_grid(designs: DesignEvaluator, z: Numbers, watch: Callable[[float]
 
 
 def _space_axis(designs: DesignEvaluator, k: int, count: int) -> Numbers:
-    """Places of the points along a free number."""
+    """Return the places of the points along a free number."""
     one = designs.question.free[k]
     if not one.whole:
         return np.linspace(0.0, 1.0, count)

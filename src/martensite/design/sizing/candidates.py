@@ -98,7 +98,7 @@ class Candidate:
         return Drive(current, voltage, current * voltage, current * voltage * heating)
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything, ready for JSON; numbers in SI."""
+        """Return everything, ready for JSON; numbers in SI."""
         mine = self.statics
         own = {name: getattr(mine, name) for name in mine.__dataclass_fields__ if name != "strand"}
         return {
@@ -192,7 +192,7 @@ def rank_candidates(candidate: Candidate) -> tuple[float, ...]:
 
 
 def judge_candidate(request: WireRequest, size: WireSize, alloy: str) -> Candidate:
-    """One size and alloy put to a request."""
+    """Return one size and alloy put to a request."""
     static = compute_statics(request, size, alloy)
     hopeless = [*remarks.list_static_reasons(request, static)]
     wiring, driven = (None, None) if hopeless else _find_drive(request, static)

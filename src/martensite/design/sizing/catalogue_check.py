@@ -57,12 +57,12 @@ class CheckRow:
 
     @property
     def current_ratio(self) -> float:
-        """Model over catalogue."""
+        """Return the model over catalogue."""
         return self.current / self.current_cell.value
 
     @property
     def cooling_ratio(self) -> float | None:
-        """Model over catalogue."""
+        """Return the model over catalogue."""
         return None if self.cooling is None else self.cooling / self.cooling_cell.value
 
 
@@ -77,7 +77,7 @@ class RatioSpread:
 
 
 def summarise_ratios(ratios: Sequence[float | None]) -> RatioSpread | None:
-    """Least, geometric mean and most of ratios, those that exist; None without any."""
+    """Return least, geometric mean and most of ratios, those that exist; None without any."""
     found = [ratio for ratio in ratios if ratio is not None]
     if not found:
         return None

@@ -102,7 +102,7 @@ class CoilInHand(WireInHand):
         return replace(found, diameter=given)
 
     def choose_load(self, strand: Strand) -> float:
-        """Weight [N] where none is given: that of the maker's stress in straight wire."""
+        """Return the weight [N] where none is given: that of the maker's stress in straight wire."""
         return (1.0 - SPARE) * list_alloy_numbers(self.alloy)["stress_limit"] * strand.bearing
 
     def make_strand(self, catalogue: WireCatalogue) -> CoilStrand:

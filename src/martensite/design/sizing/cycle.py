@@ -55,7 +55,7 @@ class PulseCycle:
 
     @property
     def fastest(self) -> float | None:
-        """Cycles per second that this pulse allows [Hz]; None if the wire does not return."""
+        """Return the cycles per second that this pulse allows [Hz]; None if the wire does not return."""
         return None if self.cooling is None else 1.0 / (self.heating + self.cooling)
 
     def keeps(self, period: float) -> bool:
@@ -74,7 +74,7 @@ def simulate_pulse(system: System, current: float, time: float) -> float:
 
 
 def find_current(system: System, position: float, time: float, guess: float) -> float | None:
-    """Least constant current [A] that reaches `position` [m] in `time` [s], within 0.1 %.
+    """Return least constant current [A] that reaches `position` [m] in `time` [s], within 0.1 %.
 
     None if no current up to some thousand times `guess` [A] does.
     """
@@ -94,7 +94,7 @@ def find_current(system: System, position: float, time: float, guess: float) -> 
 
 
 def find_reach_time(system: System, position: float, current: float, longest: float) -> float | None:
-    """Time [s] at which a constant current first reaches `position` [m]; None if it does not."""
+    """Return the time [s] at which a constant current first reaches `position` [m]; None if it does not."""
     samples = 10 * STEPS + 1
     step = longest / (samples - 1)
     run = simulate(system, Step(high=current), longest, step=step, samples=samples)
@@ -141,7 +141,7 @@ def _run_pulse(system: System, pulse: Step, duration: float) -> Result:
 
 
 def _find_fall_time(run: Result, start: float, level: float) -> float | None:
-    """Time after `start` [s] at which the position has fallen to a level [m]."""
+    """Return the time after `start` [s] at which the position has fallen to a level [m]."""
     times, columns = run.draw_curves(["position"])
     after = times >= start
     time = find_crossing(times[after], -columns["position"][after], -level)

@@ -89,7 +89,7 @@ def list_reasons(
 
 
 def _list_exceeded(static: Statics) -> Iterator[str]:
-    """Limits of the material that a stress and a strain exceed."""
+    """Yield the limits of the material that a stress and a strain exceed."""
     limits = list_alloy_numbers(static.strand.alloy)
     if static.hot_stress > limits["stress_limit"] * (1.0 + 1e-9):
         yield (
@@ -135,7 +135,7 @@ def list_warnings(
 
 
 def _warn_of_cold(request: WireRequest, static: Statics) -> Iterator[str]:
-    """Warnings about an ambient temperature at which the wire hardly becomes martensite."""
+    """Yield the warnings about an ambient temperature at which the wire hardly becomes martensite."""
     finish = static.strand.shifted("M_f", static.cold_stress)
     under = f"M_f = {_format_celsius(finish)} under {_format_megapascal(static.cold_stress)}"
     if request.ambient >= finish:

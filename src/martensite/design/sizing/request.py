@@ -69,7 +69,7 @@ class WireRequest(Parametrised):
 
     @property
     def period(self) -> float:
-        """Time for one cycle [s]."""
+        """Return the time for one cycle [s]."""
         return 1.0 / self.rate
 
 
@@ -84,15 +84,15 @@ class Wiring:
     """Resistance of one strand [ohm]."""
 
     def total_current(self, strand: float) -> float:
-        """Current from the supply [A] for a current per strand [A]."""
+        """Return the current from the supply [A] for a current per strand [A]."""
         return strand * (self.count if self.kind == "parallel" else 1)
 
     def voltage(self, strand: float) -> float:
-        """Voltage across the strands [V] for a current per strand [A]."""
+        """Return the voltage across the strands [V] for a current per strand [A]."""
         return strand * self.resistance * (self.count if self.kind == "series" else 1)
 
     def most(self, request: WireRequest) -> float:
-        """Largest current per strand [A] that the supply drives."""
+        """Return the largest current per strand [A] that the supply drives."""
         return min(request.supply / self.voltage(1.0), request.current_limit / self.total_current(1.0))
 
 

@@ -72,7 +72,7 @@ def build_alloy_law(alloy: str) -> LiangRogers:
 
 
 def list_alloy_numbers(alloy: str) -> dict[str, float]:
-    """All numbers of the material of an alloy, in SI, by canonical name."""
+    """Return all numbers of the material of an alloy, in SI, by canonical name."""
     return {name: number.value for name, number in read_alloy(alloy).values.items()}
 
 
@@ -90,12 +90,12 @@ class Strand:
 
     @property
     def bearing(self) -> float:
-        """Force per stress [m²]."""
+        """Return the force per stress [m²]."""
         return self.size.section
 
     @property
     def reach(self) -> float:
-        """Elongation per strain [m]."""
+        """Return the elongation per strain [m]."""
         return self.length
 
     def cut_for(self, stroke: float, strain: float) -> Self:
@@ -109,12 +109,12 @@ class Strand:
 
     @property
     def resistance(self) -> float:
-        """Electrical resistance [ohm]."""
+        """Return the electrical resistance [ohm]."""
         return self.size.resistance.value * self.length
 
     @property
     def mass(self) -> float:
-        """Mass of the wire [kg]."""
+        """Return the mass of the wire [kg]."""
         return list_alloy_numbers(self.alloy)["density"] * self.size.section * self.length
 
     def reachable_strain(self, cold: float, hot: float) -> float:
@@ -127,7 +127,7 @@ class Strand:
         return getattr(self.law, name) + stress / slope
 
     def film(self, temperature: float) -> float:
-        """Film coefficient [W/(m² K)] at a wire temperature [K]."""
+        """Return the film coefficient [W/(m² K)] at a wire temperature [K]."""
         shape = Cylinder(self.size.diameter.value, self.length)
         return self.cooling.film(floats, temperature, self.ambient, shape)
 
@@ -136,7 +136,7 @@ class Strand:
         return None
 
     def steady_current(self, temperature: float) -> float:
-        """Current [A] that holds the strand at `temperature` [K] for ever."""
+        """Return the current [A] that holds the strand at `temperature` [K] for ever."""
         loss = self.film(temperature) * (temperature - self.ambient)
         return math.sqrt(loss * math.pi * self.size.diameter.value / self.size.resistance.value)
 
@@ -180,7 +180,7 @@ class CoilStrand(Strand):
 
     @property
     def turns(self) -> float:
-        """Number of turns."""
+        """Return the number of turns."""
         return self.length / (self.size.diameter.value * math.hypot(math.pi * self.index, 1.0))
 
     def cut_for(self, stroke: float, strain: float) -> Self:
@@ -213,12 +213,12 @@ class CoilStrand(Strand):
 
     @property
     def bearing(self) -> float:
-        """Force per stress at the inner fibre [m²]."""
+        """Return the force per stress at the inner fibre [m²]."""
         return 1.0 / self.element.stress(floats, 1.0)
 
     @property
     def reach(self) -> float:
-        """Elongation per strain [m]."""
+        """Return the elongation per strain [m]."""
         return self.element.reach()
 
     def spring(self, martensite: float, force: float) -> Spring:
@@ -226,13 +226,13 @@ class CoilStrand(Strand):
         return self.element.spring(floats, Fractions(martensite, martensite), self.ambient, force)
 
     def elongation(self, martensite: float, force: float) -> float:
-        """Elongation [m] of one phase under a force [N]."""
+        """Return the elongation [m] of one phase under a force [N]."""
         spring = self.spring(martensite, force)
         return spring.free + spring.compliance * force
 
     @property
     def solid(self) -> float:
-        """Length of the closed coil [m]."""
+        """Return the length of the closed coil [m]."""
         return self.turns * self.size.diameter.value
 
     def describe_shape(self, cold: float, hot: float) -> dict[str, float]:
@@ -249,7 +249,7 @@ class CoilStrand(Strand):
         }
 
     def reachable_strain(self, cold: float, hot: float) -> float:
-        """Martensite at `cold` [Pa] to austenite at `hot` [Pa] [-]."""
+        """Return the martensite at `cold` [Pa] to austenite at `hot` [Pa] [-]."""
         between = self.elongation(1.0, cold * self.bearing) - self.elongation(0.0, hot * self.bearing)
         return between / self.reach
 
@@ -308,7 +308,7 @@ def compute_statics(request: WireRequest, size: WireSize, alloy: str) -> Statics
 
 
 def _choose_strand(request: WireRequest, size: WireSize, alloy: str) -> tuple[Strand, int]:
-    """One metre of wire, straight or wound as wide as the load allows, and how many are needed."""
+    """Return one metre of wire, straight or wound as wide as the load allows, and how many are needed."""
     if request.element == "wire":
         one = Strand(size, alloy, 1.0, request.ambient)
         return one, _count_strands(request, one)

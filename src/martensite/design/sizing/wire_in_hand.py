@@ -97,7 +97,7 @@ class WireInHand(Parametrised):
         return Strand(self.find_size(catalogue), self.alloy, self.length, self.ambient, COOLINGS[self.cooling])
 
     def choose_load(self, strand: Strand) -> float:
-        """Weight [N] where none is given: the maker's pull, which he rounds, within the stress limit."""
+        """Return the weight [N] where none is given: the maker's pull, which he rounds, within the stress limit."""
         limit = list_alloy_numbers(self.alloy)["stress_limit"] * strand.bearing
         return min(strand.size.pull_force, (1.0 - SPARE) * limit)
 

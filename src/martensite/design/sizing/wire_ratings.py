@@ -126,7 +126,7 @@ class WireRatings:
 
     @property
     def supply_current(self) -> float:
-        """All that the supply drives [A]."""
+        """Return all that the supply drives [A]."""
         return min(self.full_current, self.wire.current_limit)
 
     @property
@@ -145,7 +145,7 @@ class WireRatings:
 
     @property
     def energy(self) -> float | None:
-        """Electrical energy in the wire of one pulse [J]."""
+        """Return the electrical energy in the wire of one pulse [J]."""
         return None if self.cycle is None else self.cycle.current**2 * self.strand.resistance * self.cycle.heating
 
     @property
@@ -169,7 +169,7 @@ class WireRatings:
         return int(self.wire.current_limit / self.cycle.current * (1.0 + 1e-9))
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything, ready for JSON; numbers in SI."""
+        """Return everything, ready for JSON; numbers in SI."""
         names = ("stroke", "cold_force", "hot_force", "hot_stress", "full_current", "holding_temperature")
         names += ("holding_current", "most_current", "temperature_limit", "returns", "drivable", "energy", "inductance")
         current = None if self.cycle is None else self.cycle.current

@@ -59,7 +59,7 @@ class SweepAxis:
         return self._spread(np.linspace(0.0, 1.0, self.count))
 
     def quantile(self, share: Numbers) -> Numbers:
-        """Numbers below which shares in (0, 1) of the axis lie."""
+        """Return the numbers below which shares in (0, 1) of the axis lie."""
         if self.kind == "levels":
             places = np.minimum((share * len(self.numbers)).astype(int), len(self.numbers) - 1)
             return np.array(self.numbers)[places]
@@ -71,13 +71,13 @@ class SweepAxis:
         return self._spread(share)
 
     def _spread(self, share: Numbers) -> Numbers:
-        """Numbers of a range: exactly its ends at 0 and 1."""
+        """Return the numbers of a range: exactly its ends at 0 and 1."""
         low, high = self.numbers
         found = low * np.exp(share * math.log(high / low)) if self.log else low + share * (high - low)
         return np.where(share >= 1.0, high, found)
 
     def extremes(self) -> tuple[float, ...]:
-        """Numbers that must be allowed; none of a distribution without ends."""
+        """Return the numbers that must be allowed; none of a distribution without ends."""
         return () if self.kind == "normal" else self.numbers
 
     def to_dict(self) -> dict[str, Any]:

@@ -65,13 +65,13 @@ class DrivenLanes:
         return self.interval or min(longest, longest_step(self.system))
 
     def reset(self, levels: Any) -> Numbers:
-        """All lanes at rest under first levels, which spread to (lanes,); the output there."""
+        """Return all lanes at rest under first levels, which spread to (lanes,); the output there."""
         signals = self._spread(np.broadcast_to(np.asarray(levels, float), self.count)[None])[0]
         self.lanes.reset(signals)
         return self.lanes.observe(signals)[self._output]
 
     def run(self, levels: Any, dt: float) -> Numbers:
-        """Output at the end of every step.
+        """Return the output at the end of every step.
 
         Args:
             levels: of a system in discrete time at samples, (samples + 1, lanes), from now on; of
@@ -102,14 +102,14 @@ class DrivenLanes:
         return found
 
     def _spread(self, levels: Numbers) -> Numbers:
-        """Signals of all drives, shape (steps, drives, lanes)."""
+        """Return the signals of all drives, shape (steps, drives, lanes)."""
         found = np.zeros((len(levels), len(self.lanes.drives), self.count))
         found[:, self._drive] = levels
         return found
 
 
 def require_positive(name: str, values: Any, unit: str) -> Numbers:
-    """Numbers above 0 as an array; `InputError` if there are none, or one is not above 0."""
+    """Return the numbers above 0 as an array; `InputError` if there are none, or one is not above 0."""
     found = np.atleast_1d(np.asarray(values, float))
     if not found.size or not all(math.isfinite(x) and x > 0.0 for x in found.ravel()):
         raise InputError(f"`{name}` must be numbers above 0 {unit}.")

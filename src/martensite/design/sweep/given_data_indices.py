@@ -52,7 +52,7 @@ class SensitivityIndex:
         return cls(np.full(width, np.nan), np.full(width, np.nan))
 
     def words(self, place: int) -> str:
-        """One of its numbers with half of its interval."""
+        """Return one of its numbers with half of its interval."""
         value, wide = float(self.values[place]), float(self.wide[place])
         number = "none" if math.isnan(value) else f"{value:.3f}"
         return number if math.isnan(wide) else f"{number} ± {wide:.3f}"
@@ -64,7 +64,7 @@ def is_spread(values: Numbers) -> bool:
 
 
 def estimate_indices(x: Numbers, y: Numbers, seed: int = 0) -> tuple[dict[str, SensitivityIndex], list[str]]:
-    """Indices of a measure (runs,) over varied numbers (runs, axes), and sentences on them."""
+    """Return the indices of a measure (runs,) over varied numbers (runs, axes), and sentences on them."""
     width = x.shape[1]
     names = ("delta", "first", "rank slope", "slope")
     if not is_spread(y):
@@ -149,7 +149,7 @@ def _split_classes(x: Numbers, y: Numbers) -> list[Numbers]:
 
 
 def rank_columns(values: Numbers) -> Numbers:
-    """Places in the order of size, of every column; equal ones share the mean of theirs."""
+    """Return the places in the order of size, of every column; equal ones share the mean of theirs."""
     return import_module("scipy.stats").rankdata(values, axis=0)
 
 

@@ -55,7 +55,7 @@ class SensitivityIndices:
 
     @property
     def order(self) -> list[int]:
-        """Places of the varied numbers, the most important first: by total order, or delta."""
+        """Return the places of the varied numbers, the most important first: by total order, or delta."""
         leading = next(self.indices[k] for k in ("total", "delta", "first") if k in self.indices)
         return [int(k) for k in np.argsort(-np.nan_to_num(leading.values), kind="stable")]
 
@@ -111,7 +111,7 @@ def _build_result(
 
 
 def _describe_left_out(found: SweepTable, one: SweepColumn, usable: NDArray[np.bool_]) -> list[str]:
-    """Sentences on runs without a number."""
+    """Return the sentences on runs without a number."""
     never = int(np.sum(found.good & ~usable))
     counts = (
         (found.missing, "not made yet"),
@@ -149,7 +149,7 @@ def _analyse_blocks(found: SweepTable, one: SweepColumn, usable: NDArray[np.bool
 
 
 def estimate_block_indices(y: Numbers, width: int, seed: int = 0) -> dict[str, SensitivityIndex]:
-    """First and total order from blocks of runs, with intervals of 95 %.
+    """Return the first and total order from blocks of runs, with intervals of 95 %.
 
     Args:
         y: a measure of all runs in the order of the design, (blocks (width + 2),).
@@ -167,7 +167,7 @@ def estimate_block_indices(y: Numbers, width: int, seed: int = 0) -> dict[str, S
 
 
 def _estimate_orders(blocks: Numbers) -> tuple[Numbers, Numbers]:
-    """First and total order, of blocks of mean 0."""
+    """Return the first and total order, of blocks of mean 0."""
     a, mixed, b = blocks[:, :1], blocks[:, 1:-1], blocks[:, -1:]
     variance = np.var(blocks[:, [0, -1]])
     first = np.mean(b * (mixed - a), axis=0) / variance
@@ -178,7 +178,7 @@ def _estimate_orders(blocks: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def estimate_grid_indices(y: Numbers) -> dict[str, SensitivityIndex]:
-    """First and total order of a grid whose levels are equally likely: sums of squares.
+    """Return the first and total order of a grid whose levels are equally likely: sums of squares.
 
     Args:
         y: a measure on the grid, one dimension per axis.

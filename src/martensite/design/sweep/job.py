@@ -93,7 +93,7 @@ def prepare_plan(scenario: Scenario, wanted: SweepRequest) -> tuple[SweepPlan, S
 
 
 def build_spec(scenario: Scenario, wanted: SweepRequest, modules: Sequence[str] = ()) -> dict[str, Any]:
-    """All that is needed to make any chunk anywhere.
+    """Return all that is needed to make any chunk anywhere.
 
     `numbers` stands for those of the system and its signals: so that a file that the scenario
     names, and that has changed or is another elsewhere, does not go unnoticed.

@@ -36,7 +36,7 @@ class ParetoFront:
     """Number of runs that were compared."""
 
     def columns(self, found: SweepTable) -> dict[str, SweepColumn]:
-        """Varied numbers and goals, by name."""
+        """Return the varied numbers and goals, by name."""
         return {**found.varied, **{one.name: one for one in self.goals}}
 
 
@@ -71,7 +71,7 @@ def find_pareto_front(found: SweepTable, minimise: Sequence[str] = (), maximise:
 
 
 def find_unbeaten(values: Numbers) -> Places:
-    """Places of the rows that no other beats, rising.
+    """Return the places of the rows that no other beats, rising.
 
     Args:
         values: (rows, goals), finite; small is good.

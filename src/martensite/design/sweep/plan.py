@@ -57,7 +57,7 @@ class SweepPiece:
 
     @staticmethod
     def joined(pieces: Sequence[SweepPiece]) -> SweepPiece:
-        """Some after others."""
+        """Return some after others."""
         first = pieces[0]
         return SweepPiece(
             np.concatenate([p.values for p in pieces]),
@@ -110,12 +110,12 @@ class SweepPlan:
 
     @cached_property
     def size(self) -> int:
-        """Number of runs."""
+        """Return the number of runs."""
         return self.design.size(self.axes)
 
     @property
     def chunks(self) -> int:
-        """Number of chunks."""
+        """Return the number of chunks."""
         return -(-self.size // self.chunk)
 
     def rows(self, chunk: int) -> range:
@@ -135,7 +135,7 @@ class SweepPlan:
 
     @cached_property
     def outputs(self) -> tuple[str, ...]:
-        """Every output that something is made of, once."""
+        """Return every output that something is made of, once."""
         shown = (trace.output for trace in self.traces)
         return tuple(dict.fromkeys((*list_needed(self.measures.values(), self.course.system), *shown)))
 
@@ -155,7 +155,7 @@ class SweepPlan:
         return self._kept(values, self._ready.run(system, signals))
 
     def values(self, rows: range) -> Numbers:
-        """Varied numbers of some runs, (runs, axes), in SI."""
+        """Return the varied numbers of some runs, (runs, axes), in SI."""
         return self.design.values(self.axes, rows.start, len(rows))
 
     def by_owner(self, columns: Sequence[Kind]) -> tuple[dict[str, Kind], dict[str, dict[str, Kind]]]:
@@ -188,7 +188,7 @@ class SweepPlan:
         return replace(self.course, outputs=self.outputs, measures=measures, samples=samples)
 
     def _kept(self, values: Numbers, ran: Ensemble) -> SweepPiece:
-        """Measures and traces; a run that failed has no measures."""
+        """Return the measures and traces; a run that failed has no measures."""
         bad = ran.status >= Status.UNSOLVED
         scalars = {words: np.where(bad, np.nan, row) for words, row in zip(self.measures, ran.numbers, strict=True)}
         scalars |= {ENDED: ran.ended, ACCURACY: ran.accuracy}
@@ -196,7 +196,7 @@ class SweepPlan:
         return SweepPiece(values, scalars, traces, ran.status)
 
     def _places(self, trace: SweepTrace) -> np.ndarray:
-        """Samples that a trace keeps: both ends, and evenly between them."""
+        """Return the samples that a trace keeps: both ends, and evenly between them."""
         last = len(self.times) - 1
         return np.unique(np.round(np.linspace(0, last, min(trace.samples, last + 1))).astype(int))
 

@@ -205,7 +205,7 @@ class SlurmArray:
             raise InputError(f"SLURM refuses the array: {_find_reason(error)}") from None
 
     def find_job(self) -> str | None:
-        """Number of the array that was submitted last."""
+        """Return the number of the array that was submitted last."""
         numbers = [file.name.partition("_")[0] for file in self.folder.glob("*_submission.sh")]
         return max(filter(str.isdecimal, numbers), key=int, default=None)
 

@@ -57,7 +57,7 @@ def build_course(
 
 
 def list_waveforms(scenario: Scenario) -> dict[str, AbstractWaveform]:
-    """All that drives a scenario, by name; references and noise of a bench among it."""
+    """Return all that drives a scenario, by name; references and noise of a bench among it."""
     played = dict(by_name(scenario.system, scenario.waveform))
     if scenario.bench is None:
         return played

@@ -41,7 +41,7 @@ class SweepColumn:
 
     @property
     def shown(self) -> str:
-        """Unit in which people read it."""
+        """Return the unit in which people read it."""
         return units.choose_readable_unit(self.declared)
 
     def readable(self, values: Any = None) -> Numbers:
@@ -50,7 +50,7 @@ class SweepColumn:
         return (np.asarray(self.values if values is None else values, float) - offset) / factor
 
     def words(self, value: float) -> str:
-        """One of its numbers with its unit."""
+        """Return one of its numbers with its unit."""
         if math.isinf(value):
             return "never"
         number = f"{float(self.readable(value)):.5g}"
@@ -82,32 +82,32 @@ class SweepTable:
 
     @property
     def design(self) -> str:
-        """Name of the design, without the number of samples."""
+        """Return the name of the design, without the number of samples."""
         return self.sample.partition(":")[0].strip()
 
     @property
     def shape(self) -> tuple[int, ...] | None:
-        """Length of the grid along every varied number."""
+        """Return the length of the grid along every varied number."""
         return None if self.levels is None else tuple(map(len, self.levels))
 
     @cached_property
     def good(self) -> NDArray[np.bool_]:
-        """Runs that were made and can be trusted."""
+        """Return the runs that were made and can be trusted."""
         return (self.status > NOT_MADE) & (self.status < Status.UNSOLVED)
 
     @property
     def missing(self) -> int:
-        """Number of runs that are not made yet."""
+        """Return the number of runs that are not made yet."""
         return int(np.sum(self.status == NOT_MADE))
 
     @property
     def failed(self) -> int:
-        """Number of runs that were made and failed."""
+        """Return the number of runs that were made and failed."""
         return int(np.sum(self.status >= Status.UNSOLVED))
 
     @cached_property
     def inputs(self) -> Numbers:
-        """All varied numbers, (runs, axes)."""
+        """Return all varied numbers, (runs, axes)."""
         return np.stack([one.values for one in self.varied.values()], axis=1)
 
     def column(self, name: str) -> SweepColumn:
@@ -123,7 +123,7 @@ class SweepTable:
         return known[name if name in known else endings[0]]
 
     def chosen(self, names: list[str] | tuple[str, ...] | None = None) -> list[SweepColumn]:
-        """Measures by name; all without.
+        """Return the measures by name; all without.
 
         Raises:
             UnknownNameError: there is none of that name.

@@ -57,7 +57,7 @@ class Fmu:
         return [one for one in self.variables if one.nominal is not None]
 
     def named(self, causality: str) -> list[FmuVariable]:
-        """Variables that are an input, output, parameter or local."""
+        """Return the variables that are an input, output, parameter or local."""
         return [one for one in self.variables if one.causality == causality]
 
 

@@ -103,7 +103,7 @@ def _offer_exchange(root: Element, plan: FmuPlan, *abilities: str) -> None:
 
 
 def _list_unknowns(variables: Sequence[FmuVariable]) -> dict[str, list[FmuVariable]]:
-    """Variables that are calculated, by what the model structure of FMI 3.0 calls them."""
+    """Return the variables that are calculated, by what the model structure of FMI 3.0 calls them."""
     outputs = [one for one in variables if one.causality == "output"]
     rates = [one for one in variables if one.rate_of is not None]
     states = [one for one in variables if one.nominal is not None]

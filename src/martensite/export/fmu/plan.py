@@ -122,7 +122,7 @@ def _choose_step(system: AbstractSystem, scenario: Scenario | None, step: float 
 
 
 def _first_inputs(core: CCore, system: AbstractSystem) -> tuple[float, ...]:
-    """References as they begin, temperatures those of the surroundings, all others 0."""
+    """Return the references as they begin, temperatures those of the surroundings, all others 0."""
     known: dict[str, float] = {}
     if isinstance(system, Bench):
         known = {name: one.value(0.0) for name, one in reference_waveforms(system).items()}

@@ -56,7 +56,7 @@ class FmuVariable:
 
 
 def list_variables(plan: FmuPlan) -> tuple[FmuVariable, ...]:
-    """Inputs, outputs, parameters, the inner step, continuous states and their rates."""
+    """Return the inputs, outputs, parameters, the inner step, continuous states and their rates."""
     pace = "discrete" if plan.period else "continuous"
     found = [
         FmuVariable(one.name, one.index, "input", pace, one.words, one.unit, start)

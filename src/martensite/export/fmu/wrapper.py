@@ -21,7 +21,7 @@ _LARGEST = 1.7e308
 
 
 def write_sources(plan: FmuPlan, version: str, token: str) -> dict[str, str]:
-    """All C of an FMU, by file; `token` is its GUID, or instantiation token."""
+    """Return all C of an FMU, by file; `token` is its GUID, or instantiation token."""
     interface = _list_interface(plan, version)
     found = {"all.c": _write_all(plan, interface), "model.h": _write_model(plan, token), **plan.core.files}
     folder = files("martensite.export.fmu")
@@ -75,7 +75,7 @@ def _write_model(plan: FmuPlan, token: str) -> str:
 
 
 def _locate_moved(plan: FmuPlan) -> dict[str, object]:
-    """Inputs of which one is the velocity of the other, if there are such."""
+    """Return the inputs of which one is the velocity of the other, if there are such."""
     places = {one.name: one.index for one in plan.core.inputs}
     if "velocity" not in places:
         return {}

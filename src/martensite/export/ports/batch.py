@@ -51,13 +51,13 @@ class PortBatch:
         self._library = _NativePort(self.kernel) if native else None
 
     def start(self, inputs: Any) -> Array:
-        """States at rest under inputs (points, inputs) [SI]."""
+        """Return the states at rest under inputs (points, inputs) [SI]."""
         rows = self._checked(inputs)
         begin = self.kernel.functions["init"]
         return np.array([begin(*row) for row in rows.tolist()], float).reshape(len(rows), self.kernel.size)
 
     def step(self, states: Any, inputs: Any, dt: float) -> PortAnswers:
-        """States, answers and slopes after a step of dt [s], at whose end the inputs (points, inputs) hold.
+        """Return the states, answers and slopes after a step of dt [s], at whose end the inputs (points, inputs) hold.
 
         Raises:
             InputError: a number is not finite, or arrays do not fit.
@@ -106,7 +106,7 @@ class _NativePort:
         self._values = np.array([kernel.values[i] for i in core.kept] or [0.0], float)
 
     def try_all(self, states: Array, inputs: Array, dt: float) -> PortAnswers:
-        """All points, one after the other."""
+        """Return all points, one after the other."""
         points, answers = len(inputs), len(self._kernel.answers)
         after = np.empty_like(states)
         values = np.empty((points, answers))
@@ -189,7 +189,7 @@ class UniaxialModel:
 
     @property
     def history_dim(self) -> dict[str, int]:
-        """Numbers per point of every array of the history."""
+        """Return the numbers per point of every array of the history."""
         return {"strain": 1, "state": self._batch.kernel.size}
 
     def create_history(self, points: int) -> dict[str, Array]:

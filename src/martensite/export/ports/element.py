@@ -133,7 +133,7 @@ class ElementPort(System):
         return super(ElementPort, self._placed(drives)).step(xp, state, *drives[:-1], dt=dt)
 
     def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:
-        """Everything that can be measured, and the ambient temperature."""
+        """Return everything that can be measured, and the ambient temperature."""
         return [*super(ElementPort, self._placed(drives)).observe(xp, state, *drives[:-1]), drives[-1]]
 
     def differentiate(self, xp: Namespace, state: Any, *drives: Scalar) -> tuple[Any, Sequence[Scalar]]:
@@ -144,7 +144,7 @@ class ElementPort(System):
         return after._replace(mechanism=state.mechanism), rates
 
     def flows(self, xp: Namespace, state: Any, *drives: Scalar | Feed) -> Scalar:
-        """Power [W] into the element."""
+        """Return the power [W] into the element."""
         return super(ElementPort, self._placed(drives)).flows(xp, state, *drives[:-1])
 
     def heat_contents(self, xp: Namespace, state: Any) -> list[Scalar | None]:

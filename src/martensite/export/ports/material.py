@@ -84,7 +84,7 @@ class MaterialPort(AbstractSystem):
         return {}
 
     def drives(self) -> list[DriveSignal]:
-        """Strain and temperature, as they are at the end of a step."""
+        """Return the strain and temperature, as they are at the end of a step."""
         return [DriveSignal("strain", "1", True), DriveSignal("temperature", "K", True)]
 
     def label(self, port: str, name: str) -> str:
@@ -96,7 +96,7 @@ class MaterialPort(AbstractSystem):
         return "strain"
 
     def outputs(self) -> dict[str, Output]:
-        """Stress, heat and state."""
+        """Return the stress, heat and state."""
         return dict(OUTPUTS)
 
     def description(self) -> str:
@@ -118,7 +118,7 @@ class MaterialPort(AbstractSystem):
         return 0.0
 
     def convergence_scales(self) -> dict[str, float]:
-        """Stress and fraction."""
+        """Return the stress and fraction."""
         return {"stress": 1e6, "martensite_fraction": 0.01}
 
     def init(self, xp: Namespace, *drives: Scalar) -> PointState:

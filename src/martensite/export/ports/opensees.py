@@ -12,7 +12,7 @@ from martensite.export.ports.kernel import PortKernel
 
 
 def write_opensees(kernel: PortKernel, name: str) -> dict[str, str]:
-    """Source of a package, and a script that uses it, by the endings of their files."""
+    """Return the source of a package, and a script that uses it, by the endings of their files."""
     core = kernel.write_core(name=f"{name}_core")
     source = join_source(
         core, _PACKAGE.replace("MATERIAL", name), f"{name}: a uniaxialMaterial of OpenSees, written by martensite."

@@ -35,7 +35,7 @@ class CoreSlopes:
 
     @property
     def width(self) -> int:
-        """Directions that share values."""
+        """Return the directions that share values."""
         return min(WIDEST, 1 << (len(self.names) - 1).bit_length())
 
     @property
@@ -100,7 +100,7 @@ class CoreSlopes:
 
 
 def choose_slopes(system: AbstractSystem, core: CCore, names: Sequence[str]) -> CoreSlopes:
-    """Directions by their names: parameters, whose unique endings do, and signals.
+    """Return the directions by their names: parameters, whose unique endings do, and signals.
 
     Raises:
         ParameterError: there is none of a name, it is ambiguous, or no derivative by it has a meaning.

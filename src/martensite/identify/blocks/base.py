@@ -63,16 +63,16 @@ class AbstractBlock(Parametrised):
 
     @property
     def inputs(self) -> int:
-        """Number of signals it takes."""
+        """Return the number of signals it takes."""
         return 1
 
     @property
     def outputs(self) -> int:
-        """Number of signals it gives."""
+        """Return the number of signals it gives."""
         return 1
 
     def numbers(self) -> tuple[str, ...]:
-        """Names of the free numbers θ."""
+        """Return the names of the free numbers θ."""
         return ()
 
     def states(self) -> int:
@@ -85,7 +85,7 @@ class AbstractBlock(Parametrised):
 
     @abstractmethod
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """Outputs of this sample and the state for the next, `dt` [s] later."""
+        """Return the outputs of this sample and the state for the next, `dt` [s] later."""
 
     def adapt_to(self, x: Numbers, dt: float) -> Self:
         """Return the block with its fixed numbers set for an input of shape (samples, inputs)."""
@@ -102,11 +102,11 @@ class AbstractBlock(Parametrised):
         return self
 
     def start(self) -> Numbers:
-        """Values of the free numbers to begin with: the plainest behaviour."""
+        """Return the values of the free numbers to begin with: the plainest behaviour."""
         return np.zeros(len(self.numbers()))
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Random values to begin with, for records of some duration [s]."""
+        """Return random values to begin with, for records of some duration [s]."""
         return self.start()
 
     def twin(self) -> AbstractBlock | None:
@@ -128,7 +128,7 @@ class AbstractBlock(Parametrised):
         return self, theta
 
     def priors(self) -> tuple[Numbers, Numbers]:
-        """Expected values of the free numbers, and 1/σ of each; 0 for those of which none is known.
+        """Return the expected values of the free numbers, and 1/σ of each; 0 for those of which none is known.
 
         A fit counts (θ - expected)/σ as one more residual each.
         """
@@ -142,7 +142,7 @@ class AbstractBlock(Parametrised):
         return ("",) * self.outputs
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """Name, value and unit of what the free numbers mean, for people to read."""
+        """Return the name, value and unit of what the free numbers mean, for people to read."""
         return [(name, float(value), "1") for name, value in zip(self.numbers(), theta, strict=True)]
 
     def text(self) -> str:
@@ -164,7 +164,7 @@ class AbstractBlock(Parametrised):
         return self.rebuilt(dict(zip(self.fixed, values, strict=True)))
 
     def structure(self) -> tuple[Any, ...]:
-        """All that makes it another program: everything but the fixed and the free numbers."""
+        """Return all that makes it another program: everything but the fixed and the free numbers."""
         kept = (n for n in self.declarations if n not in self.fixed)
         return type(self), tuple((name, getattr(self, name)) for name in kept)
 
@@ -185,7 +185,7 @@ class AbstractRanged(AbstractBlock):
 
     @property
     def half(self) -> float:
-        """Half the range of the input: what 1 on its scale is."""
+        """Return half the range of the input: what 1 on its scale is."""
         return 0.5 * (self.high - self.low)
 
     @property
@@ -209,7 +209,7 @@ class AbstractStatic(AbstractRanged):
 
     @abstractmethod
     def line(self, slope: float, offset: float) -> Numbers:
-        """Free numbers that make it a straight line, as well as it can be one."""
+        """Return the free numbers that make it a straight line, as well as it can be one."""
 
     def scale_departure(self, departure: Numbers, factor: float) -> Numbers:
         """Return a departure from a line with its outputs times a factor.

@@ -56,7 +56,7 @@ class Series(AbstractComposite):
         return self.blocks[-1].outputs
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """Every block at rest under what the one before gives."""
+        """Return every block at rest under what the one before gives."""
         found: list[Scalar] = []
         for block, own in self.split(theta, lambda one: len(one.numbers())):
             state = list(block.rest(xp, own, x, dt))
@@ -73,7 +73,7 @@ class Series(AbstractComposite):
         return x, after
 
     def adapt_to(self, x: Numbers, dt: float) -> Self:
-        """Every block adapted to what reaches it from the start."""
+        """Return every block adapted to what reaches it from the start."""
         made: list[AbstractBlock] = []
         for block in self.blocks:
             made.append(block.adapt_to(x, dt))
@@ -99,7 +99,7 @@ class SummedBlocks(AbstractComposite):
         return self.blocks[0].inputs
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """Every block at rest."""
+        """Return every block at rest."""
         own = self.split(theta, lambda block: len(block.numbers()))
         return [s for block, numbers in own for s in block.rest(xp, numbers, x, dt)]
 
@@ -113,7 +113,7 @@ class SummedBlocks(AbstractComposite):
         return (total,), after
 
     def adapt_to(self, x: Numbers, dt: float) -> Self:
-        """Every block adapted to the signals."""
+        """Return every block adapted to the signals."""
         return self.with_parts(blocks=tuple(block.adapt_to(x, dt) for block in self.blocks))
 
 
@@ -212,7 +212,7 @@ class FeedbackLoop(AbstractComposite):
         return self.with_parts(blocks=(forward, self.blocks[1].adapt_to(y, dt)))
 
     def fence_in(self, theta: Numbers, states: Numbers, dt: float) -> Self:
-        """Both by their own states, and what is fed back by its range."""
+        """Return both by their own states, and what is fed back by its range."""
         made = super().fence_in(theta[:-1], states[:, :-1], dt)
         low, high = float(np.min(states[:, -1])), float(np.max(states[:, -1]))
         middle, half = 0.5 * (low + high), max(0.5 * (high - low), LEAST * max(abs(low), abs(high), LEAST))
@@ -247,7 +247,7 @@ class FeedbackLoop(AbstractComposite):
 
 
 def _simulate_block(block: AbstractBlock, theta: Numbers, x: Numbers, dt: float) -> Numbers:
-    """Outputs of a block alone, from rest, on floats."""
+    """Return the outputs of a block alone, from rest, on floats."""
     own = [float(value) for value in theta]
     state = block.rest(floats, own, list(map(float, x[0])), dt)
     made = np.empty((len(x), block.outputs))

@@ -54,11 +54,11 @@ class BoucWen(AbstractRanged):
         return (line * x[0] + (1.0 - line) * half * w / stiffness,), (x[0], w)
 
     def start(self) -> Numbers:
-        """Half a line; yields within a third of the range; σ = 1."""
+        """Return half a line; yields within a third of the range; σ = 1."""
         return np.array([0.0, np.log(3.0), 0.0])
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Any share of the line; yields within all of the range or a tenth."""
+        """Return any share of the line; yields within all of the range or a tenth."""
         low, high = np.array([-2.0, 0.0, -2.0]), np.array([2.0, np.log(10.0), 1.0])
         return rng.uniform(low, high)
 

@@ -34,7 +34,7 @@ class Duhem(AbstractRanged):
     history: str = option("where the input came from before the first sample", "below", "above", default="below")
 
     def numbers(self) -> tuple[str, ...]:
-        """Centres, widths and share of the rising branch, then of the falling one."""
+        """Return the centres, widths and share of the rising branch, then of the falling one."""
         count = int(self.logistics)
         return branches.name_branch("rising", count) + branches.name_branch("falling", count)
 
@@ -70,7 +70,7 @@ class Duhem(AbstractRanged):
         return np.array([0.2, 0.3, *widths, 1.0, -0.2, -0.3, *widths, 1.0])
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Loops anywhere in the range, up to as wide as it, their branches steep or flat."""
+        """Return the loops anywhere in the range, up to as wide as it, their branches steep or flat."""
         made = self.start()
         count = int(self.logistics)
         middle, half = rng.uniform(-0.4, 0.4), rng.uniform(0.0, 0.5)
@@ -80,7 +80,7 @@ class Duhem(AbstractRanged):
         return made
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """Centres and widths in units of the input, shares of the first logistic functions."""
+        """Return the centres and widths in units of the input, shares of the first logistic functions."""
         half = self.half
         rows: list[tuple[str, float, str]] = []
         for name, value in zip(self.numbers(), map(float, theta), strict=True):

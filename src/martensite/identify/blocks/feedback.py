@@ -64,13 +64,13 @@ class Feedback(AbstractRanged):
     feedthrough: str = option("whether the input acts within the sample", "yes", "no", default="yes")
 
     def powers(self) -> list[tuple[int, int]]:
-        """Powers (of r, of δ) of the terms of φ."""
+        """Return the powers (of r, of δ) of the terms of φ."""
         changes = range(int(self.degree) + 1 if self.past > 1.5 else 1)
         total = range(2, int(self.degree) + 1)
         return [(n - j, j) for n in total for j in changes if j <= n]
 
     def numbers(self) -> tuple[str, ...]:
-        """Poles, β_k, coefficients of φ by their powers of r and δ."""
+        """Return the poles, β_k, coefficients of φ by their powers of r and δ."""
         beta = (f"beta{k + 1}" for k in range(self._zeros))
         return (*sections.name_sections(int(self.order)), *beta, *(f"c{i}{j}" for i, j in self.powers()))
 
@@ -156,13 +156,13 @@ class Feedback(AbstractRanged):
         return xp.sqrt(sections.second_order(xp, poles[-2], poles[-1], dt).d2)
 
     def start(self) -> Numbers:
-        """Poles about one second apart in scale; nothing fed back."""
+        """Return the poles about one second apart in scale; nothing fed back."""
         made = np.zeros(len(self.numbers()))
         made[int(self.order) % 2 + 1 : int(self.order) : 2] = np.log(1.2)
         return made
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Poles as those of a transfer function; little fed back."""
+        """Return the poles as those of a transfer function; little fed back."""
         made = rng.uniform(-0.1, 0.1, len(self.numbers()))
         made[: int(self.order)] = sections.draw_numbers(int(self.order), rng, duration, dt)
         return made
@@ -178,7 +178,7 @@ class Feedback(AbstractRanged):
         return self, self.like(linear, theta, dt) if own else self.start()
 
     def like(self, linear: TransferFunction, theta: Numbers, dt: float) -> Numbers:
-        """Free numbers with which it is a transfer function, nothing fed back: a start for a fit.
+        """Return the free numbers with which it is a transfer function, nothing fed back: a start for a fit.
 
         That is of the same order, with as many numerator coefficients or fewer, at a sample time of dt [s].
 
@@ -200,7 +200,7 @@ class Feedback(AbstractRanged):
         return made
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """Poles in their units, then the other numbers."""
+        """Return the poles in their units, then the other numbers."""
         order = int(self.order)
         rest = zip(self.numbers()[order:], theta[order:], strict=True)
         poles = sections.show_numbers(self.numbers()[:order], theta[:order])
@@ -208,7 +208,7 @@ class Feedback(AbstractRanged):
 
 
 def _respond_to_impulse(linear: TransferFunction, theta: Numbers, dt: float, count: int) -> Numbers:
-    """Outputs to an input of 1 in the first sample."""
+    """Return the outputs to an input of 1 in the first sample."""
     state, found = [0.0] * linear.states(), np.zeros(count)
     for k in range(count):
         (found[k],), after = linear.step(floats, list(map(float, theta)), state, (float(k == 0),), dt)

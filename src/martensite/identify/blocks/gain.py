@@ -33,7 +33,7 @@ class Gain(AbstractCurve):
         return heights[0] * r
 
     def line(self, slope: float, offset: float) -> Numbers:
-        """Every line."""
+        """Return every line."""
         rise = slope * self.half
         return np.array([offset + slope * self.middle, rise] if self.first else [rise])
 

@@ -50,7 +50,7 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
         return ("rise",)
 
     def places(self) -> tuple[str, ...]:
-        """Logits of weights but the first, then of both curves at the inner knots."""
+        """Return the logits of weights but the first, then of both curves at the inner knots."""
         names = [f"weight{i}" for i in range(2, int(self.plays) + 1)]
         for curve in ("upper", "lower"):
             names += [f"{curve}{k}" for k in range(2, int(self.knots))]
@@ -87,12 +87,12 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
         return heights[0] * 0.5 * (lower + upper)
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """All plays half way between the curves."""
+        """Return all plays half way between the curves."""
         lower, upper = self.curves(xp, self._split_parameters(theta)[2], self.unit(x[0]))
         return [0.5 * (lower + upper)] * int(self.plays)
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """Plays between the curves, and their sum."""
+        """Return the plays between the curves, and their sum."""
         rise, weights, logits = self._split_parameters(theta)
         lower, upper = self.curves(xp, logits, self.unit(x[0]))
         gap = 2.0 * self.reach / int(self.plays)
@@ -112,7 +112,7 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
         return np.concatenate([level, [slope * self.half], weights, *self._open_curves(OPEN)])
 
     def _open_curves(self, half: float) -> tuple[Numbers, Numbers]:
-        """Logits of curves on both sides of a line, apart by a parabola."""
+        """Return the logits of curves on both sides of a line, apart by a parabola."""
         share = np.linspace(0.0, 1.0, int(self.knots))
         apart = 4.0 * half * share * (1.0 - share)
         above, below = share + apart, share - apart
@@ -121,13 +121,13 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
         return np.log(upper / (1.0 - upper)), np.log(lower / (1.0 - lower))
 
     def priors(self) -> tuple[Numbers, Numbers]:
-        """Logits within some tens."""
+        """Return the logits within some tens."""
         widths = np.zeros(len(self.numbers()))
         widths[self.first + 1 :] = 1.0 / FARTHEST
         return self.start(), widths
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Loops more or less open, slopes and weights scattered."""
+        """Return the loops more or less open, slopes and weights scattered."""
         made = self.start()
         curves = np.concatenate(self._open_curves(rng.uniform(0.02, 0.24)))
         made[len(made) - len(curves) :] = curves

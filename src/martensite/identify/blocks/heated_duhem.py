@@ -128,7 +128,7 @@ class HeatedDuhem(AbstractBlock):
 
     @property
     def outputs(self) -> int:
-        """Temperature, position or both."""
+        """Return the temperature, position or both."""
         return 2 if self.gives == "both" else 1
 
     def numbers(self) -> tuple[str, ...]:
@@ -219,7 +219,7 @@ class HeatedDuhem(AbstractBlock):
         return self.start() + 0.5 * spread * rng.uniform(-1.0, 1.0, len(spread))
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """Numbers as they stand in the equations, temperatures as the record has them."""
+        """Return the numbers as they stand in the equations, temperatures as the record has them."""
         return [self._row(n, float(v), float(theta[5])) for n, v in zip(self.numbers(), theta, strict=True)]
 
     def _row(self, name: str, value: float, ambient: float) -> tuple[str, float, str]:

@@ -78,7 +78,7 @@ class AbstractNetwork(AbstractCurve):
         return ("rise", *(f"height{i}" for i in self._each))
 
     def places(self) -> tuple[str, ...]:
-        """Steepness and centre of every unit."""
+        """Return the steepness and centre of every unit."""
         return (*(f"log_b{i}" for i in self._each), *(f"centre{i}" for i in self._each))
 
     @property
@@ -86,7 +86,7 @@ class AbstractNetwork(AbstractCurve):
         return range(1, int(self.units) + 1)
 
     def curve(self, xp: Namespace, heights: Column, places: Column, r: Scalar) -> Scalar:
-        """Line and units."""
+        """Return the line and units."""
         count = len(heights) - 1
         total = heights[0] * r
         for height, first, second in zip(heights[1:], places[:count], places[count:], strict=True):
@@ -106,7 +106,7 @@ class AbstractNetwork(AbstractCurve):
         return np.concatenate([level, [slope * self.half], idle, *self.frame()])
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Units around their frame, of heights about a fifth of the rise."""
+        """Return the units around their frame, of heights about a fifth of the rise."""
         made = self.start()
         count = int(self.units)
         units = self.first + 1
@@ -132,7 +132,7 @@ class SigmoidNetwork(AbstractNetwork):
         return steep, (2.0 * np.arange(count) + 1.0) / count - 1.0
 
     def spread(self, rng: np.random.Generator) -> tuple[Numbers, Numbers]:
-        """Centres anywhere in the range."""
+        """Return the centres anywhere in the range."""
         steep, centres = self.frame()
         return steep + rng.normal(0.0, 0.3, len(steep)), rng.uniform(-1.0, 1.0, len(centres))
 
@@ -149,11 +149,11 @@ class TanhNetwork(AbstractNetwork):
         return 2.0 * share - 1.0, 4.0 * slope
 
     def argument(self, xp: Namespace, first: Scalar, second: Scalar, r: Scalar) -> Scalar:
-        """Weight and bias."""
+        """Return the weight and bias."""
         return first * r + second
 
     def places(self) -> tuple[str, ...]:
-        """Weights, then biases."""
+        """Return the weights, then biases."""
         units = range(1, int(self.units) + 1)
         return (*(f"weight{i}" for i in units), *(f"bias{i}" for i in units))
 
@@ -164,7 +164,7 @@ class TanhNetwork(AbstractNetwork):
         return weights, -weights * ((2.0 * np.arange(count) + 1.0) / count - 1.0)
 
     def spread(self, rng: np.random.Generator) -> tuple[Numbers, Numbers]:
-        """Weights of the size of those of the frame, their steepest points in the range."""
+        """Return the weights of the size of those of the frame, their steepest points in the range."""
         weights = self.frame()[0] * rng.normal(0.0, 1.0, int(self.units))
         return weights, -weights * rng.uniform(-1.0, 1.0, len(weights))
 

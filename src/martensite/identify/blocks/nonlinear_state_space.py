@@ -140,7 +140,7 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
         return scaled
 
     def fence_in(self, theta: Numbers, states: Numbers, dt: float) -> Self:
-        """Every state limited to the largest that it had, and a little more."""
+        """Return every state limited to the largest that it had, and a little more."""
         poles = [float(p) for p in theta[: int(self.order)]]
         held = self._scale_states(floats, poles, list(states[:, int(self.nk) :].T), dt)
         largest = [BEYOND * float(np.max(np.abs(one))) for one in held]
@@ -197,7 +197,7 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
         return self.with_parts(reach=self._largest_departure(theta, x[:, 0], dt)), made
 
     def _largest_departure(self, theta: Numbers, x: Numbers, dt: float) -> float:
-        """Greatest departure of a state from the middle of the input, in half widths of that."""
+        """Return the greatest departure of a state from the middle of the input, in half widths of that."""
         n = int(self.order)
         poles, state = [float(p) for p in theta[:n]], sections.rest_cascade(n, float(x[0]))
         half, middle = self.half, self.middle
@@ -216,7 +216,7 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
         return made
 
     def priors(self) -> tuple[Numbers, Numbers]:
-        """Nonlinear terms are not huge; nothing is expected of the linear system."""
+        """Return the nonlinear terms are not huge; nothing is expected of the linear system."""
         weights = np.zeros(len(self.numbers()))
         weights[self._linear :] = 1.0 / USUAL
         return np.zeros(len(weights)), weights

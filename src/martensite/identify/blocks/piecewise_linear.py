@@ -35,16 +35,16 @@ class PiecewiseLinear(AbstractCurve):
     inner: str = option("whether the knots between the ends move", "free", "fixed", default="free")
 
     def heights(self) -> tuple[str, ...]:
-        """Values at the knots but the first, relative to it."""
+        """Return the values at the knots but the first, relative to it."""
         return tuple(f"value{i}" for i in range(2, int(self.knots) + 1))
 
     def places(self) -> tuple[str, ...]:
-        """Logits of the gaps but the first, if knots move."""
+        """Return the logits of the gaps but the first, if knots move."""
         inner = int(self.knots) - 1 if self.inner == "free" else 1
         return tuple(f"gap{i}" for i in range(2, inner + 1))
 
     def _gaps(self, xp: Namespace, places: Column) -> list[Scalar]:
-        """Distances of the knots; they add up to 2."""
+        """Return the distances of the knots; they add up to 2."""
         count = int(self.knots) - 1
         logits = [0.0, *places] if self.inner == "free" else [0.0] * count
         sizes = [xp.exp(xp.clip(logit, -LIKELIEST, LIKELIEST)) for logit in logits]
@@ -65,14 +65,14 @@ class PiecewiseLinear(AbstractCurve):
         return total
 
     def line(self, slope: float, offset: float) -> Numbers:
-        """Every line, with even knots."""
+        """Return every line, with even knots."""
         count = int(self.knots)
         level = (offset + slope * self.low,)[: self.first]
         values = slope * self.half * np.linspace(0.0, 2.0, count)[1:]
         return np.concatenate([level, values, np.zeros(len(self.places()))])
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Values off the line by about a tenth of its rise, uneven knots."""
+        """Return the values off the line by about a tenth of its rise, uneven knots."""
         made = self.start()
         last = len(made) - len(self.places())
         rise = abs(made[last - 1])
@@ -81,7 +81,7 @@ class PiecewiseLinear(AbstractCurve):
         return made
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """Knots in units of the input, and the outputs there."""
+        """Return the knots in units of the input, and the outputs there."""
         numbers = [float(v) for v in theta]
         gaps = self._gaps(floats, numbers[len(numbers) - len(self.places()) :])
         shares = np.concatenate([[0.0], np.cumsum(gaps)])

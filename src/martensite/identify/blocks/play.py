@@ -44,7 +44,7 @@ class Play(AbstractRanged):
         return (y,), (y,)
 
     def radius(self, xp: Namespace, theta: Column) -> Scalar:
-        """Half the backlash, in the unit of the input."""
+        """Return half the backlash, in the unit of the input."""
         return self.half * xp.exp(xp.clip(theta[0], -STRONGEST, STRONGEST))
 
     def start(self) -> Numbers:
@@ -52,7 +52,7 @@ class Play(AbstractRanged):
         return np.array([0.5 * float(np.log(BEGUN).sum())])
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Any size that would be noticed."""
+        """Return any size that would be noticed."""
         low, high = np.log(BEGUN)
         return rng.uniform(low, high, 1)
 

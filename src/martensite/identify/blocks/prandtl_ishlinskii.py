@@ -45,7 +45,7 @@ class PrandtlIshlinskii(AbstractRanged):
     )
 
     def numbers(self) -> tuple[str, ...]:
-        """Weights or their logits, then logarithms of the reach or of steps of thresholds."""
+        """Return the weights or their logits, then logarithms of the reach or of steps of thresholds."""
         each = [str(i) for i in range(1, int(self.plays) + 1)]
         word = "logit" if self.weights == "positive" else "weight"
         weights = tuple(f"{word}{i}" for i in each)
@@ -58,11 +58,11 @@ class PrandtlIshlinskii(AbstractRanged):
         return int(self.plays)
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """All plays are where the input is."""
+        """Return all plays are where the input is."""
         return [x[0]] * int(self.plays)
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """Plays, and their sum."""
+        """Return the plays, and their sum."""
         radii = self.radii(xp, theta)
         after = [move_play(xp, x[0], r, p) for r, p in zip(radii, state, strict=True)]
         sizes, whole = self._sizes(xp, theta)
@@ -72,7 +72,7 @@ class PrandtlIshlinskii(AbstractRanged):
         return (x[0] + away / whole,), after
 
     def _sizes(self, xp: Namespace, theta: Column) -> tuple[list[Scalar], Scalar]:
-        """Weights of the input and of the plays, times a number that is returned too."""
+        """Return the weights of the input and of the plays, times a number that is returned too."""
         own = theta[: int(self.plays)]
         if self.weights == "positive":
             return compute_sizes(xp, own)
@@ -82,7 +82,7 @@ class PrandtlIshlinskii(AbstractRanged):
         return [rest, *own], 1.0
 
     def radii(self, xp: Namespace, theta: Column) -> list[Scalar]:
-        """Thresholds, in the unit of the input."""
+        """Return the thresholds, in the unit of the input."""
         count = int(self.plays)
         step = self.reach * (self.high - self.low) / count
         own = theta[count:]
@@ -98,14 +98,14 @@ class PrandtlIshlinskii(AbstractRanged):
         return [(i + 1.0) * step for i in range(count)]
 
     def priors(self) -> tuple[Numbers, Numbers]:
-        """Logits within some tens: a play that is not needed would send its own to infinity."""
+        """Return the logits within some tens: a play that is not needed would send its own to infinity."""
         count = int(self.plays)
         widths = np.full(len(self.numbers()), 1.0 / STEADY)
         widths[:count] = 1.0 / FARTHEST if self.weights == "positive" else 0.0
         return self.start(), widths
 
     def start(self) -> Numbers:
-        """Plays of equal weight with half of the output; thresholds even up to the reach."""
+        """Return the plays of equal weight with half of the output; thresholds even up to the reach."""
         made = np.zeros(len(self.numbers()))
         count = int(self.plays)
         each = np.full(count, PLAYING / count)
@@ -114,7 +114,7 @@ class PrandtlIshlinskii(AbstractRanged):
         return made
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Another share of the plays in the output, and another reach if it is free."""
+        """Return another share of the plays in the output, and another reach if it is free."""
         made = self.start()
         count = int(self.plays)
         share = rng.uniform(0.05, 0.95)
@@ -132,7 +132,7 @@ class PrandtlIshlinskii(AbstractRanged):
         return PlaySum(tuple(self.radii(floats, own)), tuple(size / whole for size in sizes))
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """Weight of the input, thresholds and weights of the plays."""
+        """Return the weight of the input, thresholds and weights of the plays."""
         made = self.operator(theta)
         rows = [("weight of the input", made.weights[0], "1")]
         for i, (r, a) in enumerate(zip(made.thresholds, made.weights[1:], strict=True), 1):

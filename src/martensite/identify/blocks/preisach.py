@@ -48,7 +48,7 @@ class Preisach(AbstractCurve):
         return tuple(f"rise{i}_{k}" for i, k in self._segments())
 
     def places(self) -> tuple[str, ...]:
-        """Logits of the shares of all segments but the first."""
+        """Return the logits of the shares of all segments but the first."""
         if self.slopes == "free":
             return ()
         return tuple(f"logit{i}_{k}" for i, k in self._segments()[1:])
@@ -62,11 +62,11 @@ class Preisach(AbstractCurve):
         return int(self.levels)
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """All plays are where the input is."""
+        """Return all plays are where the input is."""
         return [x[0]] * int(self.levels)
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """Plays, and the sum of their curves."""
+        """Return the plays, and the sum of their curves."""
         half = self.half
         after = [move_play(xp, x[0], half * self._radius(i + 1), p) for i, p in enumerate(state)]
         heights, places = self._split_parameters(theta)
@@ -79,7 +79,7 @@ class Preisach(AbstractCurve):
         return theta[self.first : last], theta[last:]
 
     def _radius(self, level: int) -> Scalar:
-        """Threshold on the scale where the range is -1 to 1."""
+        """Return the threshold on the scale where the range is -1 to 1."""
         return 2.0 * self.reach * level / int(self.levels)
 
     def curve(self, xp: Namespace, heights: Column, places: Column, r: Scalar) -> Scalar:
@@ -87,7 +87,7 @@ class Preisach(AbstractCurve):
         return self._sum(xp, heights, places, [r] * (int(self.levels) + 1))
 
     def _sum(self, xp: Namespace, heights: Column, places: Column, at: Column) -> Scalar:
-        """All curves at their plays, on the scale of the range; 0 for plays in its middle."""
+        """Return all curves at their plays, on the scale of the range; 0 for plays in its middle."""
         sizes, factor = self._sizes(xp, heights, places)
         segments = int(self.knots) - 1
         total: Scalar = 0.0
@@ -98,14 +98,14 @@ class Preisach(AbstractCurve):
         return factor * total
 
     def _sizes(self, xp: Namespace, heights: Column, places: Column) -> tuple[list[Scalar], Scalar]:
-        """Slopes of all segments on the scale of the range, but for a factor."""
+        """Return the slopes of all segments on the scale of the range, but for a factor."""
         if self.slopes == "free":
             return list(heights), 1.0
         sizes, whole = compute_sizes(xp, places)
         return sizes, (int(self.knots) - 1) * heights[0] / whole
 
     def line(self, slope: float, offset: float) -> Numbers:
-        """All segments alike: a line at rest, with the loops of even plays."""
+        """Return all segments alike: a line at rest, with the loops of even plays."""
         level = (offset + slope * self.middle,)[: self.first]
         rise = slope * self.half
         if self.slopes == "alike":
@@ -113,13 +113,13 @@ class Preisach(AbstractCurve):
         return np.concatenate([level, np.full(len(self.heights()), rise / (self.levels + 1.0))])
 
     def priors(self) -> tuple[Numbers, Numbers]:
-        """Logits within some tens."""
+        """Return the logits within some tens."""
         widths = np.zeros(len(self.numbers()))
         widths[len(widths) - len(self.places()) :] = 1.0 / FARTHEST
         return self.start(), widths
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Shares of levels and segments scattered by a factor of about two."""
+        """Return the shares of levels and segments scattered by a factor of about two."""
         made = self.start()
         if self.slopes == "alike":
             first = self.first + 1

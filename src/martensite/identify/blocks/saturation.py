@@ -53,7 +53,7 @@ class AbstractInterval(AbstractCurve):
         return ("rise",) if self.gain == "free" else ()
 
     def places(self) -> tuple[str, ...]:
-        """Middle between the limits, and logarithm of half their distance."""
+        """Return the middle between the limits, and logarithm of half their distance."""
         return ("centre", "log_half")
 
     def curve(self, xp: Namespace, heights: Column, places: Column, r: Scalar) -> Scalar:
@@ -75,14 +75,14 @@ class AbstractInterval(AbstractCurve):
         return made
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Limits anywhere."""
+        """Return the limits anywhere."""
         made = self.start()
         made[-2] = rng.uniform(-0.4, 0.4)
         made[-1] = np.log(rng.uniform(*self.begun))
         return made
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """Limits in units of the input, gain and output at zero input."""
+        """Return the limits in units of the input, gain and output at zero input."""
         centre, half = float(theta[-2]), float(np.exp(np.clip(theta[-1], -SMALLEST, SMALLEST)))
         limits = [self.middle + self.half * (centre + side * half) for side in (-1.0, 1.0)]
         gain = float(theta[self.first]) / self.half if self.gain == "free" else 1.0

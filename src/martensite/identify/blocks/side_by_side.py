@@ -33,7 +33,7 @@ class AbstractComposite(AbstractBlock):
 
     @abstractmethod
     def adapt_to(self, x: Numbers, dt: float) -> Self:
-        """Every block adapted to what reaches it."""
+        """Return every block adapted to what reaches it."""
 
     def numbers(self) -> tuple[str, ...]:
         """Return the names of the parameters of all blocks, prefixed by the place of the block."""
@@ -67,7 +67,7 @@ class AbstractComposite(AbstractBlock):
         return any(block.fenced for block in self.blocks)
 
     def fence_in(self, theta: Numbers, states: Numbers, dt: float) -> Self:
-        """Every block by its own states."""
+        """Return every block by its own states."""
         own = self.split(theta, lambda block: len(block.numbers()))
         held = self.split(states.T, lambda block: block.states())
         both = zip(own, held, strict=True)
@@ -102,7 +102,7 @@ class AbstractComposite(AbstractBlock):
 
     @property
     def fixed(self) -> tuple[str, ...]:  # type: ignore[override]
-        """Fixed numbers of all blocks, with the place of each."""
+        """Return the fixed numbers of all blocks, with the place of each."""
         return tuple(f"{place}.{name}" for place, b in self._place_blocks for name in b.fixed)
 
     def given(self) -> tuple[float, ...]:
@@ -110,7 +110,7 @@ class AbstractComposite(AbstractBlock):
         return tuple(value for block in self.blocks for value in block.given())
 
     def with_given(self, values: Sequence[Any]) -> Self:
-        """Every block with its own."""
+        """Return every block with its own."""
         shares = self.split(values, lambda block: len(block.fixed))
         return self.rebuilt({"blocks": tuple(block.with_given(own) for block, own in shares)})
 
@@ -141,7 +141,7 @@ class SideBySide(AbstractComposite):
         return [(b, numbers, taken) for (b, numbers), (_, taken) in zip(own, signals, strict=True)]
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """Every block at rest."""
+        """Return every block at rest."""
         shares = self._shares(theta, x)
         return [s for block, own, taken in shares for s in block.rest(xp, own, taken, dt)]
 
@@ -157,7 +157,7 @@ class SideBySide(AbstractComposite):
         return outputs, after
 
     def adapt_to(self, x: Numbers, dt: float) -> Self:
-        """Every block adapted to its own signals."""
+        """Return every block adapted to its own signals."""
         columns = self.split(x.T, lambda block: block.inputs)
         return self.with_parts(blocks=tuple(block.adapt_to(own.T, dt) for block, own in columns))
 

@@ -38,7 +38,7 @@ class Spline(AbstractCurve):
     knots: Number = param("1", "number of knots", low=2.0, high=200.0, default=10.0, typical=4.0)
 
     def heights(self) -> tuple[str, ...]:
-        """Coefficients but the first, relative to it."""
+        """Return the coefficients but the first, relative to it."""
         return tuple(f"c{k}" for k in range(2, int(self.knots) + 1))
 
     def curve(self, xp: Namespace, heights: Column, places: Column, r: Scalar) -> Scalar:
@@ -55,20 +55,20 @@ class Spline(AbstractCurve):
         return total + 0.5 * gaps * slope * (r - inside)
 
     def line(self, slope: float, offset: float) -> Numbers:
-        """Every line."""
+        """Return every line."""
         level = (offset + slope * self.low,)[: self.first]
         values = slope * self.half * np.linspace(0.0, 2.0, int(self.knots))[1:]
         return np.concatenate([level, values])
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Coefficients off the line by about a tenth of its rise."""
+        """Return the coefficients off the line by about a tenth of its rise."""
         made = self.start()
         count = len(self.heights())
         made[self.first :] += rng.normal(0.0, 0.1, count) * abs(made[-1])
         return made
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """Outputs at the knots."""
+        """Return the outputs at the knots."""
         numbers = [float(v) for v in theta]
         rows: list[tuple[str, float, str]] = []
         for i, knot in enumerate(np.linspace(self.low, self.high, int(self.knots)), start=1):

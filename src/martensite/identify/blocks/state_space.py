@@ -49,7 +49,7 @@ class StateSpace(AbstractBlock):
         return int(self.outs)
 
     def numbers(self) -> tuple[str, ...]:
-        """Poles, B without its last column, C, D, offsets."""
+        """Return the poles, B without its last column, C, D, offsets."""
         n, m, p = int(self.order), self.inputs, self.outputs
         b = [f"b{k}_{i}" for k in range(1, n + 1) for i in range(1, m)]
         c = [f"c{j}_{k}" for j in range(1, p + 1) for k in range(1, n + 1)]
@@ -62,7 +62,7 @@ class StateSpace(AbstractBlock):
         return int(self.nk) * self.inputs + int(self.order)
 
     def poles(self, theta: Numbers, dt: float) -> Numbers:
-        """Poles z of the sections."""
+        """Return the poles z of the sections."""
         return sections.find_poles(int(self.order), theta, dt)
 
     def _entering(self, theta: Column, u: Column) -> list[Scalar]:
@@ -79,7 +79,7 @@ class StateSpace(AbstractBlock):
         return made
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """Delays and sections under a constant input."""
+        """Return the delays and sections under a constant input."""
         n = int(self.order)
         if self.inputs == 1:
             return [x[0]] * int(self.nk) + sections.rest_cascade(n, x[0])
@@ -114,7 +114,7 @@ class StateSpace(AbstractBlock):
         return self
 
     def start(self) -> Numbers:
-        """Time constants of one second, inputs alike, the last section as the outputs."""
+        """Return the time constants of one second, inputs alike, the last section as the outputs."""
         n, m, p = int(self.order), self.inputs, self.outputs
         made = np.zeros(len(self.numbers()))
         made[n % 2 + 1 : n : 2] = np.log(1.2)
@@ -123,12 +123,12 @@ class StateSpace(AbstractBlock):
         return made
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Time constants spread over a thousandth to a quarter of the record; B and C anywhere."""
+        """Return the time constants spread over a thousandth to a quarter of the record; B and C anywhere."""
         n = int(self.order)
         made = rng.uniform(-1.0, 1.0, len(self.numbers()))
         made[:n] = sections.draw_numbers(n, rng, duration, dt)
         return made
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """Time constants, frequencies, damping ratios, then the matrices."""
+        """Return the time constants, frequencies, damping ratios, then the matrices."""
         return sections.show_numbers(self.numbers(), theta)

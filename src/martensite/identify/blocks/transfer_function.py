@@ -34,7 +34,7 @@ class TransferFunction(AbstractBlock):
     nk: Number = param("1", "delay in samples", low=0.0, default=1.0)
 
     def numbers(self) -> tuple[str, ...]:
-        """Poles, then weights of all signals but the one that carries the gain."""
+        """Return the poles, then weights of all signals but the one that carries the gain."""
         return (*sections.name_sections(int(self.nf)), *(f"weight{k}" for k in range(2, int(self.nb) + 1)))
 
     def states(self) -> int:
@@ -46,7 +46,7 @@ class TransferFunction(AbstractBlock):
         return max(int(self.nb) - int(self.nf) - 1, 0)
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """Everything has followed the input."""
+        """Return everything has followed the input."""
         w = x[0]
         return [w] * int(self.nk) + sections.rest_cascade(int(self.nf), w) + [w] * self._taps
 
@@ -65,7 +65,7 @@ class TransferFunction(AbstractBlock):
         return (y + rest * signals[0],), (*line[:-1], *made.state, *[w, *past][: self._taps])
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-        """Time constants spread over a thousandth to a quarter of the record, of zeros as well.
+        """Return the time constants spread over a thousandth to a quarter of the record, of zeros as well.
 
         One zero in five is to the right, where the output first moves the wrong way.
         """
@@ -84,16 +84,16 @@ class TransferFunction(AbstractBlock):
         return self
 
     def start(self) -> Numbers:
-        """Poles about one second apart in scale, and no zeros that matter."""
+        """Return the poles about one second apart in scale, and no zeros that matter."""
         nf = int(self.nf)
         made = np.zeros(len(self.numbers()))
         made[nf % 2 + 1 : nf : 2] = np.log(1.2)
         return made
 
     def poles(self, theta: Numbers, dt: float) -> Numbers:
-        """Poles z of the sections."""
+        """Return the poles z of the sections."""
         return sections.find_poles(int(self.nf), theta, dt)
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
-        """Time constants, frequencies, damping ratios and weights."""
+        """Return the time constants, frequencies, damping ratios and weights."""
         return sections.show_numbers(self.numbers(), theta)

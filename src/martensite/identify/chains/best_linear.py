@@ -79,7 +79,7 @@ def fit_weights(block: TransferFunction | StateSpace, known: Numbers, pairs: Seq
 
 
 def _find_weights(block: TransferFunction | StateSpace, known: int) -> NDArray[np.intp]:
-    """Places of the linear numbers; those of the first output, as all sum the same signals."""
+    """Return the places of the linear numbers; those of the first output, as all sum the same signals."""
     first = ("weight", "c1_", "d1_")
     names = block.numbers()
     return np.array([i for i in range(known, len(names)) if names[i].startswith(first)], np.intp)
@@ -88,7 +88,7 @@ def _find_weights(block: TransferFunction | StateSpace, known: int) -> NDArray[n
 def _solve_squares(
     engine: ChainEngine, theta: Numbers, own: NDArray[np.intp], pairs: Sequence[Pair]
 ) -> tuple[Numbers, float]:
-    """Weights of the signals and a constant (the last), and the error over the variances."""
+    """Return the weights of the signals and a constant (the last), and the error over the variances."""
     outputs = np.concatenate([y for _, y in pairs])
     outs = outputs.shape[1]
     total: Numbers | None = None
@@ -231,13 +231,13 @@ def _find_order(block: TransferFunction | StateSpace) -> int:
 
 
 def _list_factors(pairs: Sequence[Pair]) -> list[int]:
-    """Multiples of the sample time at which records are looked at."""
+    """Return the multiples of the sample time at which records are looked at."""
     longest = max(len(u) for u, _ in pairs)
     return [f for f in (1, 8, 64, 512) if f == 1 or longest // f >= FEWEST]
 
 
 def _find_poles(block: TransferFunction | StateSpace, pairs: Sequence[Pair], dt: float, factor: int) -> Numbers:
-    """Poles, and the B of several inputs, from records at `factor` times the sample time."""
+    """Return the poles, and the B of several inputs, from records at `factor` times the sample time."""
     order = _find_order(block)
     if not order:
         return np.zeros(0)

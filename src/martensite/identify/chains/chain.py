@@ -76,15 +76,15 @@ class Chain:
 
     @property
     def inputs(self) -> int:
-        """Number of its inputs."""
+        """Return the number of its inputs."""
         return self.blocks[0].inputs
 
     def names(self) -> list[str]:
-        """Names of all free numbers, with the number of their block."""
+        """Return the names of all free numbers, with the number of their block."""
         return [f"{i + 1}.{n}" for i, block in enumerate(self.blocks) for n in block.numbers()]
 
     def split(self, theta: Numbers | None = None) -> list[Numbers]:
-        """Free numbers block by block."""
+        """Return the free numbers block by block."""
         counts = [len(block.numbers()) for block in self.blocks]
         values = self.theta if theta is None else theta
         return np.split(values, np.cumsum(counts)[:-1])
@@ -98,7 +98,7 @@ class Chain:
         return replace(self, starts=starts, ranges=ranges)
 
     def simulate(self, inputs: Numbers | Sampled, state: Numbers | None = None) -> Numbers:
-        """Outputs (samples, outputs) of a free run.
+        """Return the outputs (samples, outputs) of a free run.
 
         It begins with a state that is given, or as a record that the chain was fitted to began at the fit; else
         at rest under the first input. See `record_starts.find_start` for other records.
@@ -113,7 +113,7 @@ class Chain:
         return self.engine.simulate(self.theta, u, None if state is None else state.copy())
 
     def restore_state(self, known: RecordStart) -> Numbers | None:
-        """State at the first sample of a record that the chain was fitted to; None for rest."""
+        """Return the state at the first sample of a record that the chain was fitted to; None for rest."""
         if known.kind == "rest":
             return None
         return np.array(known.state) if known.state else np.zeros(self.engine.plan.states)

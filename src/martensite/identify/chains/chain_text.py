@@ -32,13 +32,13 @@ JOINED: dict[str, type[AbstractComposite]] = {one.sign: one for one in (SideBySi
 
 
 def short_names() -> dict[str, type[AbstractBlock]]:
-    """Blocks by the name that they have in texts."""
+    """Return the blocks by the name that they have in texts."""
     blocks = (BLOCKS[name] for name in BLOCKS.names())
     return {block.short: block for block in blocks if block.short}
 
 
 def parse_block(text: str) -> AbstractBlock:
-    """One block from its text, or blocks side by side.
+    """Return one block from its text, or blocks side by side.
 
     Raises:
         InputError: it is not written like a block, or there is none of that name.
@@ -72,7 +72,7 @@ def _split_outside(text: str, sign: str) -> list[str]:
 
 
 def _parse_joined(text: str) -> AbstractBlock:
-    """Blocks between square brackets."""
+    """Return the blocks between square brackets."""
     signs = [sign for sign in JOINED if len(_split_outside(text[1:-1], sign)) > 1]
     parts = _split_outside(text[1:-1], signs[0]) if signs else [text[1:-1]]
     words = [_split_outside(part, "|") for part in parts]
@@ -140,7 +140,7 @@ def _check_brackets(text: str) -> None:
 
 
 def fix_gauge(blocks: list[AbstractBlock]) -> tuple[AbstractBlock, ...]:
-    """Blocks of which only the last static one on the way of a signal has an offset.
+    """Return the blocks of which only the last static one on the way of a signal has an offset.
 
     Two could not be told apart. Where signals mix, an offset on any way counts. Saturations and
     dead zones before it have the gain 1 for the same reason.

@@ -54,12 +54,12 @@ class Crossed:
     level: float = LEVEL
 
     def band(self, level: float) -> float:
-        """Half width within which one value lies with some probability."""
+        """Return half width within which one value lies with some probability."""
         return NormalDist().inv_cdf(0.5 + 0.5 * level) * self.deviation
 
     @property
     def limit(self) -> float:
-        """Half width within which all values on one side lie with the level of the verdict."""
+        """Return half width within which all values on one side lie with the level of the verdict."""
         side = max(sum(lag >= 0 for lag in self.lags), 1)
         return self.band(1.0 - (1.0 - self.level) / side)
 
@@ -94,7 +94,7 @@ class Crossed:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """All fields by name and the verdict, for JSON."""
+        """Return all fields by name and the verdict, for JSON."""
         return asdict(self) | {"limit": self.limit, "explained": self.explained, "sentence": self.sentence}
 
     def _largest(self, places: Sequence[int]) -> tuple[int, float]:
@@ -146,7 +146,7 @@ def correlate_residuals(
 
 
 def spread_lags(*autocorrelations: Numbers) -> list[int]:
-    """Lags from -L to L in equal steps, over four times the time that signals remember."""
+    """Return the lags from -L to L in equal steps, over four times the time that signals remember."""
     memory = max(_find_memory(rho) for rho in autocorrelations)
     most = len(autocorrelations[0]) // 5
     step = max(1, min(4 * memory, most) // LAGS)
@@ -154,7 +154,7 @@ def spread_lags(*autocorrelations: Numbers) -> list[int]:
 
 
 def _find_memory(rho: Numbers) -> int:
-    """First lag at which an autocorrelation has fallen to 1/e."""
+    """Return the first lag at which an autocorrelation has fallen to 1/e."""
     below = np.flatnonzero(rho < math.exp(-1.0))
     return int(below[0]) if len(below) else len(rho)
 

@@ -32,7 +32,7 @@ LIVELY = 0.5
 
 
 def coarsen_records(records: Sequence[Sampled], most: int = COARSE) -> list[Sampled]:
-    """Records of one sample time with about as many samples each, at most twice as many.
+    """Return the records of one sample time with about as many samples each, at most twice as many.
 
     Where the outputs change too fast for means, only the first part of a record is taken.
     """
@@ -68,7 +68,7 @@ def find_thinnest(records: Sequence[Sampled], factor: int) -> int:
 
 
 def _measure_loss(records: Sequence[Sampled], factor: int) -> Numbers:
-    """Share of the variance of every output that averages over some samples lose."""
+    """Return the share of the variance of every output that averages over some samples lose."""
     pairs = [(r.inputs, r.outputs) for r in records]
     means = np.concatenate([y for _, y in thin_records(pairs, factor)])
     outputs = np.concatenate([y for _, y in pairs])
@@ -79,7 +79,7 @@ def _measure_loss(records: Sequence[Sampled], factor: int) -> Numbers:
 
 
 def thin_records(pairs: Sequence[Pair], factor: int) -> list[Pair]:
-    """Records averaged over so many samples, inputs and outputs alike."""
+    """Return the records averaged over so many samples, inputs and outputs alike."""
     if factor <= 1:
         return list(pairs)
     made: list[Pair] = []

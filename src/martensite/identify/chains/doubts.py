@@ -30,7 +30,7 @@ MOVING = 0.8
 
 
 def describe_copies(records: Sequence[Sampled]) -> Iterator[str]:
-    """Outputs that are an input again."""
+    """Yield the outputs that are an input again."""
     for record in records:
         for given, u in zip(record.input_names, record.inputs.T, strict=True):
             for name, y in zip(record.output_names, record.outputs.T, strict=True):

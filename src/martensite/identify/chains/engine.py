@@ -83,7 +83,7 @@ class FloatChain:
 def step_block(
     piece: ChainPiece, functions: Functions, x: Numbers, dx: Numbers, s: Numbers, ds: Numbers, extra: int
 ) -> tuple[Numbers, Numbers, Numbers, Numbers]:
-    """One block in one sample: outputs, their columns, the next state, its columns."""
+    """Return one block in one sample: outputs, their columns, the next state, its columns."""
     block, step = piece.block, piece.step
     inputs, outputs = block.inputs, block.outputs
     found = functions[step.name](*map(float, x[:inputs]), *map(float, s))
@@ -136,14 +136,14 @@ class CompiledChain:
 
 
 def _allocate_aligned(count: int) -> Numbers:
-    """Zeros from the start of a cache line."""
+    """Return the zeros from the start of a cache line."""
     room = np.zeros(count + 8)
     first = -room.ctypes.data % 64 // 8
     return room[first : first + count]
 
 
 def scratch_size(plan: ChainPlan, columns: int) -> int:
-    """Numbers that `slopes` needs room for: one tile of signals, and what blocks need beside."""
+    """Return the numbers that `slopes` needs room for: one tile of signals, and what blocks need beside."""
     beside = sum(count_room(piece, columns - plan.columns) for piece in plan.pieces)
     return plan.width * TILE * columns + beside
 
@@ -219,7 +219,7 @@ class ChainEngine:
         return ChainStart(state + deviation, np.hstack([np.eye(count), slopes]))
 
     def simulate(self, theta: Numbers, u: Numbers, state: Numbers | None = None) -> Numbers:
-        """Outputs (samples, outputs) for inputs (samples, inputs); from rest if no state is given.
+        """Return the outputs (samples, outputs) for inputs (samples, inputs); from rest if no state is given.
 
         The given state becomes that after the last sample.
         """
@@ -232,7 +232,7 @@ class ChainEngine:
     def sensitivities(
         self, theta: Numbers, u: Numbers, start: ChainStart | None = None, chunk: int = CHUNK, reuse: bool = False
     ) -> Iterator[Chunk]:
-        """Outputs and their derivatives, some thousand samples at a time.
+        """Yield the outputs and their derivatives, some thousand samples at a time.
 
         With `reuse`, the derivatives are overwritten by those of the next samples.
         """
@@ -250,6 +250,6 @@ class ChainEngine:
             yield Chunk(slice(first, first + len(part)), y, dy)
 
     def jacobian(self, theta: Numbers, u: Numbers, start: ChainStart | None = None) -> tuple[Numbers, Numbers]:
-        """Outputs and derivatives of a whole record at once."""
+        """Return the outputs and derivatives of a whole record at once."""
         chunks = list(self.sensitivities(theta, u, start, max(len(u), 1)))
         return chunks[0].outputs, chunks[0].slopes

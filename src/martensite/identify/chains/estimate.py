@@ -161,7 +161,7 @@ class _Estimation:
         self.remarks: list[str] = []
 
     def run(self) -> ChainEstimate:
-        """Many starts on thin records, the best of them refined, the best of these at the full rate."""
+        """Return many starts on thin records, the best of them refined, the best of these at the full rate."""
         if self.options.ridge is None:
             self._guard_short()
         first = self._search_starts()
@@ -234,7 +234,7 @@ class _Estimation:
         )
 
     def _search_starts(self) -> list[SearchEnd]:
-        """Ends of first searches, best first, with what they tell of how the records begin."""
+        """Return the ends of first searches, best first, with what they tell of how the records begin."""
         ends = self._search_thin(self.goal, ())
         doubted = [self.options.start == AUTO and not shows_rest(record) for record in self.records]
         if not any(doubted) or not ends or self.goal.halt.is_set() or not self.chain.engine.plan.states:
@@ -270,7 +270,7 @@ class _Estimation:
         return replace(goal, options=replace(goal.options, skip=skip, iterations=steps))
 
     def _search_thin(self, goal: Goal, besides: Sequence[Chain]) -> list[SearchEnd]:
-        """Ends of first searches over thin records, from given chains and from others."""
+        """Return the ends of first searches over thin records, from given chains and from others."""
         options, records = goal.options, self.thin
         slow = replace(self.chain, interval=records[0].interval)
         given = [begin_from_chain(slow, one, records) for one in options.begin]
@@ -324,7 +324,7 @@ class _Estimation:
 
 
 def cut_block(record: Sampled, fold: int, folds: int) -> slice:
-    """Samples of one of some blocks of equal length."""
+    """Return the samples of one of some blocks of equal length."""
     ends = np.linspace(0, len(record), folds + 1).astype(int)
     return slice(int(ends[fold]), int(ends[fold + 1]))
 
@@ -337,7 +337,7 @@ def hide_block(record: Sampled, block: slice) -> Sampled:
 
 
 def _measure_left_out(end: SearchEnd, whole: Sequence[Sampled], seen: Sequence[Sampled], goal: Goal) -> float:
-    """Squared error, over the variances, of what a search did not see."""
+    """Return the squared error, over the variances, of what a search did not see."""
     states = goal.bare_squares(end.chain, seen).initial(end.found.theta)
     total = 0.0
     for record, part, state in zip(whole, seen, states, strict=True):
@@ -366,7 +366,7 @@ def _find_rested(squares: ResidualSquares, theta: Numbers) -> tuple[str, ...]:
 def _refine_all(
     chains: Sequence[Chain], records: Sequence[Sampled], goal: Goal, told: Callable[[int, int], None]
 ) -> list[SearchEnd]:
-    """Ends of searches from chains over records, best first; Ctrl-C ends all of them where they are."""
+    """Return the ends of searches from chains over records, best first; Ctrl-C ends all of them where they are."""
     with ThreadPoolExecutor(goal.options.threads) as pool:
         running = [pool.submit(_refine_one, chain, records, goal) for chain in chains]
         try:
@@ -432,7 +432,7 @@ def _compute_cost(chain: Chain, records: Sequence[Sampled], goal: Goal) -> float
 
 
 def _compute_fit(end: SearchEnd, records: Sequence[Sampled], goal: Goal) -> float:
-    """Mean fit [%] over records and outputs."""
+    """Return the mean fit [%] over records and outputs."""
     squares = ResidualSquares(end.chain.engine, build_aims(records, goal.options, goal.starts))
     same = len(end.found.theta) == squares.size
     states = squares.initial(end.found.theta if same else squares.extend_parameters(end.chain.theta))

@@ -173,7 +173,7 @@ def build_aims(
 
 
 def at_rest(record: Sampled) -> Sampled:
-    """One sample: the first inputs, and the mean of the outputs until an input changes."""
+    """Return one sample: the first inputs, and the mean of the outputs until an input changes."""
     moved = np.any(record.inputs != record.inputs[0], axis=1)
     count = int(np.argmax(moved)) if moved.any() else len(record)
     before = record.outputs[:count]
@@ -209,7 +209,7 @@ TURNS = 3
 
 
 def noise_model(residuals: Sequence[Numbers], order: int) -> Numbers:
-    """Coefficients 1, l_1 … l_n of L(q), of order n.
+    """Return the coefficients 1, l_1 … l_n of L(q), of order n.
 
     Residuals are those of records, shape (samples, outputs), NaN where unknown; outputs count alike.
 

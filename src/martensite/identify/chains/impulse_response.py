@@ -50,7 +50,7 @@ class _Sums(NamedTuple):
 
 
 def impulse_response(pairs: Sequence[Pair], length: int, nk: int = 0) -> Numbers:
-    """Responses g at lags nk … nk + length - 1, shape (length, outputs, inputs).
+    """Return the responses g at lags nk … nk + length - 1, shape (length, outputs, inputs).
 
     Samples with a missing output do not count.
 
@@ -73,7 +73,7 @@ def _find_spread(signals: Numbers) -> Numbers:
 
 
 def _sum_products(pairs: Sequence[Pair], length: int, nk: int) -> _Sums:
-    """Sums of products around the means, over rows whose outputs are all known."""
+    """Return the sums of products around the means, over rows whose outputs are all known."""
     columns, outputs = length * pairs[0][0].shape[1], pairs[0][1].shape[1]
     total = np.zeros((columns + outputs + 1,) * 2)
     for x, y in _build_regressors(pairs, length, nk):
@@ -102,7 +102,7 @@ def _build_regressors(pairs: Sequence[Pair], length: int, nk: int) -> Iterator[P
 
 
 def _find_likeliest(sums: _Sums, length: int) -> Numbers:
-    """Responses of shape (inputs, lags, outputs) with the likeliest κ and λ."""
+    """Return the responses of shape (inputs, lags, outputs) with the likeliest κ and λ."""
     inputs = len(sums.square) // length
     best, found = np.inf, np.zeros((inputs, length, sums.cross.shape[1]))
     for decay in DECAYS:
@@ -138,7 +138,7 @@ class Realised(NamedTuple):
 
 
 def realise_responses(g: Numbers, order: int) -> Realised:
-    """State space of an order from responses of shape (lags, outputs, inputs)."""
+    """Return the state space of an order from responses of shape (lags, outputs, inputs)."""
     length, outputs, inputs = g.shape
     half = max(length // 2, 1)
     lags = np.arange(half)[:, None] + np.arange(length - half)
@@ -159,7 +159,7 @@ class Matched(NamedTuple):
 
 
 def match_poles(z: Numbers, dt: float) -> Matched:
-    """Free numbers of the sections with given poles z, moved to the nearest that they can have.
+    """Return the free numbers of the sections with given poles z, moved to the nearest that they can have.
 
     Poles outside the unit circle are mirrored into it. Of poles on the negative real axis two
     become one pair on it, a single one a fast pole on the positive axis. Real poles are paired
@@ -211,7 +211,7 @@ def find_entering(found: Realised, z: Numbers, cascade: Realised, own: Numbers) 
 
 
 def _find_modes(system: Realised, z: Numbers) -> tuple[Numbers, Numbers]:
-    """Modes as columns in the order of given poles, and how the inputs excite them."""
+    """Return the modes as columns in the order of given poles, and how the inputs excite them."""
     values, modes = np.linalg.eig(system.a)
     left, order = list(range(len(values))), list[int]()
     for one in z:

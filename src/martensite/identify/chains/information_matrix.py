@@ -52,7 +52,7 @@ class Sums:
 
 
 def block_lengths(squares: ResidualSquares, theta: Numbers) -> list[int]:
-    """Samples of a block of every record, from how long its residuals are alike.
+    """Return the samples of a block of every record, from how long its residuals are alike.
 
     Raises:
         DataError: a residual is not finite.
@@ -73,7 +73,7 @@ def block_lengths(squares: ResidualSquares, theta: Numbers) -> list[int]:
 
 
 def sum_blocks(squares: ResidualSquares, theta: Numbers, blocks: Sequence[int]) -> Sums:
-    """One pass over all records, with blocks of so many samples in each."""
+    """Return one pass over all records, with blocks of so many samples in each."""
     p, outputs = squares.columns, len(squares.engine.taps)
     square, middle = np.diag(squares.pull.astype(float)), np.zeros((p, p))
     sizes = np.zeros((len(squares.aims), outputs))
@@ -100,7 +100,7 @@ def sum_blocks(squares: ResidualSquares, theta: Numbers, blocks: Sequence[int]) 
 
 
 def _by_block(scores: Numbers, first: int, length: int) -> Iterator[tuple[int, Numbers]]:
-    """Number of a block, and the sum of the scores that lie in it."""
+    """Yield the number of a block, and the sum of the scores that lie in it."""
     numbers = (first + np.arange(len(scores))) // length
     begins = np.flatnonzero(np.diff(numbers, prepend=-1))
     totals = np.add.reduceat(scores, begins, axis=0)
@@ -150,7 +150,7 @@ def list_rows(
 
 
 def slopes_of_shown(block: AbstractBlock, theta: Numbers) -> Numbers:
-    """Derivatives of what is shown with respect to the free numbers, by central differences."""
+    """Return the derivatives of what is shown with respect to the free numbers, by central differences."""
     found = np.zeros((len(block.describe_numbers(theta)), len(theta)))
     for i, value in enumerate(theta):
         step = STEP * max(abs(float(value)), 1.0)
@@ -203,7 +203,7 @@ class Flat:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """All fields by name and the sentence, for JSON."""
+        """Return all fields by name and the sentence, for JSON."""
         return asdict(self) | {"sentence": self.sentence}
 
 
@@ -242,7 +242,7 @@ def invert_normal(square: Numbers, names: Sequence[str], cut: float = CUT) -> In
 
 
 def _find_flat(root: Numbers, lost: Numbers, scale: Numbers, names: Sequence[str], limit: float) -> list[Flat]:
-    """Directions that are cut, in the fewest numbers where these are few enough to try."""
+    """Return the directions that are cut, in the fewest numbers where these are few enough to try."""
     if not lost.shape[1]:
         return []
     found = list(_part_directions(lost).T) if len(names) > MANY else find_weak_directions(root, limit)

@@ -57,7 +57,7 @@ class LinearSystem:
 
     @cached_property
     def active(self) -> Numbers:
-        """Numbers of the states that inputs reach and outputs feel."""
+        """Return the numbers of the states that inputs reach and outputs feel."""
         reached = _find_reachable(np.any(self.b != 0.0, axis=1), self.a != 0.0)
         felt = _find_reachable(np.any(self.c != 0.0, axis=0), self.a.T != 0.0)
         return np.flatnonzero(reached & felt)
@@ -73,7 +73,7 @@ class LinearSystem:
         return replace(self, a=self.a[np.ix_(kept, kept)], b=self.b[kept], c=self.c[:, kept], state=self.state[kept])
 
     def poles(self) -> Numbers:
-        """Poles in the plane of z, the slowest first; stable inside the unit circle."""
+        """Return the poles in the plane of z, the slowest first; stable inside the unit circle."""
         found = np.linalg.eigvals(self.reduce_states().a)
         return found[np.argsort(-np.abs(found), kind="stable")]
 
@@ -84,7 +84,7 @@ class LinearSystem:
             return np.where(rate > 0.0, self.interval / np.where(rate > 0.0, rate, 1.0), np.inf)
 
     def gain(self) -> Numbers:
-        """Gain at rest C (I - A)⁻¹ B + D, shape (outputs, inputs).
+        """Return the gain at rest C (I - A)⁻¹ B + D, shape (outputs, inputs).
 
         Raises:
             ParameterError: a pole lies at 1, so that there is none.
@@ -111,7 +111,7 @@ class LinearSystem:
         return self.d + slim.c @ np.linalg.solve(here, right)
 
     def simulate(self, deviations: Any) -> Numbers:
-        """Deviations of the outputs (samples, outputs) for those of the inputs, from rest."""
+        """Return the deviations of the outputs (samples, outputs) for those of the inputs, from rest."""
         u = np.asarray(deviations, dtype=float)
         u = u[:, None] if u.ndim == 1 else u
         slim = self.reduce_states()
@@ -122,14 +122,14 @@ class LinearSystem:
         return y
 
     def step_response(self, duration: float, number: int = 0) -> tuple[Numbers, Numbers]:
-        """Times [s] and outputs (samples, outputs) after a unit step of one input at 0 s."""
+        """Return the times [s] and outputs (samples, outputs) after a unit step of one input at 0 s."""
         u = np.zeros((max(round(duration / self.interval), 1) + 1, self.b.shape[1]))
         u[:, number] = 1.0
         return self.interval * np.arange(len(u)), self.simulate(u)
 
 
 def _find_reachable(first: Numbers, through: Numbers) -> Numbers:
-    """States that are reached from some, where `through[i, j]` says that j moves i."""
+    """Return the states that are reached from some, where `through[i, j]` says that j moves i."""
     reached = first
     while True:
         more = reached | np.any(through[:, reached], axis=1)
@@ -152,7 +152,7 @@ class _KnowsPoles(Protocol):
 
 
 def find_orders(block: AbstractBlock) -> Orders | None:
-    """Orders of an `oe` or `ss` of one input and one output."""
+    """Return the orders of an `oe` or `ss` of one input and one output."""
     if isinstance(block, TransferFunction):
         return Orders(int(block.nb), int(block.nf), int(block.nk))
     if isinstance(block, StateSpace) and block.linear and (block.inputs, block.outputs) == (1, 1):
@@ -162,7 +162,7 @@ def find_orders(block: AbstractBlock) -> Orders | None:
 
 
 def build_state_space(block: AbstractBlock, theta: Numbers, dt: float) -> LinearSystem:
-    """State space of a linear block at a sample time [s]; an offset is left out.
+    """Return the state space of a linear block at a sample time [s]; an offset is left out.
 
     Raises:
         ParameterError: the block is not linear.
@@ -193,14 +193,14 @@ def build_state_space(block: AbstractBlock, theta: Numbers, dt: float) -> Linear
 
 
 def find_poles(block: AbstractBlock, theta: Numbers, dt: float) -> Numbers:
-    """Poles z of a linear block, those at 0 of delays left out where it knows its own."""
+    """Return the poles z of a linear block, those at 0 of delays left out where it knows its own."""
     if isinstance(block, _KnowsPoles):
         return block.poles(theta, dt)
     return np.linalg.eigvals(build_state_space(block, theta, dt).a)
 
 
 def find_zeros(block: AbstractBlock, theta: Numbers, dt: float) -> Numbers:
-    """Zeros z of a linear block of one input and one output.
+    """Return the zeros z of a linear block of one input and one output.
 
     There is one fewer than the numerator has coefficients; those at 0 are left out.
 
@@ -220,7 +220,7 @@ def find_zeros(block: AbstractBlock, theta: Numbers, dt: float) -> Numbers:
 
 
 def find_fraction(system: LinearSystem) -> tuple[Numbers, Numbers]:
-    """Numerator and denominator in falling powers of z, of a system of one input and output."""
+    """Return the numerator and denominator in falling powers of z, of a system of one input and output."""
     denominator = np.atleast_1d(np.poly(system.a))
     # det(zI - A + B C) = det(zI - A) (1 + C (zI - A)⁻¹ B)
     closed = np.atleast_1d(np.poly(system.a - system.b @ system.c))

@@ -158,7 +158,7 @@ def _find_entering(chain: Chain, u: Numbers, state: Numbers) -> list[Numbers]:
 def static_curve(
     chain: Chain, low: float, high: float, points: int = 101, number: int = 0, others: Any = None
 ) -> tuple[Numbers, Numbers]:
-    """Levels of one input, and the outputs (points, outputs) of the chain at rest under them.
+    """Return the levels of one input, and the outputs (points, outputs) of the chain at rest under them.
 
     Of a chain with hysteresis this is the curve of first rest at each level, without a history.
 

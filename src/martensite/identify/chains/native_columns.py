@@ -27,7 +27,7 @@ def pad_count(count: int, unit: int = LANES) -> int:
 
 
 def count_room(piece: ChainPiece, extra: int) -> int:
-    """Numbers that a block needs beside the tile; they begin as zeros."""
+    """Return the numbers that a block needs beside the tile; they begin as zeros."""
     block = piece.block
     if not block.states():
         return 0
@@ -36,7 +36,7 @@ def count_room(piece: ChainPiece, extra: int) -> int:
 
 
 def list_moving(piece: ChainPiece) -> int:
-    """Columns of partial derivatives that are of inputs and states."""
+    """Return the columns of partial derivatives that are of inputs and states."""
     return piece.block.inputs + piece.block.states()
 
 
@@ -109,7 +109,7 @@ def in_sequence(piece: ChainPiece, results: Sequence[str]) -> tuple[list[str], l
 
 
 def _print_carried(piece: ChainPiece, values: dict[int, str], rows: list[int]) -> list[str]:
-    """All columns through the samples of a tile: those of before as e, its own as f."""
+    """Return all columns through the samples of a tile: those of before as e, its own as f."""
     block, entries, begun = piece.block, list_through(piece), _count_begun(piece)
     inputs, outputs, states = block.inputs, block.outputs, block.states()
     signals = max(inputs, outputs)
@@ -170,7 +170,7 @@ def _print_rows(
     begun: dict[int, str],
     state: str,
 ) -> list[str]:
-    """One sample of some columns; all are read before any is written."""
+    """Return one sample of some columns; all are read before any is written."""
     inputs, states = piece.block.inputs, piece.block.states()
     held = [f"{state}[{k}][q]" for k in range(states)]
     places = reads | {inputs + k: place for k, place in enumerate(held)}

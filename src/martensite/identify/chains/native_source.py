@@ -61,7 +61,7 @@ class _Writer:
         return self.kernels.print_function(function, function.inputs)
 
     def block(self, k: int, slopes: bool) -> str:
-        """One block over a tile: signals w[signal][TILE] are replaced."""
+        """Return one block over a tile: signals w[signal][TILE] are replaced."""
         piece = self.plan.pieces[k]
         named = self.statements(piece.step.name if slopes else f"v{piece.step.name}")
         before, inside, after = list[str](), list[str](), list[str]()
@@ -171,7 +171,7 @@ class _Writer:
         )
 
     def _write_rest(self, piece: ChainPiece, state: int) -> list[str]:
-        """State of one block with its columns, from its inputs and theirs."""
+        """Return the state of one block with its columns, from its inputs and theirs."""
         inputs, first = piece.block.inputs, piece.first
         named = self.statements(piece.rest.name)
         lines = [*(f"const double x{i} = w[{i} * TILE];" for i in range(inputs))]

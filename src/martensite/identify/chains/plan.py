@@ -70,12 +70,12 @@ class ChainPlan:
 
     @property
     def columns(self) -> int:
-        """Number of free numbers."""
+        """Return the number of free numbers."""
         return sum(piece.count for piece in self.pieces)
 
     @property
     def states(self) -> int:
-        """Number of states."""
+        """Return the number of states."""
         return sum(piece.block.states() for piece in self.pieces)
 
     @property
@@ -164,7 +164,7 @@ def _trace_block(
 def _differentiate_block(
     program: Program, kernel: Callable[[Any, Sequence[Any]], Sequence[Any]], moving: Sequence[Any]
 ) -> tuple[list[Any], list[dict[int, Any]]]:
-    """Values and derivatives: of a single value backwards, if that takes less."""
+    """Return the values and derivatives: of a single value backwards, if that takes less."""
     traced = [program.as_node(value) for value in kernel(program.xp, moving)]
     values, rows = compute_partials(traced, moving)
     if len(values) == 1:
@@ -176,7 +176,7 @@ def _differentiate_block(
 
 
 def _count_work(program: Program, slopes: dict[int, Any]) -> int:
-    """Operations in every sample that derivatives take."""
+    """Return the operations in every sample that derivatives take."""
     graph, seen = program.graph, set[int]()
     stack = [slope.index for slope in slopes.values()]
     while stack:

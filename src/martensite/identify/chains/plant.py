@@ -87,7 +87,7 @@ class ModelMechanism(AbstractMechanism):
 
     @property
     def declarations(self) -> dict[str, Declared]:  # type: ignore[override]
-        """One parameter per free or fixed number, and the structure as an option."""
+        """Return one parameter per free or fixed number, and the structure as an option."""
         chain: Chain = self.__dict__["chain"]
         found = {name: Declared("parameter", "number of a block", REQUIRED) for name in _list_paths(chain)}
         return {"structure": Declared("option", "blocks and signals", REQUIRED), **found}
@@ -135,7 +135,7 @@ class ModelMechanism(AbstractMechanism):
         }
 
     def convergence_scales(self) -> dict[str, float]:
-        """All outputs."""
+        """Return all outputs."""
         return dict.fromkeys(self.model.output_names, 1e-9)
 
     def start_forces(self, xp: Namespace) -> Column:
@@ -185,18 +185,18 @@ class ModelMechanism(AbstractMechanism):
         return found
 
     def convert_inputs(self, signals: Column) -> list[Scalar]:
-        """Inputs in SI in the units of the model."""
+        """Return the inputs in SI in the units of the model."""
         kinds = [_find_conversion(self.model, name) for name in self.model.input_names]
         return [(u - offset) * (1.0 / factor) for u, (_, factor, offset) in zip(signals, kinds, strict=True)]
 
     def _outside(self, outputs: Sequence[Scalar]) -> list[Scalar]:
-        """Outputs in the units of the model in SI."""
+        """Return the outputs in the units of the model in SI."""
         kinds = [_find_conversion(self.model, name) for name in self.model.output_names]
         return [y * factor + offset for y, (_, factor, offset) in zip(outputs, kinds, strict=True)]
 
 
 def _list_paths(chain: Chain) -> list[str]:
-    """Names of all fixed and free numbers, with the number of their block."""
+    """Return the names of all fixed and free numbers, with the number of their block."""
     return [
         f"b{k}_{name}" for k, block in enumerate(chain.blocks, start=1) for name in (*block.fixed, *block.numbers())
     ]

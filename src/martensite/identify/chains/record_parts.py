@@ -93,12 +93,12 @@ class ErrorStretch:
     """Largest error, whatever its sign."""
 
     def to_dict(self) -> dict[str, Any]:
-        """All fields by name, for JSON."""
+        """Return all fields by name, for JSON."""
         return asdict(self)
 
 
 def summarise_segments(times: Numbers, residuals: Numbers, output: str, count: int = COUNT) -> list[ErrorStretch]:
-    """Errors in stretches of equal length, without those in which nothing is known."""
+    """Return the errors in stretches of equal length, without those in which nothing is known."""
     found: list[ErrorStretch] = []
     for t, e in zip(np.array_split(times, count), np.array_split(residuals, count), strict=True):
         known = e[np.isfinite(e)]

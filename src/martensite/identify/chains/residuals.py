@@ -51,7 +51,7 @@ class RecordResidual:
             )
 
     def scale(self) -> Numbers:
-        """Weights of the outputs."""
+        """Return the weights of the outputs."""
         return self._scale
 
     @cached_property
@@ -62,7 +62,7 @@ class RecordResidual:
         return 1.0 / np.where(spread > 0.0, spread, 1.0)
 
     def counted_outputs(self) -> int:
-        """Number of outputs that count."""
+        """Return the number of outputs that count."""
         return int(np.isfinite(self.record.outputs[self.skip :]).sum())
 
 
@@ -113,7 +113,7 @@ class ResidualSquares:
 
     @property
     def size(self) -> int:
-        """Number of all numbers, initial states included."""
+        """Return the number of all numbers, initial states included."""
         return self.columns + self.states * sum(aim.start == "estimate" for aim in self.aims)
 
     def extend_parameters(self, theta: Numbers) -> Numbers:
@@ -131,7 +131,7 @@ class ResidualSquares:
         return total if np.isfinite(total) else np.inf
 
     def _simulate(self, theta: Numbers, u: Numbers, state: Numbers) -> Numbers:
-        """Outputs, piece by piece, so that a search can be ended in between."""
+        """Return the outputs, piece by piece, so that a search can be ended in between."""
         pieces = [np.empty((0, len(self.engine.taps)))]
         for first in range(0, len(u), PIECE):
             self._check_halt()
@@ -167,7 +167,7 @@ class ResidualSquares:
         return Normal(value if np.isfinite(value) else np.inf, gradient, hessian)
 
     def parts(self, theta: Numbers) -> Iterator[tuple[int, Part]]:
-        """Number of the record, and weighted residuals with derivatives, piece by piece."""
+        """Yield the number of the record, and weighted residuals with derivatives, piece by piece."""
         theta = self.extend_parameters(theta) if len(theta) == self.columns else theta
         for number, (aim, place) in enumerate(self._place_states()):
             for part in self._parts(aim, theta, place):
@@ -176,7 +176,7 @@ class ResidualSquares:
                 yield number, part._replace(slopes=slopes)
 
     def initial(self, theta: Numbers) -> list[Numbers]:
-        """State at the first sample of every record."""
+        """Return the state at the first sample of every record."""
         return [self._start(aim, theta, place, False).state for aim, place in self._place_states()]
 
     def _place_states(self) -> Iterator[tuple[RecordResidual, int | None]]:
@@ -203,7 +203,7 @@ class ResidualSquares:
         return start if slopes or place is None else start._replace(slopes=start.slopes[:, :0])
 
     def _parts(self, aim: RecordResidual, theta: Numbers, place: int | None, reuse: bool = False) -> Iterator[Part]:
-        """Weighted residuals and slopes without weights; with `reuse` overwritten by the next."""
+        """Yield the weighted residuals and slopes without weights; with `reuse` overwritten by the next."""
         start = self._start(aim, theta, place, slopes=True)
         memory: Memory | None = None
         own, inputs = theta[: self.columns], aim.record.inputs
@@ -225,7 +225,7 @@ def settle_states(squares: ResidualSquares, theta: Numbers, steps: int) -> Found
 
 
 def _weigh_residuals(aim: RecordResidual, y: Numbers, rows: slice) -> Numbers:
-    """Weighted residuals, 0 where nothing counts."""
+    """Return the weighted residuals, 0 where nothing counts."""
     return np.where(_find_counted(aim, rows), (aim.record.outputs[rows] - y) * aim.scale(), 0.0)
 
 
@@ -237,7 +237,7 @@ def _find_counted(aim: RecordResidual, rows: slice) -> NDArray[np.bool_]:
 
 
 def _filter_residuals(aim: RecordResidual, residuals: Numbers) -> Numbers:
-    """Residuals of a whole record through L(q)."""
+    """Return the residuals of a whole record through L(q)."""
     whole = len(aim.whitening) == 1
     return residuals if whole else np.asarray(lfilter(aim.whitening, [1.0], residuals, axis=0))
 
@@ -245,7 +245,7 @@ def _filter_residuals(aim: RecordResidual, residuals: Numbers) -> Numbers:
 def _whiten_piece(
     whitening: Numbers, residuals: Numbers, slopes: Numbers, memory: Memory | None
 ) -> tuple[Numbers, Numbers, Memory]:
-    """Residuals and slopes through L(q), going on from the samples before."""
+    """Return the residuals and slopes through L(q), going on from the samples before."""
     order = len(whitening) - 1
     if memory is None:
         memory = np.zeros((order, *residuals.shape[1:])), np.zeros((order, *slopes.shape[1:]))

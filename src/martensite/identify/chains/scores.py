@@ -49,7 +49,7 @@ def fit_percent(measured: Numbers, computed: Numbers, skip: int = 0) -> Numbers:
 
 
 def compute_rms(measured: Numbers, computed: Numbers, skip: int = 0) -> Numbers:
-    """Root mean square of the error of every output."""
+    """Return the root mean square of the error of every output."""
     return np.sqrt(np.nanmean((measured - computed)[skip:] ** 2, axis=0))
 
 
@@ -63,7 +63,7 @@ def free_run(chain: Chain, record: Sampled, start: str = AUTO, skip: int = 0) ->
 
 
 def run_from(chain: Chain, record: Sampled, begin: RunStart) -> Numbers:
-    """Outputs of a run from a state."""
+    """Return the outputs of a run from a state."""
     rested = chain.engine.rest(chain.theta, record.inputs[0]).state if begin.state is None else begin.state
     return chain.simulate(record, rested)
 
@@ -71,7 +71,7 @@ def run_from(chain: Chain, record: Sampled, begin: RunStart) -> Numbers:
 def score_chain(
     chain: Chain, records: Iterable[Sampled], role: str, start: str = AUTO, skip: int = 0, model: str = "model"
 ) -> list[OutputScore]:
-    """Scores of all outputs over records, at their full rate.
+    """Return the scores of all outputs over records, at their full rate.
 
     A record of another sample time is brought to that of the model first. Where states are estimated,
     that of a record which was not fitted is inferred from its first samples, not from all that is scored.

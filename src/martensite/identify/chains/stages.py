@@ -35,7 +35,7 @@ class ModelStage:
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Names of the signals that it gives."""
+        """Return the names of the signals that it gives."""
         return tuple(name.strip() for name in self.output.split(",") if name.strip())
 
     @classmethod
@@ -64,7 +64,7 @@ class Identified:
     options: Options
 
     def fit(self, role: str = "validation", model: str | None = None) -> list[float]:
-        """Fits [%] of the model, or of a stage such as `stage 1`, by role of the records."""
+        """Return the fits [%] of the model, or of a stage such as `stage 1`, by role of the records."""
         name = model or (SERIES if len(self.stages) > 1 else "model")
         return [s.fit for s in self.scores if (s.role, s.model) == (role, name)]
 
@@ -77,7 +77,7 @@ def identify_stages(
     options: Options | None = None,
     watch: Callable[[str, float], None] | None = None,
 ) -> Identified:
-    """Models from records, stage by stage, and their series.
+    """Return the models from records, stage by stage, and their series.
 
     Args:
         records: what is fitted; their outputs hold all that is measured between and at the end.

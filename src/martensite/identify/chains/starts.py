@@ -38,7 +38,7 @@ from martensite.signals.sampling.sampled import Sampled
 
 
 def draw_numbers(chain: Chain, rng: np.random.Generator, record: Sampled) -> Numbers:
-    """Random free numbers of all blocks."""
+    """Return random free numbers of all blocks."""
     parts = [b.sample_parameters(rng, record.duration, record.interval) for b in chain.blocks]
     return np.concatenate([np.zeros(0), *parts])
 
@@ -173,7 +173,7 @@ def from_linear(chain: Chain, records: Sequence[Sampled], state: str = "rest") -
 def _fit_linear_start(
     twin: Linear, linear: bool, reaching: Sequence[Numbers], records: Sequence[Sampled], state: str
 ) -> Numbers | None:
-    """Numbers of the best linear model; refined where nonlinear terms are to follow."""
+    """Return the numbers of the best linear model; refined where nonlinear terms are to follow."""
     if linear:
         start = linear_start(twin, reaching, [r.outputs for r in records], records[0].interval)
         theta = start.theta if np.isfinite(start.error) else np.full(1, np.nan)
@@ -251,7 +251,7 @@ def _check_blocks(chain: Chain, given: Chain) -> None:
 
 
 def _cut_record(x: Sequence[Numbers], y: Sequence[Numbers], dt: float) -> list[Sampled]:
-    """Records of one block."""
+    """Return the records of one block."""
     ins = tuple(f"x{i + 1}" for i in range(x[0].shape[1]))
     outs = tuple(f"y{i + 1}" for i in range(y[0].shape[1]))
     return [Sampled("block", dt, a, b, ins, outs) for a, b in zip(x, y, strict=True)]

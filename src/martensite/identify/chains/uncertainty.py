@@ -79,7 +79,7 @@ class ChainUncertainty:
 
     @property
     def errors(self) -> Numbers:
-        """Standard errors of the free numbers; infinite where they are not determined."""
+        """Return the standard errors of the free numbers; infinite where they are not determined."""
         own = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
         lost = np.linalg.norm(self.null, axis=1) > UNDETERMINED
         return np.where(lost, np.inf, own)
@@ -118,7 +118,7 @@ class ChainUncertainty:
         return found
 
     def band(self, record: Sampled, level: float = LEVEL, start: ChainStart | None = None) -> OutputBand:
-        """Outputs along the inputs of a record, with the band that should hold a share `level` of samples.
+        """Return the outputs along the inputs of a record, with the band that should hold a share `level` of samples.
 
         They run from rest under the first of the inputs if no start, with its derivatives, is given.
 
@@ -140,7 +140,7 @@ class ChainUncertainty:
         return OutputBand(np.concatenate(outputs), z * np.sqrt(variance), z * np.sqrt(variance + self.residual**2))
 
     def draws(self, count: int, seed: int = 0) -> list[Chain]:
-        """Chains whose free numbers are drawn from a normal distribution with covariance C.
+        """Return the chains whose free numbers are drawn from a normal distribution with covariance C.
 
         For judging what is built on the model, such as the gains of a controller. Directions that
         are not determined stay where they are.
@@ -196,7 +196,7 @@ def estimate_chain_uncertainty(
 
 
 def measure_coverage(band: OutputBand, record: Sampled, skip: int = 0) -> Numbers:
-    """Share of the measurements within the band, of every output.
+    """Return the share of the measurements within the band, of every output.
 
     Raises:
         DataError: an output has no measurement that counts.
@@ -221,7 +221,7 @@ def _choose_lengths(squares: ResidualSquares, theta: Numbers, blocks: Sequence[i
 
 
 def _find_residual_deviation(squares: ResidualSquares, found: Sums) -> Numbers:
-    """Standard deviation of the residuals of every output, without records of one sample."""
+    """Return the standard deviation of the residuals of every output, without records of one sample."""
     long = np.array([len(aim.record) > 1 for aim in squares.aims])
     weights = np.array([aim.scale() for aim in squares.aims])
     total = np.sum((found.squares / weights**2)[long], axis=0)
@@ -230,7 +230,7 @@ def _find_residual_deviation(squares: ResidualSquares, found: Sums) -> Numbers:
 
 
 def _find_ratio(covariance: Numbers, white: Numbers) -> float:
-    """Root of the mean ratio of the variances."""
+    """Return the root of the mean ratio of the variances."""
     own, plain = np.diag(covariance), np.diag(white)
     seen = plain > 0.0
     return float(np.sqrt(np.mean(own[seen] / plain[seen]))) if seen.any() else 1.0

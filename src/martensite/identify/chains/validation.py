@@ -66,7 +66,7 @@ class Validation:
 
     @property
     def residuals(self) -> Numbers:
-        """Measured less computed, NaN where nothing counts."""
+        """Return the measured less computed, NaN where nothing counts."""
         found = self.record.outputs - self.computed
         found[: self.skip] = np.nan
         return found
@@ -81,7 +81,7 @@ class Validation:
 
     @property
     def fit(self) -> float:
-        """Mean NRMSE fit of all outputs [%]."""
+        """Return the mean NRMSE fit of all outputs [%]."""
         whole = [one.fit_percent for one in self.scores if one.part == WHOLE]
         return float(np.mean(whole))
 
@@ -109,14 +109,14 @@ class Validation:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Scores, then what is wrong, then what the residuals remember."""
+        """Return the scores, then what is wrong, then what the residuals remember."""
         whole = [self._score_outputs(one) for one in self.scores]
         good = () if self.failures else ("The tests find nothing that the model misses.",)
         begins = f"Initial state of `{self.record.name}`: {self.begins}."
         return (*whole, begins, *self.failures, *good, *(one.sentence for one in self.whiteness))
 
     def to_dict(self) -> dict[str, Any]:
-        """All figures and sentences, for JSON."""
+        """Return all figures and sentences, for JSON."""
         return {
             "record": self.record.name,
             "skip": self.skip,
@@ -274,7 +274,7 @@ def _test_correlation(record: Sampled, residuals: Numbers, level: float) -> Iter
 
 
 def compare_validations(validations: Iterable[Validation]) -> str:
-    """Best and worst of several records, in a sentence; `DataError` if there are none."""
+    """Return the best and worst of several records, in a sentence; `DataError` if there are none."""
     ranked = sorted(validations, key=lambda one: one.fit)
     if not ranked:
         raise DataError("There are no validations to compare.")

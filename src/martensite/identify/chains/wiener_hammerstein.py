@@ -81,7 +81,7 @@ def wiener_hammerstein_starts(chain: Chain, record: Sampled, most: int = 24) -> 
 
 
 def _linear_models(both: Orders, record: Sampled) -> list[tuple[Numbers, Numbers]]:
-    """Poles and zeros of linear models of both blocks together, as found and refined.
+    """Return the poles and zeros of linear models of both blocks together, as found and refined.
 
     Also with one sample more of delay, which leaves out a zero that records hardly show.
     """
@@ -101,7 +101,7 @@ def _linear_models(both: Orders, record: Sampled) -> list[tuple[Numbers, Numbers
 
 
 def shared_out(z_poles: Numbers, z_zeros: Numbers, first: Orders, last: Orders, record: Sampled) -> list[Shared]:
-    """All ways to share out poles and zeros, best first."""
+    """Return all ways to share out poles and zeros, best first."""
     ways = [
         (p, z)
         for p in _list_choices(z_poles, first.nf, last.nf)
@@ -116,7 +116,7 @@ def shared_out(z_poles: Numbers, z_zeros: Numbers, first: Orders, last: Orders, 
 
 
 def _list_choices(z: Numbers, first: int, last: int) -> list[tuple[Numbers, Numbers]]:
-    """All ways to give at most `first` of the roots to one and `last` to the other."""
+    """Return all ways to give at most `first` of the roots to one and `last` to the other."""
     pairs = [np.array([one, one.conj()]) for one in z if one.imag > 0.0]
     groups = pairs + [np.array([one]) for one in z if one.imag == 0.0]
     made: list[tuple[Numbers, Numbers]] = []
@@ -130,7 +130,7 @@ def _list_choices(z: Numbers, first: int, last: int) -> list[tuple[Numbers, Numb
 
 
 def _score_sharing(p: tuple[Numbers, Numbers], z: tuple[Numbers, Numbers], u: Numbers, y: Numbers) -> Shared:
-    """Filters of unit gain at rest (or of unit size), and the best polynomial between them."""
+    """Return the filters of unit gain at rest (or of unit size), and the best polynomial between them."""
     filters = tuple(_build_filter(zeros_, poles_) for zeros_, poles_ in zip(z, p, strict=True))
     x = _filter_signal(filters[0], u)
     size = max(float(np.abs(x).max()), 1e-300)
@@ -185,7 +185,7 @@ def _place_poles(chain: Chain, way: Shared, static: AbstractBlock, record: Sampl
 
 
 def _with_polynomial(chain: Chain, way: Shared, record: Sampled) -> tuple[float, Chain]:
-    """Cost and chain of a way, refined with a polynomial between the blocks."""
+    """Return the cost and chain of a way, refined with a polynomial between the blocks."""
     placed = _place_poles(chain, way, Polynomial(degree=DEGREE), record)
     squares = ResidualSquares(placed.engine, [RecordResidual(record)])
     found = minimise_cost(squares, placed.theta, 25)
@@ -207,13 +207,13 @@ def _begin_chain(chain: Chain, with_polynomial: Chain, record: Sampled) -> Chain
 
 
 def _pad_poles(a: Numbers, count: int) -> Numbers:
-    """Poles of a denominator, with fast ones to fill up the order."""
+    """Return the poles of a denominator, with fast ones to fill up the order."""
     z = np.roots(a)
     return np.concatenate([z, np.full(count - len(z), 1e-3)])
 
 
 def fit_through(block: AbstractBlock, x: Numbers, y: Numbers, points: int = 400) -> Numbers:
-    """Free numbers of a static block near the curve through points (x, y)."""
+    """Return the free numbers of a static block near the curve through points (x, y)."""
     order = np.argsort(x)[np.linspace(0, len(x) - 1, min(points, len(x))).astype(int)]
     record = Sampled("curve", 1.0, x[order], y[order], ("x",), ("y",))
     slope, offset = np.polyfit(x[order], y[order], 1)

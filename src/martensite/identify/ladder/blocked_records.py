@@ -96,7 +96,7 @@ class ErrorFall(NamedTuple):
 def divide_records(
     records: Sequence[Sampled], validation: Sequence[Sampled] = (), other: Sequence[Sampled] = ()
 ) -> tuple[BlockedRecord, ...]:
-    """Records in blocks; those that are given to choose by, or to hold out, take the place of blocks."""
+    """Return the records in blocks; those that are given to choose by, or to hold out, take the place of blocks."""
     made: list[BlockedRecord] = []
     for record in records:
         last = len(record) if other else round((1.0 - HELD) * len(record))
@@ -121,7 +121,7 @@ def run_blocks(chain: Chain | None, blocked: Sequence[BlockedRecord], whole: boo
 
 
 def measure_blocks(blocked: Sequence[BlockedRecord], runs: Sequence[Numbers], held: bool) -> BlockErrors:
-    """Errors of runs on the blocks that are held out, or on those to choose by."""
+    """Return the errors of runs on the blocks that are held out, or on those to choose by."""
     scale = np.nanstd(np.concatenate([one.record.outputs for one in blocked if one.fitted]), axis=0)
     scale = np.where(scale > 0.0, scale, 1.0)
     rows: list[tuple[Numbers, Numbers]] = []

@@ -97,7 +97,7 @@ class _Climb:
         return LadderTrial(text, numbers, found.chain, chosen_by, held, measure_processor_time() - begun)
 
     def _measure(self, chain: Chain | None) -> tuple[BlockErrors, BlockErrors]:
-        """Errors of a model, or of the mean, in the blocks to choose by and in those held out."""
+        """Return the errors of a model, or of the mean, in the blocks to choose by and in those held out."""
         runs = run_blocks(chain, self.blocked, False)
         return measure_blocks(self.blocked, runs, False), measure_blocks(self.blocked, runs, True)
 
@@ -286,7 +286,7 @@ def _describe_order(climb: _Climb, delay: DelayTest, order: int) -> Iterator[str
 
 
 def _rank(trial: LadderTrial) -> float:
-    """Mean error on the blocks to choose by; infinite without a model."""
+    """Return the mean error on the blocks to choose by; infinite without a model."""
     error = float(np.mean(trial.chosen_by.pieces)) if len(trial.chosen_by.pieces) else np.inf
     return error if trial.chain is not None and np.isfinite(error) else np.inf
 

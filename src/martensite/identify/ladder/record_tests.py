@@ -97,7 +97,7 @@ def find_delay(records: Sequence[Sampled], order: int = 2) -> DelayTest:
 
 
 def _measure_shift(records: Sequence[Sampled], shift: int, order: int) -> tuple[float, float]:
-    """Squared error of a linear model of inputs that come later, and how many residuals are independent."""
+    """Return the squared error of a linear model of inputs that come later, and how many residuals are independent."""
     moved = [replace(r, inputs=r.inputs[np.clip(np.arange(len(r)) - shift, 0, len(r) - 1)]) for r in records]
     ins, outs = records[0].inputs.shape[1], records[0].outputs.shape[1]
     block = StateSpace(order=order, ins=ins, outs=outs, nk=1, offset="yes")

@@ -26,7 +26,7 @@ def _repeat_block(block: str, count: int) -> str:
 
 
 def list_rungs(order: int, delay: int, ins: int = 1, outs: int = 1) -> list[tuple[str, list[str]]]:
-    """Names and structures of the rungs above the linear one, the quickest structures first."""
+    """Return the names and structures of the rungs above the linear one, the quickest structures first."""
     single = (ins, outs) == (1, 1)
     line = f"oe({order + (delay == 0)},{order},{delay})" if single else _write_state_space(order, delay, ins, outs)
 

@@ -40,5 +40,5 @@ class TimeBox:
 
 
 def measure_processor_time() -> float:
-    """Processor time of this process and of those that it has waited for [s]."""
+    """Return the processor time of this process and of those that it has waited for [s]."""
     return float(sum(os.times()[:4]))

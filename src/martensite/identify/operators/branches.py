@@ -34,7 +34,7 @@ class LogisticBranch(NamedTuple):
 
 
 def name_branch(branch: str, logistics: int) -> tuple[str, ...]:
-    """Free numbers of a branch: centres, logarithms of widths, and the logit of the first share."""
+    """Return the free numbers of a branch: centres, logarithms of widths, and the logit of the first share."""
     places = ("",) if logistics == 1 else ("1", "2")
     centres = tuple(f"{branch}_centre{k}" for k in places)
     widths = tuple(f"log_{branch}_width{k}" for k in places)

@@ -44,7 +44,7 @@ def compute_logistic(xp: Namespace, z: Scalar) -> Scalar:
 
 
 def compute_sizes(xp: Namespace, logits: Column) -> tuple[list[Scalar], Scalar]:
-    """Positive sizes, one more than logits: the first has the logit 0; and their sum.
+    """Return the positive sizes, one more than logits: the first has the logit 0; and their sum.
 
     Shares are sizes over the sum. A kernel divides what it has summed up with sizes: each
     derivative is then one product, where that of every share would depend on every logit.
@@ -108,13 +108,13 @@ class PlaySum:
         return np.full(len(self.thresholds), float(x))
 
     def step(self, state: Numbers, x: float) -> tuple[float, Numbers]:
-        """Output of this sample, and where the plays are now."""
+        """Return the output of this sample, and where the plays are now."""
         r, a = self._arrays
         p = np.maximum(x - r, np.minimum(x + r, state))
         return float(a[0] * x + a[1:] @ p), p
 
     def simulate(self, inputs: Sequence[float] | Numbers, state: Numbers | None = None) -> Numbers:
-        """Outputs for inputs of shape (samples,); from rest if no state is given."""
+        """Return the outputs for inputs of shape (samples,); from rest if no state is given."""
         made = np.empty(len(inputs))
         state = self.rest(inputs[0]) if state is None else state
         for t, x in enumerate(inputs):
@@ -144,7 +144,7 @@ class PlaySum:
         return PlaySum(tuple(np.cumsum(slopes[:-1] * steps).tolist()), (float(1.0 / a[0]), *b.tolist()))
 
     def matching(self, state: Numbers) -> Numbers:
-        """State of the inverse that belongs to a state of this operator.
+        """Return the state of the inverse that belongs to a state of this operator.
 
         The state must be one that some input leads to: neighbours differ by no more than their
         thresholds do, and the first from the input by no more than its own.

@@ -74,7 +74,7 @@ class SectionOutput(NamedTuple):
 
 
 def name_sections(order: int) -> tuple[str, ...]:
-    """Free numbers of the sections that make up an order."""
+    """Return the free numbers of the sections that make up an order."""
     first = ("log_tau",) if order % 2 else ()
     pairs = (f"log_{symbol}{k + 1}" for k in range(order // 2) for symbol in ("omega", "zeta"))
     return (*first, *pairs)
@@ -89,7 +89,7 @@ def step_cascade(
     dt: Scalar,
     more: Sequence[Scalar] = (),
 ) -> SectionOutput:
-    """Sections in series, fed with w; the state holds v₋ (and Δ₋) of every section.
+    """Return the sections in series, fed with w; the state holds v₋ (and Δ₋) of every section.
 
     The first `nb` signals span all numerators of `nb` coefficients, nb ≤ order. With `more`,
     order - 1 further inputs enter the other states: a section of second order takes one into
@@ -117,12 +117,12 @@ def step_cascade(
 
 
 def rest_cascade(order: int, w: Scalar) -> list[Scalar]:
-    """State of a cascade at rest under a constant input."""
+    """Return the state of a cascade at rest under a constant input."""
     return [w] * (order % 2) + [w, 0.0] * (order // 2)
 
 
 def fed_resting(xp: Namespace, order: int, poles: list[Scalar], fed: list[Scalar], dt: Scalar) -> list[Scalar]:
-    """State of a cascade at rest under constant inputs of all its states."""
+    """Return the state of a cascade at rest under constant inputs of all its states."""
     w, held = fed[0], [fed[0]] * (order % 2)
     for k in range(order % 2, order, 2):
         d = second_order(xp, poles[k], poles[k + 1], dt)
@@ -133,7 +133,7 @@ def fed_resting(xp: Namespace, order: int, poles: list[Scalar], fed: list[Scalar
 
 
 def find_poles(order: int, numbers: Numbers, dt: float) -> Numbers:
-    """Poles z = exp(s dt) of a cascade, from its free numbers; all inside the unit circle."""
+    """Return the poles z = exp(s dt) of a cascade, from its free numbers; all inside the unit circle."""
     first = order % 2
     s: list[complex] = [complex(-np.exp(-np.clip(log_tau, -LONGEST, LONGEST))) for log_tau in numbers[:first]]
     for k in range(first, order, 2):
@@ -146,12 +146,12 @@ def find_poles(order: int, numbers: Numbers, dt: float) -> Numbers:
 
 
 def find_time_range(duration: float, dt: float) -> tuple[float, float]:
-    """Logarithms of the shortest and longest time constants [s] that a record may tell."""
+    """Return the logarithms of the shortest and longest time constants [s] that a record may tell."""
     return float(np.log(max(5.0 * dt, 1e-3 * duration))), float(np.log(0.25 * duration))
 
 
 def compute_weights(order: int, numbers: Numbers, leads: Numbers) -> Numbers:
-    """Weights of the second signal on, from the last section back, for zeros at s = -1/lead.
+    """Return the weights of the second signal on, from the last section back, for zeros at s = -1/lead.
 
     As many signals take part as there are zeros and one, the input of all last; as if samples
     were dense: the signals have numerators in s of ascending degree, and the sum is to have that
@@ -170,7 +170,7 @@ def compute_weights(order: int, numbers: Numbers, leads: Numbers) -> Numbers:
 
 
 def _compute_numerators(order: int, numbers: Numbers) -> list[Numbers]:
-    """Numerators of the signals, coefficients of s^0, s^1, …, from the last section back."""
+    """Return the numerators of the signals, coefficients of s^0, s^1, …, from the last section back."""
     made: list[Numbers] = []
     behind = np.ones(1)
     for k in range(order - 2, -1, -2):
@@ -184,7 +184,7 @@ def _compute_numerators(order: int, numbers: Numbers) -> list[Numbers]:
 
 
 def draw_numbers(order: int, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
-    """Time constants spread over a thousandth to a quarter of a record; damping near 1."""
+    """Return the time constants spread over a thousandth to a quarter of a record; damping near 1."""
     short, long = find_time_range(duration, dt)
     made, first = np.zeros(order), order % 2
     made[:first] = rng.uniform(short, long, first)
@@ -194,7 +194,7 @@ def draw_numbers(order: int, rng: np.random.Generator, duration: float, dt: floa
 
 
 def show_numbers(named: Sequence[str], theta: Numbers) -> list[tuple[str, float, str]]:
-    """Names without `log_`, with the values and units of what they stand for."""
+    """Return the names without `log_`, with the values and units of what they stand for."""
     units = {"tau": "s", "omega": "rad/s", "zeta": "1"}
     rows: list[tuple[str, float, str]] = []
     for name, value in zip(named, theta, strict=True):

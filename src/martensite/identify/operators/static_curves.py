@@ -21,11 +21,11 @@ class AbstractCurve(AbstractStatic):
     """A static block from a curve c(r), which is linear in its heights."""
 
     def heights(self) -> tuple[str, ...]:
-        """Names of the numbers that scale with the output."""
+        """Return the names of the numbers that scale with the output."""
         return ()
 
     def places(self) -> tuple[str, ...]:
-        """Names of the numbers of positions and widths."""
+        """Return the names of the numbers of positions and widths."""
         return ()
 
     @abstractmethod
@@ -34,7 +34,7 @@ class AbstractCurve(AbstractStatic):
 
     @property
     def first(self) -> int:
-        """Place of the first height: 1 behind an offset, else 0."""
+        """Return the place of the first height: 1 behind an offset, else 0."""
         return int(self.offset == "yes")
 
     def numbers(self) -> tuple[str, ...]:
@@ -51,7 +51,7 @@ class AbstractCurve(AbstractStatic):
         return made - self.curve(xp, heights, places, self.unit(0.0))
 
     def scale_departure(self, departure: Numbers, factor: float) -> Numbers:
-        """Places stay."""
+        """Return the places stay."""
         made = departure * factor
         last = len(made) - len(self.places())
         made[last:] = departure[last:]

@@ -142,7 +142,7 @@ def _show_outputs(result: Result, records: Sequence[MeasuredRecord]) -> list[Ben
 
 
 def _group_by_unit(result: Result, found: Sequence[Loop]) -> list[list[Loop]]:
-    """Loops whose errors have one unit, together."""
+    """Return the loops whose errors have one unit, together."""
     groups: dict[str, list[Loop]] = {}
     for loop in found:
         groups.setdefault(result.unit(loop.truth), []).append(loop)
@@ -164,7 +164,7 @@ def _show_errors(result: Result, group: Sequence[Loop]) -> BenchPanel:
 
 
 def _show_signals(result: Result, found: Sequence[Loop]) -> list[BenchPanel]:
-    """Signals that controllers want, and those that the sources got; those of a unit together."""
+    """Return the signals that controllers want, and those that the sources got; those of a unit together."""
     got, wants = (map_applied_signals(result), {loop.drive: loop.wanted for loop in found if loop.wanted})
     drives = [drive.name for drive in find_bench(result).plant.drives()]
     groups: dict[str, list[str]] = {}
@@ -192,7 +192,7 @@ def _show_signal(result: Result, group: Sequence[str], wants: Mapping[str, str],
 
 
 def _show_temperatures(result: Result, found: Sequence[Loop], records: Sequence[MeasuredRecord]) -> list[BenchPanel]:
-    """Temperatures of all elements, unless another panel shows the only one."""
+    """Return the temperatures of all elements, unless another panel shows the only one."""
     names = list_temperatures(result)
     seen = {loop.truth for loop in found} | {one.removeprefix(ESTIMATED) for one in list_estimates(result, found)}
     if not names or (len(names) == 1 and names[0] in seen):

@@ -84,19 +84,19 @@ def _find_truth(result: Result, bench: Bench, name: str, reading: str) -> str:
 
 
 def map_applied_signals(result: Result) -> dict[str, str]:
-    """Drive of the plant -> column of the signal that its source got, where there is one."""
+    """Return the drive of the plant -> column of the signal that its source got, where there is one."""
     plant = find_bench(result).plant
     return {plant.drive_at(port): plant.label(port, "drive") for port in plant.actuators()}
 
 
 def list_temperatures(result: Result) -> list[str]:
-    """Columns of the temperatures of all elements."""
+    """Return the columns of the temperatures of all elements."""
     plant = find_bench(result).plant
     return [plant.label(port, TEMPERATURE) for port in plant.actuators()]
 
 
 def list_estimates(result: Result, found: Sequence[Loop]) -> list[str]:
-    """Columns of estimates whose truth is known, and which no loop shows."""
+    """Return the columns of estimates whose truth is known, and which no loop shows."""
     shown = {loop.reading for loop in found}
     return [
         name
@@ -106,7 +106,7 @@ def list_estimates(result: Result, found: Sequence[Loop]) -> list[str]:
 
 
 def find_alarmed_spans(result: Result) -> list[tuple[float, float]]:
-    """Times between which the supervisor raised an alarm [s]."""
+    """Return the times between which the supervisor raised an alarm [s]."""
     if ALARM not in result.columns:
         return []
     times, columns = result.list_rows([ALARM])
@@ -123,6 +123,6 @@ def find_alarmed_spans(result: Result) -> list[tuple[float, float]]:
 
 
 def compute_shown_error(result: Result, loop: Loop) -> Any:
-    """Reference less truth, in the unit that the truth is shown in."""
+    """Return the reference less truth, in the unit that the truth is shown in."""
     how = describe_axis(result, loop.truth)
     return how.values(loop.reference) - how.values(result.columns[loop.truth])

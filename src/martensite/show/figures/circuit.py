@@ -19,7 +19,7 @@ LOOPS = 7
 
 
 def plot_circuit(found: WireRatings) -> Figure:
-    """Both ways to drive a wire from its supply, with the numbers of the parts."""
+    """Return both ways to drive a wire from its supply, with the numbers of the parts."""
     cycle = found.cycle
     current = found.holding_current if cycle is None else cycle.current
     series, power = found.series_resistor(current)

@@ -107,7 +107,7 @@ def make_output_axis(name: str, described: Output) -> QuantityAxis:
 
 
 def find_loop_column(one: ComparedOutput) -> str | None:
-    """Column of a record over which an output makes a loop; None if there is none."""
+    """Return the column of a record over which an output makes a loop; None if there is none."""
     record, last = one.experiment.record, one.output.rpartition(".")[2]
     partner = {"stress": "strain", "force": "position"}.get(last)
     for column in ("temperature", partner):
@@ -151,7 +151,7 @@ def _choose_axis(one: ComparedOutput) -> QuantityAxis:
 
 
 def _widen_rows(rows: Any) -> Any:
-    """Rows, and those beside them, so that lines of two colours meet."""
+    """Return the rows, and those beside them, so that lines of two colours meet."""
     wide = rows.copy()
     wide[1:] |= rows[:-1]
     wide[:-1] |= rows[1:]

@@ -173,7 +173,7 @@ def _set_decades(axes: Any, values: Any) -> None:
 
 
 def _find_weakest(fit: Fit) -> tuple[list[str], list[float], str]:
-    """Names and moves, as shares of the search ranges, of the least certain direction."""
+    """Return the names and moves, as shares of the search ranges, of the least certain direction."""
     found, names = fit.identifiability, fit.problem.names
     if found.weak:
         first = found.weak[0]

@@ -145,7 +145,7 @@ def draw_strips(axes: Any, result: Result, *, named: bool = True) -> None:
 
 
 def _join_points(points: tuple[Any, Any], own: Sequence[tuple[int, int]]) -> list[Any]:
-    """Both coordinates of all stretches, with a gap after each."""
+    """Return both coordinates of all stretches, with a gap after each."""
     return [np.concatenate([np.append(c[a : b + 1], np.nan) for a, b in own]) for c in points]
 
 

@@ -37,7 +37,7 @@ class QuantityAxis:
 
     @property
     def difference_unit(self) -> str:
-        """Unit of a difference of two values, for running text."""
+        """Return the unit of a difference of two values, for running text."""
         return "K" if self.shown == "degC" else typeset_unit(self.shown)
 
     def values(self, column: ArrayLike) -> Any:
@@ -74,7 +74,7 @@ def typeset_symbol(symbol: str) -> str:
 
 
 def choose_limits(name: str, *columns: Any) -> tuple[float, float]:
-    """Limits of the axis of `name` around all finite values, in its shown unit.
+    """Return the limits of the axis of `name` around all finite values, in its shown unit.
 
     A fraction is always seen from 0 to 1.
     """
@@ -85,7 +85,7 @@ def choose_limits(name: str, *columns: Any) -> tuple[float, float]:
 
 
 def enclose_values(*columns: Any, least: float = 1e-3) -> tuple[float, float]:
-    """Limits around all finite values, wide enough for a constant to look like one."""
+    """Return the limits around all finite values, wide enough for a constant to look like one."""
     values = np.concatenate([np.ravel(c) for c in columns])
     values = values[np.isfinite(values)]
     if not values.size:

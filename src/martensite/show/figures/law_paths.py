@@ -143,7 +143,7 @@ def draw_fractions(axes: Any, results: Sequence[PointResult]) -> None:
 
 
 def _split_legs(result: PointResult, colour: str, *, alone: bool) -> list[tuple[int, int, str]]:
-    """First sample, last sample and colour of every leg."""
+    """Return the first sample, last sample and colour of every leg."""
     spans = pairwise(result.ends)
     if not alone:
         return [(first, last, colour) for first, last in spans]

@@ -55,7 +55,7 @@ def draw_machine(result: Result) -> Figure:
 
 
 def choose_colours(count: int) -> list[Any]:
-    """One colour for each of `count` lines."""
+    """Return one colour for each of `count` lines."""
     if count <= len(COLOURS):
         return list(COLOURS[:count])
     from matplotlib import colormaps

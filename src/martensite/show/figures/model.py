@@ -215,14 +215,14 @@ def _draw_cross_correlation(axes: Any, one: Crossed) -> None:
 
 
 def write_signal_label(name: str, units: Mapping[str, str]) -> str:
-    """Name and unit of a signal, such as position [mm]."""
+    """Return the name and unit of a signal, such as position [mm]."""
     unit = units.get(name, "")
     plain = name.replace("_", " ").replace("$", r"\$")  # a column name is not mathematics
     return f"{plain} [{typeset_unit(unit, '–')}]"
 
 
 def thin_line(values: Any, most: int = MOST_CORNERS) -> Any:
-    """Places of the values that a line needs: the extremes of equal stretches, or all."""
+    """Return the places of the values that a line needs: the extremes of equal stretches, or all."""
     count = len(values)
     if count <= most:
         return np.arange(count)

@@ -201,7 +201,7 @@ def draw_panel(axes: Any, result: Result, name: str, records: Sequence[MeasuredR
 
 
 def plot_profile(result: Result, title: str | None = None) -> Figure:
-    """Temperature and martensite fraction of every cell over time, as two maps.
+    """Return the temperature and martensite fraction of every cell over time, as two maps.
 
     Raises:
         InputError: the element of the result is the same all over.

@@ -126,7 +126,7 @@ def add_colour_key(figure: Figure, colours: Mapping[str, Any]) -> None:
 
 
 def make_colour_samples(colours: Mapping[str, Any]) -> list[Any]:
-    """Lines in these colours, for a key."""
+    """Return the lines in these colours, for a key."""
     from matplotlib.lines import Line2D
 
     return [Line2D([], [], color=tint) for tint in colours.values()]

@@ -32,12 +32,12 @@ class MeasuredRecord(Protocol):
 
     @property
     def name(self) -> str:
-        """Name of the record."""
+        """Return the name of the record."""
         ...
 
     @property
     def columns(self) -> Mapping[str, Sequence[float]]:
-        """Columns in SI units, `time` [s] among them."""
+        """Return the columns in SI units, `time` [s] among them."""
         ...
 
     @property
@@ -85,7 +85,7 @@ def check_records(result: Result, records: Records) -> list[MeasuredRecord]:
 
 
 def list_recorded(result: Result, records: Iterable[MeasuredRecord]) -> list[str]:
-    """Names of the outputs that at least one of the records holds."""
+    """Return the names of the outputs that at least one of the records holds."""
     records = list(records)
     return [name for name in result.outputs if any(_has_column(result, r, name) for r in records)]
 
@@ -133,7 +133,7 @@ def draw_key(figure: Any, records: Sequence[MeasuredRecord], below: float) -> No
 
 
 def choose_look(record: MeasuredRecord, i: int) -> dict[str, Any]:
-    """Line properties of the i-th record: dots if it is short, else a thin line."""
+    """Return the line properties of the i-th record: dots if it is short, else a thin line."""
     colour = MEASURED[i % len(MEASURED)]
     if len(record.columns["time"]) > DOTS:
         return {"color": colour, "linewidth": 0.9, "alpha": 0.9, "zorder": 1.8}

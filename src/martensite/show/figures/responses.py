@@ -78,7 +78,7 @@ def _draw_both(axes: Any, found: Speeds, up: Any, down: Any) -> None:
 
 
 def _list_loads(found: Speeds, table: Any) -> list[tuple[Any, Any, int]]:
-    """Rows of a table by load, with the dashes of each."""
+    """Return the rows of a table by load, with the dashes of each."""
     return [(table[k], DASHES[k % len(DASHES)], k) for k in range(len(found.loads))]
 
 

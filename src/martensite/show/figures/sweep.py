@@ -113,7 +113,7 @@ def _draw_over_two(axes: Axes, found: SweepTable, one: SweepColumn) -> None:
 
 
 def _draw_map(axes: Axes, levels: list[Any], values: Any) -> Any:
-    """Cells around the levels, and lines of equal values where there are enough of them."""
+    """Return the cells around the levels, and lines of equal values where there are enough of them."""
     axes.set_facecolor(FAINT)
     drawn = axes.pcolormesh(*levels, np.ma.masked_invalid(values.T), shading="nearest", cmap=MAP, rasterized=True)
     if min(values.shape) > 3 and np.isfinite(values).all() and is_spread(values):
@@ -140,7 +140,7 @@ def _mark_failures(axes: Axes, x: Any, y: Any, found: SweepTable, one: SweepColu
 
 
 def label_column(one: SweepColumn, short: str = "") -> str:
-    """Name and unit of a column, for an axis."""
+    """Return the name and unit of a column, for an axis."""
     return f"{short or one.name} [{typeset_unit(one.shown, '–')}]"
 
 
@@ -165,20 +165,20 @@ def set_scales(axes: Axes, x: SweepColumn, y: SweepColumn | None = None) -> None
 
 
 def write_sweep_title(found: SweepTable) -> str:
-    """Title of a sweep, and how many runs it has."""
+    """Return the title of a sweep, and how many runs it has."""
     failed = f", {found.failed:,} failed" if found.failed else ""
     missing = f", {found.missing:,} not made yet" if found.missing else ""
     return f"{found.title}: {len(found.status):,} runs{failed}{missing}"
 
 
 def arrange_panels(count: int) -> tuple[int, int]:
-    """Rows and columns of panels."""
+    """Return the rows and columns of panels."""
     columns = 2 if count == 4 else min(count, 3)
     return -(-count // columns), columns
 
 
 def measure_matrix(found: SweepTable) -> tuple[float, float]:
-    """Width and height of the figure [inch]."""
+    """Return the width and height of the figure [inch]."""
     count = min(len(found.varied), MOST_AXES)
     return CELL * count + 1.4, CELL * count + 0.6
 

@@ -62,7 +62,7 @@ def plot_pareto(found: SweepTable, front: ParetoFront, title: str = "") -> Figur
 
 
 def _choose_named(front: ParetoFront) -> list[int]:
-    """Runs of the front whose designs are told: far from one another, both ends among them."""
+    """Return the runs of the front whose designs are told: far from one another, both ends among them."""
     goals = np.stack([one.values[front.runs] for one in front.goals], axis=1)
     goals = (goals - goals.min(axis=0)) / np.maximum(np.ptp(goals, axis=0), 1e-300)
     chosen = [0]
@@ -154,7 +154,7 @@ def _draw_bars(axes: Axes, one: SensitivityIndices, kinds: list[str]) -> None:
 
 
 def _find_ends(one: SensitivityIndices) -> tuple[float, float]:
-    """Limits of the panel: 0 to 1, more where an interval of something drawn goes further."""
+    """Return the limits of the panel: 0 to 1, more where an interval of something drawn goes further."""
     drawn = [index for kind, index in one.indices.items() if kind in COLOURS]
     halves = [np.nan_to_num(index.wide) for index in drawn]
     values = [np.nan_to_num(index.values) for index in drawn]

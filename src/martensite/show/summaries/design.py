@@ -20,7 +20,7 @@ COARSE = 1e-2
 
 
 def summarise_design(found: OptimisedDesign, title: str) -> Summary:
-    """Everything about a design."""
+    """Return everything about a design."""
     question, counts = found.question, found.counts
     sense = "most" if question.most else "least"
     lead = (

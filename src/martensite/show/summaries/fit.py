@@ -40,7 +40,7 @@ def summarise_fit(
     title: str = "",
     posterior: Posterior | None = None,
 ) -> Summary:
-    """Everything about a fit."""
+    """Return everything about a fit."""
     blocks = [
         _describe_verdict(fit),
         *_describe_parameters(fit),

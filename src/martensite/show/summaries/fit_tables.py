@@ -179,7 +179,7 @@ def _write_error(score: Score, raw: float | None) -> tuple[str, ...]:
 
 
 def tabulate_all_digits(fit: Fit) -> DataTable:
-    """All free parameters in SI with all digits."""
+    """Return all free parameters in SI with all digits."""
     return DataTable(
         ("parameter", "value", "standard error", "SI unit"),
         [

@@ -29,7 +29,7 @@ RECORD_SCORES = ("record", "output", "part", "fit [%]", "rms error", "largest er
 
 
 def summarise_identified(found: Identified, records: Sequence[Sampled]) -> Summary:
-    """Everything about models in stages."""
+    """Return everything about models in stages."""
     blocks = [block for k in range(len(found.stages)) for block in _describe_stage(found, k)]
     warned = [Sentence(one, "caution") for one in collect_warnings(found, records)]
     return Summary("", [*blocks, *_describe_scores(found), *warned], _collect_numbers(found, records))
@@ -93,7 +93,7 @@ def _choose_difference_unit(unit: str) -> str:
 
 
 def collect_warnings(found: Identified, records: Sequence[Sampled]) -> list[str]:
-    """Sentences on what is to be known before the model is believed."""
+    """Return the sentences on what is to be known before the model is believed."""
     said = [f"{r.name}: {remark}" for r in records for remark in r.remarks]
     for one in found.estimates:
         said += one.remarks

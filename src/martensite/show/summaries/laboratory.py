@@ -46,7 +46,7 @@ FOUND = ("quantity", "value", "95 % interval", "unit", "meaning")
 
 
 def summarise_film(report: FilmReport, forms: Sequence[str], origin: str) -> Summary:
-    """Everything about fits of a film coefficient."""
+    """Return everything about fits of a film coefficient."""
     title = f"h(T) from {len(report.points)} points, {origin}"
     return Summary(title, list(_describe_film(report, forms)), {"origin": origin} | report.to_dict())
 
@@ -97,7 +97,7 @@ def write_coefficient(fit: FilmFit, term: int, level: float) -> str:
 
 
 def summarise_motor(found: MotorConstants, states: int) -> Summary:
-    """Everything about a motor that was found from so many steady states."""
+    """Return everything about a motor that was found from so many steady states."""
     rows = [
         (f"{symbol}, {name.replace('_', ' ')}", getattr(found, name).write(), UNITS[name])
         for name, symbol in SYMBOLS.items()
@@ -114,7 +114,7 @@ def summarise_motor(found: MotorConstants, states: int) -> Summary:
 
 
 def summarise_tangents(found: TangentFit | TangentPoints) -> Summary:
-    """Everything about one cycle, or about several together."""
+    """Return everything about one cycle, or about several together."""
     levels = found.levels if isinstance(found, TangentFit) else [found]
     title = f"Tangents of {len(levels)} isobaric cycle{'s' * (len(levels) > 1)}"
     blocks: list[Block] = [DataTable(POINTS, [_point_row(one) for one in levels], right=range(len(POINTS) - 1))]
@@ -136,7 +136,7 @@ def _point_row(points: TangentPoints) -> tuple[str, ...]:
 
 
 def _estimate_rows(fit: TangentFit) -> Iterator[tuple[str, ...]]:
-    """Rows of a table: what was found over all stresses, with 95 % intervals."""
+    """Yield the rows of a table: what was found over all stresses, with 95 % intervals."""
     at_zero = (
         ("A_s", "austenite start at zero stress"),
         ("A_f", "austenite finish"),
@@ -181,7 +181,7 @@ class Oscillator:
     mass: float | None
 
     def derive_numbers(self, fit: LogDecrement) -> dict[str, tuple[MeasuredValue, str]]:
-        """Mass or stiffness, and damping, by name with their units; empty if nothing is given."""
+        """Return the mass or stiffness, and damping, by name with their units; empty if nothing is given."""
 
         def rate(period: float, delta: float) -> float:
             return math.hypot(2.0 * math.pi, delta) / period
@@ -204,7 +204,7 @@ class Oscillator:
 
 
 def summarise_vibration(peak: SpectralPeak, fit: LogDecrement, oscillator: Oscillator, title: str) -> Summary:
-    """Everything about a free vibration."""
+    """Return everything about a free vibration."""
     derived = oscillator.derive_numbers(fit)
     found = [
         ("natural frequency", fit.frequency, "Hz"),

@@ -17,7 +17,7 @@ STOPPED = {
 
 
 def summarise_ladder(found: Ladder) -> Summary:
-    """Everything about a climb: for a terminal without the figures, for a page with them."""
+    """Return everything about a climb: for a terminal without the figures, for a page with them."""
     names = ", ".join(f"`{name}`" for name in found.model.input_names)
     outputs = ", ".join(f"`{name}`" for name in found.model.output_names)
     title = f"Model of {outputs} from {names}".replace("`", "")

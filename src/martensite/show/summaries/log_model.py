@@ -22,7 +22,7 @@ HELD_OUT = ("record", "output", "rms", "raw_rms", "own_zero", "whole", "fit_perc
 
 
 def summarise_log_model(model: LogModel, command: str = "") -> Summary:
-    """One page about what was made of logs; `command` is what fits the scenario again."""
+    """Return one page about what was made of logs; `command` is what fits the scenario again."""
     fit, rows = model.fit, list_compared(model.fit)
     names = [one.name for one in fit.problem.experiments]
     which = join_phrases(names) if len(names) <= 4 else f"{len(names)} records"

@@ -45,7 +45,7 @@ def write_default(entry: Mapping[str, Any]) -> str:
 
 
 def tabulate_parts(kind: str, rows: Sequence[Mapping[str, Any]]) -> DataTable:
-    """Names of parts with one line each; of blocks how they are written in a chain as well."""
+    """Return the names of parts with one line each; of blocks how they are written in a chain as well."""
     if any("written" in row for row in rows):
         cells = [(row["name"], row["written"], row["summary"]) for row in rows]
         return DataTable((kind, "in a chain", "what it is"), cells)
@@ -60,7 +60,7 @@ def summarise_materials(found: Sequence[Material]) -> Summary:
 
 
 def summarise_material(material: Material) -> Summary:
-    """Everything about a material."""
+    """Return everything about a material."""
     blocks: list[Block] = [Sentence(f"Limits: {material.limits}")]
     if material.law is not None:
         options = [f"{name} = {word}" for name, word in material.law.items() if name != "kind"]

@@ -139,7 +139,7 @@ def _list_strokes(result: Result) -> Iterator[tuple[str, str]]:
 
 
 def list_peaks(result: Result) -> Iterator[tuple[str, str]]:
-    """Highest temperature, stress and force of all elements, and the lowest martensite fraction."""
+    """Yield the highest temperature, stress and force of all elements, and the lowest martensite fraction."""
     ports = list(result.system.actuators())
     for name, words, choose in PEAKS if ports else ():
         columns = [result.system.label(port, name) for port in ports]
@@ -209,7 +209,7 @@ def _collect_averaging(found: Averaging | None) -> dict[str, Any] | None:
 
 
 def summarise_laws(path: str, dressed: Sequence[ConfiguredLaw], results: Sequence[Sequence[PointResult]]) -> Summary:
-    """Everything about laws on the path of a name: what each did on the paths that it was given."""
+    """Return everything about laws on the path of a name: what each did on the paths that it was given."""
     pairs = list(zip(dressed, results, strict=True))
     blocks = [block for one, own in pairs for block in _describe_law(path, one, own)]
     return Summary("", blocks, {"path": path, "laws": [_collect_law(*pair) for pair in pairs]})

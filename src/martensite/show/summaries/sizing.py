@@ -102,7 +102,7 @@ def _describe_one(request: WireRequest, found: Candidate) -> Iterator[Block]:
 
 
 def choose_columns(request: WireRequest) -> tuple[str, ...]:
-    """Headings of the table of wires, or of coils."""
+    """Return the headings of the table of wires, or of coils."""
     return COIL_COLUMNS if request.element == "coil" else COLUMNS
 
 
@@ -132,7 +132,7 @@ def list_cells(number: int, found: Candidate) -> tuple[str, ...]:
 
 
 def strip_unit(size: str) -> str:
-    """Name of a size without the unit that the heading has."""
+    """Return the name of a size without the unit that the heading has."""
     return size.removesuffix(" mm")
 
 
@@ -271,7 +271,7 @@ def write_conditions(stress: float, ambient: float) -> str:
 
 
 def collect_check(rows: Sequence[CheckRow], stress: float, ambient: float) -> dict[str, Any]:
-    """Everything in SI."""
+    """Return everything in SI."""
     extra = ("current_ratio", "cooling_ratio")
     return {
         "stress": stress,

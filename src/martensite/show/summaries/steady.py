@@ -32,7 +32,7 @@ def write_speed(speed: float, unit: str) -> str:
 
 
 def summarise_rest(found: SteadyState, title: str) -> Summary:
-    """Everything about an equilibrium."""
+    """Return everything about an equilibrium."""
     shown = {name: one for name, one in found.system.outputs().items() if PROFILE not in name}
     rows = [(name, write_quantity(found.outputs[name], one.unit)) for name, one in shown.items()]
     held = ", ".join(
@@ -75,7 +75,7 @@ def _tell_neutral(found: Stability) -> list[Block]:
 
 
 def summarise_cycle(found: PeriodicOrbit, title: str) -> Summary:
-    """Everything about a limit cycle."""
+    """Return everything about a limit cycle."""
     shown = {name: one for name, one in found.system.outputs().items() if PROFILE not in name}
     rows = [
         (name, *(write_quantity(float(f(found.outputs[name])), one.unit) for f in (np.min, np.max)))
@@ -111,7 +111,7 @@ def summarise_cycle(found: PeriodicOrbit, title: str) -> Summary:
 def summarise_response(
     found: ResponseCurve, title: str, speed: str, boundaries: list[FoldCurve], sweeps: Sequence[ResponseSweep] = ()
 ) -> Summary:
-    """Everything about a response curve, and the boundaries of its folds."""
+    """Return everything about a response curve, and the boundaries of its folds."""
     name = choose_output(found)
     unit = found.varied.unit
     places = _choose_points(found)

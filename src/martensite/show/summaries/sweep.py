@@ -32,7 +32,7 @@ HOW = {
 
 
 def summarise_sweep(plan: SweepPlan, store: Store, progress: Progress) -> Summary:
-    """Everything about a sweep."""
+    """Return everything about a sweep."""
     system = plan.course.system
     rows = [
         (words, *(write_quantity(v, one.unit_in(system)) for v in compute_spread(store, words)))
@@ -98,7 +98,7 @@ def _collect_numbers(plan: SweepPlan, store: Store, progress: Progress) -> dict[
 
 
 def summarise_front(store: Path, table: SweepTable, front: ParetoFront) -> Summary:
-    """Everything about a front."""
+    """Return everything about a front."""
     columns, count = front.columns(table), len(front.runs)
     places = np.unique(np.round(np.linspace(0, count - 1, min(SHOWN, count))).astype(int))
     rows = [(str(run), *(c.words(float(c.values[run])) for c in columns.values())) for run in front.runs[places]]
@@ -145,7 +145,7 @@ def _collect_front(store: Path, table: SweepTable, front: ParetoFront) -> dict[s
 
 
 def summarise_sensitivity(store: Path, table: SweepTable, found: Sequence[SensitivityIndices]) -> Summary:
-    """Everything about what the measures of a sweep depend on."""
+    """Return everything about what the measures of a sweep depend on."""
     data = {
         "store": str(store),
         "sample": table.sample,

@@ -36,7 +36,7 @@ class TuningOutcome:
 
 
 def summarise_tuning(found: TuningOutcome) -> Summary:
-    """Everything about a tuning."""
+    """Return everything about a tuning."""
     tuned = found.found
     lead = f"{found.origin}; {tuned.evaluations:,} runs, {tuned.gradients:,} with derivatives"
     blocks = [
@@ -122,7 +122,7 @@ def _collect_numbers(found: TuningOutcome) -> dict[str, Any]:
 
 
 def _list_gains(found: TuningOutcome) -> list[tuple[str, float, str]]:
-    """Path, number and unit of what was tuned."""
+    """Return the path, number and unit of what was tuned."""
     bench, places = found.found.bench, found.scenario.places
     leaves = {leaf.path: leaf for leaf in bench.leaves()}
     return [(path, value, places.unit(leaves[path])) for path, value in found.found.after.items()]

@@ -14,7 +14,7 @@ DRIVES = ("", "current\nA", "at the wire\nV", "or in series\nohm", "which takes\
 
 
 def summarise_ratings(found: WireRatings) -> Summary:
-    """Everything about a piece of wire: pull, drive, times, the parts that it needs."""
+    """Return everything about a piece of wire: pull, drive, times, the parts that it needs."""
     return Summary("", [*_tell_verdict(found), *_describe_wire(found), *_describe_parts(found)], found.to_dict())
 
 

@@ -83,7 +83,7 @@ def fit_heating(offset: float) -> Fit:
 
 @cache
 def offset_found() -> Profile:
-    """Profile of V₀ in the electrical way."""
+    """Return the profile of V₀ in the electrical way."""
     return offset_profile(fit_heating)
 
 

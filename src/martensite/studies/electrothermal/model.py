@@ -71,12 +71,12 @@ def read_number(path: str) -> float:
 
 
 def half_way_temperature() -> float:
-    """Temperature at which half of the wire is austenite on heating, unloaded [K]."""
+    """Return the temperature at which half of the wire is austenite on heating, unloaded [K]."""
     return 0.5 * (read_number("A_s") + read_number("A_f"))
 
 
 def film_coefficient(cooling: AbstractCooling, temperature: float) -> float:
-    """Film coefficient of a heat-loss model on this wire [W/(m² K)]."""
+    """Return the film coefficient of a heat-loss model on this wire [W/(m² K)]."""
     shape = Cylinder(get_wire().diameter, get_wire().length)
     return float(cooling.film(floats, temperature, read_number("environment.temperature"), shape))
 
@@ -112,7 +112,7 @@ def build_system(key: str, stated: Printed, calibration: RecordCalibration | Non
 
 @cache
 def predict_plateaus(key: str, stated: Printed, calibration: RecordCalibration | None = None) -> Record:
-    """Plateaus of a simulated staircase: drive [V], current, resistance, temperature, fraction."""
+    """Return the plateaus of a simulated staircase: drive [V], current, resistance, temperature, fraction."""
     run = simulate(
         build_system(key, stated, calibration),
         load_scenario().waveform,
@@ -127,7 +127,7 @@ def predict_plateaus(key: str, stated: Printed, calibration: RecordCalibration |
 
 
 def find_span(table: Record) -> tuple[float, float]:
-    """Currents of the last plateau with all martensite, and the first with none [A]."""
+    """Return the currents of the last plateau with all martensite, and the first with none [A]."""
     fractions, current = table["martensite_fraction"], table["current"]
     first = next(i for i, xi in enumerate(fractions) if xi < 0.99)
     gone = next(i for i, xi in enumerate(fractions) if xi < 0.01)

@@ -54,6 +54,6 @@ def compute_calibrated(stated: Printed) -> dict[str, float]:
 
 
 def compute_rms(key: str, stated: Printed) -> float:
-    """Resistance of a variant less that of the record, root mean square [ohm]."""
+    """Return the resistance of a variant less that of the record, root mean square [ohm]."""
     fitted = calibrate_numbers(stated) if key == "calibrated" else None
     return model.resistance_rms(model.predict_plateaus(key, stated, fitted), RecordStaircase(stated), *KEPT)

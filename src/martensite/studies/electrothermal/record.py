@@ -36,26 +36,26 @@ class RecordStaircase:
 
     @cached_property
     def table(self) -> Record:
-        """Plateaus with set-point [V], current [A] and apparent temperature [K]."""
+        """Return the plateaus with set-point [V], current [A] and apparent temperature [K]."""
         return reduce_to_plateaus(_join_rows(), "set_point")
 
     @cached_property
     def resistance(self) -> list[float]:
-        """Resistance on each plateau [ohm]."""
+        """Return the resistance on each plateau [ohm]."""
         return self.resistances(self.stated.offset)
 
     def resistances(self, offset: float) -> list[float]:
-        """Resistance on each plateau [ohm] with an offset of the set-point [V]."""
+        """Return the resistance on each plateau [ohm] with an offset of the set-point [V]."""
         pairs = zip(self.table["set_point"], self.table["current"], strict=True)
         return [(volt - offset) / current for volt, current in pairs]
 
     def within(self, low: float, high: float) -> list[int]:
-        """Indices of the plateaus between two set-points [V]."""
+        """Return the indices of the plateaus between two set-points [V]."""
         volts = self.table["set_point"]
         return [i for i, volt in enumerate(volts) if low - _SLACK <= volt <= high + _SLACK]
 
     def mean(self, low: float, high: float) -> float:
-        """Mean resistance between two set-points [ohm]."""
+        """Return the mean resistance between two set-points [ohm]."""
         return fmean(self.resistance[i] for i in self.within(low, high))
 
     def extremes(self, low: float, high: float) -> tuple[float, float]:
@@ -64,7 +64,7 @@ class RecordStaircase:
         return min(found), max(found)
 
     def drop(self) -> tuple[float, float]:
-        """Currents of the last plateau before the drop, and the first settled one after [A].
+        """Return the currents of the last plateau before the drop, and the first settled one after [A].
 
         Settled is where the resistance stays within 1 % of its mean as austenite.
         """
@@ -75,7 +75,7 @@ class RecordStaircase:
         return current[last], current[settled]
 
     def half_way(self) -> float:
-        """Current at which half of the drop is done, linear between plateaus [A]."""
+        """Return the current at which half of the drop is done, linear between plateaus [A]."""
         level = 0.5 * (self.mean(*self.stated.cold) + self.mean(*self.stated.hot))
         current, found = self.table["current"], self.resistance
         last = self.within(*self.stated.cold)[-1]
@@ -83,14 +83,14 @@ class RecordStaircase:
         return math.nan if below is None else below
 
     def rise(self) -> float:
-        """Share by which the resistance of austenite rises per 40 K of apparent temperature."""
+        """Return the share by which the resistance of austenite rises per 40 K of apparent temperature."""
         places = self.within(self.stated.hot[0], 4.5)
         warmth = [self.table["apparent_temperature"][i] for i in places]
         line = fit_powers(warmth, [self.resistance[i] for i in places], (0, 1))
         return 40.0 * line.values[1] / self.mean(*self.stated.hot)
 
     def offset(self, low: float, high: float) -> SupplyOffset:
-        """Offset that the plateaus between two set-points [V] have by themselves."""
+        """Return the offset that the plateaus between two set-points [V] have by themselves."""
         return supply_offset(self.table, "set_point", "current", low, high)
 
     def jumps(self) -> int:
@@ -104,14 +104,14 @@ def has_files(*files: str) -> bool:
 
 
 def trained_slopes(low: tuple[float, float], high: tuple[float, float]) -> list[SupplyOffset]:
-    """Lines through the trained run between two pairs of set-points [V]."""
+    """Return the lines through the trained run between two pairs of set-points [V]."""
     table = reduce_to_plateaus(read_table(f"data:{TRAINED}"), "set_point", settled=0.3)
     return [supply_offset(table, "set_point", "current", *span) for span in (low, high)]
 
 
 @cache
 def _join_rows() -> Record:
-    """Rows of the logger, with the apparent temperature at the same time."""
+    """Return the rows of the logger, with the apparent temperature at the same time."""
     import numpy as np
 
     rows, camera = read_table(f"data:{UNTRAINED}"), read_table(f"data:{WARMTH}")

@@ -16,13 +16,13 @@ MILD, STEEP = (2.5, 3.5), (4.4, 5.4)
 
 
 def compute_record(stated: Printed) -> dict[str, Any]:
-    """Offset and counter, resistance, and the trained run: what the files at hand allow."""
+    """Return the offset and counter, resistance, and the trained run: what the files at hand allow."""
     found = compute_run_5(stated) if record.has_files(record.UNTRAINED, record.WARMTH) else {}
     return found | (compute_trained() if record.has_files(record.TRAINED) else {})
 
 
 def compute_run_5(stated: Printed) -> dict[str, float]:
-    """Offset, resistances and drop of run 5."""
+    """Return the offset, resistances and drop of run 5."""
     run = RecordStaircase(stated)
     offset, (low, high) = run.offset(*stated.cold), run.extremes(*stated.cold)
     start, end = run.drop()
@@ -47,6 +47,6 @@ def compute_run_5(stated: Printed) -> dict[str, float]:
 
 
 def compute_trained() -> dict[str, float]:
-    """Offset and slopes of the trained wire."""
+    """Return the offset and slopes of the trained wire."""
     mild, steep = record.trained_slopes(MILD, STEEP)
     return {"trained_offset": mild.offset, "trained_slope_low": mild.resistance, "trained_slope_high": steep.resistance}

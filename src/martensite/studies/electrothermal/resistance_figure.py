@@ -76,7 +76,7 @@ def _draw_points(axes: Any, stated: Printed) -> None:
 
 
 def fit_curve(fit: Any) -> tuple[list[float], list[float]]:
-    """Temperatures [°C] and resistances [ohm] of a fit."""
+    """Return the temperatures [°C] and resistances [ohm] of a fit."""
     at = fitting.compared_column("apparent_temperature")
     first, last = fit["A_s"], fit["A_f"]
     strip = [first + (last - first) * k / _STEPS for k in range(_STEPS + 1)]

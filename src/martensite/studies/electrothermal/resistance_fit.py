@@ -73,7 +73,7 @@ def load_staircase() -> RecordStaircase:
 
 @cache
 def compared_places() -> list[int]:
-    """Indices of the plateaus that are compared."""
+    """Return the indices of the plateaus that are compared."""
     return load_staircase().within(*KEPT)
 
 
@@ -83,7 +83,7 @@ def compared_column(name: str) -> list[float]:
 
 
 def kept_back(place: int) -> tuple[tuple[float, float], ...]:
-    """Stretches of time around the plateaus at one place of every group [s]."""
+    """Return the stretches of time around the plateaus at one place of every group [s]."""
     stay, times = load_staircase().within(*EDGE), load_staircase().table["time"]
     held = [i for i in compared_places()[place::HELD] if i not in stay]
     return tuple((times[i] - _ROW, times[i] + _ROW) for i in held)
@@ -148,7 +148,7 @@ def fit_shape(shape: str, offset: float, place: int = PLACE) -> Fit:
 
 
 def fitted_resistances(fit: Fit, temperatures: Sequence[float]) -> list[float]:
-    """Resistance of a fitted wire that is heated through temperatures [ohm]."""
+    """Return the resistance of a fitted wire that is heated through temperatures [ohm]."""
     times = tuple(_ROW * k for k in range(len(temperatures)))
     waveform = Table(times=times, values=tuple(temperatures))
     run = simulate(fit.system(), waveform, times[-1], step=_ROW, samples=len(times))
@@ -164,7 +164,7 @@ def residual_rms(fit: Fit, part: str = "training") -> float:
 
 
 def sum_squares(fit: Fit) -> float:
-    """Sum of the squared residuals, in the unit of what is compared."""
+    """Return the sum of the squared residuals, in the unit of what is compared."""
     return residual_rms(fit) ** 2 * fit.uncertainty.samples
 
 
@@ -187,14 +187,14 @@ def predicted_rms(shape: str, offset: float) -> float:
 
 
 def count_transforming(fit: Fit) -> int:
-    """Number of plateaus on which the fitted wire is transforming: 0.02 < ξ < 0.98."""
+    """Return the number of plateaus on which the fitted wire is transforming: 0.02 < ξ < 0.98."""
     strip, at = fit["A_f"] - fit["A_s"], compared_column("apparent_temperature")
     shares = [min(max((kelvin - fit["A_s"]) / strip, 0.0), 1.0) for kelvin in at]
     return sum(0.02 < 0.5 * (1.0 + math.cos(math.pi * share)) < 0.98 for share in shares)
 
 
 def stretch_share(strain: float) -> float:
-    """Share by which R rises from the shape of the stretched wire alone."""
+    """Return the share by which R rises from the shape of the stretched wire alone."""
     return (1.0 + strain) / (1.0 - NU * strain) ** 2 - 1.0
 
 
@@ -214,7 +214,7 @@ def resistivity_difference(fit: Fit) -> tuple[float, float]:
 
 
 def offset_profile(fit_at: Callable[[float], Fit]) -> Profile:
-    """Profile of the offset V₀ [V]: everything else is fitted at each of its values."""
+    """Return the profile of the offset V₀ [V]: everything else is fitted at each of its values."""
 
     def cost(offset: float) -> float:
         return sum_squares(fit_at(offset))
@@ -241,5 +241,5 @@ def offset_profile(fit_at: Callable[[float], Fit]) -> Profile:
 
 @cache
 def offset_of(shape: str) -> Profile:
-    """Profile of V₀ with one shape of R."""
+    """Return the profile of V₀ with one shape of R."""
     return offset_profile(lambda offset: fit_shape(shape, offset))

@@ -14,7 +14,7 @@ from martensite.studies.tables import Printed
 
 @cache
 def strip_profile(name: str, offset: float) -> Profile:
-    """Profile of A_s or A_f with the plain mixture."""
+    """Return the profile of A_s or A_f with the plain mixture."""
     return profile_likelihood(fitting.fit_shape("mixture", offset), name)
 
 

@@ -126,7 +126,7 @@ def reduce_to_plateaus(
 
 
 def supply_offset(table: Record, set_point: str, current: str, low: float, high: float) -> SupplyOffset:
-    """Offset of a supply from plateaus on which the resistance does not change.
+    """Return the offset of a supply from plateaus on which the resistance does not change.
 
     Args:
         table: plateaus, as `plateaus` returns them.

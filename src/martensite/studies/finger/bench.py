@@ -89,7 +89,7 @@ def run_trapezoid(system: System, watts: float, printed: Printed, step: float = 
 
 
 def top_angle(result: Result, printed: Printed) -> float:
-    """Angle at the end of the full power [°]."""
+    """Return the angle at the end of the full power [°]."""
     return math.degrees(column_at(result, "angle", printed.fall))
 
 
@@ -99,7 +99,7 @@ def column_at(result: Result, name: str, time: float) -> float:
 
 
 def rise_time(result: Result, share: float, printed: Printed) -> float:
-    """Time after the power starts at which a share of the final angle is reached [s]."""
+    """Return the time after the power starts at which a share of the final angle is reached [s]."""
     level = share * math.radians(top_angle(result, printed))
     last = round(printed.fall / result.times[-1] * (len(result.times) - 1))
     return passing_time(result.times[: last + 1], result.columns["angle"][: last + 1], level) - printed.start
@@ -109,7 +109,7 @@ def rise_time(result: Result, share: float, printed: Printed) -> float:
 def run_loop(
     frequency: float, arm: float | None, printed: Printed, values: tuple[tuple[str, float], ...] = (), law: Law = SINGLE
 ) -> Result:
-    """Two periods of a raised cosine from 0 to 2 W at r = 1.5 mm."""
+    """Return two periods of a raised cosine from 0 to 2 W at r = 1.5 mm."""
     places = {"mechanism.offset": printed.offsets[0]} | dict(values)
     if arm is not None:
         places["mechanism.arm"] = arm
@@ -120,7 +120,7 @@ def run_loop(
 
 
 def loop_width(result: Result) -> float:
-    """Width in power of the second loop at half of its largest angle [W]."""
+    """Return the width in power of the second loop at half of its largest angle [W]."""
     half = len(result.times) // 2
     power, angle = result.columns["power"][half:], result.columns["angle"][half:]
     peak = max(range(len(angle)), key=angle.__getitem__)
@@ -133,7 +133,7 @@ def loop_width(result: Result) -> float:
 
 @cache
 def steady_temperature(watts: float, printed: Printed) -> float:
-    """Temperature long after switching on a power [W], simulated [K]."""
+    """Return the temperature long after switching on a power [W], simulated [K]."""
     run = simulate(build_finger(), Constant(level=watts), 60.0, step=STEP, samples=61, runtime=choose_runtime())
     return run["temperature"][-1]
 
@@ -159,7 +159,7 @@ def _integrate_power(times: Sequence[float], values: Sequence[float]) -> float:
 
 
 def full_stroke(offset: float, arm: float, printed: Printed) -> float:
-    """Angle at which the wire is all austenite, in closed form by bisection [°].
+    """Return the angle at which the wire is all austenite, in closed form by bisection [°].
 
     ε_0 - 2 n ΔL/l = σ/E_A, with the stress of the spring at that angle.
     """

@@ -46,7 +46,7 @@ def compute_bending(printed: Printed) -> dict[str, Any]:
 
 
 def top_angles(watts: float, printed: Printed, arm: float | None = None) -> list[float]:
-    """Angles at the end of the full power, one for each r [°]."""
+    """Return the angles at the end of the full power, one for each r [°]."""
     return [bench.top_angle(bench.run_bending(watts, r, printed, arm), printed) for r in printed.offsets]
 
 
@@ -57,12 +57,12 @@ def angles_fall(watts: float, printed: Printed, arm: float | None = None) -> boo
 
 
 def count_falls(printed: Printed, arm: float | None = None) -> float:
-    """Number of powers at which a larger r bends less."""
+    """Return the number of powers at which a larger r bends less."""
     return float(sum(angles_fall(watts, printed, arm) for watts in printed.powers))
 
 
 def last_arm(watts: float, printed: Printed) -> float:
-    """Largest place of the spring tried up to which a larger r bends less [m]."""
+    """Return the largest place of the spring tried up to which a larger r bends less [m]."""
     found = 0.0
     for arm in ARMS:
         if not angles_fall(watts, printed, arm):
@@ -72,7 +72,7 @@ def last_arm(watts: float, printed: Printed) -> float:
 
 
 def _list_angle(watts: float, r: float, arm: float, printed: Printed) -> dict[str, float]:
-    """Angle and stress at a power [W] and a distance r [m]."""
+    """Return the angle and stress at a power [W] and a distance r [m]."""
     run = bench.run_bending(watts, r, printed)
     return {
         "r": 1e3 * r,
@@ -93,7 +93,7 @@ def _list_limit(watts: float, printed: Printed) -> dict[str, float]:
 
 
 def _list_rise(r: float, printed: Printed) -> dict[str, float]:
-    """Times of the rise at both powers and a distance r [m]."""
+    """Return the times of the rise at both powers and a distance r [m]."""
     slow, quick = (bench.run_bending(watts, r, printed) for watts in printed.powers)
     spans = [bench.rise_time(run, 0.9, printed) - bench.rise_time(run, 0.1, printed) for run in (slow, quick)]
     return {
@@ -105,7 +105,7 @@ def _list_rise(r: float, printed: Printed) -> dict[str, float]:
 
 
 def compute_sensitivity(printed: Printed) -> dict[str, float]:
-    """Another film coefficient, and twice the power."""
+    """Return another film coefficient, and twice the power."""
     low, r = min(printed.powers), printed.offsets[0]
     changed = (("mechanism.offset", r), ("environment.cooling.h", OTHER_FILM))
     run = bench.run_trapezoid(bench.build_finger(bench.SINGLE, changed), low, printed)
@@ -122,7 +122,7 @@ def compute_sensitivity(printed: Printed) -> dict[str, float]:
 
 
 def gauge_change(printed: Printed) -> float:
-    """Largest change of the angle if T_L is 10 K and σ_L the matching stress higher [°]."""
+    """Return the largest change of the angle if T_L is 10 K and σ_L the matching stress higher [°]."""
     low, r = min(printed.powers), printed.offsets[0]
     usual, slope = bench.build_finger(), bench.build_finger().value_of("dsigma_dT")
     moved = bench.build_finger(

@@ -18,7 +18,7 @@ OUTER_ARM = 12e-3
 
 
 def compute_crystal(printed: Printed) -> dict[str, Any]:
-    """Angles of a polycrystal, then both crystals at intermediate powers."""
+    """Return the angles of a polycrystal, then both crystals at intermediate powers."""
     return {
         "middle_r": 1e3 * printed.offsets[1],
         "polycrystal": [_list_polycrystal(watts, printed) for watts in printed.powers],
@@ -27,7 +27,7 @@ def compute_crystal(printed: Printed) -> dict[str, Any]:
 
 
 def _list_polycrystal(watts: float, printed: Printed) -> dict[str, Any]:
-    """Angles of a polycrystal at all r."""
+    """Return the angles of a polycrystal at all r."""
     angles = [
         bench.top_angle(bench.run_bending(watts, r, printed, None, bench.POLYCRYSTAL), printed) for r in printed.offsets
     ]
@@ -36,7 +36,7 @@ def _list_polycrystal(watts: float, printed: Printed) -> dict[str, Any]:
 
 
 def _list_difference(printed: Printed, name: str, arm: float | None) -> dict[str, Any]:
-    """Both crystals at intermediate powers."""
+    """Return both crystals at intermediate powers."""
     apart = {watts: crystal_difference(watts, printed, arm) for watts in MIDDLE}
     worst = max(apart, key=lambda watts: abs(apart[watts]))
     return {
@@ -49,7 +49,7 @@ def _list_difference(printed: Printed, name: str, arm: float | None) -> dict[str
 
 
 def crystal_difference(watts: float, printed: Printed, arm: float | None = None) -> float:
-    """Angle of the single crystal less that of the polycrystal at r = 3.5 mm [°]."""
+    """Return the angle of the single crystal less that of the polycrystal at r = 3.5 mm [°]."""
     single, many = (
         bench.top_angle(bench.run_bending(watts, printed.offsets[1], printed, arm, law), printed)
         for law in (bench.SINGLE, bench.POLYCRYSTAL)

@@ -53,7 +53,7 @@ def draw_figure(printed: Printed) -> Figure:
 
 
 def angle_degrees(result: Any) -> list[float]:
-    """Angle of a run [°]."""
+    """Return the angle of a run [°]."""
     return [math.degrees(angle) for angle in result["angle"]]
 
 

@@ -18,7 +18,7 @@ LATENT = (8e3, 0.0)
 
 
 def compute_loop(printed: Printed) -> dict[str, Any]:
-    """Width against a slow loop, temperature against power, latent heat."""
+    """Return the width against a slow loop, temperature against power, latent heat."""
     here = bench.build_finger().value_of("mechanism.arm")
     return {
         "widths": (widths := [_list_widths(printed, arm) for arm in (here, OTHER_ARM)]),
@@ -56,13 +56,13 @@ def calm_frequency(printed: Printed) -> float:
 
 
 def latent_width(latent: float, printed: Printed) -> float:
-    """Width of the loop [W] with a latent heat [J/kg]."""
+    """Return the width of the loop [W] with a latent heat [J/kg]."""
     run = bench.run_loop(printed.frequency, None, printed, (("latent_heat", latent),))
     return bench.loop_width(run)
 
 
 def temperature_lag(printed: Printed, arm: float | None) -> float:
-    """Largest distance of the temperature from T_E + P/(α S) [K]."""
+    """Return the largest distance of the temperature from T_E + P/(α S) [K]."""
     run = bench.run_loop(printed.frequency, arm, printed)
     per_kelvin = bench.surface_conductance(printed)
     rows = zip(run["temperature"], run["power"], strict=True)

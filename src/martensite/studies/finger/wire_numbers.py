@@ -60,7 +60,7 @@ def compute_wire(printed: Printed) -> dict[str, Any]:
 
 
 def threshold_power(printed: Printed) -> float:
-    """Power at which an unstressed wire begins to contract [W]."""
+    """Return the power at which an unstressed wire begins to contract [W]."""
     system = bench.build_finger()
     slope = system.value_of("dsigma_dT")
     low = system.value_of("T_L") - system.value_of("sigma_L") / slope
@@ -69,7 +69,7 @@ def threshold_power(printed: Printed) -> float:
 
 
 def free_width(printed: Printed) -> float:
-    """Width in power of a loop without any rates [W]."""
+    """Return the width in power of a loop without any rates [W]."""
     system = bench.build_finger()
     across = system.value_of("Delta_sigma") / system.value_of("dsigma_dT")
     return bench.surface_conductance(printed) * across
@@ -95,7 +95,7 @@ def load_wire(temperature: float) -> PointResult:
 
 
 def plateau_stresses(path: PointResult, strain: float = 0.02) -> tuple[float, float]:
-    """Stress at a strain on the way up and on the way down [Pa]."""
+    """Return the stress at a strain on the way up and on the way down [Pa]."""
     half = path.ends[1]
     up = passing_time(path.stress[: half + 1], path.strain[: half + 1], strain)
     down = passing_time(path.stress[half:][::-1], path.strain[half:][::-1], strain)
@@ -103,7 +103,7 @@ def plateau_stresses(path: PointResult, strain: float = 0.02) -> tuple[float, fl
 
 
 def _list_plateau(kelvin: float) -> dict[str, float]:
-    """Both plateaus at a temperature [K], and their thresholds [MPa]."""
+    """Return both plateaus at a temperature [K], and their thresholds [MPa]."""
     nominal = threshold_stress(kelvin)
     upper, lower = (stress / 1e6 for stress in plateau_stresses(load_wire(kelvin)))
     low = (nominal - _law_number("Delta_sigma")) / 1e6
@@ -126,7 +126,7 @@ def stretched_cold(temperature: float) -> PointResult:
 
 
 def _list_isobar(stress: float) -> dict[str, float]:
-    """Temperatures of half the contraction under a stress [Pa], and their thresholds [K]."""
+    """Return the temperatures of half the contraction under a stress [Pa], and their thresholds [K]."""
     slope = _law_number("dsigma_dT")
     low = _law_number("T_L") - _law_number("sigma_L") / slope
     legs = [PathLeg(temperature=400.0, duration=100.0), PathLeg(temperature=300.0, duration=100.0)]
@@ -151,7 +151,7 @@ def _list_isobar(stress: float) -> dict[str, float]:
 
 
 def weight_stress(printed: Printed) -> float:
-    """Stress at which the wire holds the second phalanx level, at the smallest r [Pa]."""
+    """Return the stress at which the wire holds the second phalanx level, at the smallest r [Pa]."""
     length, side, gravity = printed.phalanx, printed.side, 9.80665
     torque = PLASTIC * length * side * side * gravity * 0.5 * length
     return torque / (2.0 * bench.get_wire().section() * min(printed.offsets))

@@ -139,7 +139,7 @@ def table_problem(data: Data, printed: Printed) -> Problem:
 
 @cache
 def at_table(data: Data, printed: Printed) -> Evaluation:
-    """Residuals of a set of records with Table 1, and their derivatives."""
+    """Return the residuals of a set of records with Table 1, and their derivatives."""
     begin = table_problem(data, printed)
     found = begin.evaluate(begin.start, slopes=True)
     if found is None:

@@ -90,14 +90,14 @@ def assess_test(names: Sequence[str], printed: Printed) -> Identifiability:
 
 
 def largest_change(values: dict[str, float], printed: Printed) -> float:
-    """Largest change of the angle over the test with numbers changed by name [°]."""
+    """Return the largest change of the angle over the test with numbers changed by name [°]."""
     offset = printed.offsets[0]
     moved = bench.clean_angle(NEAR.arm, offset, printed, tuple(values.items()))
     return float(np.degrees(np.abs(moved - bench.clean_angle(NEAR.arm, offset, printed)).max()))
 
 
 def scale_gauge(names: Sequence[str], factor: float, printed: Printed) -> dict[str, float]:
-    """Numbers of a gauge times a factor; the layer volume divided by it."""
+    """Return the numbers of a gauge times a factor; the layer volume divided by it."""
     start = {free.name: free.start for free in free_problem(printed).free}
     power = {"layer_volume": -1.0}
     return {name: start[name] * factor ** power.get(name, 1.0) for name in names}
@@ -113,7 +113,7 @@ def scale_thermal_gauge(factor: float, printed: Printed) -> dict[str, float]:
 
 @cache
 def refit_finger(printed: Printed, arm: float, values: tuple[tuple[str, float], ...] = ()) -> CalibrationSearch:
-    """Least squares to the record without noise, by a finger that is another one."""
+    """Return least squares to the record without noise, by a finger that is another one."""
     records = bench.build_experiments(NEAR, printed, noisy=False, arm=arm, values=values)
     return CalibrationSearch(solve_problem(bench.build_calibration(records, printed, STARTS[1])), ())
 

@@ -37,7 +37,7 @@ def compute_search(printed: Printed, *, full: bool) -> dict[str, Any]:
 
 
 def _list_search(data: Data, printed: Printed, starts: tuple[int, ...]) -> dict[str, Any]:
-    """Both searches on a set of records."""
+    """Return both searches on a set of records."""
     walked = [run_search(data, start, COORDINATE, printed) for start in starts]
     solved = [run_search(data, start, SQUARES, printed) for start in moving_starts()]
     least = best_fit(data, printed).rms

@@ -67,7 +67,7 @@ class CalibrationSearch:
 
 
 def angle_rms(cost: float) -> float:
-    """Root-mean-square error of the angle [°]."""
+    """Return the root-mean-square error of the angle [°]."""
     return math.degrees(bench.NOISE * math.sqrt(cost))
 
 
@@ -106,7 +106,7 @@ def prepare_searches(printed: Printed, *, full: bool) -> None:
 
 
 def moving_starts() -> tuple[int, ...]:
-    """Starts from which the finger moves."""
+    """Return the starts from which the finger moves."""
     return tuple(start for start in ALL if start != STILL)
 
 

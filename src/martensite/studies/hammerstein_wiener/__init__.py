@@ -14,7 +14,7 @@ class HammersteinWiener(TableStudy):
     """A wire identified in two stages and controlled, on a simulated bench of the paper's kind."""
 
     def compute_part(self, key: str) -> Mapping[str, Any]:
-        """Fits or loops.
+        """Return the fits or loops.
 
         In `full` with five sealed records instead of two, six other benches instead of three, and
         controllers tuned on other models as well.

@@ -96,7 +96,7 @@ class ReferenceBench(Parametrised):
 
     @property
     def stroke(self) -> float:
-        """Full stroke s [m]."""
+        """Return the full stroke s [m]."""
         return self.length * branches.build_loop(self.share).stroke
 
     def film(self, above: float) -> float:
@@ -129,18 +129,18 @@ class RunningBench:
 
     @property
     def temperature(self) -> float:
-        """Temperature of the middle of the wire [K]."""
+        """Return the temperature of the middle of the wire [K]."""
         return self._wire[-1].temperature
 
     @property
     def fraction(self) -> float:
-        """Share of austenite in the whole wire."""
+        """Return the share of austenite in the whole wire."""
         if len(self._wire) == 1:
             return self._wire[0].fraction
         return sum(s * c.fraction for s, c in zip(self._shares, self._wire, strict=True))
 
     def measured(self, dt: float = INTERVAL) -> tuple[float, float]:
-        """Temperature [K] and position [m] as the sensors say, `dt` after the last readings."""
+        """Return the temperature [K] and position [m] as the sensors say, `dt` after the last readings."""
         seen = (self.temperature, self.bench.ambient)
         return self._thermometer.read(seen, dt), self._encoder.read((self.position,), dt)
 

@@ -67,7 +67,7 @@ def build_loop(share: float) -> HysteresisLoop:
 
 
 def invert_branch(branch: Numbers, fractions: Numbers) -> Numbers:
-    """Temperatures [K] at which a branch has some fractions."""
+    """Return the temperatures [K] at which a branch has some fractions."""
     rising = np.concatenate([[True], np.diff(branch) > 1e-12])
     return np.interp(fractions, branch[rising], GRID[rising])
 

@@ -35,7 +35,7 @@ class RecordScore:
 
     @property
     def worst(self) -> float:
-        """Largest error of all."""
+        """Return the largest error of all."""
         return max(self.worst_heating, self.worst_cooling)
 
 
@@ -47,7 +47,7 @@ def compare_model(model: Chain, whole: Sampled, name: str) -> RecordScore:
 
 
 def score_record(measured: Numbers, computed: Numbers, hot: Numbers) -> RecordScore:
-    """Fits and largest errors, where it heats (`hot`) and where it cools."""
+    """Return the fits and largest errors, where it heats (`hot`) and where it cools."""
     parts = (slice(None), hot, ~hot)
     whole, warm, cold = (nrmse_fit(measured[part], computed[part]) for part in parts)
     away = np.abs(measured - computed)
@@ -113,7 +113,7 @@ def compare_elsewhere(model: str, variant: str) -> RecordScore:
 
 @cache
 def rest_position(model: str) -> float:
-    """Largest position that a model gives in a minute without power, from the bench's rest [m]."""
+    """Return the largest position that a model gives in a minute without power, from the bench's rest [m]."""
     ambient = RunningBench(ReferenceBench()).temperature
     signal = 0.0 if model in ("whole", "stage 1") or model.startswith("series") else ambient
     one = (

@@ -23,7 +23,7 @@ FEW = ("fan", "5 K warmer", "load +20 %")
 
 
 def compute_fit(*, full: bool) -> dict[str, Any]:
-    """Everything that is open loop."""
+    """Return everything that is open loop."""
     seeds = SEALED if full else SEALED[:2]
     return {
         "stage_1": compare_position("stage 1", "validation"),

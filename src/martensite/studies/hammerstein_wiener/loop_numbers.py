@@ -17,7 +17,7 @@ BEGIN = LEVELS[0][1]
 
 
 def compute_loop(*, full: bool) -> dict[str, Any]:
-    """Steps and sine; in full also other models, and the trap of a model without a rest."""
+    """Return the steps and sine; in full also other models, and the trap of a model without a rest."""
     both, sine = loops.compare_steps(WHOLE), loops.compare_sines(WHOLE)
     pairs, (heating, cooling) = both.responses(), sine.branches
     return {
@@ -61,6 +61,6 @@ def compute_trap() -> dict[str, float]:
 
 
 def _list_other(name: str) -> dict[str, Any]:
-    """Steps and sine with another model."""
+    """Return the steps and sine with another model."""
     likeness, apart = loops.compare_steps(name).likeness, loops.compare_sines(name).apart
     return {"key": KEYS.get(name, "paper"), "name": name, "likeness": likeness, "apart": apart}

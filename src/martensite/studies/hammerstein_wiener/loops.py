@@ -33,7 +33,7 @@ class LoopPair:
         return nrmse_fit(self.bench.output, self.model.output)
 
     def responses(self) -> list[tuple[StepResponse, StepResponse]]:
-        """Every step, by model and bench."""
+        """Return every step, by model and bench."""
         rows = (measure_steps(r.reference, r.output, INTERVAL) for r in (self.model, self.bench))
         return list(zip(*rows, strict=True))
 
@@ -95,7 +95,7 @@ def find_gains(name: str) -> TunedGains:
 
 @cache
 def compare_steps(name: str) -> LoopPair:
-    """Both on a staircase."""
+    """Return both on a staircase."""
     reference, found = loop.step_reference(), find_gains(name)
     return LoopPair(
         found, build_controlled(name).run(found.gains, reference), loop.run_controlled(found.gains, reference)
@@ -104,6 +104,6 @@ def compare_steps(name: str) -> LoopPair:
 
 @cache
 def compare_sines(name: str) -> Sines:
-    """Both on a sine."""
+    """Return both on a sine."""
     reference, found = loop.sine_reference(), find_gains(name).gains
     return Sines(build_controlled(name).run(found, reference), loop.run_controlled(found, reference))

@@ -70,7 +70,7 @@ class Excitation:
     """Seed of the noise of the sensors."""
 
     def scaled(self, factor: float) -> Excitation:
-        """All duties times a factor, at most 1: for a bench that cools faster."""
+        """Return all duties times a factor, at most 1: for a bench that cools faster."""
         return Excitation(self.name, np.minimum(factor * self.duty, 1.0), self.seed)
 
 
@@ -110,7 +110,7 @@ def slow_duty() -> Excitation:
 
 
 def sealed_duty(seed: int) -> Excitation:
-    """Ramps drawn from a seed, then a return to rest, 300 to 600 s in all.
+    """Return the ramps drawn from a seed, then a return to rest, 300 to 600 s in all.
 
     6 to 10 ramps between 5 and 15 % at 0.05 to 0.3 %/s, two of which differ by a factor of 3 at
     least, with two nested minor loops at least.
@@ -183,7 +183,7 @@ def split_stages(whole: Sampled) -> tuple[Sampled, Sampled]:
 
 
 def sealed_bench(seed: int) -> tuple[ReferenceBench, float]:
-    """Another bench, drawn from a seed, and the factor by which it needs more power.
+    """Return another bench, drawn from a seed, and the factor by which it needs more power.
 
     Surroundings of 18 to 30 °C, a fan (film coefficient times 1.5 to 3), a share of the wire in
     the view of the thermometer of 0.5 to 0.7 that drifts by up to 0.05 in 10 minutes, 1 to 2 kg,

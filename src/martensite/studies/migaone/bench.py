@@ -84,7 +84,7 @@ def run_heated(cooling: AbstractCooling, values: Mapping[str, float] | None = No
 
 @cache
 def run_variant(key: str, printed: Printed) -> System:
-    """One of `VARIANTS`."""
+    """Return one of `VARIANTS`."""
     if key == "constant":
         return run_heated(mean_constant(printed))
     values: dict[str, float] = {}
@@ -96,7 +96,7 @@ def run_variant(key: str, printed: Printed) -> System:
 
 
 def heating_power(step: Printed, printed: Printed) -> float:
-    """Power in the wire that holds a steady state of Table 2 [W]."""
+    """Return the power in the wire that holds a steady state of Table 2 [W]."""
     return step.film * base_wire().surface() * (step.temperature - printed.ambient)
 
 
@@ -113,14 +113,14 @@ def equivalent_resistance(voltage: float, printed: Printed) -> float:
 
 @cache
 def steady_temperature(cooling: AbstractCooling, power: float) -> float:
-    """Temperature long after switching on a power [W], simulated [°C]."""
+    """Return the temperature long after switching on a power [W], simulated [°C]."""
     run = simulate(run_heated(cooling), Constant(level=power), _SETTLING, tolerance=_TOLERANCE, samples=101)
     return run["temperature"][-1] - ZERO
 
 
 @cache
 def sine_run(key: str, printed: Printed) -> Result:
-    """Two periods of the sine with one of `VARIANTS`."""
+    """Return two periods of the sine with one of `VARIANTS`."""
     sine, duration, samples = (load_scenario().single_waveform, load_scenario().duration, load_scenario().samples)
     times = [duration * i / (samples - 1) for i in range(samples)]
     volts = [sine.value(t) for t in times]
@@ -169,7 +169,7 @@ def read_response(key: str, printed: Printed) -> SineResponse:
 def actuation_time(
     printed: Printed, ambient: float, values: tuple[tuple[str, float], ...] = (), duration: float = 3.0
 ) -> float:
-    """Time from switching on the supply to 95 % of the stroke [s].
+    """Return the time from switching on the supply to 95 % of the stroke [s].
 
     Args:
         printed: supply voltage, and resistance of the wire; nothing is in series.

@@ -60,7 +60,7 @@ def draw_figure(printed: Printed) -> Figure:
 
 
 def _second_period(key: str, printed: Printed) -> tuple[Any, dict[str, Any]]:
-    """Times from the start of the second period [s], and its columns in SI units."""
+    """Return the times from the start of the second period [s], and its columns in SI units."""
     run = bench.sine_run(key, printed)
     half = len(run.times) // 2
     times = np.asarray(run.times[half:]) - run.times[half]

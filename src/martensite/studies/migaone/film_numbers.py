@@ -49,12 +49,12 @@ def _name_coefficients(fit: FilmFit) -> SimpleNamespace:
 
 
 def _table_points(printed: Printed) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Temperatures [°C] and film coefficients of Table 2."""
+    """Return the temperatures [°C] and film coefficients of Table 2."""
     return printed.steps.column("temperature"), printed.steps.column("film")
 
 
 def fit_quadratic(printed: Printed) -> FilmFit:
-    """All three coefficients fitted to Table 2."""
+    """Return all three coefficients fitted to Table 2."""
     return fit_film(*_table_points(printed))
 
 
@@ -86,7 +86,7 @@ def printed_r_squared(printed: Printed) -> float:
 
 
 def films_at_ambient(ambient: float, printed: Printed) -> list[float]:
-    """Table 2's film coefficients had the ambient temperature been another one [°C]."""
+    """Return the table 2's film coefficients had the ambient temperature been another one [°C]."""
     return [step.film * (step.temperature - printed.ambient) / (step.temperature - ambient) for step in printed.steps]
 
 
@@ -100,7 +100,7 @@ COOLINGS = {"polynomial": bench.printed_film, "refitted": refit_film, "constant"
 
 
 def steady_errors(cooling: str, printed: Printed) -> list[float]:
-    """Simulated less printed steady temperatures with one of `COOLINGS` [K]."""
+    """Return the simulated less printed steady temperatures with one of `COOLINGS` [K]."""
     model = COOLINGS[cooling](printed)
     return [
         bench.steady_temperature(model, bench.heating_power(step, printed)) - step.temperature for step in printed.steps

@@ -45,7 +45,7 @@ def _list_response(key: str, response: bench.SineResponse) -> list[dict[str, Any
 
 
 def fastest_time(printed: Printed) -> float:
-    """Actuation time of a 70 °C wire at its tabled temperatures, with the paper's heat [s]."""
+    """Return the actuation time of a 70 °C wire at its tabled temperatures, with the paper's heat [s]."""
     stress = bench.read_number("mass") * bench.read_number("gravity") / bench.base_wire().section()
     shift = stress / bench.read_number("C_A")
     at_zero_stress = {name: t + bench.ZERO - shift for name, t in TABLED_70.items()}
@@ -54,12 +54,12 @@ def fastest_time(printed: Printed) -> float:
 
 
 def slowest_time(printed: Printed) -> float:
-    """Actuation time of this study's wire at room temperature [s]."""
+    """Return the actuation time of this study's wire at room temperature [s]."""
     return bench.actuation_time(printed, ROOM)
 
 
 def thin_wire_time(printed: Printed, ambient: float) -> float:
-    """Actuation time of the wire that Table 1 describes, at the same stress [s]."""
+    """Return the actuation time of the wire that Table 1 describes, at the same stress [s]."""
     ratio = printed.diameter / bench.base_wire().diameter
     values = (("diameter", printed.diameter), ("mass", bench.read_number("mass") * ratio**2))
     return bench.actuation_time(printed, ambient, values, duration=0.05)

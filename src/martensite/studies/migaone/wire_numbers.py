@@ -14,7 +14,7 @@ from martensite.studies.tables import Printed
 
 
 def compute_wire(printed: Printed) -> dict[str, Any]:
-    """Geometry first, then resistance."""
+    """Return the geometry first, then resistance."""
     length, wrong, right = printed_length(printed), printed.diameter, printed.diameter_in_text
     surface, volume = math.pi * right * length, 0.25 * math.pi * right**2 * length
     first, last = printed.steps[0].voltage, printed.steps[-1].voltage
@@ -35,7 +35,7 @@ def compute_wire(printed: Printed) -> dict[str, Any]:
 
 
 def printed_length(printed: Printed) -> float:
-    """Length of wire that gives the printed surface with the printed diameter [m]."""
+    """Return the length of wire that gives the printed surface with the printed diameter [m]."""
     return printed.surface / (math.pi * printed.diameter)
 
 

@@ -196,7 +196,7 @@ def angle_degrees(result: Result, name: str = "alpha") -> list[float]:
 def arrival_time(
     case: Case, printed: Printed, voltage: float, angle: float, duration: float, step: float = FINE
 ) -> float:
-    """Time from rest to an angle about X [s]; NaN if it is not reached within the duration."""
+    """Return the time from rest to an angle about X [s]; NaN if it is not reached within the duration."""
     result = run_heated(case, printed, voltage, duration, step)
     return passing_time(result.times, angle_degrees(result), angle)
 

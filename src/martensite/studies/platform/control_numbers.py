@@ -27,7 +27,7 @@ def compute_control(printed: Printed) -> dict[str, float]:
 
 
 def limit_cycle(printed: Printed) -> tuple[float, float, float]:
-    """First switching off, period of the limit cycle and time on in it [s], of set A."""
+    """Return the first switching off, period of the limit cycle and time on in it [s], of set A."""
     result = loop.run_controlled(CASES["A"], printed, CYCLES)
     first, _, second, on, third = loop.switching_times(result)[:5]
     return first, third - second, third - on

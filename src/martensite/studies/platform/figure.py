@@ -87,7 +87,7 @@ def _draw_responses(axes: Any, printed: Printed) -> None:
 
 
 def _draw_response(key: str, printed: Printed, volts: float) -> tuple[list[float], list[float]]:
-    """Times [s] and angles [°]; springs that are hot stay where they are."""
+    """Return the times [s] and angles [°]; springs that are hot stay where they are."""
     case = CASES[key]
     if key == "as-printed":
         result = bench.run_heated(case, printed, volts, SPAN, FINE)
@@ -127,7 +127,7 @@ def _draw_reach(axes: Any, printed: Printed) -> None:
 
 
 def _distance_grid(found: Workspace) -> tuple[Any, Any, Any]:
-    """Angles [°] of a fine grid, and there how far springs are from their limits [m].
+    """Return the angles [°] of a fine grid, and there how far springs are from their limits [m].
 
     Not a number away from the reachable set, where postures may be allowed but are cut off.
     """
@@ -203,7 +203,7 @@ def _draw_hysteresis(axes: Any, printed: Printed) -> None:
 
 
 def _hysteresis_path(result: Result) -> tuple[list[float], list[float]]:
-    """Temperature [°C] and martensite fraction of the hot spring."""
+    """Return the temperature [°C] and martensite fraction of the hot spring."""
     found = [t - bench.ZERO for t in result["first.temperature"]]
     return found, result.columns["first.martensite_fraction"]
 

@@ -22,7 +22,7 @@ DENSITY = 6450.0
 
 
 def compute_geometry(printed: Printed) -> dict[str, Any]:
-    """Geometry first, then the stroke of one spring, the reach, and vibration."""
+    """Return the geometry first, then the stroke of one spring, the reach, and vibration."""
     (x, y), (_, near), _ = locate_corners(printed.side)
     frequency = natural_frequency(printed)
     return {
@@ -43,7 +43,7 @@ def compute_geometry(printed: Printed) -> dict[str, Any]:
 
 
 def lengths_at(printed: Printed, degrees: float) -> Sequence[float]:
-    """Lengths [m] of the springs at a rotation about X."""
+    """Return the lengths [m] of the springs at a rotation about X."""
     return platform_lengths(bench.build_platform(printed).plates(), math.radians(degrees), 0.0)
 
 
@@ -110,7 +110,7 @@ def compute_reach(printed: Printed) -> dict[str, Any]:
 
 
 def _swap_rotations(side: float, height: float, alpha: float, beta: float) -> list[float]:
-    """Lengths [m] with R_X(α) R_Y(β) in place of R_Y(β) R_X(α), joint in the plate."""
+    """Return the lengths [m] with R_X(α) R_Y(β) in place of R_Y(β) R_X(α), joint in the plate."""
     found: list[float] = []
     for x, y in locate_corners(side):
         over, down = math.cos(beta) * x, -math.sin(beta) * x

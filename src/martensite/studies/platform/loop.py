@@ -73,6 +73,6 @@ def angle_overshoot(result: Result, printed: Printed) -> float:
 
 
 def switching_times(result: Result) -> list[float]:
-    """Times at which the voltage changes [s]: off, on, off and so on."""
+    """Return the times at which the voltage changes [s]: off, on, off and so on."""
     drive = result[f"{bench.HOT}.drive"]
     return [result.times[k] for k in range(1, len(drive)) if drive[k] != drive[k - 1]]

@@ -63,7 +63,7 @@ def compute_response(printed: Printed) -> dict[str, Any]:
 
 
 def free_times(case: Case, printed: Printed) -> tuple[float, float]:
-    """Times [s] to the angle at the high and at the low voltage, without a current limit."""
+    """Return the times [s] to the angle at the high and at the low voltage, without a current limit."""
     duration = FREE if case.series == 0.0 else SLOWED
     fast, slow = (
         bench.arrival_time(case, printed, volts, printed.angle, duration) for volts in (printed.high, printed.low)
@@ -72,7 +72,7 @@ def free_times(case: Case, printed: Printed) -> tuple[float, float]:
 
 
 def response_times(key: str, printed: Printed, angle: float) -> tuple[float, float]:
-    """Times [s] of a calibrated set to an angle [°] at the high and at the low voltage."""
+    """Return the times [s] of a calibrated set to an angle [°] at the high and at the low voltage."""
     fast, slow = (
         bench.arrival_time(CASES[key], printed, volts, angle, duration, bench.step_of(CASES[key]))
         for volts, duration in ((printed.high, RISE), (printed.low, LATE))
@@ -81,7 +81,7 @@ def response_times(key: str, printed: Printed, angle: float) -> tuple[float, flo
 
 
 def needed_current(printed: Printed) -> float:
-    """Current that holds the angle of the response times with everything as printed [A].
+    """Return the current that holds the angle of the response times with everything as printed [A].
 
     Temperature and resistance there are those of the path, which does not depend on power.
     """
@@ -93,7 +93,7 @@ def needed_current(printed: Printed) -> float:
 
 
 def compute_times(printed: Printed) -> dict[str, Any]:
-    """Times as printed, and with every reading of what is not printed."""
+    """Return the times as printed, and with every reading of what is not printed."""
     found = {name: free_times(case, printed) for name, case in VARIANTS.items()}
     rows = [
         {"volts": volts, "published": published, "around": around}
@@ -116,7 +116,7 @@ def compute_times(printed: Printed) -> dict[str, Any]:
 
 
 def time_ratios(printed: Printed) -> dict[str, float]:
-    """Time at the low voltage over that at the high one, of every reading."""
+    """Return the time at the low voltage over that at the high one, of every reading."""
     found = {name: free_times(case, printed) for name, case in (VARIANTS | IN_SERIES).items()}
     return {name: slow / fast for name, (fast, slow) in found.items()}
 
@@ -144,7 +144,7 @@ def compute_ratios(printed: Printed) -> dict[str, Any]:
 
 
 def _list_paths(printed: Printed) -> list[dict[str, Any]]:
-    """Temperature and fraction at both angles, with either reading of the stress factor."""
+    """Return the temperature and fraction at both angles, with either reading of the stress factor."""
     shift = 200.0 / printed.C_A
     cases = {"MPa": ("C_A = 6 MPa/°C", AS_PRINTED), "GPa": ("C_A = 1 GPa/°C", VARIANTS[NO_STRESS])}
     found: list[dict[str, Any]] = []
@@ -166,7 +166,7 @@ def _list_paths(printed: Printed) -> list[dict[str, Any]]:
 
 
 def _list_set(key: str, printed: Printed) -> list[dict[str, Any]]:
-    """Times of a calibrated set at both voltages, to both angles."""
+    """Return the times of a calibrated set at both voltages, to both angles."""
     words, short = SETS[key]
     columns = (
         (printed.high, printed.low),
@@ -191,7 +191,7 @@ def _list_currents(case: Case, volts: float, printed: Printed) -> str:
 
 
 def compute_damped(printed: Printed) -> dict[str, float]:
-    """Times of set C, whose joint is damped."""
+    """Return the times of set C, whose joint is damped."""
     fast, slow = response_times("C", printed, printed.angle)
     result = bench.run_heated(CASES["C"], printed, printed.high, RISE, FINE)
     hottest = result.measure("max(first.temperature)") - bench.ZERO

@@ -85,7 +85,7 @@ class Workspace:
         return (min(alphas), max(alphas)), (min(betas), max(betas))
 
     def points(self) -> list[Angles]:
-        """All reachable points of the grid."""
+        """Return all reachable points of the grid."""
         rows = zip(self.alphas, self.reached, strict=True)
         return [(a, b) for a, row in rows for b, flag in zip(self.betas, row, strict=True) if flag]
 
@@ -135,7 +135,7 @@ def _explore_grid(legs: Legs, step: float) -> Workspace:
 
 
 def _flood_cells(allowed: Callable[[int, int], bool]) -> set[tuple[int, int]]:
-    """All cells connected to (0, 0) through sides."""
+    """Return all cells connected to (0, 0) through sides."""
     found, edge = {(0, 0)}, [(0, 0)]
     while edge:
         i, j = edge.pop()

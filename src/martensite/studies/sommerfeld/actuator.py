@@ -43,7 +43,7 @@ def at_end(volts: float, name: str) -> float:
 
 
 def recovered_strain(volts: float) -> float:
-    """Strain recovered at the end of heating."""
+    """Return the strain recovered at the end of heating."""
     start = run_heated(volts)["strain"][0]
     return start - at_end(volts, "strain")
 

@@ -48,7 +48,7 @@ def compute_beam(printed: Printed) -> dict[str, Any]:
 
 
 def compute_frequencies(printed: Printed) -> dict[str, float]:
-    """Stiffness [N/m] of the beam, and its natural frequencies [Hz] with both printed masses."""
+    """Return the stiffness [N/m] of the beam, and its natural frequencies [Hz] with both printed masses."""
     other, found = (
         math.sqrt(k / m) / (2.0 * math.pi)
         for m, k in ((printed.mass, printed.stiffness), (printed.second_mass, printed.computed_stiffness))

@@ -19,7 +19,7 @@ HERTZ = 1.0 / (2.0 * np.pi)
 
 
 def run_settled(printed: Printed, form: str) -> list[Settled]:
-    """Runs from rest at every voltage drawn."""
+    """Return the runs from rest at every voltage drawn."""
     motor = machines.printed_motor(printed, form)
     return [runs.from_rest(motor, volts) for volts in sorted({*COARSE, *FINE})]
 

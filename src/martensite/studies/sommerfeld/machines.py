@@ -27,7 +27,7 @@ def load_scenario() -> Scenario:
 
 @cache
 def printed_motor(printed: Printed, coupling: str = "lagrange") -> BeamMotor:
-    """Table 3."""
+    """Return the table 3."""
     return BeamMotor(
         coupling=coupling,
         mass=printed.mass,
@@ -57,7 +57,7 @@ def natural_frequency(motor: BeamMotor) -> float:
 
 
 def build_beam(printed: Printed) -> CantileverBeam:
-    """Table 4, with nothing at the tip."""
+    """Return the table 4, with nothing at the tip."""
     return CantileverBeam(
         E=printed.young, density=printed.density, width=printed.width, height=printed.height, length=printed.length
     )

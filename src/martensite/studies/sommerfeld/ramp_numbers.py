@@ -16,7 +16,7 @@ LAST = 12.0
 
 
 def compute_ramp(printed: Printed) -> dict[str, Any]:
-    """Table 3 in a ramp, calibration, rates, what the change requires."""
+    """Return the values of Table 3 in a ramp, calibration, rates, what the change requires."""
     without, motor = wire.run_without_wire(printed), machines.calibrated_motor()
     stiff, damped = averages.required_changes(printed)
     return {
@@ -54,7 +54,7 @@ def whole_millimetres(printed: Printed) -> tuple[int, int]:
 
 
 def ramp_variants(printed: Printed) -> dict[str, Windows]:
-    """Ramps with the stiffness, the damping, or both changed as the published numbers require."""
+    """Return the ramps with the stiffness, the damping, or both changed as the published numbers require."""
     base = machines.calibrated_motor()
     stiff, damped = averages.required_changes(printed)
     more = {"stiffness": stiff * base.stiffness, "damping": damped * base.damping}

@@ -61,7 +61,7 @@ def draw_displacement(axes: Any, printed: Printed) -> None:
 
 
 def _window_extremes(run: Result) -> tuple[Any, Any, Any]:
-    """Voltage, lowest and highest displacement [m] in each fifth of a second."""
+    """Return the voltage, lowest and highest displacement [m] in each fifth of a second."""
     size = round(0.2 / (run.times[1] - run.times[0]))
     count = len(run.times) // size
     volts, x = (np.asarray(run[name][: count * size]).reshape(count, size) for name in ("motor", "displacement"))

@@ -31,7 +31,7 @@ Advance = Callable[..., tuple[float, ...]]
 
 @cache
 def advance_step(motor: BeamMotor) -> Advance:
-    """One step: (x, x', φ, φ', i, V at its beginning, middle and end [V], h [s]) -> the state."""
+    """Return one step: (x, x', φ, φ', i, V at its beginning, middle and end [V], h [s]) -> the state."""
     program = Program()
     twin = motor.rebuilt({leaf.path: program.parameter(leaf.path) for leaf in motor.leaves()})
 
@@ -59,7 +59,7 @@ def advance_step(motor: BeamMotor) -> Advance:
 
 
 def mean_speed(motor: BeamMotor, volts: float) -> float:
-    """Mean speed [rad/s] over the last second of 10 s from rest, in steps of 0.1 ms."""
+    """Return the mean speed [rad/s] over the last second of 10 s from rest, in steps of 0.1 ms."""
     step, state, total = advance_step(motor), (0.0,) * 5, 0.0
     steps, last = round(DURATION / FINE), round(1.0 / FINE)
     for k in range(steps):
@@ -98,7 +98,7 @@ def step_limit(motor: BeamMotor) -> float:
 
 
 def energy_drift(motor: BeamMotor) -> float:
-    """Largest relative change of the energy of the isolated system over 5 s.
+    """Return the largest relative change of the energy of the isolated system over 5 s.
 
     Isolated: no damping, no friction, no torque; the rotor turns and the tip swings at the start.
     """

@@ -105,17 +105,17 @@ class Windows:
 
     @property
     def jump(self) -> float:
-        """Voltage of the jump [V]."""
+        """Return the voltage of the jump [V]."""
         return float(self.voltage[self.end])
 
     @property
     def peak(self) -> float:
-        """Largest amplitude [m]."""
+        """Return the largest amplitude [m]."""
         return float(self.amplitude.max())
 
     @property
     def most_current(self) -> float:
-        """Largest mean current up to the jump [A]."""
+        """Return the largest mean current up to the jump [A]."""
         return float(self.current[: self.end + 1].max())
 
 
@@ -156,7 +156,7 @@ def run_upward(motor: BeamMotor, rate: float, volts: float) -> Windows:
 
 
 def run_downward(motor: BeamMotor, rate: float, volts: tuple[float, float]) -> Windows:
-    """Running free, slowly down from one voltage [V] to another at a rate [V/s]."""
+    """Return the running free, slowly down from one voltage [V] to another at a rate [V/s]."""
     high, low = volts
     free = 10.0
     times = (0.0, 5.0, 25.0, 55.0, 55.0 + (high - low) / rate)
@@ -167,5 +167,5 @@ def run_downward(motor: BeamMotor, rate: float, volts: tuple[float, float]) -> W
 
 
 def dropped_below(found: Windows, speed: float) -> float:
-    """Voltage [V] at which a downward sweep falls below a speed [rad/s] for good."""
+    """Return the voltage [V] at which a downward sweep falls below a speed [rad/s] for good."""
     return float(found.voltage[int(np.flatnonzero(found.speed > speed)[-1])])

@@ -60,7 +60,7 @@ def run_ramp(slack: float, volts: float, drive: Step) -> Result:
 
 
 def switching_times(printed: Printed, found: Result) -> list[float]:
-    """Times at which the controller would have switched along a run [s]."""
+    """Return the times at which the controller would have switched along a run [s]."""
     columns = {name: found[name].tolist() for name in NAMES}
     signals = replay_controller(build_controller(printed), found.times, columns)
     rows = zip(found.times[1:], signals, signals[1:], strict=False)
@@ -75,7 +75,7 @@ def switched_on(printed: Printed) -> float:
 
 
 def always_on_current(printed: Printed) -> Step:
-    """Current of the wire [A] that is never switched off."""
+    """Return the current of the wire [A] that is never switched off."""
     return Step(high=printed.wire_current, at=switched_on(printed))
 
 
@@ -152,7 +152,7 @@ def run_controlled(printed: Printed) -> Controlled:
 
 
 def agreement_voltage(printed: Printed) -> float:
-    """Voltage up to which the amplitudes with and without the wire agree within 10 % [V]."""
+    """Return the voltage up to which the amplitudes with and without the wire agree within 10 % [V]."""
     one, other = run_controlled(printed).sweep, run_without_wire(printed)
     for volts, a, b in zip(one.voltage, one.amplitude, other.amplitude, strict=False):
         if abs(a - b) > 0.1 * b and volts > 1.0:

@@ -68,12 +68,12 @@ def film_coefficient(temperature: float, ambient: float, printed: Printed) -> fl
 
 
 def steady_temperature(power: float, ambient: float, printed: Printed) -> float:
-    """Root of power = h(T) S (T - T_a) [°C], with h from the correlation."""
+    """Return the root of power = h(T) S (T - T_a) [°C], with h from the correlation."""
     return simulation.find_steady_temperature(_wire_shape(printed), power, environment=_surroundings(ambient)) - ZERO
 
 
 def implied_ambient(row: Printed) -> float:
-    """Ambient temperature [°C] for which a row's conductivity is that at the film temperature."""
+    """Return the ambient temperature [°C] for which a row's conductivity is that at the film temperature."""
     table = [(entry[0], entry[1]) for entry in ROWS["textbook"]]
     for (low, first), (high, last) in pairwise(table):
         if row.conductivity <= last:
@@ -99,7 +99,7 @@ def load_scenario(closure: str) -> Scenario:
 
 @cache
 def simulated_temperature(closure: str, voltage: float) -> float:
-    """Simulated temperature long after switching on a voltage [V], in °C."""
+    """Return the simulated temperature long after switching on a voltage [V], in °C."""
     system = load_scenario(closure).system
     run = simulate(system, Constant(level=voltage), _SETTLING, tolerance=1e-4, samples=101)
     return run["temperature"][-1] - ZERO

@@ -42,7 +42,7 @@ class Closure:
 
     @property
     def rms(self) -> float:
-        """Root mean square of the errors [K]."""
+        """Return the root mean square of the errors [K]."""
         return root_mean_square(self.errors)
 
     def time_constant(self, printed: Printed) -> float:
@@ -67,24 +67,24 @@ def closure_a(printed: Printed) -> Closure:
 
 
 def printed_resistance(voltage: float, printed: Printed) -> float:
-    """Resistance that the thesis uses at a voltage [V], as printed [ohm]."""
+    """Return the resistance that the thesis uses at a voltage [V], as printed [ohm]."""
     austenite = voltage > printed.austenite_from - 1e-9
     return printed.resistance_A if austenite else printed.resistance_M
 
 
 def read_per_metre(printed: Printed) -> list[float]:
-    """Resistances of the rows, the printed ones read as ohms per metre [ohm]."""
+    """Return the resistances of the rows, the printed ones read as ohms per metre [ohm]."""
     return [PER_METRE * printed_resistance(volts, printed) for volts in printed.rows.column("voltage")]
 
 
 def measured_resistance(printed: Printed) -> float:
-    """Voltage over current where the thesis gives both [ohm]."""
+    """Return the voltage over current where the thesis gives both [ohm]."""
     return printed.current_at / printed.current
 
 
 @cache
 def closure_b(printed: Printed, ambient: float = bench.AMBIENT) -> Closure:
-    """Resistances read as ohms per metre; h fitted for a given ambient temperature [°C]."""
+    """Return the resistances read as ohms per metre; h fitted for a given ambient temperature [°C]."""
     rises = _list_rises(printed, read_per_metre(printed))
     over = [at - ambient for at in printed.rows.column("temperature")]
     pairs = list(zip(rises, over, strict=True))
@@ -94,7 +94,7 @@ def closure_b(printed: Printed, ambient: float = bench.AMBIENT) -> Closure:
 
 @cache
 def closure_b_free(printed: Printed) -> Closure:
-    """Resistances read as ohms per metre; h and ambient fitted."""
+    """Return the resistances read as ohms per metre; h and ambient fitted."""
     return _fit_line(printed, read_per_metre(printed), None)
 
 
@@ -121,7 +121,7 @@ def _fit_line(printed: Printed, resistances: Sequence[float], single: float | No
 
 
 def predict_temperatures(printed: Printed, resistances: Sequence[float]) -> list[float]:
-    """Steady temperatures of the rows with the correlation and given resistances [°C]."""
+    """Return the steady temperatures of the rows with the correlation and given resistances [°C]."""
     return [
         bench.steady_temperature(row.voltage**2 / ohms, bench.AMBIENT, printed)
         for row, ohms in zip(printed.rows, resistances, strict=True)

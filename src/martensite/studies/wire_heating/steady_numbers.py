@@ -11,7 +11,7 @@ from martensite.studies.wire_heating import bench, closures
 
 
 def compute_steady(printed: Printed) -> dict[str, Any]:
-    """All numbers by the names of `claims.toml`."""
+    """Return all numbers by the names of `claims.toml`."""
     films = [bench.printed_film(row, printed) for row in printed.rows]
     ambients = [bench.implied_ambient(row) for row in printed.rows]
     a, b = closures.closure_a(printed), closures.closure_b(printed)
@@ -44,7 +44,7 @@ def compute_steady(printed: Printed) -> dict[str, Any]:
 
 
 def predict_steady(printed: Printed) -> list[dict[str, Any]]:
-    """Steady temperatures from the printed data, for both readings of the resistance."""
+    """Return the steady temperatures from the printed data, for both readings of the resistance."""
     as_printed = [closures.printed_resistance(row.voltage, printed) for row in printed.rows]
     per_metre = closures.read_per_metre(printed)
     measured = printed.rows.column("temperature")
@@ -68,5 +68,5 @@ def predict_steady(printed: Printed) -> list[dict[str, Any]]:
 
 
 def simulated_errors(closure: str, printed: Printed) -> list[float]:
-    """Simulated less printed steady temperatures of a closure's scenario [K]."""
+    """Return the simulated less printed steady temperatures of a closure's scenario [K]."""
     return [bench.simulated_temperature(closure, row.voltage) - row.temperature for row in printed.rows]

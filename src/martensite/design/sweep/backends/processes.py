@@ -35,7 +35,7 @@ class Serial(AbstractBackend):
     """This process alone."""
 
     def run(self, job: SweepJob, chunks: Iterable[int]) -> Generator[Report]:
-        """One chunk after another."""
+        """Yield one chunk after another."""
         for chunk in chunks:
             yield job(chunk)
 
@@ -54,11 +54,11 @@ class Processes(AbstractBackend):
 
     @property
     def count(self) -> int:
-        """Number of processes."""
+        """Return the number of processes."""
         return self.workers or count_cores()
 
     def run(self, job: SweepJob, chunks: Iterable[int]) -> Generator[Report]:
-        """Two chunks per process are under way at a time."""
+        """Yield two chunks per process are under way at a time."""
         waiting, broken = iter(chunks), list[int]()
         while True:
             yield from self._pool(job, waiting, broken)
@@ -92,7 +92,7 @@ class Processes(AbstractBackend):
 
 
 def count_cores() -> int:
-    """Number of cores that this process may use."""
+    """Return the number of cores that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

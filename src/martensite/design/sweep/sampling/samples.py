@@ -53,11 +53,11 @@ class AbstractDesign(ABC):
 
     @abstractmethod
     def size(self, axes: Sequence[SweepAxis]) -> int:
-        """Number of runs."""
+        """Return the number of runs."""
 
     @abstractmethod
     def values(self, axes: Sequence[SweepAxis], first: int, count: int) -> Numbers:
-        """Numbers of some runs from `first` on, (count, axes), in SI."""
+        """Return the numbers of some runs from `first` on, (count, axes), in SI."""
 
 
 class AbstractSample(AbstractDesign):
@@ -77,7 +77,7 @@ class AbstractSample(AbstractDesign):
 
     @abstractmethod
     def cube(self, width: int, first: int, count: int) -> Numbers:
-        """Points in the unit cube, (count, width)."""
+        """Return the points in the unit cube, (count, width)."""
 
     def values(self, axes: Sequence[SweepAxis], first: int, count: int) -> Numbers:
         """Return the quantiles of points in the unit cube."""
@@ -114,7 +114,7 @@ class Grid(AbstractDesign):
             )
 
     def shape(self, axes: Sequence[SweepAxis]) -> tuple[int, ...]:
-        """Levels of each axis."""
+        """Return the levels of each axis."""
         return tuple(len(one.levels()) for one in axes)
 
     def size(self, axes: Sequence[SweepAxis]) -> int:
@@ -125,7 +125,7 @@ class Grid(AbstractDesign):
         return found
 
     def values(self, axes: Sequence[SweepAxis], first: int, count: int) -> Numbers:
-        """Levels by their places on the grid."""
+        """Return the levels by their places on the grid."""
         places = np.unravel_index(np.arange(first, first + count), self.shape(axes))
         return np.stack([one.levels()[k] for one, k in zip(axes, places, strict=True)], axis=1)
 
@@ -140,7 +140,7 @@ class MonteCarlo(AbstractSample):
     """Independent samples."""
 
     def cube(self, width: int, first: int, count: int) -> Numbers:
-        """Numbers of a stream, from a place in it on; never 0."""
+        """Return the numbers of a stream, from a place in it on; never 0."""
         stream = np.random.PCG64(self.seed)
         stream.advance(first * width)
         return np.maximum(np.random.Generator(stream).random((count, width)), TINY)
@@ -159,7 +159,7 @@ class LatinHypercube(AbstractSample):
             )
 
     def cube(self, width: int, first: int, count: int) -> Numbers:
-        """Strata of all axes, and places in them."""
+        """Return the strata of all axes, and places in them."""
         stream = np.random.PCG64([self.seed, 1])
         stream.advance(first * width)
         inside = np.random.Generator(stream).random((count, width))
@@ -169,7 +169,7 @@ class LatinHypercube(AbstractSample):
 
 @lru_cache(maxsize=64)
 def _draw_strata(count: int, seed: int, axis: int) -> NDArray[np.int32]:
-    """Strata of one axis in the order of the runs."""
+    """Return the strata of one axis in the order of the runs."""
     rng = np.random.Generator(np.random.PCG64([seed, 2, axis]))
     return rng.permutation(count).astype(np.int32)
 
@@ -179,7 +179,7 @@ class Sobol(AbstractSample):
     """Points of a scrambled Sobol' sequence."""
 
     def cube(self, width: int, first: int, count: int) -> Numbers:
-        """Points from a place in the sequence on; never 0."""
+        """Return the points from a place in the sequence on; never 0."""
         with _one_at_a_time, warnings.catch_warnings():  # it says at every stretch that a power of 2 spreads best
             warnings.simplefilter("ignore", UserWarning)
             sequence = _begin_sequence(width, self.seed)
@@ -206,7 +206,7 @@ class Saltelli(AbstractSample):
     """N base points, and N (d + 2) runs of d axes."""
 
     def size(self, axes: Sequence[SweepAxis]) -> int:
-        """All runs of all blocks.
+        """Return all runs of all blocks.
 
         Raises:
             ParameterError: they are too many.
@@ -219,7 +219,7 @@ class Saltelli(AbstractSample):
         return found
 
     def cube(self, width: int, first: int, count: int) -> Numbers:
-        """Runs from any one on, which need not be the first of its block."""
+        """Return the runs from any one on, which need not be the first of its block."""
         size = count_block_runs(width)
         rows = np.arange(first, first + count)
         begin, end = first // size, (first + count - 1) // size + 1
@@ -230,5 +230,5 @@ class Saltelli(AbstractSample):
 
 
 def count_block_runs(width: int) -> int:
-    """Runs in a block of some axes."""
+    """Return the runs in a block of some axes."""
     return width + 2
