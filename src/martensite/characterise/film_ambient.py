@@ -126,7 +126,7 @@ def _real_roots(roots: Any) -> list[float]:
     return [float(r.real) for r in roots if abs(r.imag) <= 1e-9 * max(abs(r), 1.0)]
 
 
-NEAR = 1e-3
+AMBIENT_SHIFT = 1e-3
 """Shift of the ambient [K] of a derivative."""
 SHIFTS = (-2.5, -1.0, 0.0, 1.0, 2.5)
 """Ambient temperatures tried, less the given one [K]."""
@@ -168,8 +168,8 @@ def film_per_kelvin(points: FilmPoints) -> tuple[float, ...]:
 
 def slope_per_kelvin(points: FilmPoints) -> float:
     """Derivative of the slope of h(T) with respect to the ambient [W/(m² K³)]."""
-    low, high = (_fit_slope(points, points.ambient + shift) for shift in (-NEAR, NEAR))
-    return (high - low) / (2.0 * NEAR)
+    low, high = (_fit_slope(points, points.ambient + shift) for shift in (-AMBIENT_SHIFT, AMBIENT_SHIFT))
+    return (high - low) / (2.0 * AMBIENT_SHIFT)
 
 
 def _fit_slope(points: FilmPoints, ambient: float) -> float:

@@ -209,7 +209,7 @@ FLATTEST = 0.05
 """Least slope of the curve at a point, as a share of its greatest, that weighs the point."""
 TOLERANCE = 1e-14
 """Relative change of the squares, the numbers and the gradient at which the search ends."""
-MOST = 200
+MOST_EVALUATIONS = 200
 """Evaluations after which the search is given up."""
 
 
@@ -251,11 +251,11 @@ def fit_residuals(residuals: Callable[[tuple[float, ...]], Any], start: Sequence
         start,
         jac="3-point",
         x_scale="jac",
-        max_nfev=MOST,
+        max_nfev=MOST_EVALUATIONS,
         **dict.fromkeys(("ftol", "xtol", "gtol"), TOLERANCE),
     )
     if not found.success:
-        raise SolveError(f"A least-squares fit has not settled after {MOST} steps.")
+        raise SolveError(f"A least-squares fit has not settled after {MOST_EVALUATIONS} steps.")
     freedom = len(found.fun) - len(start)
     variance = 2.0 * found.cost / freedom if freedom else math.nan
     upper = np.linalg.qr(found.jac, mode="r")

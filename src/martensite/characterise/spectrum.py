@@ -23,7 +23,7 @@ import numpy as np
 from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.estimate import check_columns
 
-FEWEST = 16
+LEAST_ROWS = 16
 """Smallest number of rows for a spectrum."""
 _CYCLES = 2.0
 _CLEAR = 6.0
@@ -99,7 +99,7 @@ def sampling_interval(times: Sequence[float], values: Sequence[float]) -> float:
     Raises:
         DataError: the rows are too few or not finite, or a time is off by half an interval.
     """
-    check_columns("a vibration", "rows", FEWEST, times=times, values=values)
+    check_columns("a vibration", "rows", LEAST_ROWS, times=times, values=values)
     step = (times[-1] - times[0]) / (len(times) - 1)
     off = max(abs(time - times[0] - k * step) for k, time in enumerate(times))
     if not off < 0.5 * step:

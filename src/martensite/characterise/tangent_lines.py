@@ -60,7 +60,7 @@ BEGINNINGS = 11
 """Places at which the steep line may begin."""
 NARROWEST = 0.2
 """Least gap of the outer lines, as a share of that in the middle, in the reckoning of the way."""
-LEAST = 1e-6
+LEAST_STRAIN = 1e-6
 """Transformation strain below which there is none."""
 PASSES = 30
 
@@ -142,14 +142,14 @@ def branch_tangents(temperatures: Any, strains: Any, where: str) -> BranchTangen
 
 def _is_straight(kelvin: Any, strain: Any) -> bool:
     """Return whether all rows lie on one line."""
-    return bool(abs(strain - fit_line(kelvin, strain).value(kelvin)).max() < LEAST)
+    return bool(abs(strain - fit_line(kelvin, strain).value(kelvin)).max() < LEAST_STRAIN)
 
 
 def _find_way(outer: tuple[StraightLine, StraightLine], middle: float, kelvin: Any, strain: Any, where: str) -> Any:
     """Return the share of the way from the cold to the hot line, growing from row to row."""
     cold, hot = outer
     gap = hot.value(middle) - cold.value(middle)
-    if abs(gap) < LEAST:
+    if abs(gap) < LEAST_STRAIN:
         raise _no_transformation(where)
     sign = 1.0 if gap > 0.0 else -1.0
     # lines that converge must not meet within the branch
@@ -205,7 +205,7 @@ def _check_lines(found: BranchTangents, where: str) -> None:
     if len(steep) == 1:
         raise _incomplete_transformation(steep[0], where)
     scatter = max(found.cold.scatter, found.hot.scatter)
-    if steep or abs(found.transformation_strain) < max(CLEAR * scatter, LEAST):
+    if steep or abs(found.transformation_strain) < max(CLEAR * scatter, LEAST_STRAIN):
         raise _no_transformation(where)
 
 

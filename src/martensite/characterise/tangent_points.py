@@ -24,7 +24,7 @@ from martensite.characterise.isobaric_cycles import CycleBranch, IsobaricCycle, 
 from martensite.characterise.tangent_lines import BranchTangents, branch_tangents
 from martensite.signals.records import Record
 
-FEW = 6
+FEW_ROWS = 6
 """Rows between start and finish below which it is remarked upon."""
 SHORT = 0.5
 """Range beyond a transformation, as a share of its width, below which it is remarked upon."""
@@ -202,7 +202,7 @@ def _list_remarks(rows: CycleBranch, found: BranchTangents, way: str) -> list[st
     """Return remarks on a record that hardly reaches beyond a transformation, or hardly samples it."""
     said: list[str] = []
     between = sum(found.low <= kelvin <= found.high for kelvin in rows.temperature)
-    if between < FEW:
+    if between < FEW_ROWS:
         said.append(
             f"On {way} only {between} rows lie between start and finish: both are uncertain by "
             "about the distance of rows."

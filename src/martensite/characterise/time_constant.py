@@ -24,7 +24,7 @@ from martensite.base.errors import DataError, SolveError
 from martensite.characterise.estimate import MeasuredValue, check_columns
 from martensite.characterise.regression import fit_residuals
 
-FEWEST = 6
+LEAST_ROWS = 6
 """Rows below which three numbers are not fitted."""
 _ALONG = 0.5
 _SMALL = 2e-3
@@ -123,7 +123,7 @@ def _lag_correlation(residuals: Sequence[float]) -> float:
 
 
 def _check_record(times: Sequence[float], values: Sequence[float]) -> None:
-    check_columns("a time constant", "rows", FEWEST, times=times, values=values)
+    check_columns("a time constant", "rows", LEAST_ROWS, times=times, values=values)
     if any(after <= before for before, after in pairwise(times)):
         raise DataError("Times of a rise must increase from row to row, but do not.")
     if max(values) == min(values):

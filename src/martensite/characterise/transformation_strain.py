@@ -2,7 +2,7 @@
 
     H(σ) = H_min + (H_sat - H_min)(1 - exp[-k (σ - σ_crit)]) above σ_crit, else H_min
 
-The saturating form needs `FEWEST` stresses and must be worth its two numbers more: with S the sum
+The saturating form needs `LEAST_STRESSES` stresses and must be worth its two numbers more: with S the sum
 of squared residuals and ν points to spare, the F-test of two additional terms is in closed form
 
     p = (S_saturating/S_constant)^(ν/2) < 5 %.
@@ -29,7 +29,7 @@ from martensite.base.errors import DataError, SolveError
 from martensite.characterise.estimate import MeasuredValue
 from martensite.characterise.regression import fit_residuals, root_mean_square
 
-FEWEST = 4
+LEAST_STRESSES = 4
 """Different stresses from which on the saturating form is tried."""
 FEWEST_CRITICAL = 6
 """Different stresses from which on a critical stress is tried."""
@@ -105,7 +105,7 @@ def fit_transformation_strain(stresses: Sequence[float], strains: Sequence[float
     mean = _mean_strain(strains)
     squares = math.fsum((h - mean.value) ** 2 for h in strains)
     levels = len(set(stresses))
-    if levels >= FEWEST and max(stresses) > 0.0:
+    if levels >= LEAST_STRESSES and max(stresses) > 0.0:
         shape = _search_grid(stresses, strains, [0.0])
         spare = len(strains) - 3
         if shape.high > shape.low and _is_worthwhile(shape.squares, squares, spare):

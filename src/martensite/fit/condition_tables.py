@@ -69,7 +69,7 @@ LEVELS = {name: CANONICAL[name] for name in (*list_quantities("drive"), "tempera
 """Drive quantities -> unit; such a column sets the level of the waveform."""
 PEAKS = ("level", "high", "first")
 """Numbers of a waveform that are its level."""
-HEAD = 65536
+HEAD_BYTES = 65536
 """Bytes of a file that are looked at to tell a table from a log."""
 GRAVITY = 9.80665
 """[m/s²], by which a load given as a force is that of a mass."""
@@ -89,7 +89,7 @@ class InputColumn:
     values: tuple[float, ...]
     """In SI, one per row."""
     level: bool = False
-    """True if it is what drives."""
+    """True for the column of the drive."""
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ def is_condition_table(source: object, named: Mapping[str, str] | None = None) -
 def _read_first_line(path: Path) -> list[str]:
     """Return the cells of the first line that is not a comment."""
     with describe_unreadable(path), path.open("rb") as file:
-        lines = file.read(HEAD).decode("utf-8-sig", "replace").splitlines()
+        lines = file.read(HEAD_BYTES).decode("utf-8-sig", "replace").splitlines()
     line = next((one for one in lines if one.strip() and not one.lstrip().startswith("#")), "")
     sign = next((sign for sign in "\t;," if sign in line), None)
     return [cell.strip().strip('"') for cell in line.split(sign)] if sign else [line]

@@ -98,7 +98,7 @@ class Experiment:
 
     @property
     def over_time(self) -> bool:
-        """Return whether its rows are times."""
+        """Return whether the rows are times."""
         return True
 
     @property

@@ -69,7 +69,7 @@ class FollowedNoise(NamedTuple):
     sigma: float
     """Standard deviation [SI]."""
     declared: bool
-    """True if it was given, or estimated from the column."""
+    """True if the noise was given, False if it was estimated from the column."""
 
 
 def estimate_column_noise(times: ArrayLike, values: ArrayLike) -> float:

@@ -83,7 +83,7 @@ class LogModel:
 
     @property
     def predicts(self) -> bool:
-        """Return whether it predicts what the experiment is about, by what it did not see."""
+        """Return whether the model predicts the main output of the experiment, by held-out data."""
         return self.chosen.pooled[0].predicts
 
     @property

@@ -51,7 +51,7 @@ class Log:
     weight: float = 1.0
     """Weight of the squared residuals of the log."""
     held: bool = False
-    """True if it is kept back."""
+    """True if the log is held out."""
     name: str = ""
     """In reports; that of the file if left out."""
     named: Mapping[str, str] = field(default_factory=dict[str, str])

@@ -18,7 +18,7 @@ from martensite.scenario.cells import DAY, Numbers
 from martensite.scenario.lab_files import LabFile
 from martensite.signals.records import Record
 
-FEWEST = 0.8
+LEAST_CORRELATION = 0.8
 """Least |correlation| of two quantities that are to set two clocks."""
 LAGS = 600
 """Lags that are tried first, and around the best of them again."""
@@ -82,7 +82,7 @@ def find_offset(first: LabFile, other: LabFile) -> tuple[float, str]:
         apart = (other.start - first.start) % DAY
         return apart - DAY * (apart > DAY / 2), "by the times of day of both"
     best = max(_list_matches(first.record, other.record), default=(0.0, 0.0, "", ""))
-    if best[0] < FEWEST:
+    if best[0] < LEAST_CORRELATION:
         raise DataError(
             f"How the clocks of `{first.path.name}` and `{other.path.name}` stand to one another cannot be told: one "
             'has no absolute time, and no quantity of the two goes together; give the offset (`--offset "2.5 s"`).'

@@ -80,7 +80,7 @@ export interface EntryControl extends EntryDescription {
   /** In the document. */
   path: string;
   origin: Origin;
-  /** True if it goes over a default, or over the material. */
+  /** True if the value replaces a default or a value of the material. */
   changed: boolean;
 }
 
@@ -123,7 +123,7 @@ export interface RowNode extends EntryControl {
   sort: "row";
   value: string;
   several: boolean;
-  /** True if its items carry units. */
+  /** True if the items carry units. */
   quantities: boolean;
 }
 

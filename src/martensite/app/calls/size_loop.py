@@ -14,7 +14,7 @@ BAND = 0.1
 """Error, as a share of the stroke, at which the whole voltage is given."""
 PERIODS = 200
 """Control periods in the time that heating takes."""
-SHARE = 0.9
+STROKE_FRACTION = 0.9
 """Fraction of the requested stroke that a loop can hold from both sides."""
 
 
@@ -48,7 +48,7 @@ def format_loop(request: WireRequest, found: Candidate, text: str) -> str | None
         },
         "reference": {
             "kind": "pwm",
-            "high": f"{1e3 * SHARE * request.stroke:.6g} mm",
+            "high": f"{1e3 * STROKE_FRACTION * request.stroke:.6g} mm",
             "frequency": f"{1.0 / cycles:.6g} Hz",
             "duty": 0.5,
         },

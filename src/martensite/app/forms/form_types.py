@@ -57,7 +57,7 @@ class EntryControl(EntryDescription):
     """In the document."""
     origin: Origin
     changed: bool
-    """True if it goes over a default, or over the material."""
+    """True if the value replaces a default or a value of the material."""
 
 
 class NumberNode(EntryControl, DisplayUnit):
@@ -105,7 +105,7 @@ class RowNode(EntryControl):
     value: str
     several: bool
     quantities: bool
-    """True if its items carry units."""
+    """True if the items carry units."""
 
 
 class KindChoice(TypedDict):

@@ -35,7 +35,7 @@ from martensite.show.summaries.fit_tables import mark_parameter
 
 EVERY = 0.4
 """Seconds between two notes."""
-SHARE = 0.1
+TIME_FRACTION = 0.1
 """Fraction of the time for curves that are only displayed."""
 DRAWN_ROWS = 800
 
@@ -97,7 +97,7 @@ class FitProgress:
         if now < self._next_curves or values == self._drawn:
             return {}
         found = self.problem.evaluate(values)
-        self._next_curves = time.monotonic() + (time.monotonic() - now) / SHARE
+        self._next_curves = time.monotonic() + (time.monotonic() - now) / TIME_FRACTION
         if found is None:
             return {}
         self._drawn = values

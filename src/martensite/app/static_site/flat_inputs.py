@@ -38,7 +38,7 @@ MOST_SEGMENTS = 2000
 """A waveform of more segments is read at its samples, or not offered."""
 SEGMENT = ("start", "level", "slope", "bend")
 TONE = ("amplitude", "rate", "phase")
-NEAR = 1e-12
+EQUALITY_TOLERANCE = 1e-12
 """Share of the largest value up to which two readings of a waveform are the same."""
 
 
@@ -147,7 +147,7 @@ def _tells_readings(wave: AbstractWaveform, known: Sequence[Segment], duration: 
     for amplitude, rate, phase in wave.tones():
         values = values + amplitude * np.cos(rate * times + phase)
     wanted = np.array(wave.signals(times.tolist()))
-    return bool(np.abs(values - wanted).max() <= NEAR * max(float(np.abs(wanted).max()), 1e-300))
+    return bool(np.abs(values - wanted).max() <= EQUALITY_TOLERANCE * max(float(np.abs(wanted).max()), 1e-300))
 
 
 def _list_instants(duration: float, interval: float, ahead: bool) -> NDArray[np.float64]:

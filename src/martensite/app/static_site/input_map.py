@@ -34,9 +34,9 @@ SAME = 1e-12
 """Share of a number up to which it is the same."""
 SHORTER = (1.0, 0.95, 0.75, 0.5, 0.25, 0.1)
 """Shares of the way to an end that are tried as the end of the range."""
-HARDLY = 0.001
+SMALLEST_SHIFT = 0.001
 """Smallest step of a slider, as a fraction of its travel: a refused control is refused already there."""
-HAIR = 8.0 * 2.0**-52
+ROUNDING_TOLERANCE = 8.0 * 2.0**-52
 """Share of its terms that a sum is rounding, and 0."""
 PATTERNS = ((0.0, 1.0), (1.0, 0.0), (1.0,), (0.1, 0.9, 0.4, 0.75, 0.3))
 """Shares of the way from the low to the high end, by turns, at which a row is tried."""
@@ -130,7 +130,7 @@ class InputMap:
             for (a, x), (b, y) in itertools.combinations(sorted(steps.items()), 2):
                 parts.append(self.products.get((name, a, b), 0.0) * x * y)
             total = sum(parts)
-            is_rounding = not inverted and abs(total) <= HAIR * sum(map(abs, parts))
+            is_rounding = not inverted and abs(total) <= ROUNDING_TOLERANCE * sum(map(abs, parts))
             found[name] = 0.0 if is_rounding else _invert(total, inverted)
         return found
 
@@ -343,7 +343,7 @@ class _Measurement:
         """Widen the range of every control as far as its map holds: to the ends of its slider, or less far."""
         made = self.map
         for upward in (True, False):
-            ways = [(k, self._choose_end(one, upward, HARDLY)) for k, one in enumerate(made.controls)]
+            ways = [(k, self._choose_end(one, upward, SMALLEST_SHIFT)) for k, one in enumerate(made.controls)]
             late = self.sort_out([{k: x} for k, x in ways])  # effects that appear only later, or refused at once
             left = [k for number, (k, _) in enumerate(ways) if number not in late]
             for share in SHORTER:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 WIDTHS = {"K": 5.0, "1": 0.1}
 """Assumed uncertainty of a parameter before the tests, by its unit: kelvin, or a fraction."""
-SHARE = 0.2
+RELATIVE_WIDTH = 0.2
 """Assumed uncertainty for all other units, as a fraction."""
 RIG = "rig.toml"
 """The scenario of a fit."""
@@ -47,7 +47,7 @@ def list_unknown(bench: Bench, names: Sequence[str], widths: Mapping[str, float]
     found: list[UnknownNumber] = []
     for name in names:
         leaf = find_plant_leaf(bench, name)
-        usual = WIDTHS["K"] if leaf.declared.unit == "K" else SHARE * abs(float(leaf.value)) or WIDTHS["1"]
+        usual = WIDTHS["K"] if leaf.declared.unit == "K" else RELATIVE_WIDTH * abs(float(leaf.value)) or WIDTHS["1"]
         found.append(UnknownNumber(leaf.path, leaf.declared.unit, float(leaf.value), widths.get(name, usual)))
     return found
 

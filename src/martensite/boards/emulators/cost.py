@@ -57,7 +57,7 @@ class StepCost:
 
     @property
     def least(self) -> bool:
-        """Return whether that time is a lower bound."""
+        """Return whether the time is a lower bound."""
         return self.counted == "instructions"
 
 

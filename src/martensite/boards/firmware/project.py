@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 SHARED = ("app.c", "app.h", "board.h", "link.c", "link.h")
 LAYERS = {"arduino": ("board_arduino.cpp",), "stm32f405": ("board_stm32f405.c", "start_stm32f405.c", "stm32f405.ld")}
-STEPS = 400
+TRIED_SAMPLES = 400
 """Samples of the scenario over which the loop is tried, at least."""
 
 AROUND, PER_LETTER = 8000.0, 1.2
@@ -93,7 +93,7 @@ def build_firmware(scenario: Scenario, board: str, *, name: str = "firmware", li
         raise InputError("Firmware is written around a loop: this scenario has no controller.")
     core = build_c_loop(bench, name="loop", precision="float32")
     run = scenario.run()
-    tried = try_program(core, played_by_loop(bench, scenario.waveform, run, STEPS, MOST_TRIED))
+    tried = try_program(core, played_by_loop(bench, scenario.waveform, run, TRIED_SAMPLES, MOST_TRIED))
     inputs, given = plan_inputs(bench, chosen), limits or Limits()
     drives, readings = len(bench.plant.drives()), len(inputs.readings)
     if drives > len(chosen.drive_pins):

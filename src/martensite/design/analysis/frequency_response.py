@@ -29,7 +29,7 @@ from martensite.simulate.operating_point import find_operating_point
 
 SAMPLES = 128
 """Steps in a period of a plant in continuous time, at least."""
-FEWEST = 8
+LEAST_SAMPLES = 8
 """Samples in a period of a system in discrete time, at least."""
 SETTLED = 1e-4
 """Change from cycle n to cycle 2 n, over the amplitude or the least range that counts."""
@@ -150,11 +150,11 @@ def _count_steps(lanes: DrivenLanes, frequency: float) -> tuple[int, float]:
         samples = max(SAMPLES, math.ceil(1.0 / (frequency * lanes.step(math.inf)) - 1e-9))
         return samples, 1.0 / (frequency * samples)
     samples = round(1.0 / (frequency * lanes.interval))
-    if samples < FEWEST:
+    if samples < LEAST_SAMPLES:
         raise InputError(
-            f"A frequency of {frequency:g} Hz has fewer than {FEWEST} samples of "
+            f"A frequency of {frequency:g} Hz has fewer than {LEAST_SAMPLES} samples of "
             f"{lanes.interval:g} s in a period; the highest is "
-            f"{1.0 / (FEWEST * lanes.interval):.6g} Hz."
+            f"{1.0 / (LEAST_SAMPLES * lanes.interval):.6g} Hz."
         )
     return samples, lanes.interval
 

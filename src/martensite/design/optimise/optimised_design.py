@@ -50,7 +50,7 @@ class ActiveConstraint:
     goal: float
     """Size of the goal [SI]."""
     more: bool = True
-    """True if it is relaxed upwards."""
+    """True if a relaxation raises the limit."""
     cases: tuple[int, ...] = ()
     """In which cases a constraint is active."""
 
@@ -184,7 +184,7 @@ class OptimisedDesign:
     numbers: tuple[float, ...]
     """Optimal values [SI], one per free parameter."""
     kept: bool
-    """True if it keeps all constraints."""
+    """True if the rounded design keeps all constraints."""
     missed: tuple[str, ...]
     """Constraints that it does not keep."""
     reported: tuple[ReportedMeasure, ...]

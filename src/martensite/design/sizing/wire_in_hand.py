@@ -30,7 +30,7 @@ NOT_GIVEN = math.inf
 """A number that is not given; 0 is a value."""
 SPARE = 1e-6
 """Share of the stress limit that is left, so that no rounding exceeds it."""
-NEAR = 0.04
+DIAMETER_TOLERANCE = 0.04
 """Relative difference of a diameter from one of the catalogue that is the same size."""
 
 
@@ -83,7 +83,7 @@ class WireInHand(Parametrised):
         """Return the nearest size of the catalogue; `ParameterError` if none is near."""
         sizes = sorted(catalogue.sizes.values(), key=lambda one: abs(math.log(one.diameter.value / self.diameter)))
         best = sizes[0]
-        if abs(best.diameter.value / self.diameter - 1.0) > NEAR:
+        if abs(best.diameter.value / self.diameter - 1.0) > DIAMETER_TOLERANCE:
             near = " and ".join(sorted(one.name for one in sizes[:2]))
             raise ParameterError(f"The catalogue has no wire of {1e3 * self.diameter:.4g} mm; the nearest are {near}.")
         return best

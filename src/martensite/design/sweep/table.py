@@ -31,7 +31,7 @@ class SweepColumn:
     values: Numbers
     """(runs,), in SI; NaN where a run failed or is not made, infinite for what never happened."""
     log: bool = False
-    """True if it is spread over a logarithmic scale."""
+    """True for a logarithmic scale."""
 
     @property
     def declared(self) -> str:

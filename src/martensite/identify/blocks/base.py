@@ -28,7 +28,7 @@ Column = Sequence[Scalar]
 Numbers: TypeAlias = NDArray[Any]
 """Arrays of floats, or of what counts them."""
 
-MOST = 10_000
+MAX_COUNT = 10_000
 """Largest count of a block parameter (order, units, knots); tracing time grows with the count."""
 
 
@@ -42,23 +42,23 @@ class AbstractBlock(Parametrised):
     fixed: ClassVar[tuple[str, ...]] = ()
     """The declared parameters that `adapted` sets from a record."""
     linear: ClassVar[bool] = False
-    """True if it is a linear dynamic system."""
+    """True for a linear dynamic system."""
     bounded: ClassVar[bool] = True
     """False if some free numbers make it grow without bound."""
     fenced: ClassVar[bool] = False
-    """True if its nonlinear terms must not be taken further than in the records; see `fence_in`."""
+    """True if nonlinear terms must stay within the range of the records; see `fence_in`."""
 
     def check(self) -> None:
-        """Raise `ParameterError` unless the numbers in the text of the block are whole, and at most `MOST`."""
+        """Raise `ParameterError` unless the numbers in the text of the block are whole, and at most `MAX_COUNT`."""
         for name in self.shape:
             value = getattr(self, name)
             if isinstance(value, float) and value != int(value):
                 raise ParameterError(
                     f"Parameter `{name}` of `{self.registered_name}` must be a whole number, but is {value:g}."
                 )
-            if isinstance(value, float) and value > MOST:
+            if isinstance(value, float) and value > MAX_COUNT:
                 raise ParameterError(
-                    f"Parameter `{name}` of `{self.registered_name}` must be at most {MOST:,}, but is {value:g}."
+                    f"Parameter `{name}` of `{self.registered_name}` must be at most {MAX_COUNT:,}, but is {value:g}."
                 )
 
     @property

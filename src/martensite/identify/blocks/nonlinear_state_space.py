@@ -32,7 +32,7 @@ from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Namespace, Scalar
 
-TURNS = 30
+NEWTON_STEPS = 30
 """Steps of Newton's method."""
 Map = Callable[[Namespace, Column, Column], Column]
 """The next state, from the state and what the map depends on besides."""
@@ -49,7 +49,7 @@ def fixed_point(xp: Namespace, held: Map, start: Column, given: Column) -> list[
         step = _compute_newton_step(xp, held, state, fixed, fixed)
         return [s - d for s, d in zip(state, step, strict=True)]
 
-    root = xp.repeat(TURNS, turn, *(xp.detach(s) for s in start))
+    root = xp.repeat(NEWTON_STEPS, turn, *(xp.detach(s) for s in start))
     root = [xp.detach(s) for s in root]
     newton = _compute_newton_step(xp, held, root, fixed, given)
     return [xp.implicit_root(s, s - d) for s, d in zip(root, newton, strict=True)]
@@ -70,9 +70,9 @@ FARTHEST = 1.5
 """Limit of what enters a monomial, in half widths of the range of the input or of the reach of the states."""
 USUAL = 3.0
 """Size of usual nonlinear terms; the weak pull to 0 tames those that records do not tell."""
-BEYOND = 1.05
+RANGE_FACTOR = 1.05
 """Range of the states that counts, over the largest state of the records."""
-LEAST = 1e-3
+LEAST_REACH = 1e-3
 """Least reach of the states."""
 
 
@@ -143,8 +143,10 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
         """Return every state limited to the largest that it had, and a little more."""
         poles = [float(p) for p in theta[: int(self.order)]]
         held = self._scale_states(floats, poles, list(states[:, int(self.nk) :].T), dt)
-        largest = [BEYOND * float(np.max(np.abs(one))) for one in held]
-        return self.with_parts(**{f"fence{k}": min(max(one, LEAST), FARTHEST) for k, one in enumerate(largest, 1)})
+        largest = [RANGE_FACTOR * float(np.max(np.abs(one))) for one in held]
+        return self.with_parts(
+            **{f"fence{k}": min(max(one, LEAST_REACH), FARTHEST) for k, one in enumerate(largest, 1)}
+        )
 
     def _feed_states(self, theta: Column, u: Scalar, products: Column) -> list[Scalar]:
         """B u + h E φ: what enters every state."""
@@ -207,7 +209,7 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
             state = made.state
             pairs = zip(made.signals, made.unit_gain, strict=True)
             most = max(most, *(abs(v - middle * gain) for v, gain in pairs))
-        return max(most / half, LEAST)
+        return max(most / half, LEAST_REACH)
 
     def start(self) -> Numbers:
         """Return the linear system."""

@@ -18,7 +18,7 @@ from martensite.identify.operators.static_curves import AbstractCurve
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 
-LEAST = 0.02
+LEAST_KNOT_GAP = 0.02
 """Least gap between two knots, over the mean gap."""
 LIKELIEST = 14.0
 """Limit of the logits of gaps."""
@@ -51,7 +51,7 @@ class PiecewiseLinear(AbstractCurve):
         total = sizes[0]
         for size in sizes[1:]:
             total = total + size
-        return [2.0 * (LEAST / count + (1.0 - LEAST) * size / total) for size in sizes]
+        return [2.0 * (LEAST_KNOT_GAP / count + (1.0 - LEAST_KNOT_GAP) * size / total) for size in sizes]
 
     def curve(self, xp: Namespace, heights: Column, places: Column, r: Scalar) -> Scalar:
         """Return a line and a hinge at every inner knot."""

@@ -63,7 +63,7 @@ class AbstractComposite(AbstractBlock):
 
     @property
     def fenced(self) -> bool:  # type: ignore[override]
-        """Return whether one of the blocks is."""
+        """Return whether one of the blocks has this property."""
         return any(block.fenced for block in self.blocks)
 
     def fence_in(self, theta: Numbers, states: Numbers, dt: float) -> Self:

@@ -127,7 +127,7 @@ LAGS = 256
 """Most lags of an impulse response, over the number of inputs."""
 SCORED = 20_000
 """Samples over which poles found at several sample times are compared."""
-FEWEST = 200
+LEAST_SAMPLES = 200
 """Samples that a record must keep to be seen at a longer sample time."""
 Linear: TypeAlias = TransferFunction | StateSpace
 """Blocks that these starts are for."""
@@ -222,7 +222,7 @@ def _pair_records(w: Numbers | Sequence[Numbers], y: Numbers | Sequence[Numbers]
 
 def _shorten_records(pairs: Sequence[Pair]) -> list[Pair]:
     """Return the first samples of every record: enough to compare poles."""
-    most = max(SCORED // len(pairs), FEWEST)
+    most = max(SCORED // len(pairs), LEAST_SAMPLES)
     return [(u[:most], y[:most]) for u, y in pairs]
 
 
@@ -233,7 +233,7 @@ def _find_order(block: TransferFunction | StateSpace) -> int:
 def _list_factors(pairs: Sequence[Pair]) -> list[int]:
     """Return the multiples of the sample time at which records are looked at."""
     longest = max(len(u) for u, _ in pairs)
-    return [f for f in (1, 8, 64, 512) if f == 1 or longest // f >= FEWEST]
+    return [f for f in (1, 8, 64, 512) if f == 1 or longest // f >= LEAST_SAMPLES]
 
 
 def _find_poles(block: TransferFunction | StateSpace, pairs: Sequence[Pair], dt: float, factor: int) -> Numbers:

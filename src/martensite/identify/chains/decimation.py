@@ -19,7 +19,7 @@ COARSE = 5000
 """Samples per record to which first searches thin long records."""
 MIDDLE = 25_000
 """Samples per record with which the best of the first searches go on."""
-LEAST = 20
+LEAST_SAMPLES = 20
 """Samples that a record keeps at least when it is thinned."""
 LOST = 0.002
 """Most of the variance of an output that thinning may average away."""
@@ -36,7 +36,7 @@ def coarsen_records(records: Sequence[Sampled], most: int = COARSE) -> list[Samp
 
     Where the outputs change too fast for means, only the first part of a record is taken.
     """
-    factor = min(max(map(len, records)) // most, min(map(len, records)) // LEAST)
+    factor = min(max(map(len, records)) // most, min(map(len, records)) // LEAST_SAMPLES)
     if (kept := find_thinnest(records, factor)) < factor:
         factor, records = (kept, [_cut_part(r, min(int(PART * most), MIDDLE) * kept) for r in records])
     return [r if factor < 2 else resample_record(r, ratio=float(factor)) for r in records]

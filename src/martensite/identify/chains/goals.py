@@ -204,7 +204,7 @@ def find_expected(chain: Chain, options: Options) -> tuple[Numbers, Numbers]:
     return np.where(weights > 0.0, centres, chain.theta), weights
 
 
-TURNS = 3
+NOISE_TURNS = 3
 """Number of turns between noise model and chain."""
 
 
@@ -241,7 +241,7 @@ def whiten_chain(
     """Return the minimum of the prediction error: noise model and chain in turns, from a minimum."""
     aims_ = tuple(wanted)
     prior = find_expected(chain, options)
-    for _ in range(TURNS):
+    for _ in range(NOISE_TURNS):
         squares = ResidualSquares(chain.engine, aims_, options.ridge or 0.0, *prior)
         left: list[Numbers] = []
         theta = found.theta[: len(chain.theta)]

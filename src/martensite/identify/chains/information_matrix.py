@@ -32,7 +32,7 @@ from martensite.search.whiteness import count_effective_samples
 
 TIMES = 3.0
 """Length of a block over the time that the residuals remember, τ of `count_effective_samples`."""
-FEWEST = 30
+LEAST_BLOCKS = 30
 """Blocks of a record at least, if it has as many samples."""
 
 
@@ -67,7 +67,7 @@ def block_lengths(squares: ResidualSquares, theta: Numbers) -> list[int]:
             known = max(int(np.isfinite(column).sum()), 1)
             if np.any(own != 0.0):
                 longest = max(longest, known / min(count_effective_samples(own), known))
-        most = max(len(errors) // FEWEST, 1)
+        most = max(len(errors) // LEAST_BLOCKS, 1)
         found.append(int(min(max(round(TIMES * longest), 1), most)) if longest > 1.5 else 1)
     return found
 

@@ -43,7 +43,7 @@ class _Writer:
 
     @property
     def direct(self) -> bool:
-        """Return whether just the outputs of the last block are given out: it may write where they go."""
+        """Return whether only outputs of the last block are written, which it can then write directly."""
         last = len(self.plan.pieces) - 1
         return self.taps == tuple((last, i) for i in range(self.plan.pieces[last].block.outputs))
 

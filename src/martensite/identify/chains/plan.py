@@ -30,7 +30,7 @@ class Entry:
     column: int
     place: int
     constant: bool = False
-    """True if it depends on numbers only, and is the same in every sample."""
+    """True for a derivative that depends on parameters only and is the same in every sample."""
 
 
 @dataclass(frozen=True)

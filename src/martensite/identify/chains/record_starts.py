@@ -22,13 +22,13 @@ from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
 from martensite.search.quantity_text import format_number
 from martensite.signals.sampling.sampled import Sampled
 
-SHARE = 0.1
+START_FRACTION = 0.1
 """Fraction of a record from which its state is estimated."""
-FEWEST = 50
+LEAST_SAMPLES = 50
 """Samples for that at least."""
 WORTH = 0.8
 """Squared error with another state than rest, over that from rest, from which on rest is given up."""
-STEPS = 20
+SEARCH_STEPS = 20
 """Number of steps of the search for a state."""
 HELD = 20
 """Samples for which inputs must be held at first to tell rest from the record alone."""
@@ -78,7 +78,7 @@ def find_start(chain: Chain, record: Sampled, start: str = AUTO, skip: int = 0) 
 
 def _infer_start(chain: Chain, record: Sampled, skip: int) -> RunStart:
     """Rest, or the state that the first samples tell."""
-    count = skip + max(round(SHARE * len(record)), FEWEST, 4 * chain.engine.plan.states)
+    count = skip + max(round(START_FRACTION * len(record)), LEAST_SAMPLES, 4 * chain.engine.plan.states)
     window = record.rows(0, count)
     known = np.isfinite(window.outputs[skip:]).sum()
     if known <= chain.engine.plan.states:
@@ -97,7 +97,7 @@ def _settle(chain: Chain, record: Sampled, skip: int) -> tuple[Numbers, float, f
     """Return the state that fits a record best, its squared error, and that from rest."""
     squares = ResidualSquares(chain.engine, [RecordResidual(record, skip, start="estimate")])
     rested = squares.value(squares.extend_parameters(chain.theta))
-    found = settle_states(squares, chain.theta, STEPS)
+    found = settle_states(squares, chain.theta, SEARCH_STEPS)
     return squares.initial(found.theta)[0], found.value, rested
 
 

@@ -211,7 +211,7 @@ def _bend_start(chain: Chain, rng: np.random.Generator, record: Sampled) -> Chai
     return chain.with_theta(np.concatenate([np.zeros(0), *parts]))
 
 
-STEPS = 40
+FOLLOW_STEPS = 40
 """Number of steps of the search by which a block follows another."""
 
 
@@ -269,4 +269,4 @@ def _follow_block(block: AbstractBlock, records: Sequence[Sampled]) -> tuple[Abs
         linear = polish_linear(twin, records).split()[0]
         block, theta = block.as_linear(twin, linear, x, dt)
     squares = ResidualSquares(ChainEngine([block], dt), [RecordResidual(record) for record in records])
-    return block, minimise_cost(squares, theta, STEPS).theta
+    return block, minimise_cost(squares, theta, FOLLOW_STEPS).theta

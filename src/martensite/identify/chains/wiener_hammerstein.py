@@ -32,7 +32,7 @@ from martensite.signals.sampling.sampled import Sampled
 
 DEGREE = 5
 """Degree of the polynomial that scores a partition."""
-MOST = 400
+MOST_PARTITIONS = 400
 """Partitions that are scored; of more, an even selection."""
 SCORED = 12_000
 """Samples over which partitions are scored."""
@@ -53,7 +53,7 @@ class Shared(NamedTuple):
 
 
 def is_wiener_hammerstein(blocks: Sequence[AbstractBlock]) -> bool:
-    """Return whether it is `linear | static | linear` of one signal, linear blocks `oe` or `ss`."""
+    """Return whether a chain is `linear | static | linear` of one signal, linear blocks `oe` or `ss`."""
     return (
         len(blocks) == 3
         and isinstance(blocks[1], AbstractStatic)
@@ -107,7 +107,7 @@ def shared_out(z_poles: Numbers, z_zeros: Numbers, first: Orders, last: Orders, 
         for p in _list_choices(z_poles, first.nf, last.nf)
         for z in _list_choices(z_zeros, first.nb - 1, last.nb - 1)
     ]
-    every = max(len(ways) // MOST, 1)
+    every = max(len(ways) // MOST_PARTITIONS, 1)
     delay = first.nk + last.nk
     u = record.inputs[:, 0]
     u = np.concatenate([np.full(delay, u[0]), u])[: len(u)]

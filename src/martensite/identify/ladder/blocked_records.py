@@ -33,7 +33,7 @@ PIECES = 3
 """Pieces of a block whose errors are compared."""
 CERTAIN = 0.99
 """Probability with which a difference must not be chance."""
-LEAST = 0.01
+LEAST_GAIN = 0.01
 """Least gain, over the error before, that is worth a larger structure."""
 FLOOR = 0.2
 """Share of the mean error that is added to those of pieces, so that those where nothing happens do not decide."""
@@ -80,8 +80,8 @@ class ErrorFall(NamedTuple):
 
     @property
     def certain(self) -> bool:
-        """Return whether it is beyond chance and worth having."""
-        return self.value > self.uncertainty and self.share > LEAST
+        """Return whether the gain is significant and large enough."""
+        return self.value > self.uncertainty and self.share > LEAST_GAIN
 
     @property
     def text(self) -> str:

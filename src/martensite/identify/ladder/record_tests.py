@@ -35,7 +35,7 @@ WORSE = 1.5
 """Squared error, over the least, from which longer delays are not tried."""
 CHI2 = 3.84
 """Quantile of 95 % of χ² with one degree of freedom."""
-STEPS = 12
+SEARCH_STEPS = 12
 """Number of steps of each search."""
 UNKNOWN = 0.9
 """Share of the variance that a linear model leaves, from which a delay cannot be told."""
@@ -104,7 +104,7 @@ def _measure_shift(records: Sequence[Sampled], shift: int, order: int) -> tuple[
     if (ins, outs) == (1, 1):
         block = TransferFunction(nb=order, nf=order, nk=1)
     try:
-        model = polish_linear(block, moved, iterations=STEPS)
+        model = polish_linear(block, moved, iterations=SEARCH_STEPS)
     except MartensiteError:
         return np.inf, 1.0
     scale = np.nanstd(np.concatenate([r.outputs for r in records]), axis=0)

@@ -29,7 +29,7 @@ LETTER = 0.073
 """Width of a letter of a name [inch], roughly."""
 MOVERS = 8
 """Parameters of a direction that are drawn."""
-LEAST = 1e-3
+ZERO_POSITION = 1e-3
 """Position of singular values of 0, below the smallest other one."""
 TOP = 2.4
 """Height of a panel, in limits."""
@@ -142,7 +142,7 @@ def _draw_values(axes: Any, fit: Fit) -> None:
     """Singular values over the noise, those of 0 as open marks at the lower edge."""
     found = [1.0 / u if u else math.inf for u in fit.identifiability.uncertainties]
     seen = [value for value in found if 0.0 < value < math.inf]
-    bottom = LEAST * min([*seen, 1.0]) if 0.0 in found else 0.3 * min([*seen, 1.0])
+    bottom = ZERO_POSITION * min([*seen, 1.0]) if 0.0 in found else 0.3 * min([*seen, 1.0])
     places = np.arange(1, len(found) + 1)
     heights = np.asarray([value if value > 0.0 else 2.0 * bottom for value in found])
     axes.set_yscale("log")

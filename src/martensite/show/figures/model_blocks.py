@@ -23,12 +23,12 @@ from martensite.signals.sampling.sampled import Sampled
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-BEYOND = 0.15
+EXTENSION = 0.15
 """Extension of a curve beyond the data, as a fraction of their range."""
 POINTS = 401
 CONSTANTS = 6.0
 """Length of a step response in longest time constants."""
-MOST = 4000
+MOST_SAMPLES = 4000
 """Samples of a step response at most."""
 DECADES = 3.5
 """Decades of a frequency response, below half the sample rate or around the slowest pole."""
@@ -88,7 +88,7 @@ def _draw_static(curve: Any, counts: Any, chain: Chain, place: int, record: Samp
     block = chain.blocks[place]
     x = chain.before(place, record)[:, 0]
     low, high = float(np.min(x)), float(np.max(x))
-    room = BEYOND * (high - low or 1.0)
+    room = EXTENSION * (high - low or 1.0)
     levels = np.linspace(low - room, high + room, POINTS)
     own = Chain((block,), chain.split()[place], chain.interval)
     y = own.simulate(levels)[:, 0]
@@ -106,7 +106,7 @@ def _draw_static(curve: Any, counts: Any, chain: Chain, place: int, record: Samp
 def _draw_step(axes: Any, name: str, linear: LinearSystem) -> None:
     constants = linear.time_constants()
     longest = float(np.max(constants[np.isfinite(constants)], initial=linear.interval))
-    duration = min(CONSTANTS * longest, MOST * linear.interval)
+    duration = min(CONSTANTS * longest, MOST_SAMPLES * linear.interval)
     times, y = linear.step_response(max(duration, 20.0 * linear.interval))
     axes.step(times, y[:, 0], where="post", color=SIMULATED)
     axes.set(xlabel="$t$ [s]", ylabel="step response")

@@ -21,7 +21,7 @@ WIDTH, HEIGHT = 10.0, 3.4
 DASHES: tuple[Any, ...] = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (6, 2, 1, 2)))
 """Loads, in their order; then again."""
 RESPONSE_WIDTH, RESPONSE_HEIGHT = 10.0, 3.5
-LEAST = 1e-4
+LEAST_GAIN = 1e-4
 """Least gain that is shown, as a share of the largest."""
 
 
@@ -104,7 +104,7 @@ def plot_frequency_response(found: FrequencyResponse, title: str = "") -> Figure
         (axes,) = add_panels(figure, 1, 3, (0.75, 0.15, 0.8, 0.51))
         write_headline(figure, title or f"From {found.drive} to {found.output.replace('_', ' ')}")
         unit, size = label_ratio(found.units[1], found.units[0])
-        seen = np.where(found.gain > LEAST * np.max(found.gain), 1.0, np.nan)
+        seen = np.where(found.gain > LEAST_GAIN * np.max(found.gain), 1.0, np.nan)
         rows = (found.gain / size, seen * np.degrees(found.phase), seen * 100.0 * found.distortion)
         for one, values in zip(axes, rows, strict=True):
             _draw_lines(one, found, values)
@@ -139,7 +139,7 @@ def _set_logarithmic(axes: Any, gains: Any) -> None:
     """A logarithmic axis over what is not next to nothing."""
     most = float(np.max(gains))
     if most > 0.0:
-        axes.set(yscale="log", ylim=(max(0.7 * float(np.min(gains)), LEAST * most), 1.5 * most))
+        axes.set(yscale="log", ylim=(max(0.7 * float(np.min(gains)), LEAST_GAIN * most), 1.5 * most))
 
 
 def _mark_bandwidths(axes: Any, found: FrequencyResponse, size: float) -> None:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MOST = 6
+MOST_MEASURES = 6
 """Measures in a figure."""
 PANEL = 3.4, 2.7
 """Width and height of a panel [inch]."""
@@ -51,7 +51,7 @@ def plot_sweep(found: SweepTable, measures: Sequence[str] | None = None, title: 
         UnknownNameError: the measure does not exist.
         DataError: only traces were kept.
     """
-    chosen = found.chosen(None if measures is None else list(measures))[:MOST]
+    chosen = found.chosen(None if measures is None else list(measures))[:MOST_MEASURES]
     many = len(found.varied) > 2
     with use_style():
         size = measure_matrix(found) if many else _choose_size(len(chosen))

@@ -9,7 +9,7 @@ from martensite.base.summary import Block, BulletList, DataTable, Heading, Notic
 from martensite.identify.ladder.ladder_result import Ladder, LadderRung, LadderTrial
 from martensite.show.figures.model import plot_model, plot_model_loop, plot_model_tests
 
-HEAD = ("rung", "structure", "numbers", "chosen by [%]", "held out [%]", "error falls by", "s", "verdict")
+HEADINGS = ("rung", "structure", "numbers", "chosen by [%]", "held out [%]", "error falls by", "s", "verdict")
 STOPPED = {
     "time box": "The climb was ended by the time box (--time-box)",
     "interrupted": "The climb was interrupted: this is the best so far",
@@ -64,9 +64,9 @@ def _describe_climb(found: Ladder) -> Iterator[Block]:
         "The best structure of every rung, with the fall of its error from that of the model before and the interval "
         "of that fall (99 %). It is kept if that is above 0. What is held out chose nothing."
     )
-    yield DataTable(HEAD, rows, right=(2, 3, 4, 6), note=note, detail=(2, 6), tones={"chosen": "good"})
+    yield DataTable(HEADINGS, rows, right=(2, 3, 4, 6), note=note, detail=(2, 6), tones={"chosen": "good"})
     more = [_write_trial(rung, trial, found) for rung in found.rungs for trial in rung.trials[1:]]
-    yield DataTable(HEAD, more, right=(2, 3, 4, 6), folded="All other structures that were tried")
+    yield DataTable(HEADINGS, more, right=(2, 3, 4, 6), folded="All other structures that were tried")
     if found.stopped:
         yield Sentence(f"{STOPPED[found.stopped]}: higher rungs were not tried.", "caution")
 

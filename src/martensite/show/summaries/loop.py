@@ -22,7 +22,7 @@ LOOP_VERDICTS = {
     "sound": "The loop is sound.",
     "not all tested": "The loop has no fault, but some tests were not possible.",
 }
-HEAD = ("branch", "reading", "signal", "gain margin", "phase margin", "delay margin", "M_s")
+HEADINGS = ("branch", "reading", "signal", "gain margin", "phase margin", "delay margin", "M_s")
 
 
 def check_scenario_loop(scenario: Scenario, bench: Bench) -> LoopReport:
@@ -68,7 +68,7 @@ def describe_loops(report: LoopReport) -> Iterator[Block]:
     if report.margins:
         several = len({row["drive"] for row in report.margins}) > 1
         cells = [_list_cells(row, f"{row['drive']}, " * several) for row in report.margins]
-        yield DataTable(HEAD, cells, right=tuple(range(1, len(HEAD))))
+        yield DataTable(HEADINGS, cells, right=tuple(range(1, len(HEADINGS))))
     for why in dict.fromkeys(report.untested.values()):
         names = ", ".join(name for name, reason in report.untested.items() if reason == why)
         yield Sentence(f"Not tested: {names}: {why}.")

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from martensite.control.tuning.bench_tuning import TunedBench
     from martensite.scenario.scenario import Scenario
 
-HEAD = ("", "before", "after")
+HEADINGS = ("", "before", "after")
 SHARES = ("overshoot",)
 
 
@@ -41,7 +41,7 @@ def summarise_tuning(found: TuningOutcome) -> Summary:
     lead = f"{found.origin}; {tuned.evaluations:,} runs, {tuned.gradients:,} with derivatives"
     blocks = [
         *_describe_tests(found),
-        DataTable(HEAD, _table_rows(found), right=(1, 2)),
+        DataTable(HEADINGS, _table_rows(found), right=(1, 2)),
         *(Sentence(f"Caution: {note}", "caution") for note in tuned.notes),
     ]
     return Summary(found.scenario.title, blocks, _collect_numbers(found), lead)
