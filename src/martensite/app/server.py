@@ -34,7 +34,7 @@ class Served:
 
 
 def bind_socket(port: int) -> socket.socket:
-    """A socket on loopback; port 0 is any that is free.
+    """Return a socket on loopback; port 0 is any that is free.
 
     Raises:
         InputError: the port is taken, or none.
@@ -55,7 +55,7 @@ def bind_socket(port: int) -> socket.socket:
 
 
 def bind_usual_port(port: int, record: TokenRecord) -> socket.socket:
-    """A socket on the port; for port 0 on the one that was used last, if it is free.
+    """Return a socket on the port; for port 0 on the one that was used last, if it is free.
 
     Pages keep their work by address, and so do bookmarks.
 
@@ -70,7 +70,7 @@ def bind_usual_port(port: int, record: TokenRecord) -> socket.socket:
 
 
 def make_folder(folder: Path) -> Path:
-    """The folder in which files are kept; made if it is not there.
+    """Return the folder in which files are kept; made if it is not there.
 
     Raises:
         InputError: it cannot be made, or is a file.

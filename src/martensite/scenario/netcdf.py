@@ -70,7 +70,7 @@ class LabelledData:
     attrs: dict[str, Any]
 
     def __getitem__(self, name: str) -> Variable:
-        """A variable; `UnknownNameError` if there is none of that name."""
+        """Return a variable; `UnknownNameError` if there is none of that name."""
         if name not in self.variables:
             raise UnknownNameError("variable", name, self.variables)
         return self.variables[name]
@@ -80,7 +80,7 @@ class LabelledData:
         return "\n".join([f"LabelledData: {self.attrs.get('title', '')}", *rows])
 
     def to_xarray(self) -> xarray.Dataset:
-        """A dataset over time [s], with units and provenance as attributes.
+        """Return a dataset over time [s], with units and provenance as attributes.
 
         Raises:
             InputError: xarray is not installed.
@@ -95,7 +95,7 @@ class LabelledData:
 def describe_result(
     result: Result, scenario_text: str = "", material: Material | None = None, citations: Iterable[str] = ()
 ) -> LabelledData:
-    """A result as labelled data.
+    """Return a result as labelled data.
 
     Args:
         result: what to describe.
@@ -133,7 +133,7 @@ def _describe_restarts(result: Result) -> dict[str, Variable]:
 
 
 def _fill(one: PassState, judged: int) -> Iterator[float]:
-    """Numbers of a pass; those that are not known are NaN."""
+    """Yield the numbers of a pass; those that are not known are NaN."""
     yield from one.state
     for row in (one.low, one.high, one.gap):
         yield from row or [np.nan] * judged
@@ -222,7 +222,7 @@ def read_labelled(path: str | os.PathLike[str]) -> LabelledData:
 
 
 def read_variables(path: Path) -> dict[str, Any]:
-    """Arrays of a netCDF file by name, and their dimensions and attributes as JSON under `LABELS`."""
+    """Return the arrays of a netCDF file by name, and their dimensions and attributes as JSON under `LABELS`."""
     import h5netcdf
 
     def plain(value: Any) -> Any:
@@ -337,7 +337,7 @@ def _list_attributes(result: Result) -> dict[str, Any]:
 
 
 def _keep_result(result: Result) -> str | None:
-    """Everything but columns, as text; None where a part is of a kind that no file holds."""
+    """Return everything but columns, as text; None where a part is of a kind that no file holds."""
     left_out = (*IN_VARIABLES, *NOT_KEPT)
     own = {one.name: getattr(result, one.name) for one in fields(result) if one.name not in left_out}
     own["begin"] = result.start

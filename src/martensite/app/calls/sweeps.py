@@ -36,7 +36,7 @@ from martensite.scenario.scenario import Scenario
 
 
 def list_sweeps(request: Request, desk: Desk) -> JsonTable:
-    """The sweeps in the folder, the newest first: `{}` -> `{"sweeps": [{key, title, …}]}`."""
+    """Return the sweeps in the folder, the newest first: `{}` -> `{"sweeps": [{key, title, …}]}`."""
     shelf = SweepFolder(desk.folder)
     return {"sweeps": [summarise_store(key, path) for key, path in shelf.all().items()]}
 
@@ -149,7 +149,7 @@ def _count_ended(store: Store) -> JsonTable:
 
 
 def read_points(request: Request, desk: Desk) -> JsonTable:
-    """All that is drawn of a sweep, as far as it is made.
+    """Return all that is drawn of a sweep, as far as it is made.
 
     {"key": …}
     -> {"layout": {…}, "points": {"rows", "status", "columns"}, "done", "runs", "state", …}
@@ -170,7 +170,7 @@ def read_points(request: Request, desk: Desk) -> JsonTable:
 
 
 def read_row(request: Request, desk: Desk) -> JsonTable:
-    """The scenario of one run of a sweep, with exactly its numbers.
+    """Return the scenario of one run of a sweep, with exactly its numbers.
 
     {"key": …, "row": 12} -> {"text": TOML, "values": [SI], "status": …}
     """
@@ -193,7 +193,7 @@ NO_FRONT: Request = {"rows": [], "values": {}, "count": 0, "compared": 0, "left_
 
 
 def find_front(request: Request, desk: Desk) -> JsonTable:
-    """The runs of a sweep that no other beats, as far as it is made.
+    """Return the runs of a sweep that no other beats, as far as it is made.
 
     {"key": …, "minimise": ["energy"], "maximise": ["stroke"]}
     -> {"rows": […], "values": {name: [SI]}, "compared": …, "left_out": [[number, "why"]], "why": …}

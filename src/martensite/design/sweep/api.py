@@ -41,12 +41,12 @@ class Progress:
 
     @property
     def made(self) -> int:
-        """Runs made now."""
+        """Return the runs made now."""
         return self.status.total()
 
     @property
     def done(self) -> int:
-        """Runs that are there."""
+        """Return the runs that are there."""
         return self.before + self.made
 
     def note(self, report: Report) -> None:
@@ -114,7 +114,7 @@ def parse_share(chunks: int, part: str | None) -> range:
     return range(i - 1, chunks, total)
 
 
-FEW = 2
+FEW_CHUNKS = 2
 """Chunks that are made faster than processes start."""
 
 
@@ -134,7 +134,7 @@ class SweepExecution:
     """Replace what is there."""
 
     def made(self, chunks: int, runtime: str | None) -> AbstractBackend:
-        """The backend for so many chunks.
+        """Return the backend for so many chunks.
 
         Raises:
             InputError: there is none of that name, or an option has no effect on it.
@@ -152,7 +152,7 @@ class SweepExecution:
             return self.backend
         if self.scheduler:
             return "dask"
-        few = chunks <= FEW and not self.workers
+        few = chunks <= FEW_CHUNKS and not self.workers
         return "serial" if few or runtime == "cuda" else "processes"
 
 

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 def read_sweep(path: Path | str) -> SweepTable:
-    """The runs of a sweep, as far as they are made.
+    """Return the runs of a sweep, as far as they are made.
 
     Args:
         path: its Zarr store; it may still be written.
@@ -68,7 +68,7 @@ def read_sweep(path: Path | str) -> SweepTable:
 
 
 def read_status(store: Store) -> NDArray[np.int8]:
-    """Status of every run; `NOT_MADE` where its chunk is not there."""
+    """Return the status of every run; `NOT_MADE` where its chunk is not there."""
     status = np.asarray(store.group[STATUS][:], np.int8)
     places = np.arange(len(status)) // int(store.spec["chunk"])
     return np.where(np.isin(places, list(store.made())), status, np.int8(NOT_MADE))
@@ -88,7 +88,7 @@ def read_axes(store: Store) -> list[SweepAxis]:
 
 
 def read_levels(store: Store, axes: list[SweepAxis]) -> tuple[Any, ...] | None:
-    """Levels of every axis of a grid; None of other designs."""
+    """Return the levels of every axis of a grid; None of other designs."""
     if store.spec["sample"].strip() != "grid":
         return None
     return tuple(one.levels() for one in axes)
@@ -104,7 +104,7 @@ def _read_column(store: Store, name: str, gone: NDArray[np.bool_], log: bool) ->
 
 
 def count_statuses(store: Store, named: int) -> tuple[Counter[int], dict[int, list[int]]]:
-    """Number of runs by status, and the first few runs of each that is not OK."""
+    """Return the number of runs by status, and the first few runs of each that is not OK."""
     counts, rows = Counter[int](), dict[int, list[int]]()
     for stretch, there in store.stretches():
         found = np.where(there, store.group[STATUS][stretch], -1)
@@ -206,7 +206,7 @@ def _arrange_grid(xarray: Any, made: xarray.Dataset, levels: Mapping[str, Any]) 
 
 
 def _fold_runs(one: Any, names: tuple[str, ...], shape: tuple[int, ...]) -> Any:
-    """A variable with its dimension of runs, which is its first, cut into those of the grid."""
+    """Return a variable with its dimension of runs, which is its first, cut into those of the grid."""
     data = one.variable.data
     return (*names, *one.dims[1:]), data.reshape(*shape, *one.shape[1:]), one.attrs
 

@@ -131,7 +131,7 @@ def _create_group(path: Path, plan: SweepPlan, spec: Mapping[str, Any]) -> None:
 
 
 def _lay_out_arrays(plan: SweepPlan) -> dict[str, tuple[str, tuple[str, ...], list[tuple[int, int]], Any]]:
-    """Every array: its numbers, dimensions, (length, length of a chunk) of each, attributes."""
+    """Return every array: its numbers, dimensions, (length, length of a chunk) of each, attributes."""
     runs, system = (plan.size, plan.chunk), plan.course.system
     found: dict[str, Any] = {}
     for axis in plan.axes:
@@ -194,7 +194,7 @@ class Store:
 
     @cached_property
     def group(self) -> Any:
-        """The Zarr group.
+        """Return the Zarr group.
 
         Raises:
             DataError: there is none, or it is damaged.
@@ -215,11 +215,11 @@ class Store:
         return json.loads(self._request[1])
 
     def made(self) -> set[int]:
-        """Numbers of the chunks that are there."""
+        """Return the numbers of the chunks that are there."""
         return set(np.flatnonzero(self._read_flags()).tolist())
 
     def find_damaged(self) -> list[int]:
-        """Numbers of the chunks whose files are not what was written."""
+        """Return the numbers of the chunks whose files are not what was written."""
         flags = self._read_flags()
         return [int(chunk) for chunk in np.flatnonzero(flags) if flags[chunk] != self.digest_chunk(int(chunk))]
 
@@ -255,7 +255,7 @@ class Store:
         return damaged
 
     def _list_damaged_arrays(self) -> list[str]:
-        """Names of arrays that are not what they were made as."""
+        """Return the names of arrays that are not what they were made as."""
         wrong = [name for name, known in self._layout["arrays"].items() if self._read_metadata(name) != known]
         times = self._layout["times"].items()
         return [*wrong, *(name for name, crc in times if _digest_files([self.path / name / "c" / "0"]) != crc)]
@@ -284,7 +284,7 @@ class Store:
         return self.path / MADE / "c" / str(chunk)
 
     def _list_files(self, chunk: int) -> list[Path]:
-        """The files of a chunk, one of each array."""
+        """Return the files of a chunk, one of each array."""
         every = self._layout["arrays"].items()
         along = {name: known["dimension_names"] for name, known in every}
         rows = {name: self.path / name / "c" / str(chunk) for name, dims in along.items() if dims[0] == RUN}
@@ -315,7 +315,7 @@ class Store:
             ) from None
 
     def stretches(self) -> Iterator[tuple[slice, np.ndarray]]:
-        """Stretches of runs, and which of them are there: so that a column need not fit."""
+        """Yield the stretches of runs, and which of them are there: so that a column need not fit."""
         status = self.group[STATUS]
         size, chunk = status.shape[0], status.chunks[0]
         made, stride = self._read_flags() != 0, max(STRETCH // chunk, 1)
@@ -335,7 +335,7 @@ def _digest_files(files: Iterable[Path]) -> int:
 
 
 def list_differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
-    """Words for everything that is not the same in two specifications of a sweep.
+    """Return the words for everything that is not the same in two specifications of a sweep.
 
     The scenario stands for its numbers: where its text differs, they are not named as well.
     """
@@ -348,7 +348,7 @@ def list_differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> list[
 
 
 def _describe_difference(name: str, there: Any, here: Any) -> str:
-    """One difference, with both values if they are short."""
+    """Return one difference, with both values if they are short."""
     if name == "scenario":
         there, here = _find_changed_lines(str(there), str(here))
     label = WORDS.get(name, name)
@@ -359,7 +359,7 @@ def _describe_difference(name: str, there: Any, here: Any) -> str:
 
 
 def _find_changed_lines(there: str, here: str) -> tuple[str, str]:
-    """The first lines of two texts that are not the same."""
+    """Return the first lines of two texts that are not the same."""
     pairs = zip_longest(there.splitlines(), here.splitlines(), fillvalue="")
     return next(((a.strip(), b.strip()) for a, b in pairs if a.strip() != b.strip()), ("", ""))
 
