@@ -18,7 +18,7 @@ protected public register restrict return short signed sizeof static struct swit
 try typedef typename union unsigned using virtual void volatile while
 """
 KEYWORDS = frozenset(_WORDS.split())
-"""Of C and C++."""
+"""Keywords of C and C++."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class CoreVariable:
     index: int
     """In the array of its kind."""
     name: str
-    """As in Python: the path of a parameter, the name of a drive or of an output."""
+    """Name as in Python: the path of a parameter, or the name of a drive or an output."""
     identifier: str
     """That of its index in C, without the name of the core: `p_element_diameter`."""
     unit: str
@@ -40,9 +40,9 @@ class CoreVariable:
     high: float = math.inf
     """Ends of what is allowed; both belong to it."""
     endless: bool = False
-    """Whether it may be infinite: a limit that is none."""
+    """True if the value may be infinite, for a disabled limit."""
     used: bool = True
-    """Whether anything follows from it: numbers that only decide the size of a program do not."""
+    """True if anything follows from it: numbers that only decide the size of a program do not."""
 
 
 def choose_identifier(name: str | None, text: str) -> str:
@@ -53,7 +53,7 @@ def choose_identifier(name: str | None, text: str) -> str:
         text: what an identifier is made of: letters, digits and single underscores.
 
     Raises:
-        ParameterError: the name is no identifier, or a keyword.
+        ParameterError: the name is not an identifier, or is a keyword.
     """
     if name is None:
         return _make_identifier(text)

@@ -92,10 +92,10 @@ class SmaEnv(SharedEpisodes, BASE):
         native: bool | None = None,
         render_mode: str | None = None,
     ) -> None:
-        """An environment that has not been reset.
+        """Create an environment before its first reset.
 
         Args:
-            bench: with at least one drive that nobody has; or the name of a packaged task.
+            bench: with at least one free drive; or the name of a packaged task.
             task: what shall be done on it; for a packaged task the fields that shall be others, if any.
             native: whether to run in C; by default if there is a compiler.
             render_mode: `rgb_array`, if pictures are wanted.
@@ -115,7 +115,7 @@ class SmaEnv(SharedEpisodes, BASE):
                 place of what would be drawn.
 
         Raises:
-            InputError: there is no such option.
+            InputError: the option is unknown.
         """
         super().reset(seed=seed)
         found, shown = self._episodes.begin(np.ones(1, bool), [self.np_random], options)

@@ -38,10 +38,10 @@ class SmaVectorEnv(SharedEpisodes, BASE):
         native: bool | None = None,
         render_mode: str | None = None,
     ) -> None:
-        """Environments that have not been reset.
+        """Create environments before their first reset.
 
         Args:
-            bench: with at least one drive that nobody has; or the name of a packaged task.
+            bench: with at least one free drive; or the name of a packaged task.
             task: what shall be done on it; for a packaged task the fields that shall be others, if any.
             num_envs: how many.
             autoreset_mode: one of `gymnasium.vector.AutoresetMode`.
@@ -73,7 +73,7 @@ class SmaVectorEnv(SharedEpisodes, BASE):
             options: as for `SmaEnv`, and `reset_mask`, which environments are meant.
 
         Raises:
-            InputError: there is no such option, or the seeds are not as many.
+            InputError: the option is unknown, or the number of seeds is wrong.
         """
         given = dict(options or {})
         which = np.asarray(given.pop("reset_mask", np.ones(self.num_envs, bool)), bool)
@@ -114,7 +114,7 @@ class SmaVectorEnv(SharedEpisodes, BASE):
         return *found[:4], _arrange_info(found.shown)
 
     def _next_step(self, found: Outcome, begun: Any, over: Any) -> Any:
-        """Where the step before was the last one, an episode has begun instead."""
+        """Return the results of a step; environments whose episode ended before have begun a new one."""
         self._over = over & ~begun
         if not begun.any():
             return *found[:4], _arrange_info(found.shown)
@@ -126,7 +126,7 @@ class SmaVectorEnv(SharedEpisodes, BASE):
         return seen, rewards, *ended, _arrange_info(shown)
 
     def _same_step(self, found: Outcome, over: Any) -> Any:
-        """Where this step is the last one, an episode begins already."""
+        """Return the results of a step; environments whose episode ends now begin a new one at once."""
         seen, shown = self._episodes.begin(over, self._random)
         seen[~over] = found.observations[~over]
         infos: dict[str, Any] = {}
@@ -145,7 +145,7 @@ def _find_mode(name: str) -> Any:
 
 
 def _arrange_info(shown: Mapping[str, Any], which: Any = None) -> dict[str, Any]:
-    """What is told besides, as Gymnasium wants it: an array and where it holds."""
+    """Return the additional information as Gymnasium expects it: an array and its mask."""
     found: dict[str, Any] = {}
     for name, row in shown.items():
         found |= {name: row, f"_{name}": np.ones(len(row), bool) if which is None else which}

@@ -85,7 +85,7 @@ def to_mujoco(system: AbstractSystem, *, timestep: float = TIMESTEP, coupling: s
 
     Raises:
         InputError: the system cannot be written as MJCF, or MuJoCo is missing.
-        CompileError: there is no C compiler.
+        CompileError: a C compiler is missing.
     """
     forces = start_forces(system)
     actuators = [

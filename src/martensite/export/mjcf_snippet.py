@@ -25,7 +25,7 @@ FRAMES: dict[type[AbstractMechanism], str] = {
     "the\n   wire is below them.",
     ParallelPlatform: "The origin is in the middle of the base, z is up; that of the plate is on the joint.",
 }
-"""Where the sites of a mechanism are measured from, in words."""
+"""Frame of the sites of a mechanism, in words."""
 ANYWHERE = (
     "Every element needs one where it is held and one where it pulls: `pos` and names are\n"
     "   yours. What counts is how the path between them changes, not how long it is."
@@ -33,13 +33,13 @@ ANYWHERE = (
 
 
 class Parts(NamedTuple):
-    """What a snippet is made of."""
+    """Parts of a snippet."""
 
     sites: list[tuple[str, Element]]
-    """Where each site belongs, in words, and its line."""
+    """Sites: the body of each, in words, and its line."""
     tendons: list[Element]
     where: str
-    """What places are measured from."""
+    """Frame of the places."""
 
 
 def to_mjcf_snippet(system: AbstractSystem) -> str:

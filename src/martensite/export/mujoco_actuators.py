@@ -115,7 +115,7 @@ class MujocoActuators:
 
     Raises:
         InputError: MuJoCo is missing or too old, or cannot drive this model; the sentence says why.
-        CompileError: there is no C compiler.
+        CompileError: a C compiler is missing.
     """
 
     def __init__(
@@ -230,7 +230,7 @@ def trace_strands(model: Any, data: Any, actuators: Sequence[TendonActuator]) ->
     """Trace elements along the tendons of a model, in the pose of its data.
 
     Raises:
-        InputError: there is no such tendon, or the integrator asks for forces within a step.
+        InputError: the tendon does not exist, or the integrator asks for forces within a step.
     """
     integrators = load_mujoco().mjtIntegrator
     if model.opt.integrator not in (

@@ -50,7 +50,7 @@ def read_spec(model: Any) -> Any:
         model: the path of an MJCF file, MJCF text, or an `MjSpec`, which is copied.
 
     Returns:
-        An `MjSpec` of its own.
+        A new `MjSpec`.
 
     Raises:
         InputError: MuJoCo cannot read it.
@@ -132,7 +132,7 @@ def find_joints(model: Any, joints: Sequence[str] | None) -> dict[str, int]:
         joints: names of hinges and slides; by default all that have names.
 
     Raises:
-        UnknownNameError: there is no hinge or slide of that name.
+        UnknownNameError: the hinge or slide does not exist.
     """
     kinds = load_mujoco().mjtJoint
     simple = (int(kinds.mjJNT_HINGE), int(kinds.mjJNT_SLIDE))

@@ -2,7 +2,7 @@
 
 Drawing needs OpenGL. Without a screen there are two ways, `egl` and `osmesa`; they are tried one
 after the other, and then `glfw` with a screen, unless the environment variable `MUJOCO_GL` names
-one. Frames are drawn in a process of their own (this module, as a program), because MuJoCo chooses its
+one. Frames are drawn in a separate process (this module, as a program), because MuJoCo chooses its
 graphics when it is imported, and because a graphics driver that fails may end the process.
 """
 

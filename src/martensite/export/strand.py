@@ -27,14 +27,14 @@ from martensite.simulate.compiled import compile_system
 
 
 class ElementEnd(NamedTuple):
-    """What is known of the element at the end of a step."""
+    """State and outputs of the element at the end of a step."""
 
     force: Scalar
     """[N]"""
     free: Scalar
     """Elongation [m] of its tangent without force; 0 before the first step."""
     compliance: Scalar
-    """Of its tangent [m/N]; 0 before the first step."""
+    """Compliance of the tangent of the element [m/N]; 0 before the first step."""
 
 
 class TendonLine(AbstractMechanism):
@@ -43,7 +43,7 @@ class TendonLine(AbstractMechanism):
     start: Number = param("N", "force at assembly", low=0.0, high=1e6, default=0.0)
 
     def signals(self) -> dict[str, str]:
-        """Where the path would end without force, and how much it yields."""
+        """Return the signals: end of the path without force, and compliance."""
         return {"reach": "m", "give": "m/N"}
 
     def outputs(self) -> dict[str, Output]:
