@@ -95,7 +95,7 @@ class CCore:
 
     @property
     def operations(self) -> dict[str, dict[str, int]]:
-        """The most that `prepare`, `start`, `step`, `observe` and, of a port, one `try` at once take, by kind."""
+        """Return the largest costs of `prepare`, `start`, `step`, `observe` and, of a port, one `try`, by kind."""
         graph, known = self.program.graph, self.program.hoisted_nodes
         found = {"prepare": count_operations(graph, known)}
         labels = {"init": "start", "step": "step", "observe": "observe"} | ({"respond": "try"} if self.answers else {})

@@ -73,7 +73,7 @@ def _make_identifier(text: str) -> str:
 
 
 def make_identifiers(letter: str, names: Iterable[str]) -> list[str]:
-    """Different identifiers of some names, after a letter: `p_element_length`."""
+    """Return different identifiers of some names, after a letter: `p_element_length`."""
     found: dict[str, None] = {}
     for name in names:
         plain = wanted = f"{letter}_{re.sub(r'[^0-9A-Za-z]+', '_', name).strip('_')}"
@@ -86,7 +86,7 @@ def make_identifiers(letter: str, names: Iterable[str]) -> list[str]:
 
 
 def list_parameters(leaves: Iterable[Leaf], used: Iterable[bool]) -> tuple[CoreVariable, ...]:
-    """The numbers of a system, with what is allowed for them."""
+    """Return the numbers of a system, with what is allowed for them."""
     every = list(leaves)
     names = make_identifiers("p", (leaf.path for leaf in every))
     rows = zip(every, names, used, strict=True)
@@ -104,7 +104,7 @@ def _describe_parameter(index: int, leaf: Leaf, name: str, used: bool) -> CoreVa
 
 
 def list_variables(letter: str, rows: Iterable[tuple[str, str, str]], default: float) -> tuple[CoreVariable, ...]:
-    """Inputs or outputs by name, unit and words."""
+    """Return the inputs or outputs by name, unit and words."""
     every = list(rows)
     names = make_identifiers(letter, (name for name, _, _ in every))
     return tuple(

@@ -77,7 +77,7 @@ def _print_bound(core: CCore, variable: CoreVariable, value: float) -> str:
 
 
 def print_step(core: CCore, begin: str = "", kernel: str = "", kept: str = "") -> str:
-    """A step as a template: how it begins, the call of its kernel, what else is checked and kept with the state."""
+    """Return a step as a template: its start, the call of its kernel, further checks and stored values."""
     return "".join(
         [
             begin or _STEP_BEGIN,

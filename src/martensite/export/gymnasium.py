@@ -32,7 +32,7 @@ BASE: Any = import_module("gymnasium").Env if HERE else object
 
 
 def import_gymnasium() -> Any:
-    """The package.
+    """Return the package.
 
     Raises:
         InputError: Gymnasium is not installed.
@@ -123,7 +123,7 @@ class SmaEnv(SharedEpisodes, BASE):
         return found[0], {name: float(row[0]) for name, row in shown.items()}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """One period: observation, reward, terminated, truncated, and what is true [SI]."""
+        """Run one period and return observation, reward, terminated, truncated, and what is true [SI]."""
         found = self._episodes.step(np.asarray(action, float)[None])
         self._watch()
         shown = {name: float(row[0]) for name, row in found.shown.items()}
@@ -136,7 +136,7 @@ class SmaEnv(SharedEpisodes, BASE):
         )
 
     def render(self) -> Any:
-        """The picture now, of 8 bits, shape (height, width, 3); none without a `render_mode` or before `reset`."""
+        """Return the picture now, 8 bits, shape (height, width, 3); None without a `render_mode` or before `reset`."""
         return None if self._frames is None else self._frames.draw(0)
 
 

@@ -14,7 +14,7 @@ MODULE = "martensite.export.gymnasium"
 
 
 def register_environments() -> None:
-    """Tell Gymnasium of `martensite/Finger-v0`, its siblings, and `martensite/Bench-v0` for a bench of one's own."""
+    """Register `martensite/Finger-v0`, its siblings, and `martensite/Bench-v0` for user benches in Gymnasium."""
     from gymnasium.envs.registration import register, registry
 
     packaged = {f"{name}-v0": {"bench": name.lower()} for name in NAMES}

@@ -84,7 +84,7 @@ class SmaVectorEnv(SharedEpisodes, BASE):
         return found, _arrange_info(shown, which)
 
     def render(self) -> tuple[Any, ...] | None:
-        """A picture of every environment, each of shape (height, width, 3)."""
+        """Return a picture of every environment, each of shape (height, width, 3)."""
         return None if self._frames is None else tuple(map(self._frames.draw, range(self.num_envs)))
 
     def _seed_environments(self, seed: int | Sequence[int | None] | None, which: Any) -> None:
@@ -98,7 +98,7 @@ class SmaVectorEnv(SharedEpisodes, BASE):
                 self._random[k] = fresh(seeds[k])[0]
 
     def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
-        """One period of all environments: arrays, and what is true by name [SI]."""
+        """Run one period of all environments and return arrays, and the true values by name [SI]."""
         answer = self._step_all(actions)
         self._watch()
         return answer

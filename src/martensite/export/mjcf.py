@@ -50,7 +50,7 @@ def to_mjcf(system: AbstractSystem, *, timestep: float = TIMESTEP) -> str:
 
 
 def model_of(system: AbstractSystem, *, timestep: float = TIMESTEP) -> Model:
-    """The sections of the document that `to_mjcf` writes.
+    """Return the sections of the document that `to_mjcf` writes.
 
     Raises:
         InputError: as `to_mjcf`.
@@ -98,7 +98,7 @@ def to_mujoco(system: AbstractSystem, *, timestep: float = TIMESTEP, coupling: s
 
 
 def start_forces(system: AbstractSystem) -> dict[str, float]:
-    """Force of the element at each port at assembly [N].
+    """Return the force of the element at each port at assembly [N].
 
     Raises:
         InputError: the sources share a supply, which is not taken along.
@@ -113,7 +113,7 @@ def start_forces(system: AbstractSystem) -> dict[str, float]:
 
 
 def tendon_signals(system: AbstractSystem, waveform: Waveforms) -> dict[str, AbstractWaveform]:
-    """The waveforms of a run by the names of tendons; what is not named gets 0.
+    """Return the waveforms of a run by the names of tendons; what is not named gets 0.
 
     Args:
         system: the argument of `to_mujoco`.

@@ -31,13 +31,13 @@ class Model(NamedTuple):
     starts: Element
 
     def text(self) -> str:
-        """The document."""
+        """Return the document."""
         indent(self.root)
         return f"<!--{HEADER}-->\n{tostring(self.root, encoding='unicode')}\n"
 
 
 def new_model(name: str, timestep: float) -> Model:
-    """A document without bodies, gravity and tendons."""
+    """Return a document without bodies, gravity and tendons."""
     root = Element("mujoco", model=name)
     append_element(root, "compiler", angle="radian")
     option = append_element(root, "option", timestep=timestep, gravity=(0.0, 0.0, 0.0))
@@ -52,7 +52,7 @@ def new_model(name: str, timestep: float) -> Model:
 
 
 def append_element(parent: Element, tag: str, **attributes: Value) -> Element:
-    """A new element in another, with its attributes."""
+    """Return a new element in another, with its attributes."""
     return SubElement(parent, tag, {name: write_attribute(value) for name, value in attributes.items()})
 
 
@@ -71,7 +71,7 @@ def add_element(model: Model, port: str, sites: Sequence[str], start_force: Scal
 
 
 def write_attribute(value: Value) -> str:
-    """An attribute: text as it is, numbers to their last digit."""
+    """Return an attribute: text as it is, numbers to their last digit."""
     if isinstance(value, str):
         return value
     if isinstance(value, Sequence):

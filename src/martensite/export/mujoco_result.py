@@ -36,7 +36,7 @@ class MujocoResult:
     """Exceeded limits, slack, a saturated supply; `port` is the tendon."""
 
     def __getitem__(self, name: str) -> list[float]:
-        """A column: `time`, a joint, or `tendon.output`, such as `wire.temperature`."""
+        """Return a column: `time`, a joint, or `tendon.output`, such as `wire.temperature`."""
         columns = {"time": self.times} | self.joints
         for tendon, own in self.tendons.items():
             columns |= {f"{tendon}.{output}": column for output, column in own.items()}
@@ -46,7 +46,7 @@ class MujocoResult:
 
     @property
     def warnings(self) -> list[str]:
-        """The alarms in words, and coarse steps."""
+        """Return the alarms in words, and coarse steps."""
         found = [alarm.sentence for alarm in self.alarms]
         if self.coarse_time is not None:
             found.append(f"Warning: first at t = {self.coarse_time:.6g} s. {Status.LONG_STEP.sentence}")

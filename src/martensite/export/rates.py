@@ -94,7 +94,7 @@ def list_continuous(system: AbstractSystem) -> tuple[ContinuousState, ...]:
 
 
 def trace_rates(system: AbstractSystem) -> Program:
-    """The program of a system that gives rates, with `differentiate`; that of an earlier one of the same structure."""
+    """Return the program of a rate-dependent system, with `differentiate`; equal structures share it."""
     return _trace_keyed(Keyed(system))
 
 

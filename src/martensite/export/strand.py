@@ -47,7 +47,7 @@ class TendonLine(AbstractMechanism):
         return {"reach": "m", "give": "m/N"}
 
     def outputs(self) -> dict[str, Output]:
-        """The elongation of the path."""
+        """Return the elongation of the path."""
         return {"elongation": Output("m", "elongation of the path of the element", "e")}
 
     def convergence_scales(self) -> dict[str, float]:
@@ -55,19 +55,19 @@ class TendonLine(AbstractMechanism):
         return {}
 
     def start_forces(self, xp: Namespace) -> Column:
-        """The start force [N]."""
+        """Return the start force [N]."""
         return [self.start]
 
     def init(
         self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column
     ) -> ElementEnd:
-        """The start force."""
+        """Return the start force."""
         return ElementEnd(self.start, 0.0, 0.0)
 
     def advance(
         self, xp: Namespace, memory: ElementEnd, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[ElementEnd, list[Any], StepReport]:
-        """The element solves the step by itself, against the line."""
+        """The element solves the step alone, on the line."""
         ((element, state, heating),) = loads
         after, report = element.advance(xp, state, heating, _build_pull(signals), dt)
         force = element.force(after)
@@ -76,7 +76,7 @@ class TendonLine(AbstractMechanism):
     def observe(
         self, xp: Namespace, memory: ElementEnd, loads: Sequence[Load], signals: Column
     ) -> tuple[list[Scalar], Column]:
-        """The force at which element and line meet, and the elongation of the path there."""
+        """Return the force at which element and line meet, and the elongation of the path there."""
         (load,) = loads
         force = load.meet_pull(xp, _build_pull(signals))
         reach, give = signals
@@ -84,7 +84,7 @@ class TendonLine(AbstractMechanism):
 
 
 def _build_pull(signals: Column) -> Pull:
-    """The line as the element sees it."""
+    """Return the line as the element sees it."""
     reach, give = signals
 
     def pull(xp: Namespace, spring: Spring) -> Scalar:

@@ -452,7 +452,7 @@ def _start_driven(
 def _describe_element(
     drive: str, sizes: tuple[float, float], ambient: float, heat: tuple[float, float, float, float]
 ) -> Document:
-    """An element of some diameter and length [m], with its film coefficient, density, heat capacity and latent heat."""
+    """Return an element with its film coefficient, density, heat capacity and latent heat; diameter and length in m."""
     numbers = dict(zip(("h", "density", "c", "latent"), heat, strict=True))
     numbers |= dict(zip(("diameter", "length"), (write_value(x, "m") for x in sizes), strict=True))
     document = tomllib.loads(ELEMENT.format(drive=drive, ambient=write_value(ambient, "K"), **numbers))
@@ -597,7 +597,7 @@ def _cut_hot(record: Record) -> Record:
 
 
 def add_waist(proposal: Proposal, numbers: Mapping[str, float]) -> Proposal:
-    """A driven element with rounder transformations, that of trained wires; the search begins at numbers found."""
+    """Return a driven element with the rounder transformations of trained wires, started at fitted values."""
     law = {n: value for n, value in proposal.document["element"]["law"].items() if n not in ("modulus", "eps_L")}
     law |= {n: value for n, value in LAGOUDAS.items() if n != "sigma_crit"}
     law |= {"hardening": "waisted", "sigma_cal": write_value(SIGMA, "Pa"), "waist_f": 0.7, "waist_r": 0.7}

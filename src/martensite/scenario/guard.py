@@ -65,7 +65,7 @@ class FromPlant(Parametrised):
 def complete_guard(
     table: Table, bench: Bench, controllers: Mapping[str, AbstractController], builder: Builder, noisy: bool
 ) -> tuple[Table | None, set[str], list[str]]:
-    """The table of a guard with all that plant and material know; paths of such numbers; sentences on what is missing.
+    """Return the table of a guard from plant and material, the paths of these parameters, and missing data.
 
     None for no guard, where nothing can be bounded or nothing shall guard.
 

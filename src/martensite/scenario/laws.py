@@ -158,7 +158,7 @@ def override_caution(material: Material | None, element: Parametrised) -> str | 
 
 
 def rphase_caution(material: Material | None, element: Parametrised) -> str | None:
-    """A sentence if an R-phase is known, by the material or in the law, of which the resistance or the law is not."""
+    """Return a sentence if material or law has an R-phase that the resistance or the law ignores."""
     parts = list(element.tree())
     law = next((part for part in parts if isinstance(part, AbstractLaw)), None)
     model = next((part for part in parts if isinstance(part, AbstractResistance)), None)

@@ -74,7 +74,7 @@ def read_log(
     units: Mapping[str, str],
     named: Mapping[str, str] | None = None,
 ) -> Record:
-    """A log of any kind as a table in SI, with the columns named (text, and where it is `named` what they are: all).
+    """Return the chosen columns of a log as a table in SI; all columns of a text file, or if `named` is given.
 
     Raises:
         DataError: the file is missing, of no known kind, malformed, or lacks a column.

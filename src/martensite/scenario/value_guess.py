@@ -38,7 +38,7 @@ class ValueGuess:
 
 
 def guess_unit(name: str, numbers: Numbers) -> ValueGuess:
-    """The unit of a known quantity whose heading names none; empty where the size of the numbers says nothing."""
+    """Return the unit of a known quantity without a unit in its heading; empty if the size does not decide."""
     known = numbers[np.isfinite(numbers)]
     if not known.size:
         return ValueGuess(name, "", False)
@@ -200,7 +200,7 @@ def _guess_supply(columns: Mapping[int, Numbers]) -> dict[int, ValueGuess]:
 
 
 def mend_fall(drive: Numbers, answer: Numbers) -> tuple[Numbers, list[int], float]:
-    """A stepped drive whose counter fell back while its answer went on: mended, with rows and height of the falls.
+    """Return a stepped drive repaired after resets of its counter, with rows and height of the resets.
 
     A fall counts where it is at least five of its usual steps and the answer changes by less than a tenth of its range.
     """

@@ -300,7 +300,7 @@ def find_changes(request: WireRequest, candidates: Sequence[Candidate]) -> tuple
 
 
 def _relax_request(request: WireRequest, candidate: Candidate) -> dict[str, float] | None:
-    """The number of the request that keeps a candidate from doing, as it would have to be; None if none would help."""
+    """Return the parameter of the request that excludes a candidate, at a sufficient value; None without one."""
     cycle, static = candidate.cycle, candidate.statics
     if static.count > request.strands:
         return {"strands": float(static.count)} if static.count <= MOST_STRANDS else None

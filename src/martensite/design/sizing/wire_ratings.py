@@ -262,7 +262,7 @@ def _find_held(strand: Strand, drawn: Drawn | None, cold: float) -> float:
 def _find_cycle(
     wire: WireInHand, strand: Strand, mechanism: AbstractMechanism, places: tuple[float, float], most: float
 ) -> tuple[PulseCycle | None, float | None]:
-    """The cycle between two places [m], contracted and back, and the time [s] that the supply needs if it is longer."""
+    """Return the cycle between two places [m], and the time [s] of the supply if it is longer."""
     system, slowness, (contracted, back) = strand.system(mechanism), strand.time_constant(), places
     current = find_current(system, contracted, wire.pulse, strand.size.current.value)
     if current is None:
