@@ -5,6 +5,8 @@ In the folder `tests`:
     python -m laboratory                      both pages
     python -m laboratory faults --share 0.02  that of faults, with so many of the trials of a whole run
     python -m laboratory accuracy             that of the accuracy of runs
+    python -m laboratory measures             its second part: measures and alarms of random scenarios
+    python -m laboratory wires                its first part: random wires beside other equations
 """
 
 from __future__ import annotations
@@ -13,13 +15,18 @@ import argparse
 
 from laboratory import faults, table
 
-PAGES = {"faults": lambda share: faults.write(share), "accuracy": lambda share: table.write(share)}
-"""Laboratory -> what makes its trials and writes its page."""
+PAGES = ("faults", "accuracy")
+"""Laboratories whose pages are written if none is named."""
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
-    parser.add_argument("pages", nargs="*", help=", ".join(PAGES))
-    parser.add_argument("--share", type=float, default=1.0)
+    parser.add_argument("pages", nargs="*", help="faults, accuracy, measures, wires; both pages if not given")
+    parser.add_argument("--share", type=float, default=1.0, help="fraction of the trials of a whole run")
+    parser.add_argument("--processes", type=int, default=1, help="trials of accuracy at the same time")
     asked = parser.parse_args()
+    writers = {"accuracy": table.write, "measures": table.write_measures, "wires": table.write_wires}
     for name in asked.pages or PAGES:
-        PAGES[name](asked.share)
+        if name == "faults":
+            faults.write(asked.share)
+        else:
+            writers[name](asked.share, asked.processes)

@@ -123,7 +123,7 @@ def make_scenario(seed: int, drive: str | None = None) -> Scenario:
         "R_M": r_M * length,
         "T_a": ambient,
         "lowest": 1.0,
-        "longest": min([0.05 * constant, *(0.0125 / tone.rate for tone in waveform.tones())]),
+        "longest": min([0.05 * constant, *(0.05 / tone.rate for tone in waveform.tones())]),
     }
     equations = Equations(kind, source, numbers, waveform.value, waveform.edges(duration))
     return Scenario(f"{kind}, {source}, {drive}", system, waveform, duration, equations)

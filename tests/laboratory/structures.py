@@ -8,14 +8,18 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from builders import ZERO, example, law_a, problem_a, wire_a
+from builders import ZERO, example, example_environment, law_a, problem_a, wire_a
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.elements.base import ELEMENTS
+from martensite.actuators.mechanisms.base import MECHANISMS
 from martensite.actuators.mechanisms.load_line import BiasSpring, DeadWeight
+from martensite.base.parameters import Parametrised
+from martensite.physics.electrical.base import SOURCES
 from martensite.physics.electrical.sources import PowerSource, PrescribedTemperature
 from martensite.physics.laws.base import LAWS
 from martensite.physics.laws.wear import Wear
+from martensite.physics.thermal.base import COOLING
 from martensite.scenario.scenario import load
 
 ROOT = Path(__file__).parents[2]
@@ -36,6 +40,8 @@ class Structure:
     """Typical duration of a run [s]."""
     kinds: tuple[str, ...] = ()
     """Kinds of drives it is under; all if none are given."""
+    closeness: float = 0.0
+    """Tolerance of the reference as a fraction of the tolerance of the trial; 0 for the tightest."""
 
     @cached_property
     def system(self) -> AbstractSystem:
@@ -72,7 +78,22 @@ def _file(
 ) -> Structure:
     """The system of an example; `changes` have `__` for dots."""
     words = {path.replace("__", "."): value for path, value in changes.items()}
-    return Structure(group, lambda: load(ROOT / f"examples/{name}.toml", words).system, levels, seconds, kinds)
+    closeness = OF_INERTIA if group == "inertia" else 0.0
+    return Structure(
+        group, lambda: load(ROOT / f"examples/{name}.toml", words).system, levels, seconds, kinds, closeness
+    )
+
+
+def _part(
+    group: str, kind: str, part: type[Parametrised], high: float = VOLTS, **levels: tuple[float, float]
+) -> Structure:
+    """The wire of problem A with another source, cooling or mechanism."""
+
+    def build() -> AbstractSystem:
+        one = example(part)
+        return problem_a(**{kind: example_environment(one) if kind == "environment" else one})
+
+    return Structure(group, build, {"drive": (0.0, high), **levels}, SECONDS)
 
 
 def _worn() -> AbstractSystem:
@@ -101,9 +122,13 @@ def _chamber() -> AbstractSystem:
     return problem_a(source=PrescribedTemperature(), mechanism=DeadWeight(mass=1.0))
 
 
+OF_INERTIA = 0.01
+"""Closeness of systems that swing: at the tightest tolerance they take millions of steps."""
 SMOOTH = ("sine", "tones", "triangle", "table", "step")
 MOTOR = ("table", "triangle", "step")
 V = {"drive": (0.0, VOLTS)}
+JOINTS = [f"{finger}_{joint}" for finger in ("thumb", "index", "middle") for joint in ("proximal", "distal")]
+FLEXORS, EXTENSORS = ([f"{joint}_{muscle}" for joint in JOINTS] for muscle in ("flexor", "extensor"))
 STRUCTURES: dict[str, Structure] = {
     "liang-rogers": Structure("strip laws", problem_a, V, SECONDS),
     "liang-rogers, stress": _law("liang-rogers", transformation="stress", modulus="mixture"),
@@ -157,12 +182,26 @@ STRUCTURES: dict[str, Structure] = {
         "inertia",
         "finger",
         {"drive": (0.0, 2.2)},
-        5.0,
+        1.0,
         *SMOOTH,
         mechanism__motion="dynamic",
         mechanism__damping="1e-4 N*m*s/rad",
     ),
-    "beam and wire": _file("inertia", "beam_harvester", {"drive": (0.0, 1.2), "motor": (0.0, 2.0)}, 2.0, *MOTOR),
-    "motor on a beam": _file("inertia", "sommerfeld_beam", {"motor": (0.0, 6.0)}, 4.0, *MOTOR),
+    "beam and wire": _file("inertia", "beam_harvester", {"drive": (0.0, 1.2), "motor": (0.0, 2.0)}, 0.2, *MOTOR),
+    "motor on a beam": _file("inertia", "sommerfeld_beam", {"motor": (0.0, 6.0)}, 0.6, *MOTOR),
+    "two motors": _file(
+        "inertia", "two_motors", {"drive": (0.0, 0.5), "motor": (0.0, 2.0), "motor_2": (0.0, 2.0)}, 0.6, *MOTOR
+    ),
+    "hand": _file("mechanisms", "hand", dict.fromkeys(FLEXORS, (0.0, 2.6)) | dict.fromkeys(EXTENSORS, (0.0, 1.0)), 8.0),
+    "lever": _part("mechanisms", "mechanism", MECHANISMS["lever"]),
+    "chain": _element("springs and bundles", "chain"),
+    "wire, h-bridge": _part("sources", "source", SOURCES["h-bridge"], 1.0),
+    "wire, linear amplifier": _part("sources", "source", SOURCES["linear-amplifier"]),
+    "wire, mosfet": _part("sources", "source", SOURCES["mosfet"], 1.0),
+    "wire, churchill-bernstein": _part("cooling", "environment", COOLING["churchill-bernstein"]),
+    "wire, lefevre-ede": _part("cooling", "environment", COOLING["lefevre-ede"]),
+    "wire, morgan": _part("cooling", "environment", COOLING["morgan"]),
+    "wire, peltier": _part("cooling", "environment", COOLING["peltier"], peltier=(0.0, 1.0)),
+    "wire, fan": _file("cooling", "fan_cooled", {"drive": (0.0, 0.9), "fan": (0.5, 5.0)}, 12.0, *SMOOTH),
 }
 """Structures by name."""

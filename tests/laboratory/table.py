@@ -22,7 +22,7 @@ PAGE = ROOT / "docs/explanation/laboratory.md"
 NUMBERS = ROOT / "docs/explanation/laboratory.json"
 TOLERANCES = (1e-3, 1e-4, 1e-5)
 RATES = "any, law of rates"
-CASES, SCENARIOS = 1400, 1200
+CASES, SCENARIOS = 1400, 1100
 """Random wires beside other equations, and scenarios of measures, of a whole run."""
 
 
@@ -117,13 +117,24 @@ reference is integrated by Radau.
 """
 
 
-def write(share: float) -> None:
-    """Run a share of the cases and scenarios of a whole run, and write the page."""
-    run_trials(round(share * SCENARIOS)).write()
-    with Pool(2) as pool:
+def write_measures(share: float, processes: int = 1) -> None:
+    """Run a share of the scenarios of measures, and write the page."""
+    run_trials(round(share * SCENARIOS), processes).write()
+    write_page()
+
+
+def write_wires(share: float, processes: int = 1) -> None:
+    """Run a share of the random wires, and write the page."""
+    with Pool(processes) as pool:
         outcomes = sorted(pool.imap_unordered(_try, range(round(share * CASES))), key=lambda one: one.seed)
     NUMBERS.write_text(json.dumps([asdict(one) for one in outcomes], indent=0) + "\n", encoding="utf-8")
     write_page()
+
+
+def write(share: float, processes: int = 1) -> None:
+    """Run both, and write the page."""
+    write_measures(share, processes)
+    write_wires(share, processes)
 
 
 def write_page() -> None:
