@@ -40,11 +40,11 @@ SAMPLES = 100_001
 """Stored samples of the reference in one trial of `FULL`; a tenth of them in the others."""
 FULL = 20
 TOLERANCES = (1e-3, 1e-4, 1e-5)
-BUDGET = 30.0
+BUDGET = 20.0
 """CPU time [s] of a trial."""
 COMPARED, LEFT, FAILED, OVERLONG = "compared", "left the envelope", "failed", "over the CPU limit"
 OUTCOMES = (COMPARED, LEFT, FAILED, OVERLONG)
-MEASURED = 16
+MEASURED = 12
 """Measures drawn in a trial."""
 KINDS = ("step", "pulse", "pwm", "fast pwm", "sine", "fast sine", "tones", "triangle", "table")
 NAMES = ("max", "min", "stroke", "change", "mean", "integral", "rms", "energy", "final", "at")

@@ -56,7 +56,7 @@ This part compares the numbers that users read with a reference: `max`, `min`, `
   is the larger difference. The difference from samples is lessened by what their distance explains. Samples are left
   out if a drive has fewer than a hundred in a period.
 
-A scenario compares 16 measures, drawn at random. *Claimed* is the bound that `Result.bound` returns. *Not estimated*
+A scenario compares 12 measures, drawn at random. *Claimed* is the bound that `Result.bound` returns. *Not estimated*
 means that it returns no bound, for example for an event that may not occur. The worst value of an alarm is compared
 with the bound of the extreme value. Times of an alarm are compared with their change if the limit is off by that bound.
 Closed loops have no bound, and are compared elsewhere.
@@ -65,8 +65,8 @@ The command `python -m laboratory measures`, in the folder `tests` of a checkout
 tables. It goes on where it was interrupted. A trial may take {budget:g} s of CPU time.
 
 """
-DROPPED = """Scenarios without a comparison, by structure. A scenario that *left the envelope* ended at a limit of the material.
-A scenario that *failed* ended with another status.
+DROPPED = """Scenarios without a comparison, by structure. A scenario that *left the envelope* ended at a limit of the
+material. A scenario that *failed* ended with another status.
 """
 FAILED_ONES = """Scenarios that failed or took too long:
 """

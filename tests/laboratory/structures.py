@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -78,7 +78,7 @@ def _file(
 ) -> Structure:
     """The system of an example; `changes` have `__` for dots."""
     words = {path.replace("__", "."): value for path, value in changes.items()}
-    closeness = OF_INERTIA if group == "inertia" else 0.0
+    closeness = CLOSE if group == "inertia" else 0.0
     return Structure(
         group, lambda: load(ROOT / f"examples/{name}.toml", words).system, levels, seconds, kinds, closeness
     )
@@ -122,8 +122,8 @@ def _chamber() -> AbstractSystem:
     return problem_a(source=PrescribedTemperature(), mechanism=DeadWeight(mass=1.0))
 
 
-OF_INERTIA = 0.01
-"""Closeness of systems that swing: at the tightest tolerance they take millions of steps."""
+CLOSE = 0.01
+"""Closeness of systems with inertia, and of the lever: at the tightest tolerance they take millions of steps."""
 SMOOTH = ("sine", "tones", "triangle", "table", "step")
 MOTOR = ("table", "triangle", "step")
 V = {"drive": (0.0, VOLTS)}
@@ -193,7 +193,7 @@ STRUCTURES: dict[str, Structure] = {
         "inertia", "two_motors", {"drive": (0.0, 0.5), "motor": (0.0, 2.0), "motor_2": (0.0, 2.0)}, 0.6, *MOTOR
     ),
     "hand": _file("mechanisms", "hand", dict.fromkeys(FLEXORS, (0.0, 2.6)) | dict.fromkeys(EXTENSORS, (0.0, 1.0)), 8.0),
-    "lever": _part("mechanisms", "mechanism", MECHANISMS["lever"]),
+    "lever": replace(_part("mechanisms", "mechanism", MECHANISMS["lever"]), closeness=CLOSE),
     "chain": _element("springs and bundles", "chain"),
     "wire, h-bridge": _part("sources", "source", SOURCES["h-bridge"], 1.0),
     "wire, linear amplifier": _part("sources", "source", SOURCES["linear-amplifier"]),

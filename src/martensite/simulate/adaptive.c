@@ -170,13 +170,25 @@ static void begin_runs(march *m, block *b, long run) {
     memcpy(b->earlier_points, b->points, sizeof(column) * NUMBERS);
 }
 
+/* whether a signal that prescribes a state jumps here */
+static int is_jump(const march *m, const block *b) {
+    column after[DRIVES + 1], before[DRIVES + 1];
+    int jumps = 0;
+    put_signals(m, b, b->time, 0, after);
+    put_signals(m, b, b->time, 1, before);
+    for (long k = 0; k < DRIVES; k++)
+        if (widths[k] == 1) LIVE(i) jumps |= after[k][i] != before[k][i];
+    return jumps;
+}
+
 static void begin_step(const march *m, block *b) {
     move_cursors(m, b);
     for (long set = 0; set < SETS; set++)
         for (long k = 0; k < DRIVES; k++)
             if (widths[k] > 1) b->angles[set][k] = angles_at(drives_of(m, b, set) + k, b->time);
     const double allowed = allowed_length(m, b, b->next);
-    b->length = before_kink(m, b, allowed);
+    b->leaps = FOLLOWS && is_jump(m, b);
+    b->length = b->leaps ? LEAP * allowed : before_kink(m, b, allowed);
     b->grows = MOST_CHANGE;
     b->planned = b->length < allowed ? allowed : 0.0;
 }
@@ -249,6 +261,7 @@ static void try_step(const march *m, block *b) {
     judge_at(m, b, b->half, b->time + 0.5 * b->length, 0, b->middle);
     judge_at(m, b, b->full, end, 1, b->fine);
     if (CHECKED) check_middle(m, b);
+    if (FOLLOWS) judge_at(m, b, b->state, b->time, 0, b->onset);
 }
 
 /* share of a step at which a number falls to 0; else 1 */
@@ -377,6 +390,13 @@ static double judge_errors(const march *m, block *b, column ripple, column resid
     for (long k = 0; k < (CHECKED ? JUDGED : 0); k++)
         EACH(i) {
             const double own = fabs(b->middle[k][i] - b->doubted[k][i]) / b->scale[k][i] * per;
+            b->error[i] = own > b->error[i] ? own : b->error[i];
+        }
+    /* Where a signal prescribes a state the ends of a step are right however long it is: a part of the bend counts. */
+    for (long k = 0; k < (FOLLOWS && !b->leaps ? JUDGED : 0); k++)
+        EACH(i) {
+            const double bend = fabs(b->onset[k][i] - 2.0 * b->middle[k][i] + b->fine[k][i]);
+            const double own = BEND * bend / b->scale[k][i] * per;
             b->error[i] = own > b->error[i] ? own : b->error[i];
         }
     LIVE(i) {
@@ -564,7 +584,7 @@ static void accept_step(march *m, block *b) {
         for (long k = 0; k < ENVELOPE; k++) taken[i] &= is_inside(b, b->fine, k, i);
     }
     add_totals(m, b, taken);
-    if (b->at_edge) b->after_edge = MOST_CHANGE * length;
+    if (b->at_edge && !b->leaps) b->after_edge = MOST_CHANGE * length;
     b->at_edge = 0;
     for (long set = 0; set < SETS; set++)
         for (long k = 0; k < DRIVES; k++) {

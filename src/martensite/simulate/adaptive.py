@@ -44,6 +44,11 @@ SWING = 2.0
 """Largest phase of the fastest tone in a step, in radians: a step of this length resolves the tone."""
 PRESCRIBED = 0.8
 """Largest phase in a step for signals that prescribe a state; these are read and not integrated."""
+BEND = 0.01
+"""Part of the bend of the course in a step that counts as error where a signal prescribes a state: its ends are right
+however long the step is."""
+LEAP = 1e-6
+"""Length of a step over a jump of a signal that prescribes a state, as a part of the step that is allowed there."""
 TURN = 0.1
 """Error that a step may make at a turn, as a fraction of the tolerance."""
 NEAR = 0.03
@@ -126,6 +131,8 @@ class AdaptiveMarch(AbstractMarch):
         self.owed = [0.0] * len(compiled.widths)
         self.length, self.after_edge, self.at_edge = plan.first, plan.first, True
         self.after_kink, self.at_kink = math.inf, False
+        self.leaps = False
+        """True if the step is the one over a jump of a signal that prescribes a state."""
         self.split = False
         """True if a step before the next edge was split, in a run in parts."""
         self.ledger = Ledger(compiled.book, functions["entries"](*self.state, *self.signals(self.time)))
@@ -139,7 +146,8 @@ class AdaptiveMarch(AbstractMarch):
     def advance(self) -> None:
         """Take one step, however often it has to be tried."""
         allowed = self._allow_length(min(self.length, self.duration - self.time))
-        length = self._before_kink(allowed)
+        self.leaps = self.plan.compiled.follows and self._jumps()
+        length = LEAP * allowed if self.leaps else self._before_kink(allowed)
         most, planned = MOST_CHANGE, 0.0 if length == allowed else allowed
         while True:
             length, halves = self._resolve_length(length)
@@ -255,7 +263,7 @@ class AdaptiveMarch(AbstractMarch):
         for k in range(self.convergence_scales):
             error = max(error, part * abs(fine[k] - coarse[k]) / self._scale(k, fine[k]))
         lapse, ripple = self._measure(length, halves, one)
-        error = max(error, ripple / self._scale(0, fine[0])) / plan.tolerance
+        error = max(error, ripple / self._scale(0, fine[0]), self._find_bend(length, one, fine)) / plan.tolerance
         if not (residual <= SOLVED and error < math.inf):
             error, residual = math.inf, max(residual, 2.0 * SOLVED)
         owed = [0.0] * len(self.owed)
@@ -297,6 +305,23 @@ class AdaptiveMarch(AbstractMarch):
         pairs = zip(judge(*found, *signals), judge(*middle, *signals), strict=True)
         apart = [abs(a - b) / self._scale(k) for k, (a, b) in enumerate(list(pairs)[: self.convergence_scales])]
         return found, max(apart, default=0.0)
+
+    def _find_bend(self, length: float, half: Row, fine: Row) -> float:
+        """Return the distance of the middle of a step from the mean of its ends, as a part of ranges that counts as error.
+
+        It is 0 where no signal prescribes a state, and in a step that begins with a jump of one that does.
+        """
+        signals = self.signals(self.time)
+        if not self.plan.compiled.follows or self.leaps:
+            return 0.0
+        judge = self.functions["judge"]
+        start, middle = judge(*self.state, *signals), judge(*half, *self.signals(self.time + 0.5 * length))
+        bends = (abs(start[k] - 2.0 * middle[k] + fine[k]) / self._scale(k) for k in range(self.convergence_scales))
+        return BEND * max(bends, default=0.0)
+
+    def _jumps(self) -> bool:
+        """Return whether a signal that prescribes a state jumps here."""
+        return any(reader.value(self.time) != reader.before(self.time) for reader in self.prescribing)
 
     def _extrapolate_state(self, state: Row, before: Sequence[float], length: float) -> Row:
         """Return a state whose rates go on as they changed over two half steps."""
@@ -417,7 +442,7 @@ class AdaptiveMarch(AbstractMarch):
         middle = self.time + 0.5 * length
         self.record_piece(FIRST, self.time, middle, trial.halves[0], trial.half)
         self.record_piece(SECOND, middle, end, trial.halves[1], trial.full)
-        if self.at_edge:
+        if self.at_edge and not self.leaps:
             self.after_edge = MOST_CHANGE * length
         if self.at_kink:
             self.after_kink = MOST_CHANGE * length

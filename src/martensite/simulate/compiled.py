@@ -6,6 +6,7 @@ mechanism makes a new one.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -92,6 +93,9 @@ class CompiledMarch(Compiled):
     rates: tuple[int, ...] = ()
     """Places in the state of numbers that only tell a solve where to look."""
 
+    follows: bool = False
+    """Whether a signal prescribes a state, and nothing has rates or inertia: no error of a step shows its course."""
+
     @property
     def order(self) -> int:
         """Return the order of a step with error control: 4 where laws give rates, else 2."""
@@ -120,9 +124,17 @@ class CompiledMarch(Compiled):
 
     def states_observed(self, outputs: Sequence[int]) -> list[int]:
         """Return 1 for every number of the state that some of the outputs depend on, else 0."""
-        function = self.program.functions["observe"]
-        found = [function.outputs[i] for i in outputs]
-        return [int(self.program.needs(found, [name])) for name in function.inputs[: self.size]]
+        known = tuple(outputs)
+        if known not in self._observed:
+            function = self.program.functions["observe"]
+            found = [function.outputs[i] for i in known]
+            self._observed[known] = [int(self.program.needs(found, [name])) for name in function.inputs[: self.size]]
+        return self._observed[known]
+
+    @cached_property
+    def _observed(self) -> dict[tuple[int, ...], list[int]]:
+        """Return the answers of `states_observed` so far."""
+        return {}
 
 
 def compile_march(system: AbstractSystem) -> CompiledMarch:
@@ -176,6 +188,7 @@ def _compile_march(keyed: Keyed[AbstractSystem]) -> CompiledMarch:
         points=trace.add_points(judged),
         book=trace.add_entries(),
         rates=trace.rates(),
+        follows=False in feeds and not system.exchanges() and not math.isfinite(system.mechanism.first_step()),
     )
 
 

@@ -60,7 +60,7 @@ typedef struct {
 /* the runs under way: where they are, and the step that each tries */
 typedef struct {
     long next_run, done;
-    flags_of_lanes run, live, loaded, fresh, sample, status, place, at_edge, at_kink, known, split;
+    flags_of_lanes run, live, loaded, fresh, sample, status, place, at_edge, at_kink, known, split, leaps;
     column time, length, next, planned, grows, after_edge, after_kink, rough, last_half, power, lapse;
     column coming; /* time of the next sample */
     column steps, rejected, longest, ripple, residual, error, kink;
@@ -76,7 +76,7 @@ typedef struct {
     column one[DRIVES + 1][MOMENTS], two[DRIVES + 1][MOMENTS];
     column x0[SIZE + INPUTS + 1], x1[SIZE + INPUTS + 1], x2[SIZE + INPUTS + 1];
     column whole[SIZE + REPORTS], half[SIZE + REPORTS], full[SIZE + REPORTS];
-    column ends[ORDER == 4 ? 3 * SIZE : 1], doubted[SEEN + 1];
+    column ends[ORDER == 4 ? 3 * SIZE : 1], doubted[SEEN + 1], onset[SEEN + 1];
     column coarse[SEEN + 1], middle[SEEN + 1], fine[SEEN + 1];
     column points_half[NUMBERS + 1], points_full[NUMBERS + 1];
     column ripple_half[1], ripple_full[1], row[OUTPUTS + 1];
@@ -447,6 +447,18 @@ static double before_few_edges(const march *m, block *b, long i) {
     return 0.5 * length;
 }
 
+/* whether a signal that prescribes a state jumps at the start of a step */
+static int is_jump(const march *m, const block *b, long i) {
+    int jumps = 0;
+    for (long k = 0; k < DRIVES; k++) {
+        if (widths[k] > 1) continue;
+        const drive *d = drive_of(m, b->now + k, k, i);
+        const long cursor = b->now[k].cursor[i];
+        jumps |= value_at(d, b->time[i], cursor, 0) != value_at(d, b->time[i], cursor, 1);
+    }
+    return jumps;
+}
+
 /* the length of the next step of lanes that begin one */
 static void plan_lengths(const march *m, block *b) {
     column allowed, length;
@@ -473,6 +485,11 @@ static void plan_lengths(const march *m, block *b) {
                 const int kink = ahead & late & (there < length[i]);
                 length[i] = kink ? there : length[i];
             }
+    if (FOLLOWS)
+        EVERY(i) if (b->fresh[i]) {
+            b->leaps[i] = is_jump(m, b, i);
+            length[i] = b->leaps[i] ? LEAP * allowed[i] : length[i];
+        }
     EACH(i) {
         const double planned = length[i] < allowed[i] ? allowed[i] : 0.0;
         b->length[i] = b->fresh[i] ? length[i] : b->length[i];
@@ -597,6 +614,7 @@ static void try_steps(const march *m, block *b) {
     judge_at(m, b, b->half, middle, 0, b->middle);
     judge_at(m, b, b->full, end, 1, b->fine);
     check_middles(m, b, half, middle);
+    if (FOLLOWS) judge_at(m, b, b->state, b->time, 0, b->onset);
 }
 
 /* share of a step at which a number falls to 0; else 1 */
@@ -720,6 +738,11 @@ static void judge_errors(const march *m, block *b, column ripple, column residua
         EACH(i) {
             const double apart = fabs(b->middle[k][i] - b->doubted[k][i]) / b->scale[k][i] * per;
             b->error[i] = larger(b->error[i], b->at_edge[i] ? apart : 0.0);
+        }
+    for (long k = 0; k < JUDGED && FOLLOWS; k++)
+        EACH(i) {
+            const double bend = fabs(b->onset[k][i] - 2.0 * b->middle[k][i] + b->fine[k][i]);
+            b->error[i] = larger(b->error[i], b->leaps[i] ? 0.0 : BEND * bend / b->scale[k][i] * per);
         }
     EACH(i) b->error[i] = broken[i] == 0.0 && residual[i] <= SOLVED ? b->error[i] : HUGE_VAL;
 }
@@ -1139,7 +1162,7 @@ static void accept_steps(march *m, block *b, flags_of_lanes taken) {
     EACH(i) {
         const long t = taken[i], at = edge[i];
         const double length = b->length[i];
-        const double after_edge = b->at_edge[i] ? MOST_CHANGE * length : b->after_edge[i];
+        const double after_edge = b->at_edge[i] && !b->leaps[i] ? MOST_CHANGE * length : b->after_edge[i];
         b->steps[i] += t ? (ORDER == 4 ? 1.0 : 2.0) : 0.0;
         b->longest[i] = t ? larger(ORDER == 4 ? length : 0.5 * length, b->longest[i]) : b->longest[i];
         b->after_edge[i] = t ? after_edge : b->after_edge[i];

@@ -34,7 +34,7 @@ typedef struct {
     double time, length, next, planned, grows, after_edge, after_kink, rough, last_half, power, lapse;
     double begin, stop, pieces, piece; /* of equal steps to a stop, in fixed.c */
     double node_time[2];
-    long begun, first_run, sample, steps, rejected, at_edge, at_kink, known, split;
+    long begun, first_run, sample, steps, rejected, at_edge, at_kink, known, split, leaps;
     double longest;
     long live[LANES], status[LANES], place[LANES], cursor[SETS][DRIVES + 1];
     column status_time, ripple, residual, put_in, lost, accounts[ACCOUNTS];
@@ -48,7 +48,7 @@ typedef struct {
     tone_angles angles[SETS][DRIVES + 1]; /* at the start of the step */
     column x0[SIZE + INPUTS + 1], x1[SIZE + INPUTS + 1], x2[SIZE + INPUTS + 1];
     column whole[SIZE + REPORTS], half[SIZE + 1], full[SIZE + 1], ends[ORDER == 4 ? 3 * SIZE : 1];
-    column coarse[SEEN + 1], middle[SEEN + 1], fine[SEEN + 1], doubted[SEEN + 1];
+    column coarse[SEEN + 1], middle[SEEN + 1], fine[SEEN + 1], doubted[SEEN + 1], onset[SEEN + 1];
     column entries[ENTRIES + 1], middle_entries[ENTRIES + 1], last_entries[ENTRIES + 1];
     column points_half[NUMBERS + 1], points_full[NUMBERS + 1];
     column ripple_half[1], ripple_full[1], error, row[OUTPUTS + 1];

@@ -46,8 +46,8 @@ EXPECTED = 512
 RANGES = 11 + len(ACCOUNTS)
 """Numbers of a run before the ranges of what is judged."""
 SHARED = (
-    *("HAIR", "SHORTEST", "SOLVED", "SAFETY", "LEAST_CHANGE", "MOST_CHANGE", "SWING", "PRESCRIBED", "TURN", "NEAR"),
-    *("HIDDEN", "EDGE"),
+    *("HAIR", "SHORTEST", "SOLVED", "SAFETY", "LEAST_CHANGE", "MOST_CHANGE", "SWING", "PRESCRIBED", "BEND", "LEAP"),
+    *("TURN", "NEAR", "HIDDEN", "EDGE"),
     *("SHORT", "BESIDE", "BETWEEN", "ROUNDING", "CUBIC", "PER_STRESS", "LEAST_FALL"),
 )
 """Numbers of the march on floats, which the same march in C has under the same names."""
@@ -440,6 +440,7 @@ class MarchKernel:
             "ACCOUNT_OF": _format_list([*book.held, *book.efforts]),
             "STORE_OF": _format_list([STORES[account] for account in book.held]),
             "TURNED_OVER": _format_list([int(account in TURNED_OVER) for account in book.efforts]),
+            "FOLLOWS": int(compiled.follows and not self.fixed),
             "ENTRY_SIGNALS": int(compiled.asks_for_signals("entries")),
             **{name: getattr(adaptive, name) for name in SHARED},
         }

@@ -6,6 +6,8 @@ measure between the last run and the run before, which is made again for this. I
   the range of the column, or, for integrals, of the value itself if this is less. A crossing or a
   peak may then move to another one that is almost as high;
 - the change if every second point of the curve is left out, for measures of the curve between steps;
+- the change if the curve is as far from straight lines as it may be (`martensite.simulate.chords`), for extremes and
+  measures of the curve;
 - the error of the quadrature, for integrals.
 """
 
@@ -134,6 +136,8 @@ class RunTrace(AbstractTrace):
         apart = abs(value - float(one.value(other)[0]))
         thinned = [own.thin(first) for first in (0, 1)] if one.follows_curve else []
         drawn = max((abs(value - float(one.value(few)[0])) for few in thinned), default=0.0)
+        bent = tabulate_track(track.bend(), places, 1, one.follows_curve)
+        drawn = max(drawn, abs(value - float(one.value(bent)[0])))
         least = dict(plan.compiled.convergence_scales)
         nothing = LEAST_RANGE * np.abs(own.values[:, :, 0]).max(axis=1)
         scales = np.array([max(np.ptp(own.values[k]), least.get(n, nothing[k])) for k, n in enumerate(names)])

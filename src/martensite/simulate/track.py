@@ -34,6 +34,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.signals.base import AbstractWaveform
+from martensite.simulate.chords import bend_chords
 from martensite.simulate.marching import FIRST, SECOND, START, WHOLE
 
 Numbers: TypeAlias = NDArray[np.float64]
@@ -62,6 +63,8 @@ LOBATTO_END = 0.0238095238095238
 """Weight of both end points of that rule."""
 LOOKED_AT = 17
 """Points of a piece or a step among which extremes are looked for."""
+NEWTON = 4
+"""Steps of Newton's method to where a tone turns."""
 REFINED = 8
 """Steps in which a peak is looked for: those that promise the highest."""
 QUADRATURE = 0.25
@@ -124,6 +127,15 @@ class StepRows:
     """True if no drive jumps or swings within the step, (steps,)."""
 
 
+class InnerRows(NamedTuple):
+    """Rows of a track between the nodes of steps in which a drive switches or swings, (rows,) each."""
+
+    row: Places
+    step: Places
+    share: Numbers
+    """Where in the step, from 0 to 1."""
+
+
 class Peaks(NamedTuple):
     """Peaks of columns within steps, (peaks,) each."""
 
@@ -152,6 +164,10 @@ class Track:
     """True if an output depends on the signals, (outputs,)."""
     tolerance: float = TOLERANCE
     """Accepted error of the run, as a fraction of the range of a column."""
+    bent: bool = False
+    """Whether a column without a trusted polynomial is as far from straight lines as it may be (`bend_chords`)."""
+    inner: InnerRows | None = None
+    """None where they are not known."""
 
     def cut(self, end: Flags) -> Track:
         """Return the track without some rows, and without the steps that they belong to."""
@@ -160,13 +176,24 @@ class Track:
         rows = places[self.steps.rows[kept]]
         steps = StepRows(rows, self.steps.joined[kept], self.steps.plain[kept])
         kept = self.run[end], self.times[end], self.values[end], self.weights[end]
-        return Track(*kept, steps, self.swinging, self.tolerance)
+        return Track(*kept, steps, self.swinging, self.tolerance, self.bent)
 
     def choose(self, columns: Sequence[int]) -> Track:
         """Return the track with some of its outputs."""
         places = list(columns)
-        kept = self.values[:, places], self.weights, self.steps, self.swinging[places]
-        return Track(self.run, self.times, *kept, self.tolerance)
+        return replace(self, values=self.values[:, places], swinging=self.swinging[places])
+
+    def bend(self) -> Track:
+        """Return the track with columns as far from straight lines between nodes as they may be."""
+        bent = replace(self, bent=True)
+        return bent if self.inner is None else bent.follow_inner(self.inner)
+
+    def follow_inner(self, inner: InnerRows) -> Track:
+        """Return the track whose columns without signals are on their curves at the inner rows of steps."""
+        values, quiet = self.values.copy(), np.flatnonzero(~self.swinging)
+        at = inner.row[:, None], quiet[None, :]
+        values[at] = self._interpolate(inner.step, inner.share[:, None], quiet.tolist(), values[at][:, None])[:, 0]
+        return replace(self, values=values, inner=inner)
 
     def draw_curve(self, followed: Sequence[int] | None = None) -> Track:
         """Return the track with more rows within its steps.
@@ -229,7 +256,8 @@ class Track:
         bend, rise = a - 2.0 * b + c, c - a
         turns = (bend < 0.0) & (np.abs(rise) < 2.0 * np.abs(bend))
         top = b - np.divide(rise * rise, 8.0 * bend, where=turns, out=np.zeros_like(b))
-        hope = np.where(turns, 2.0 * top - np.maximum(np.maximum(a, b), c), -np.inf)
+        most = np.maximum(np.maximum(a, b), c)
+        hope = most + np.abs(bend) if self.bent else np.where(turns, 2.0 * top - most, -np.inf)
         found = [self._refine_peaks(k, sign, hope[:, k], own, least[:, k]) for k in range(hope.shape[1])]
         return Peaks(*(np.concatenate(column) for column in zip(*found, strict=True)))
 
@@ -254,8 +282,13 @@ class Track:
         runs, columns = self.run[self.steps.rows[steps[best], 0]], np.full(len(best), column, np.intp)
         return Peaks(runs, columns, steps[best], share, sign * tops[best])
 
-    def _interpolate(self, some: Places, shares: Numbers, columns: Sequence[int] | None = None) -> Numbers:
-        """Return columns, all if None, at places within some steps, (steps, places, columns)."""
+    def _interpolate(
+        self, some: Places, shares: Numbers, columns: Sequence[int] | None = None, otherwise: Numbers | None = None
+    ) -> Numbers:
+        """Return columns, all if None, at places within some steps, (steps, places, columns).
+
+        Where no polynomial is trusted, they are `otherwise`, or on straight lines if None.
+        """
         table = self.values if columns is None else self.values[:, columns]
         swinging = self.swinging if columns is None else self.swinging[columns]
         rows, plain = self.steps.rows[some], self.steps.plain[some]
@@ -264,7 +297,9 @@ class Track:
         late = (shares > 0.5)[:, :, None]
         share = (2.0 * shares - (shares > 0.5))[:, :, None]
         ends, begins = (np.where(late, values[:, None, k + 1], values[:, None, k]) for k in (1, 0))
-        found = begins + share * (ends - begins)
+        found = begins + share * (ends - begins) if otherwise is None else otherwise
+        if self.bent:
+            found = found + (plain[:, None] | ~swinging)[:, None] * self._bend(some, shares, table)
         extent = SMOOTH * self.tolerance * np.ptp(table, axis=0)
         for ahead in (False, True):
             stencil, known = self._find_stencil(some, ahead)
@@ -274,6 +309,17 @@ class Track:
                 good = known[:, None] & (fourth <= np.maximum(extent, bend)) & (plain[:, None] | ~swinging)
                 found = np.where(good[:, None, :], curve, found)
         return found
+
+    def _bend(self, some: Places, shares: Numbers, table: Numbers) -> Numbers:
+        """Return how far columns may be from straight lines at places within some steps, (steps, places, columns)."""
+        last = len(self.steps.rows) - 1
+        before, after = np.maximum(some - 1, 0), np.minimum(some + 1, last)
+        joined = np.stack(
+            [self.steps.joined[some] & (before < some), self.steps.joined[after] & (after > some)], axis=1
+        )
+        rows = self.steps.rows
+        nodes = np.concatenate([rows[before, 1:2], rows[some], rows[after, 1:2]], axis=1)
+        return bend_chords(self.times[nodes], table[nodes], joined, shares)
 
     def bound_quadrature(self) -> Numbers:
         """Return how far integrals of the columns over time may be off for the length of the steps, (outputs,).
@@ -390,6 +436,23 @@ class _Pieces:
         angles = own[..., 1] * times[..., None] + own[..., 2]
         return (own[..., 0] * np.cos(angles)).sum(axis=-1)
 
+    def refine_turns(self, pieces: Places, share: Numbers, drive: int) -> Numbers:
+        """Return places in some pieces at which a drive with tones turns, by Newton's method from near places."""
+        if not self.tones.size:
+            return share
+        own = self.tones[self.run[pieces] if len(self.tones) > 1 else np.zeros_like(pieces), drive]
+        length, of_drive = self.length[pieces], self.of_drives[pieces, drive]
+        slope, near = of_drive[:, BEFORE] - of_drive[:, AFTER], 1.0 / (LOOKED_AT - 1)
+        found = share
+        for _ in range(NEWTON):
+            angles = own[..., 1] * (self.begin[pieces] + found * length)[:, None] + own[..., 2]
+            swing, rate = own[..., 0], own[..., 1] * length[:, None]
+            rise = slope - (swing * rate * np.sin(angles)).sum(axis=1)
+            bend = -(swing * rate * rate * np.cos(angles)).sum(axis=1)
+            step = np.divide(-rise, bend, where=bend != 0.0, out=np.zeros_like(rise))
+            found = np.clip(found + step, share - near, share + near)
+        return found
+
     def read_signals(self, pieces: Places, share: Numbers) -> Numbers:
         """Return the signals at places within pieces of drives that do not jump there, (rows, drives)."""
         own = self.of_drives[pieces]
@@ -498,8 +561,18 @@ class _Pieces:
                 bend = np.minimum((c - b) - (b - a), -1e-300)
                 at = looked[top[inner]] - 0.5 * (c - a) / bend * looked[1]
                 own = places[inner]
+                at = self.refine_turns(own, at, drive)
                 found.append(_Rows(own, at, at, np.zeros(len(own)), self.read_signals(own, at)))
         return found
+
+    def list_inner(self, piece: Places, share: Numbers) -> InnerRows:
+        """Return the rows within steps with halves, from piece and place of all rows."""
+        late = self.part == SECOND
+        halved = late & (np.roll(self.part, 1) == FIRST)
+        halved |= np.roll(halved, -1)
+        row = np.flatnonzero(halved[piece] & (share > 0.0) & (share < 1.0))
+        step = np.cumsum(halved & late) - (halved & late)
+        return InnerRows(row, step[piece[row]], 0.5 * (share[row] + late[piece[row]]))
 
     def list_steps(self, ends: Places, starts: Places, jumps: Flags, varied: Flags, toned: Flags) -> StepRows:
         """Return the steps with halves, from the rows at the ends of all pieces."""
@@ -553,7 +626,7 @@ def build_long_track(record: Numbers, build: Callable[[Numbers], Track]) -> Trac
         name: np.concatenate([getattr(one, name) for one in tracks]) for name in ("run", "times", "values", "weights")
     }
     steps = StepRows(*(np.concatenate([getattr(one.steps, n) for one in tracks]) for n in ("rows", "joined", "plain")))
-    return replace(tracks[0], steps=steps, **joined)
+    return replace(tracks[0], steps=steps, inner=None, **joined)
 
 
 def build_track(
@@ -599,4 +672,5 @@ def build_track(
     firsts = np.flatnonzero(order == -1.0)
     starts[piece[firsts]] = firsts
     steps = pieces.list_steps(ends, starts, jumps, varied, toned)
-    return Track(run, times, observe(states, signals, run), weight, steps, swinging, tolerance)
+    track = Track(run, times, observe(states, signals, run), weight, steps, swinging, tolerance)
+    return track.follow_inner(pieces.list_inner(piece, share)) if len(rows) > 2 else track

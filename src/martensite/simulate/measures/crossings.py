@@ -137,11 +137,22 @@ class PeakTime(AbstractMeasure):
         return found
 
     def spread(self, table: RunTable, off: Numbers) -> float:
-        """Return how far the farthest row is from all rows that may be farther."""
+        """Return how far the peak is from all times at which the change may be larger.
+
+        Between the last row that may be larger and the next row the change follows a parabola with its turn at the
+        first of both.
+        """
         gone = np.abs(table.values - table.values[:, :1])[:, :, 0]
-        near = gone >= gone.max(axis=1, keepdims=True) - 2.0 * off[:, None]
-        when, times = self._find_peaks(table)[0][:, 0], table.times[:, 0]
-        return float(np.where(near, np.abs(times - when[:, None]), 0.0).max())
+        level = gone.max(axis=1, keepdims=True) - 2.0 * off[:, None]
+        when, times, near = self._find_peaks(table)[0][:, 0], table.times[:, 0], gone >= level
+        farthest = np.where(near, np.abs(times - when[:, None]), 0.0).max(axis=1)
+        for inner, outer in ((slice(None, -1), slice(1, None)), (slice(1, None), slice(None, -1))):
+            ends = near[:, inner] & ~near[:, outer]
+            fall = np.where(ends, gone[:, inner] - gone[:, outer], 1.0)
+            share = np.sqrt(np.clip((gone[:, inner] - level) / fall, 0.0, 1.0))
+            reached = times[inner] + share * (times[outer] - times[inner])
+            farthest = np.maximum(farthest, np.where(ends, np.abs(reached - when[:, None]), 0.0).max(axis=1))
+        return float(farthest.max())
 
     def _find_peaks(self, table: RunTable) -> tuple[Numbers, Places, list[Numbers]]:
         """Return time, inner row next to it, and derivatives by three rows, of every column and run."""

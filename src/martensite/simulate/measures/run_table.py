@@ -74,8 +74,9 @@ def tabulate_track(track: Track, columns: Sequence[int], runs: int, curve: bool)
         curve: also give the course between steps.
     """
     some = track.choose(columns)
+    some = some.draw_curve() if curve and runs == 1 else some  # then there are rows at the extremes
     highest, lowest = find_extremes(some, runs)
-    some = some.draw_curve() if curve else some
+    some = some.draw_curve() if curve and runs > 1 else some
     counts = np.bincount(some.run, minlength=runs)
     ends = np.cumsum(counts)
     number = np.arange(max(int(counts.max(initial=0)), 1))[:, None]
