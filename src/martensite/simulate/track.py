@@ -436,19 +436,28 @@ class _Pieces:
         angles = own[..., 1] * times[..., None] + own[..., 2]
         return (own[..., 0] * np.cos(angles)).sum(axis=-1)
 
+    def differentiate(self, pieces: Places, share: Numbers, drive: int) -> tuple[Numbers, Numbers]:
+        """Return first and second derivative of a drive by the share of a piece, at places within some pieces."""
+        own = self.tones[self.run[pieces] if len(self.tones) > 1 else np.zeros_like(pieces), drive]
+        angles = own[..., 1] * (self.begin[pieces] + share * self.length[pieces])[:, None] + own[..., 2]
+        swing, rate = own[..., 0], own[..., 1] * self.length[pieces][:, None]
+        of_drive = self.of_drives[pieces, drive]
+        rise = of_drive[:, BEFORE] - of_drive[:, AFTER] - (swing * rate * np.sin(angles)).sum(axis=1)
+        return rise, -(swing * rate * rate * np.cos(angles)).sum(axis=1)
+
+    def find_turns(self) -> Flags:
+        """Return for every piece whether a drive with tones turns in it."""
+        found, every = np.zeros(len(self.run), np.bool_), np.arange(len(self.run))
+        for drive in range(self.drives if self.tones.size else 0):
+            first, last = (self.differentiate(every, np.full(len(every), end), drive)[0] for end in (0.0, 1.0))
+            found |= first * last < 0.0
+        return found & ~self.begins
+
     def refine_turns(self, pieces: Places, share: Numbers, drive: int) -> Numbers:
         """Return places in some pieces at which a drive with tones turns, by Newton's method from near places."""
-        if not self.tones.size:
-            return share
-        own = self.tones[self.run[pieces] if len(self.tones) > 1 else np.zeros_like(pieces), drive]
-        length, of_drive = self.length[pieces], self.of_drives[pieces, drive]
-        slope, near = of_drive[:, BEFORE] - of_drive[:, AFTER], 1.0 / (LOOKED_AT - 1)
-        found = share
-        for _ in range(NEWTON):
-            angles = own[..., 1] * (self.begin[pieces] + found * length)[:, None] + own[..., 2]
-            swing, rate = own[..., 0], own[..., 1] * length[:, None]
-            rise = slope - (swing * rate * np.sin(angles)).sum(axis=1)
-            bend = -(swing * rate * rate * np.cos(angles)).sum(axis=1)
+        near, found = 1.0 / (LOOKED_AT - 1), share
+        for _ in range(NEWTON if self.tones.size else 0):
+            rise, bend = self.differentiate(pieces, found, drive)
             step = np.divide(-rise, bend, where=bend != 0.0, out=np.zeros_like(rise))
             found = np.clip(found + step, share - near, share + near)
         return found
@@ -651,7 +660,7 @@ def build_track(
     fine = np.where(pieces.part == WHOLE, FINE_ANGLE, FINE_ANGLE_OF_HALVES)[:, None]
     turning = (pieces.angle > fine).any(axis=1) & ~pieces.begins
     followed = turning & (pieces.angle <= RESOLVED_ANGLE).all(axis=1)
-    halved = pieces.pair_halves(pieces.find_steep() | lapsed)
+    halved = pieces.pair_halves(pieces.find_steep() | pieces.find_turns() | lapsed)
     toned = (followed | halved & ~lapsed & ~turning) & asks
     varied = lapsed & ~followed & asks
     rows = pieces.list_ends(jumps & asks, varied, toned)
