@@ -6,6 +6,7 @@ In the folder `tests`:
     python -m laboratory faults --share 0.02  that of faults, with so many of the trials of a whole run
     python -m laboratory accuracy             that of the accuracy of runs
     python -m laboratory measures             its second part: measures and alarms of random scenarios
+    python -m laboratory repeat               the scenarios of this part whose error is above the bound
     python -m laboratory wires                its first part: random wires beside other equations
 """
 
@@ -20,11 +21,16 @@ PAGES = ("faults", "accuracy")
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
-    parser.add_argument("pages", nargs="*", help="faults, accuracy, measures, wires; both pages if not given")
+    parser.add_argument("pages", nargs="*", help="faults, accuracy, measures, repeat, wires; both pages if not given")
     parser.add_argument("--share", type=float, default=1.0, help="fraction of the trials of a whole run")
     parser.add_argument("--processes", type=int, default=1, help="trials of accuracy at the same time")
     asked = parser.parse_args()
-    writers = {"accuracy": table.write, "measures": table.write_measures, "wires": table.write_wires}
+    writers = {
+        "accuracy": table.write,
+        "measures": table.write_measures,
+        "repeat": table.repeat,
+        "wires": table.write_wires,
+    }
     for name in asked.pages or PAGES:
         if name == "faults":
             faults.write(asked.share)

@@ -374,8 +374,9 @@ def place_limits(trial: Trial, found: Result) -> AbstractSystem:
 def compare_alarms(trial: Trial, found: Result, meant: Result) -> Iterator[Compared]:
     """Compare the alarms of a trial with those of the reference.
 
-    Claimed: the bound of the extreme value; for times, what they change by if the limit is off by that bound. An alarm
-    that only one of the runs has must be within the bound of its limit.
+    Claimed: the bound of the extreme value; for times, what they change by if the limit is off by that bound, or by the
+    bound of the value at the first time or at the end of that duration. An alarm that only one of the runs has must be
+    within the bound of its limit.
     """
     own, other = ({(one.kind, one.port): one for one in run.alarms if one.kind in ALARMS} for run in (found, meant))
     for kind, port in dict.fromkeys([*own, *other]):
@@ -387,18 +388,29 @@ def compare_alarms(trial: Trial, found: Result, meant: Result) -> Iterator[Compa
             excess = (pair[0] or pair[1]).excess  # type: ignore[union-attr]
             yield trial_row(trial, f"alarm missed({name})", 0.0, excess, off)
             continue
-        yield from compare_alarm(trial, name, (pair[0], pair[1]), off, meant)
+        yield from compare_alarm(trial, name, (pair[0], pair[1]), (off, bound_crossings(found, name, pair[0])), meant)
 
 
-def compare_alarm(trial: Trial, name: str, pair: tuple[Alarm, Alarm], off: float, meant: Result) -> Iterator[Compared]:
+def bound_crossings(found: Result, name: str, alarm: Alarm) -> float:
+    """Return the largest bound of a value at the times at which an alarm begins and ends."""
+    last = found.times[-1]
+    times = (min(alarm.first + lasting, last) for lasting in (0.0, alarm.duration))
+    return max(found.bound(f"at({name}, time={time!r} s)") or 0.0 for time in times)
+
+
+def compare_alarm(
+    trial: Trial, name: str, pair: tuple[Alarm, Alarm], bounds: tuple[float, float], meant: Result
+) -> Iterator[Compared]:
     """Compare worst value, first time and duration of an alarm."""
-    mine, right = pair
-    yield trial_row(trial, f"alarm worst({name})", mine.worst, abs(mine.worst - right.worst), off)
+    (mine, right), off = pair, max(bounds)
+    yield trial_row(trial, f"alarm worst({name})", mine.worst, abs(mine.worst - right.worst), bounds[0])
     times = meant["time"]
     margins = (farthest_changes(meant[name]) if mine.kind == "strain" else meant[name]) - right.limit
     shifted = [find_excursion(times, margins + sign * off) for sign in (-1.0, 0.0, 1.0)]
     hair = 2.0 * trial.duration / trial.samples
     if any(one is None for one in shifted):
+        yield trial_row(trial, f"alarm first({name})", mine.first, abs(mine.first - right.first), None)
+        yield trial_row(trial, f"alarm duration({name})", mine.duration, abs(mine.duration - right.duration), None)
         return
     low, here, high = shifted  # type: ignore[misc]
     for word, value, exact in (("first", mine.first, right.first), ("duration", mine.duration, right.duration)):

@@ -8,7 +8,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from multiprocessing import Pool
 from typing import Any
 
@@ -113,6 +113,10 @@ class MeasureRecord:
     """Seed, structure, drives, tolerance, words and ratio of comparisons above `ALLOWED`."""
     failed: list[list[Any]] = field(default_factory=list[list[Any]])
     """Seed, structure, tolerance and message of trials that failed or took too long."""
+    repeated: str = ""
+    """Commit at which the trials of `worst` were repeated; empty if they were not."""
+    closed: list[list[Any]] = field(default_factory=list[list[Any]])
+    """Seed, words, and ratio now of comparisons of `worst` that are no more above `ALLOWED`."""
 
     @property
     def scenarios(self) -> int:
@@ -155,6 +159,12 @@ class MeasureRecord:
                 f"- seed {seed}, {name}, {kind}, {tol:g}: `{words}` {ratio:.3g}"
                 for seed, name, kind, tol, words, ratio in self.worst
             ]
+            closed = [f"- seed {seed}, `{words}`: {ratio:.3g}" for seed, words, ratio in self.closed]
+            lines += (
+                ["", f"Repeated at commit `{self.repeated}`, these are below {ALLOWED:g}:", "", *closed]
+                if closed
+                else []
+            )
         else:
             lines += [f"No ratio is above {ALLOWED:g}."]
         return "\n".join(lines) + "\n"
@@ -207,6 +217,16 @@ def build_record(trials: Sequence[Tried], commit: str) -> MeasureRecord:
         [[one.seed, one.structure, one.kind, one.tolerance, one.words, min(one.ratio, MOST)] for one in beyond[:WORST]],
         [[one.seed, one.structure, one.tolerance, one.reason] for one in trials if one.outcome in (FAILED, OVERLONG)],
     )
+
+
+def repeat_worst() -> MeasureRecord:
+    """Repeat the trials with comparisons above `ALLOWED`; return the record with those that are closed since."""
+    record = MeasureRecord.read()
+    trials = {seed: try_trial(seed) for seed in sorted({one[0] for one in record.worst})}
+    now = {(seed, row.words): row.ratio for seed, one in trials.items() for row in one.rows}
+    pairs = [(one[0], one[4]) for one in record.worst]
+    closed = [[*pair, now[pair]] for pair in pairs if now.get(pair, MOST) <= ALLOWED]
+    return replace(record, repeated=find_commit(), closed=closed)
 
 
 # ---------------------------------------------------------------- the run

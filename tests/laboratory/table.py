@@ -13,7 +13,7 @@ from pathlib import Path
 from statistics import median
 
 from laboratory.layers import make_layers
-from laboratory.measures import MeasureRecord, run_trials
+from laboratory.measures import MeasureRecord, repeat_worst, run_trials
 from laboratory.scenarios import DRIVES, JUDGED, SAMPLES, Scenario, make_scenario, true_error
 from martensite.simulate.api import simulate
 
@@ -120,6 +120,12 @@ reference is integrated by Radau.
 def write_measures(share: float, processes: int = 1) -> None:
     """Run a share of the scenarios of measures, and write the page."""
     run_trials(round(share * SCENARIOS), processes).write()
+    write_page()
+
+
+def repeat(_share: float, _processes: int = 1) -> None:
+    """Repeat the scenarios of the page with an error far above its bound, and write the page."""
+    repeat_worst().write()
     write_page()
 
 
