@@ -307,7 +307,7 @@ class AdaptiveMarch(AbstractMarch):
         return found, max(apart, default=0.0)
 
     def _find_bend(self, length: float, half: Row, fine: Row) -> float:
-        """Return the distance of the middle of a step from the mean of its ends, as a part of ranges that counts as error.
+        """Return how far the middle of a step is from the mean of its ends, as a part of ranges that counts as error.
 
         It is 0 where no signal prescribes a state, and in a step that begins with a jump of one that does.
         """
