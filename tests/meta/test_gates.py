@@ -102,7 +102,7 @@ COMPLEX = {
     "studies/electrothermal/staircase.py:reduce_to_plateaus",
 }
 """Functions that are too complex today."""
-OPENINGS = {"What": 940, "Whether": 250, "Those|These|That of|The same|Likewise|Also": 162}
+OPENINGS = {"What": 0, "Whether": 0, "Those|These|That of|The same|Likewise|Also": 0}
 """First words of docstrings that are no summary, and how often each occurs today; the aim is 0."""
 SLACK = 40
 """Docstrings by which a number may be above the count before it must be lowered."""

@@ -96,7 +96,7 @@ class RequestGuard:
 
     @property
     def cookie(self) -> str:
-        """Its name; cookies of one machine are shared by all ports."""
+        """Return the name of the cookie; all ports of a machine share cookies."""
         return f"martensite-{self.port}"
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:

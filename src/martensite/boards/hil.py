@@ -44,7 +44,7 @@ class HilRun:
     outputs: dict[str, NDArray[np.float64]]
     """Outputs of the plant, by name."""
     signals: dict[str, NDArray[np.float64]]
-    """That the board gave, by drive."""
+    """Signals of the board, by drive."""
     told: dict[str, NDArray[np.float64]]
     """Further columns of the telemetry."""
     lost: int

@@ -30,7 +30,7 @@ class CoreVariable:
     name: str
     """Name as in Python: the path of a parameter, or the name of a drive or an output."""
     identifier: str
-    """That of its index in C, without the name of the core: `p_element_diameter`."""
+    """Identifier of the index in C, without the name of the core: `p_element_diameter`."""
     unit: str
     """In SI."""
     words: str

@@ -40,7 +40,7 @@ class TableRow(NamedTuple):
     duration: float
     """[s]"""
     row: int
-    """Its number in the file; of repeats that of the first."""
+    """Number of the row in the file; for repeats, the number of the first."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class ConditionExperiment(Experiment):
 
     @property
     def over_time(self) -> bool:
-        """Its rows are conditions."""
+        """Return False: the rows are conditions."""
         return False
 
     @property
@@ -89,7 +89,7 @@ class ConditionExperiment(Experiment):
         return {words: Output(units[column], column, f" {column}") for words, column in self.columns.items()}
 
     def describe_row(self, time: float) -> str:
-        """Its row in the file, and what varies."""
+        """Return the row in the file, and its varied inputs."""
         one = self.conditions[round(time) - 1]
         varied = [path for path in one.inputs if len({c.inputs[path] for c in self.conditions}) > 1]
         words = [format_quantity(one.inputs[path], self.input_units[path]) for path in varied]
@@ -113,7 +113,7 @@ class ConditionExperiment(Experiment):
         return lane_grid(self.grids(step))
 
     def runner(self, step: float | None = None, outputs: Sequence[str] | None = None) -> Any:
-        """Its runs, row after row."""
+        """Return the runs of the experiment, row after row."""
         return ConditionRunner(self, self.grids(step))
 
     def sample_outputs(self, system: AbstractSystem, outputs: Sequence[str], rows: Any, step: float | None) -> Any:

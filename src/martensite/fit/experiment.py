@@ -170,7 +170,7 @@ class Experiment:
         return grid_at(waves, times, longest, at_end)
 
     def runner(self, step: float | None = None, outputs: Sequence[str] | None = None) -> BatchRunner:
-        """Its runs, with samples at the rows that are compared.
+        """Return the runs of the experiment, with samples at the compared rows.
 
         Args:
             step: longest step [s]; its own if None.

@@ -186,7 +186,7 @@ class Fit:
     transfer: tuple[HeldOutRecord, ...] = ()
     """Every record as fits to all others predict it, where each was left out in turn."""
     scenario: Scenario | None = None
-    """That of the first log, as it was before the fit, of a fit to logs."""
+    """Scenario of the first log before the fit, for a fit to logs."""
     notes: tuple[str, ...] = ()
     """Remarks on the logs before the search."""
     cautions: tuple[str, ...] = ()

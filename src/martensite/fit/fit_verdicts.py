@@ -168,7 +168,7 @@ def _describe_input_noise(fit: Fit) -> Iterator[str]:
 
 
 def _describe_one_cadence(fit: Fit) -> Iterator[str]:
-    """That another cadence was never tried, where one would matter."""
+    """Yield a warning if the cadence matters but was not varied."""
     rows = list_compared(fit)
     periods = {one.record: find_period(one.experiment) for one in rows}
     drives = fit.system().actuators().values()
@@ -211,7 +211,7 @@ def _compute_share(one: ComparedOutput, rows: Any) -> float:
 
 
 def warn_of_search(fit: Fit) -> Iterator[str]:
-    """That the search ended without a minimum, or at a bound."""
+    """Yield warnings about a search without a minimum, or with an end at a bound."""
     if fit.reason not in ("converged", "stopped at bounds"):
         yield (f"The search did not converge: {fit.reason}. The numbers are the best it came across.")
     for free, u in zip(fit.problem.free, fit.values, strict=True):
@@ -222,7 +222,7 @@ def warn_of_search(fit: Fit) -> Iterator[str]:
 
 
 def warn_of_predictions(fit: Fit) -> Iterator[str]:
-    """That nothing was kept back, or is predicted worse than it is fitted."""
+    """Yield warnings about missing held-out data, and about predictions worse than the fit."""
     rows = list_compared(fit)
     if not _list_predicted(fit):
         yield ("Nothing was kept back: how well the model predicts what it was not fitted to is not known.")
@@ -239,7 +239,7 @@ def warn_of_predictions(fit: Fit) -> Iterator[str]:
 
 
 def warn_of_misses(fit: Fit) -> Iterator[str]:
-    """That most of what varies is missed."""
+    """Yield a warning about outputs with mostly unexplained variation."""
     rows, found = list_compared(fit), fit.scores
     poor = [x for x in found if x.fit_percent < POOR and x.rms > NOTABLE * _measure_range(rows, x.output)]
     if poor:

@@ -42,7 +42,7 @@ class Loss:
 
     @property
     def scipy_name(self) -> str:
-        """Its name in `scipy.optimize.least_squares`, with `f_scale` = tuning × scale."""
+        """Return the name in `scipy.optimize.least_squares`, with `f_scale` = tuning × scale."""
         return self.name.replace("-", "_")
 
     def weights(self, residuals: Any, scale: float = 1.0) -> Vector:

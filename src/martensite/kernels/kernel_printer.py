@@ -23,7 +23,7 @@ class Statements(NamedTuple):
     lines: list[str]
     """Assignments of what it needs on the way."""
     results: list[str]
-    """Its results as expressions."""
+    """Results of the statements as expressions."""
     flags: list[bool]
     """Which of them are true or false, and no numbers."""
 

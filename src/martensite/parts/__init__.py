@@ -1,4 +1,4 @@
-"""What parts of one's own are written with: interfaces, registries, declared numbers."""
+"""Names for the parts of a user: interfaces, registries, declared parameters."""
 
 from martensite.base.lazy import attach_names
 

@@ -64,7 +64,7 @@ class Assembly:
     end: float = math.inf
     """When the last recorded waveform ends [s]."""
     material: Material | None = None
-    """That of the first element which names one."""
+    """Material of the first element which names one."""
     follows: dict[str, str] = field(default_factory=dict[str, str])
     """Drive -> column of the log that it follows."""
     cautions: list[str] = field(default_factory=list[str])

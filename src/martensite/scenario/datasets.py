@@ -36,7 +36,7 @@ class DataFile:
 
     name: str
     upstream: str
-    """Its name at the authors', relative to the address of the set; empty if not on record."""
+    """Name of the file at the authors', relative to the address of the set; empty if not on record."""
     sha256: str
     layout: Layout
 

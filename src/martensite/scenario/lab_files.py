@@ -37,7 +37,7 @@ class ReadColumn:
     """Assigned meaning of a column of a file."""
 
     number: int
-    """Its place in the file, from 1."""
+    """Place of the column in the file, from 1."""
     heading: str
     """Heading in the file."""
     name: str

@@ -39,7 +39,7 @@ class RawColumn:
     numbers: Numbers
     """Numbers of the file, NaN for other cells."""
     sample: str = ""
-    """Its first cell that is not empty."""
+    """First cell of the column that is not empty."""
     wrong: tuple[str, ...] = ()
     """Rows and texts of cells that are neither numbers nor empty."""
     unsure: bool = False

@@ -54,9 +54,9 @@ class Target:
     """A number that a search or a sweep can move."""
 
     name: str
-    """Its path in the scenario, which `--set` takes."""
+    """Path in the scenario, for `--set`."""
     path: str
-    """Its path in the system, or in the waveform."""
+    """Path in the system, or in the waveform."""
     unit: str
     """SI unit."""
     value: float

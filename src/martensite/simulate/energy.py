@@ -37,9 +37,9 @@ class EnergyCourses:
     lost: Numbers
     """Heat loss to the surroundings."""
     work: Numbers
-    """That the elements gave while they pulled."""
+    """Work that the elements gave while they pulled."""
     returned: Numbers
-    """That they took while they were stretched again."""
+    """Work that the elements took while they were stretched again."""
 
     @property
     def efficiency(self) -> Numbers:

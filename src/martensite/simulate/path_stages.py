@@ -27,7 +27,7 @@ class PathStage:
     """One leg of a path."""
 
     kind: str
-    """Such as `loading` or `heating`; what is prescribed decides."""
+    """Kind of the stage, such as `loading` or `heating`; the prescribed quantities decide."""
     process: str
     """`forward`, `reverse`, `orientation` or nothing."""
     martensite: float

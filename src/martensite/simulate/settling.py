@@ -95,7 +95,7 @@ class _Search:
         )
 
     def _find_period(self, waves: Mapping[str, AbstractWaveform]) -> float:
-        """That of all drives [s], with a hint where there is none."""
+        """Return the period of all drives [s]; raise an error with a hint if they have none."""
         try:
             return find_period(waves)
         except InputError as error:

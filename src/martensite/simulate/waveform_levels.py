@@ -114,7 +114,7 @@ class WaveformLevelSystem(AbstractSystem, init=False):
 
     @property
     def mechanism(self) -> AbstractMechanism:  # type: ignore[override]
-        """That of the system."""
+        """Return the mechanism of the system."""
         return self.system.mechanism
 
     sample_time = hand_on("sample_time")

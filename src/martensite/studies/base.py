@@ -239,7 +239,7 @@ def load_study(name: str) -> AbstractStudy:
     """Return a study by its name.
 
     Raises:
-        UnknownNameError: there is no study of that name.
+        UnknownNameError: the study does not exist.
         InputError: its files cannot be imported.
     """
     return STUDIES[name]()

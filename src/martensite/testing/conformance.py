@@ -143,7 +143,7 @@ def check_study(name: str) -> Conformance:
     """Run the suite of studies on one, by its name.
 
     Raises:
-        InputError: there is no such study, or its files cannot be read.
+        InputError: the study does not exist, or its files cannot be read.
     """
     study = load_study(name)
     found = [check_part(study, check) for check in find_checks("study", AbstractStudy)]
@@ -191,7 +191,7 @@ def find_parts(target: str) -> list[tuple[str, type[Parametrised]]]:
 
 
 def check_part(part: Parametrised | Material | AbstractStudy, check: Check) -> Finding:
-    """What one check says of one part; an error in the part's own code is a fault too."""
+    """Return the finding of one check on one part; an error in the code of the part is a fault too."""
     label = (
         label_part(part) if isinstance(part, Parametrised) else part.name if isinstance(part, Material) else part.key
     )

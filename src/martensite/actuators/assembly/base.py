@@ -141,7 +141,7 @@ class AbstractSystemAround(AbstractSystem, init=False):
 
     @property
     def mechanism(self) -> AbstractMechanism:  # type: ignore[override]
-        """That of the plant."""
+        """Return the mechanism of the plant."""
         return self.plant.mechanism
 
     def actuators(self) -> dict[str, Actuator]:

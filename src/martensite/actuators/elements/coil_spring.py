@@ -64,11 +64,11 @@ class Coil(NamedTuple):
     """A coil at a force, contact left out."""
 
     open: Spring
-    """Its tangent."""
+    """Tangent of the open coil."""
     touch: Scalar
     """Force at which the turns touch [N]."""
     compliance: Scalar
-    """Its compliance there [m/N]."""
+    """Compliance at the touching force [m/N]."""
 
 
 def _draw_out_rod(xp: Namespace, rod: helix.Helix, solid: Scalar, force: Scalar) -> Coil:

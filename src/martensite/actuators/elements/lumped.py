@@ -297,7 +297,7 @@ class AbstractLumped(AbstractElement):
         return Coupling(stress, power, latent, self.heat_capacity_total()), lumped
 
     def rates(self, state: Lumped) -> list[Scalar]:
-        """That of the martensite fraction."""
+        """Return the rate of the martensite fraction."""
         return [state.rate]
 
     def warm_start(self, state: Lumped, found: Lumped) -> Lumped:

@@ -141,7 +141,7 @@ class CondensedStep:
         return course, stiffness, end.reactions, list(end.states), report
 
     def _choose_scheme(self, xp: Namespace) -> Scheme:
-        """That of the mechanism; with inertia, implicit Euler where something touches or is about to."""
+        """Return the scheme of the mechanism; with inertia, implicit Euler at a contact or just before it."""
         mechanism, course = self.mechanism, self.memory.course
         usual = mechanism.scheme(xp, course, self.dt)
         if not (mechanism.moves and self.memory.reactions):

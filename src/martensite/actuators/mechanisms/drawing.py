@@ -80,7 +80,7 @@ class DrawingState(NamedTuple):
     """Input of a drawing."""
 
     outputs: Mapping[str, float]
-    """Its outputs at one time, in SI."""
+    """Outputs of the mechanism at one time, in SI."""
     lengths: Mapping[str, float]
     """Length of the element at each port as assembled [m]."""
 

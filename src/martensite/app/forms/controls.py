@@ -83,7 +83,7 @@ class EntrySpot:
     name: str
     declared: Declared
     noted: str
-    """Its origin, as `Scenario.origins` notes it."""
+    """Origin of the value, as in `Scenario.origins`."""
     material: Material | None = None
     """Material that can provide the value."""
 

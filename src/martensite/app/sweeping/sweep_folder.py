@@ -38,7 +38,7 @@ class SweepFolder:
     """Stores of sweeps by key."""
 
     folder: Path
-    """That of the server."""
+    """Folder of the server."""
 
     @property
     def place(self) -> Path:

@@ -94,7 +94,7 @@ class MessageKind:
 
     name: str
     code: int
-    """Its first byte: below 128 from the host, else from the board."""
+    """First byte of the message: below 128 from the host, else from the board."""
     about: str
     fields: Mapping[str, str]
     """Name -> kind, of `CODES`."""

@@ -105,7 +105,7 @@ class Planner(NamedTuple):
 
     model: AbstractSystem
     outputs: Sequence[str]
-    """That shall follow references."""
+    """Outputs that follow references."""
     price: Price
     limits: tuple[Scalar, Scalar]
     blocks: int

@@ -101,7 +101,7 @@ class Direct(AbstractController):
         return ()
 
     def reference_unit(self, readings: Mapping[str, str], signal: str) -> str:
-        """That of the signal."""
+        """Return the unit of the signal."""
         return signal
 
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:

@@ -76,7 +76,7 @@ class ScheduledMemory(NamedTuple):
     change: Scalar
     """Filtered change, as in `PidMemory`."""
     reference: Scalar
-    """That of the last sample."""
+    """Reference of the last sample."""
     direction: Scalar
     """1 since the reference rose, -1 since it fell."""
 

@@ -34,7 +34,7 @@ class SlidingMemory(NamedTuple):
     """Memory of a sliding-mode controller."""
 
     error: Scalar
-    """That of the last sample."""
+    """Error of the last sample."""
     rate: Scalar
     """ė behind its lag."""
     integral: Scalar

@@ -32,7 +32,7 @@ class Sensed(NamedTuple):
     inner: tuple[Scalar, ...]
     """Memory of the sensor itself."""
     held: Scalar
-    """Its last reading."""
+    """Last reading of the sensor."""
     elapsed: Scalar
     """Time since it was made [s]."""
     past: tuple[Scalar, ...]

@@ -24,7 +24,7 @@ EVEN = 0.2
 BEYOND = 0.02
 """Share of what can be reached by which a reference may be beyond it."""
 SAMPLES = 4000
-"""Of a reference at most."""
+"""Largest number of samples of a reference."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class LoopCase:
     drive: str
     controller: AbstractController
     duration: float
-    """Of the run [s]."""
+    """Duration of the run [s]."""
     others: Mapping[str, float] = field(default_factory=dict[str, float])
     """Signals of other drives."""
 
@@ -46,7 +46,7 @@ class LoopCase:
 
     @cached_property
     def reference(self) -> Numbers:
-        """What the reading shall be, at samples of the run."""
+        """Return the reference at samples of the run."""
         count = min(int(self.duration / self.bench.period) + 1, SAMPLES)
         return np.array([float(self.controller.reference.value(t)) for t in np.linspace(0.0, self.duration, count)])
 
@@ -92,7 +92,7 @@ class LoopCase:
         return np.concatenate([one.read(one.heating) for one in every])
 
     def read(self, curve: RestCurve) -> Numbers:
-        """What is controlled, as it is read along a branch."""
+        """Return the reading of the controlled output along a branch."""
         return read_curve(self.bench, curve, self.controller.measured)
 
     def find(

@@ -159,7 +159,7 @@ def _list_answers(
     case: LoopCase, readings: Mapping[str, float], reference: float, count: int = LONGER
 ) -> tuple[float, float]:
     """Return the signals of the controller while it reads the same: the first one, and that after a while."""
-    previews = case.controller.list_previews().items()  # of its own reference, because it leads no other drive
+    previews = case.controller.list_previews().items()  # the own reference leads no other drive
     ahead = {f"{AHEAD}{name}.{k}": reference for name, times in previews for k in range(len(times) + 1)}
     samples = 1 if isinstance(case.controller, Mpc) else count  # a plan is made again in every sample
     signals = list(iterate_signals(case.controller, {**readings, **ahead}, reference, case.bench.period, samples))

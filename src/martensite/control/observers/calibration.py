@@ -55,7 +55,7 @@ class CalibrationState(NamedTuple):
     flat: Scalar
     """Time since the change is over [s]."""
     signal: Scalar
-    """That it wants."""
+    """Signal that the calibration requests."""
     martensite: Scalar
     """R_M"""
     austenite: Scalar

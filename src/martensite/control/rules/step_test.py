@@ -136,7 +136,7 @@ class StepTest(NamedTuple):
     """Time at each level [s]."""
 
     def model(self, which: str = "mean") -> FirstOrder:
-        """That of heating, of cooling, or the geometric mean of both."""
+        """Return the model of heating, of cooling, or the geometric mean of both."""
         up, down = self.heating.first_order, self.cooling.first_order
         if which == "mean":
             sign = math.copysign(1.0, up.gain)

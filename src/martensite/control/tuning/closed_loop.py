@@ -72,7 +72,7 @@ class ClosedLoop(AbstractBlock):
         return self.rebuilt({"values": tuple(values[:-1]), "offset": values[-1]})
 
     def structure(self) -> tuple[Any, ...]:
-        """That of the blocks, and all numbers of the law."""
+        """Return the structure of the blocks, and all numbers of the law."""
         inner = tuple(block.structure() for block in self.blocks)
         return type(self), inner, self.tap, repr(self.law), self.sign
 

@@ -38,7 +38,7 @@ class Speeds:
     load: str
     """Path of the parameter that is the load; empty without."""
     loads: Numbers
-    """Its values, shape (loads,); one NaN without."""
+    """Values of the load, shape (loads,); one NaN without a load."""
     stroke: Numbers
     """Travel of the output up to the end of the upper level."""
     rise: Numbers

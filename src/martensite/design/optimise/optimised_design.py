@@ -236,7 +236,7 @@ class OptimisedDesign:
 
     @property
     def goal_before(self) -> float:
-        """That of the scenario [SI]."""
+        """Return the goal of the scenario [SI]."""
         return _compute_mean(self.reported[0].before)
 
     def named(self) -> dict[str, float]:

@@ -64,7 +64,7 @@ class Constraint:
 
     @property
     def words(self) -> str:
-        """Such as `max(stress) <= 200 MPa`."""
+        """Return the constraint as text, such as `max(stress) <= 200 MPa`."""
         unit = units.choose_familiar_unit(self.limit, self.aim.unit)
         number = f"{units.from_si(self.limit, unit, self.aim.unit):.6g}"
         sign = "<=" if self.most else ">="

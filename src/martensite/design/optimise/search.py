@@ -213,7 +213,7 @@ class DesignScan:
     best: int | None
     """The design that keeps all constraints and has the least goal; None if none keeps all."""
     numbers: tuple[float, ...]
-    """Its free numbers [SI]; of the one that misses least where none keeps all."""
+    """Free parameters of the best design [SI]; of the least violation if no design keeps all constraints."""
     values: tuple[float, ...]
     """Values of the aims, mean over the cases [SI]."""
 

@@ -73,7 +73,7 @@ class Candidate:
     overheating_current: float
     """Current per strand that in the long run heats it to the temperature limit [A]."""
     temperature_limit: float
-    """That of the material [K]."""
+    """Temperature limit of the material [K]."""
     reasons: tuple[str, ...] = ()
     """Why the request is not met; empty if it is."""
     warnings: tuple[str, ...] = ()

@@ -45,7 +45,7 @@ class SweepColumn:
         return units.choose_readable_unit(self.declared)
 
     def readable(self, values: Any = None) -> Numbers:
-        """Its numbers, or others of its unit, in the unit in which people read them."""
+        """Return the values of the column, or other values of its unit, in a readable unit."""
         factor, offset = units.find_conversion(self.shown, self.declared)
         return (np.asarray(self.values if values is None else values, float) - offset) / factor
 

@@ -53,7 +53,7 @@ class FmuPlan:
 
     @property
     def period(self) -> float:
-        """That of a system in discrete time [s]; else 0."""
+        """Return the sample time of a system in discrete time [s]; else 0."""
         return self.system.sample_time()
 
 

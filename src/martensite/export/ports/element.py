@@ -108,7 +108,7 @@ class ElementPort(System):
     """An element with an end that is moved, in surroundings whose temperature is given."""
 
     def drives(self) -> list[DriveSignal]:
-        """Its drive, what its end does, and the ambient temperature."""
+        """Return the drive of the element, the motion of its end, and the ambient temperature."""
         return [*super().drives(), DriveSignal("ambient", "K", False)]
 
     def outputs(self) -> dict[str, Output]:
@@ -116,7 +116,7 @@ class ElementPort(System):
         return super().outputs() | {"ambient": Output("K", "ambient temperature", "T_a")}
 
     def description(self) -> str:
-        """Such as `wire (brinson) with a moved end, driven by power`."""
+        """Return the description, such as `wire (brinson) with a moved end, driven by power`."""
         names = f"{self.element.registered_name} ({self.element.law.registered_name})"
         return f"{names} with a moved end, driven by {self.source.registered_name}"
 
@@ -148,7 +148,7 @@ class ElementPort(System):
         return super(ElementPort, self._placed(drives)).flows(xp, state, *drives[:-1])
 
     def heat_contents(self, xp: Namespace, state: Any) -> list[Scalar | None]:
-        """That of the element, at its drive."""
+        """Return the heat content of the element, at its drive."""
         return [*super().heat_contents(xp, state), None]
 
     def entries(self, xp: Namespace, state: Any, *drives: Scalar) -> Entries:

@@ -100,7 +100,7 @@ class MaterialPort(AbstractSystem):
         return dict(OUTPUTS)
 
     def description(self) -> str:
-        """Such as `material (brinson), which carries compression`."""
+        """Return the description, such as `material (brinson), which carries compression`."""
         side = "carries compression" if self.compressed == "carries" else "goes slack under compression"
         return f"material ({self.element.law.registered_name}), which {side}"
 

@@ -16,7 +16,7 @@ from martensite.export.ports.host_source import join_source
 from martensite.export.ports.kernel import PortKernel
 
 CONSTANTS = 4
-"""That come before the parameters of the material."""
+"""Number of constants before the parameters of the material."""
 SHOWN = 5
 """State variables before those of the kernel."""
 

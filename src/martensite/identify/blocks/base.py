@@ -36,7 +36,7 @@ class AbstractBlock(Parametrised):
     """Interface of a block. Its declared parameters are structure, unless named in `fixed`."""
 
     short: ClassVar[str] = ""
-    """Its name in the text of a chain, such as `poly` in `poly2`."""
+    """Name of the block in the text of a chain, such as `poly` in `poly2`."""
     shape: ClassVar[tuple[str, ...]] = ()
     """The declared parameters that are written in brackets, in their order; a choice last."""
     fixed: ClassVar[tuple[str, ...]] = ()

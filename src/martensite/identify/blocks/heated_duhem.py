@@ -86,7 +86,7 @@ class _Heat(NamedTuple):
         return rise * (1.0 - self.growing + self.growing * xp.abs(rise) / MIDDLE)
 
     def loss_slope(self, xp: Namespace, rise: Scalar) -> Scalar:
-        """Its derivative, above 0."""
+        """Return the derivative of the loss, above 0."""
         return 1.0 - self.growing + 2.0 * self.growing * xp.abs(rise) / MIDDLE
 
 

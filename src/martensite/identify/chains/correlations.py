@@ -43,7 +43,7 @@ class Crossed:
 
     output: str
     signal: str
-    """Such as `u`, or `u²`."""
+    """Name of the signal, such as `u`, or `u²`."""
     lags: tuple[int, ...]
     """In samples; those below 0 are of residuals that lead."""
     values: tuple[float, ...]

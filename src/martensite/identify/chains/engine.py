@@ -163,7 +163,7 @@ class ChainStart(NamedTuple):
     state: Numbers
     """Shape (states,)."""
     slopes: Numbers
-    """Its derivatives, shape (states, extra + columns)."""
+    """Derivatives of the start, shape (states, extra + columns)."""
 
 
 class Chunk(NamedTuple):

@@ -50,7 +50,7 @@ class StateWatch(AbstractBlock):
         return self.rebuilt({"watched": self.watched.with_given(values)})
 
     def structure(self) -> tuple[Any, ...]:
-        """That of the block."""
+        """Return the structure of the block."""
         return type(self), self.watched.structure()
 
     def numbers(self) -> tuple[str, ...]:
@@ -62,7 +62,7 @@ class StateWatch(AbstractBlock):
         return self.watched.states()
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """That of the block."""
+        """Return the rest state of the block."""
         return self.watched.rest(xp, theta, x, dt)
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:

@@ -116,7 +116,7 @@ class ModelMechanism(AbstractMechanism):
         return ()
 
     def sample_time(self) -> float:
-        """That of the chain [s]."""
+        """Return the sample time of the chain [s]."""
         return self.model.interval
 
     def first_step(self) -> float:

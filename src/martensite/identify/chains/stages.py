@@ -29,9 +29,9 @@ class ModelStage:
     """One stage: its structure, and the signal that it gives."""
 
     structure: str
-    """Such as `poly2 | oe(3,3,1) | pwl10`."""
+    """Structure of the stage, such as `poly2 | oe(3,3,1) | pwl10`."""
     output: str
-    """Its name; several, separated by commas, where the last block gives as many."""
+    """Name of the output; for several outputs of the last block, names separated by commas."""
 
     @property
     def outputs(self) -> tuple[str, ...]:

@@ -58,7 +58,7 @@ class Ladder:
     chosen: LadderTrial
     """The highest rung kept; the best linear model where nothing is better than the mean."""
     model: Chain
-    """Its structure, fitted to all that is not held out."""
+    """Chosen structure, fitted to all data that are not held out."""
     held: BlockErrors
     """Errors of the model on the blocks held out."""
     checks: tuple[Validation, ...]

@@ -25,7 +25,7 @@ SHIFT = 0.5
 FOREIGN = 2.0
 """Ratio of the errors of the linear model of another record and of the same record, above which dynamics differ."""
 POOR = 0.25
-"""Such an error at least, over the spread of the output."""
+"""Smallest error, over the spread of the output, that counts as poor."""
 
 
 def set_apart(records: Sequence[Sampled]) -> tuple[list[Sampled], dict[int, str]]:

@@ -31,7 +31,7 @@ class Consumer(NamedTuple):
 
     source: AbstractSource
     drive: Scalar
-    """Its signal."""
+    """Signal of the drive."""
     resistance: Scalar
     """Resistance of its element [ohm]."""
 

@@ -79,7 +79,7 @@ class Constants(NamedTuple):
     Y_0: Scalar
     """Threshold of dissipation at no stress [J/m³]."""
     D: Scalar
-    """Its growth with the work of transformation [-]."""
+    """Growth of the threshold with the work of transformation [-]."""
 
 
 class WorkScale(NamedTuple):

@@ -100,7 +100,7 @@ class RPhase(AbstractPhaseDiagram):
         return found
 
     def doubt(self) -> Doubt | None:
-        """That of the martensite."""
+        """Return the doubt of the martensite."""
         return self.whole().doubt()
 
     def highest_stress(self) -> Scalar:

@@ -206,7 +206,7 @@ class Peltier(AbstractActiveCooling):
         return cold * hot - self.conductance * self.conductance
 
     def film_at(self, xp: Namespace, level: Scalar, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
-        """That of `still` [W/(m² K)]."""
+        """Return the film coefficient of `still` [W/(m² K)]."""
         return self.still.film(xp, temperature, ambient, shape)
 
     def cold_side(self, xp: Namespace, level: Scalar, temperature: Scalar, ambient: Scalar) -> Scalar:

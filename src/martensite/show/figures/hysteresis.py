@@ -50,7 +50,7 @@ class StripMark:
 
     low: float
     high: float
-    """Its limits at the mean stress [°C]."""
+    """Limits of the strip at the mean stress [°C]."""
     low_name: str
     high_name: str
     colour: str

@@ -124,7 +124,7 @@ def _tabulate_numbers(model: LogModel) -> DataTable:
 
 
 def _list_input_noise(model: LogModel) -> Iterator[Sentence]:
-    """That noise of what drives is in no interval, and how much of it there is."""
+    """Yield a sentence about the noise of the drives, which the intervals do not include."""
     problem = model.fit.problem
     units = {name: one.record.units[name] for one in problem.experiments for name in one.follows.values()}
     found, notes = model.input_noise

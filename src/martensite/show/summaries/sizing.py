@@ -107,7 +107,7 @@ def choose_columns(request: WireRequest) -> tuple[str, ...]:
 
 
 def list_cells(number: int, found: Candidate) -> tuple[str, ...]:
-    """Its cells below the columns of `choose_columns`; the number is the place in the list."""
+    """Return the cells of a candidate below the columns of `choose_columns`; the number is the place in the list."""
     static, drive, cycle = found.statics, found.drive, found.cycle
     stress = f"{static.hot_stress / 1e6:.0f}"
     if static.cold_stress < static.hot_stress:
@@ -304,7 +304,7 @@ def list_spreads(rows: Sequence[CheckRow]) -> list[str]:
 
 
 def list_check_cells(row: CheckRow) -> tuple[str, ...]:
-    """Its cells below `COLUMNS`."""
+    """Return the cells of a row below `COLUMNS`."""
     ratio = row.cooling_ratio
     return (
         strip_unit(row.size),

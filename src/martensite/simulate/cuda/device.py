@@ -41,7 +41,7 @@ class Device(NamedTuple):
     context: Any
     name: str
     capability: int
-    """Such as 90."""
+    """Compute capability of the device, such as 90."""
 
 
 @cache

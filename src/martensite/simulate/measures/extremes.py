@@ -20,7 +20,7 @@ class Largest(AbstractMeasure):
     """Largest value, of all elements."""
 
     def unit(self, unit: str) -> str:
-        """That of the output."""
+        """Return the unit of the output."""
         return unit
 
     def value(self, table: RunTable) -> Numbers:
@@ -50,7 +50,7 @@ class Stroke(Largest):
     """Largest minus smallest value; without an output, of the first coordinate."""
 
     def unit(self, unit: str) -> str:
-        """That of a difference."""
+        """Return the unit of a difference."""
         return DEGREES if unit == "K" else unit
 
     def value(self, table: RunTable) -> Numbers:
@@ -110,7 +110,7 @@ class At(AbstractMeasure):
     time: Number = param("s", "when; the end if not given", low=0.0, default=math.inf)
 
     def unit(self, unit: str) -> str:
-        """That of the output."""
+        """Return the unit of the output."""
         return unit
 
     def value(self, table: RunTable) -> Numbers:

@@ -25,7 +25,7 @@ class Integral(AbstractMeasure):
     averages = True
 
     def unit(self, unit: str) -> str:
-        """That of the output, times s."""
+        """Return the unit of the output, times s."""
         return "s" if unit == "1" else f"{unit}*s"
 
     def weigh(self, table: RunTable) -> Numbers:
@@ -57,7 +57,7 @@ class Mean(Integral):
     """Mean over the run; of several elements the sum of their means."""
 
     def unit(self, unit: str) -> str:
-        """That of the output."""
+        """Return the unit of the output."""
         return unit
 
     def weigh(self, table: RunTable) -> Numbers:
@@ -74,7 +74,7 @@ class RootMeanSquare(AbstractMeasure):
     of: str = text("output that is looked at; none for the first coordinate", default=FIRST)
 
     def unit(self, unit: str) -> str:
-        """That of the output."""
+        """Return the unit of the output."""
         return unit
 
     def value(self, table: RunTable) -> Numbers:

@@ -55,7 +55,7 @@ class SteadyState:
     stability: Stability
     """Stability over one step."""
     step: float
-    """Its length [s]."""
+    """Length of the step [s]."""
     before: dict[str, float]
     """Outputs of the state that it came from, in SI."""
 

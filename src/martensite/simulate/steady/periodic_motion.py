@@ -48,7 +48,7 @@ class VariedNumber:
     path: str | None = None
     """Full path in the system; None for a drive that is held."""
     drive: int = -1
-    """Its place among the drives."""
+    """Place of the drive among the drives."""
     span: float = 1.0
     """Range of the variation."""
 

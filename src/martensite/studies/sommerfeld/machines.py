@@ -46,7 +46,7 @@ def printed_motor(printed: Printed, coupling: str = "lagrange") -> BeamMotor:
 
 @cache
 def calibrated_motor() -> BeamMotor:
-    """That of the scenario, without the wire."""
+    """Return the motor of the scenario, without the wire."""
     known = cast("BeamMotor", load_scenario().system.mechanism)
     return known.with_parts(wire="none", wire_length=math.inf)
 
