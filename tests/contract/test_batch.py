@@ -176,7 +176,7 @@ def test_a_stiff_spring_costs_no_million_steps() -> None:
 
 def test_a_tolerance_out_of_reach_is_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(import_module("martensite.simulate.accuracy"), "LOCAL", {2: 100.0})
-    monkeypatch.setattr(import_module("martensite.simulate.accuracy"), "MOST", 1)
+    monkeypatch.setattr(import_module("martensite.simulate.accuracy"), "MOST_PASSES", 1)
     result = ms.run(problem_a(), LEVELS, 20.0, tolerance=1e-6, samples=101)
     assert any("tolerance of 1.0e-06 was not reached" in text for text in result.warnings)
     assert result.accuracy is not None

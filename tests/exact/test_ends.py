@@ -19,7 +19,7 @@ from martensite.actuators.elements.axial_wire import AxialWire
 from martensite.kernels import floats
 from martensite.kernels.dual import value_and_slope
 from martensite.physics.thermal.base import Cylinder
-from martensite.physics.thermal.ends import LEAST, AdiabaticEnds, ClampedEnds
+from martensite.physics.thermal.ends import PARABOLA_LIMIT, AdiabaticEnds, ClampedEnds
 from martensite.scenario.scenario import read_scenario
 from martensite.signals.constant import Constant
 from martensite.simulate.api import simulate
@@ -78,7 +78,7 @@ def test_contacts_that_conduct_nothing_are_adiabatic() -> None:
 def test_without_a_film_it_is_the_heated_bar(film: float, contact: float) -> None:
     """12 k A/l and both contacts in a row, and no more than a film that is hardly felt."""
     bar = 1.0 / (L / (12.0 * K * SECTION) + 0.5 / contact)
-    least = 0.25 * K * D * (LEAST / (0.5 * L)) ** 2  # 0.5 mW/(m² K)
+    least = 0.25 * K * D * (PARABOLA_LIMIT / (0.5 * L)) ** 2  # 0.5 mW/(m² K)
     assert conductance(film, contact=contact) == pytest.approx(bar, abs=1.3 * least * EDGE * L)
 
 

@@ -25,7 +25,7 @@ from martensite.base.part_kinds import refuse_unnamed, require_part
 from martensite.base.registry import Registry
 
 REQUIRED: Any = object()
-NEAR = 0.75
+LEAST_LIKENESS = 0.75
 """Likeness from which on a name is probably meant."""
 SHOWN = 6
 """Values of a list that its text shows at most."""
@@ -357,7 +357,7 @@ def _resolve_path(name: str, paths: Sequence[str]) -> str:
     if found:
         raise ParameterError(f"`{name}` is ambiguous: {', '.join(found)}.")
     ending = name.rpartition(".")[2]
-    near = [p for p in paths if get_close_matches(ending, [p.rpartition(".")[2]], cutoff=NEAR)]
+    near = [p for p in paths if get_close_matches(ending, [p.rpartition(".")[2]], cutoff=LEAST_LIKENESS)]
     hint = f"Did you mean `{near[0]}`?" if len(near) == 1 else suggest_name(name, near or paths)
     raise ParameterError(f"There is no parameter `{name}`. {hint}")
 

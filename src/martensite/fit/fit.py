@@ -22,7 +22,7 @@ from martensite.search.identifiability import Identifiability, assess_identifiab
 from martensite.search.model_score import Score, score_model
 from martensite.search.quantity_text import format_change, format_quantity
 from martensite.search.uncertainty import Uncertainty, estimate_uncertainty
-from martensite.search.whiteness import FEWEST, Whiteness, assess_whiteness
+from martensite.search.whiteness import LEAST_SAMPLES, Whiteness, assess_whiteness
 
 TRAINING, HELD_OUT = "training", "held-out"
 BOUND_DISTANCE = 1e-4
@@ -297,7 +297,7 @@ class Fit:
         return tuple(
             assess_whiteness(part, f"{one.record}, {one.output}")
             for one, part in zip(rows, parts, strict=True)
-            if len(part) >= FEWEST
+            if len(part) >= LEAST_SAMPLES
         )
 
     @property

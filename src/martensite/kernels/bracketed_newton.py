@@ -16,13 +16,13 @@ from collections.abc import Callable
 from martensite.kernels.dual import value_and_slope
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 
-MOST = 40
+MOST_ITERATIONS = 40
 """Iterations after which a root counts as not found."""
 ROUND_OFF = 32.0
 """A correction of so many roundings is always accepted."""
 SMALL = 1e-13
 """A step after which the root is found."""
-SURE = 10.0
+STEP_SAFETY = 10.0
 """Largest ratio of the next step to the expected step."""
 FIRST = 1e30
 """The step before the first."""
@@ -35,7 +35,7 @@ def solve_bracketed(
     function: Callable[[Namespace, Scalar], Scalar],
     start: Scalar,
     bracket: tuple[Scalar, Scalar],
-    most: int = MOST,
+    most: int = MOST_ITERATIONS,
     wanted: Flag = True,
     enough: float = SMALL,
     smooth: bool = True,
@@ -65,7 +65,7 @@ def solve_bracketed(
         after = xp.where(accept, newton, 0.5 * (low + high))
         moved = xp.abs(after - x)
         ratio = moved / xp.maximum(xp.where(known, last, 1.0), NONE)
-        next_step = xp.where(xp.both(accept, known), SURE * moved * ratio * ratio, moved)
+        next_step = xp.where(xp.both(accept, known), STEP_SAFETY * moved * ratio * ratio, moved)
         going = xp.both(moved > last_step, next_step > last_step) if smooth else moved > last_step
         return xp.where(going, 1.0, 0.0), after, low, high, xp.where(accept, moved, -moved)
 

@@ -34,7 +34,7 @@ from martensite.base.errors import DataError, ParameterError
 from martensite.search.quantity_text import format_number
 
 Vector: TypeAlias = NDArray[np.float64]
-FEWEST = 10
+LEAST_SAMPLES = 10
 """Samples below which whiteness is not tested."""
 LAGS = 20
 """Lags tested, if the record is five times as long."""
@@ -104,8 +104,8 @@ def assess_whiteness(
         ParameterError: there are not as many lags, or the level is not between 0 and 1.
     """
     count = len(residuals)
-    if count < FEWEST:
-        raise DataError(f"Whiteness takes at least {FEWEST} residuals, but there are {count}.")
+    if count < LEAST_SAMPLES:
+        raise DataError(f"Whiteness takes at least {LEAST_SAMPLES} residuals, but there are {count}.")
     most = min(LAGS, count // 5) if lags is None else lags
     if not 1 <= most < count:
         raise ParameterError(f"Argument `lags` must be 1 to {count - 1}, but is {most}.")

@@ -4,7 +4,7 @@ from martensite.base.parameters import Number, param, part
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.edges import select_inside
 
-HAIR = 1e-9
+TIME_TOLERANCE = 1e-9
 """Difference of times that is rounding [s]: a jump at the very time that is looked at has come."""
 
 
@@ -16,7 +16,7 @@ class Ahead(AbstractWaveform):
 
     def value(self, time: float) -> float:
         """Return the value of the waveform at `time` + lead [s]."""
-        return self.waveform.value(time + self.lead + HAIR)
+        return self.waveform.value(time + self.lead + TIME_TOLERANCE)
 
     def edges(self, duration: float) -> list[float]:
         """Return the edges of the waveform, shifted to earlier times [s]."""

@@ -29,7 +29,7 @@ HIGH = ByUnit(
 """The upper level."""
 INCREMENT = ByUnit(HIGH | {"V": "0.5 V", "A": "0.1 A", "W": "0.25 W", "K": "10 K", "1": 0.05, "m": "1 mm"})
 """A step of a staircase."""
-NEAR = ByUnit(HIGH | {"V": "1 V", "A": "0.25 A", "W": "0.5 W", "1": 0.1})
+TARGET_LEVEL = ByUnit(HIGH | {"V": "1 V", "A": "0.25 A", "W": "0.5 W", "1": 0.1})
 """Typical levels that bring an actuator near to its target, by unit."""
 MARGIN = ByUnit(HIGH | {"K": "5 K"})
 """A difference that matters."""

@@ -1,10 +1,10 @@
 """Runs to a tolerance, each on the runtime that is done first: plain floats or C.
 
 A run is made twice, the second time to a local tolerance that is several times smaller. What the
-two differ by, times `SURE`, bounds the error of the second; where it is above the tolerance, a
+two differ by, times `ERROR_SAFETY`, bounds the error of the second; where it is above the tolerance, a
 third one follows, and so on. To it comes what the means of drives leave out of ripple, which no run
 shows. Where steps could be no shorter although their error was above the tolerance, two runs hardly
-differ: the sum of those errors, times `SURE`, is a bound, too. Runs may have an error in common, such
+differ: the sum of those errors, times `ERROR_SAFETY`, is a bound, too. Runs may have an error in common, such
 as a kink that both meet with the same step: nothing better than half of the tolerance is claimed.
 Between edges of a drive that cut all steps two runs may take the same ones: hence all but the first
 split the last of them.
@@ -33,7 +33,7 @@ Tell = Callable[[str, float], None]
 """Told what is being done, and which share of it is."""
 PATIENCE = 0.5
 """CPU time [s] for which a run is tried on floats before a compiler is started."""
-HASTE = 0.1
+LOADING_PATIENCE = 0.1
 """CPU time [s] of a run that pays for loading code that is compiled already."""
 NATIVE = "martensite.simulate.marching_native"
 """Module that a run which is over soon does not import."""
@@ -42,17 +42,17 @@ OFTEN = 0.1
 LOCAL = {2: 0.15, 4: 0.6}
 """Accepted error of a step of the first run, as a share of the tolerance, by the order of a step:
 one of order four takes the solution of order four, and its error is that of order three."""
-SURE = 2.0
+ERROR_SAFETY = 2.0
 """Bound on an error over the difference of two runs by which it is seen."""
 FLOOR = 0.5
 """Smallest accuracy that is reported, as a fraction of the tolerance; twice this where many points share a stress."""
 FINER = 5.0
 """By what local tolerances go down from run to run."""
-MOST = 5
+MOST_PASSES = 5
 """Runs after the first one."""
 FEW = 201
 """Samples at which runs are compared."""
-LEAST = 1e-12
+LEAST_ACCURACY = 1e-12
 """No accuracy is claimed below this."""
 
 March = Callable[[MarchPlan], Marched]
@@ -116,7 +116,7 @@ class RunEngine:
         functions = self.compiled.program.bind_floats(*self.values)
         march = FixedMarch if plan.step else AdaptiveMarch
         begin, watch = time.process_time(), self._watch("simulating")
-        patience = HASTE if hasty else math.inf
+        patience = LOADING_PATIENCE if hasty else math.inf
 
         def look(share: float) -> None:
             nonlocal patience
@@ -187,7 +187,7 @@ def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[Marched, 
     some = replace(plan, times=[plan.times[k] for k in compared], recorded=False)
     found = march(replace(some, tolerance=local))
     rows, accuracy = found.rows, math.inf
-    for turn in range(MOST):
+    for turn in range(MOST_PASSES):
         local /= FINER
         ranges = found.ranges if turn or not shares_stress(plan.compiled) else ()
         found = march(replace(plan, tolerance=local, ranges=ranges, parted=True))
@@ -238,5 +238,5 @@ def bound_error(compiled: CompiledMarch, found: Marched) -> float:
         apart = max((gap[k] for gap in gaps), default=math.inf)
         worst = max(worst, apart / max(found.ranges[k], least))
     heat = max(found.ranges[0], compiled.convergence_scales[0][1]) if compiled.convergence_scales else 1.0
-    total = max(SURE * worst + found.ripple / heat, SURE * found.residual, LEAST)
+    total = max(ERROR_SAFETY * worst + found.ripple / heat, ERROR_SAFETY * found.residual, LEAST_ACCURACY)
     return total if math.isfinite(total) else math.inf

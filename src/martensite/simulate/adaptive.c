@@ -20,13 +20,13 @@ static const long size_of_point[POINTS + 1] = SIZES;
 /* ------------------------------------------------------------------ lengths of steps */
 
 static double reach_end(double length, double end) {
-    if (length >= (1.0 - HAIR) * end) return end;
+    if (length >= (1.0 - STEP_TOLERANCE) * end) return end;
     return length > 0.6 * end ? 0.5 * end : length;
 }
 
 /* a length to the next kink of a law, if all goes on as in the last half step */
 static double before_kink(const march *m, const block *b, double length) {
-    const double least = NEAR * length > m->shortest ? NEAR * length : m->shortest;
+    const double least = KINK_MARGIN * length > m->shortest ? KINK_MARGIN * length : m->shortest;
     if (LANES > 1) return length; /* many runs have kinks all the time */
     for (long place = 0; place < POINTS; place++)
         for (long k = start_of[place] + 4; k < start_of[place] + size_of_point[place]; k++) {
@@ -49,7 +49,7 @@ static double allowed_length(const march *m, const block *b, double length) {
             if (d->fastest > 0.0 && PRESCRIBED / d->fastest < length)
                 length = PRESCRIBED / d->fastest;
             long count;
-            const double far = b->time + (1.0 + HAIR) * length;
+            const double far = b->time + (1.0 + STEP_TOLERANCE) * length;
             const double edge = first_edge(d, b->time + SHORTEST * m->duration, far, b->cursor[set][i], &count);
             if (count && edge - b->time < end) end = edge - b->time;
         }
@@ -63,7 +63,7 @@ static double to_edge(const march *m, const block *b, double length) {
             const drive *d = drives_of(m, b, set) + i;
             if (widths[i] == 1) continue;
             long count;
-            const double far = b->time + (1.0 - HAIR) * length;
+            const double far = b->time + (1.0 - STEP_TOLERANCE) * length;
             const double edge = first_edge(d, b->time + SHORTEST * m->duration, far, b->cursor[set][i], &count);
             if (count) length = edge - b->time;
             if (d->fastest > 0.0 && SWING / d->fastest < length) length = SWING / d->fastest;
@@ -113,7 +113,7 @@ static void resolve_length(const march *m, block *b) {
             if (widths[i] == 1) continue;
             long count;
             const drive *d = drives_of(m, b, set) + i;
-            const double far = b->time + (1.0 + HAIR) * length;
+            const double far = b->time + (1.0 + STEP_TOLERANCE) * length;
             const double edge = first_edge(d, b->time + SHORTEST * m->duration, far, b->cursor[set][i], &count);
             if (count && count <= FEW) length = reach_end(length, edge - b->time);
             whole |= count && count <= FEW && length >= edge - b->time;
@@ -526,7 +526,7 @@ static void step_aside(const march *m, block *b, double time, column *x) {
     const int late = ORDER == 2 && time >= middle;
     const double begin = late ? middle : b->time;
     memcpy(x, late ? b->half : b->state, sizeof(column) * SIZE);
-    if (!(time - begin > HAIR * b->length)) return;
+    if (!(time - begin > STEP_TOLERANCE * b->length)) return;
     moments found[SETS][DRIVES + 1];
     bring(m, b, begin, time, found);
     feed(found, late ? 0 : b->owed, time - begin, x + SIZE);
@@ -546,7 +546,7 @@ static void step_aside(const march *m, block *b, double time, column *x) {
 
 /* outputs at the samples within the step that was taken */
 static void keep_samples(march *m, block *b, double end) {
-    const double hair = HAIR * b->length;
+    const double hair = STEP_TOLERANCE * b->length;
     double per[5];
     int smooth = -1;
     for (; b->sample < m->samples && m->times[b->sample] <= end + hair;) {
@@ -590,7 +590,7 @@ static void accept_step(march *m, block *b) {
         for (long k = 0; k < DRIVES; k++) {
             long count;
             const drive *d = drives_of(m, b, set) + k;
-            first_edge(d, end - HAIR * length, end + HAIR * length, b->cursor[set][k], &count);
+            first_edge(d, end - STEP_TOLERANCE * length, end + STEP_TOLERANCE * length, b->cursor[set][k], &count);
             b->at_edge |= count > 0;
         }
     if (b->at_edge && b->after_edge < b->next) b->next = b->after_edge;
@@ -628,7 +628,7 @@ long march_on(march *m, block *b, long begin) {
             begin_runs(m, b, next);
             begin_step(m, b);
         }
-        if (!known_until(m, b, b->time + (1.0 + 2.0 * HAIR) * b->length)) return SIGNALS;
+        if (!known_until(m, b, b->time + (1.0 + 2.0 * STEP_TOLERANCE) * b->length)) return SIGNALS;
         if (is_full(m)) return RECORD;
         try_step(m, b);
         if (!judge_step(m, b)) continue;

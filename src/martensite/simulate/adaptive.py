@@ -33,7 +33,7 @@ from martensite.signals.moments import Moments
 from martensite.simulate.compiled import Functions, feed_step
 from martensite.simulate.ledger import SIMPSON, Ledger
 from martensite.simulate.march import SOLVED
-from martensite.simulate.marching import FIRST, HAIR, SECOND, SHORTEST, AbstractMarch, MarchPlan, Row
+from martensite.simulate.marching import FIRST, SECOND, SHORTEST, STEP_TOLERANCE, AbstractMarch, MarchPlan, Row
 
 SAFETY = 0.9
 LEAST_CHANGE, MOST_CHANGE = 0.2, 3.0
@@ -51,7 +51,7 @@ LEAP = 1e-6
 """Length of a step over a jump of a signal that prescribes a state, as a part of the step that is allowed there."""
 TURN = 0.1
 """Error that a step may make at a turn, as a fraction of the tolerance."""
-NEAR = 0.03
+KINK_MARGIN = 0.03
 """Share of a step before its start, or its end, in which a kink that is expected lies on it."""
 SHORT = 0.99
 """Part of the way to an expected kink that a step goes."""
@@ -175,13 +175,13 @@ class AdaptiveMarch(AbstractMarch):
         for reader in self.prescribing:
             if reader.fastest > 0.0:
                 length = min(length, PRESCRIBED / reader.fastest)
-            edges = reader.edges(self.time + self.hair, self.time + (1.0 + HAIR) * length)
+            edges = reader.edges(self.time + self.hair, self.time + (1.0 + STEP_TOLERANCE) * length)
             end = min(end, edges[0] - self.time) if edges else end
         return stretch_length(length, end)
 
     def _before_kink(self, length: float) -> float:
         """Return a length to the next kink of a law, if all goes on as in the last half step."""
-        least, at = max(NEAR * length, self.shortest), 0
+        least, at = max(KINK_MARGIN * length, self.shortest), 0
         for _, _, size in self.plan.compiled.points:
             for k in range(at + 4, at + size):
                 now, fallen = self.points[k], self.earlier_points[k] - self.points[k]
@@ -195,7 +195,7 @@ class AdaptiveMarch(AbstractMarch):
         """Return a length over which the mean of no drive leaves out too much, and what they bring."""
         whole = False
         for reader in self.heating:
-            edges = reader.edges(self.time + self.hair, self.time + (1.0 + HAIR) * length)
+            edges = reader.edges(self.time + self.hair, self.time + (1.0 + STEP_TOLERANCE) * length)
             if edges and len(edges) <= FEW:
                 length = stretch_length(length, edges[0] - self.time)
                 whole = whole or length >= edges[0] - self.time
@@ -214,7 +214,7 @@ class AdaptiveMarch(AbstractMarch):
     def _to_edge(self, length: float) -> float:
         """Return a shorter length: to the first edge of a drive that heats, or what resolves its tones."""
         for reader in self.heating:
-            edges = reader.edges(self.time + self.hair, self.time + (1.0 - HAIR) * length)
+            edges = reader.edges(self.time + self.hair, self.time + (1.0 - STEP_TOLERANCE) * length)
             if edges:
                 length = edges[0] - self.time
             if reader.fastest > 0.0:
@@ -447,7 +447,7 @@ class AdaptiveMarch(AbstractMarch):
         if self.at_kink:
             self.after_kink = MOST_CHANGE * length
         self.at_kink = planned > 0.0
-        hair = HAIR * length
+        hair = STEP_TOLERANCE * length
         self.at_edge = any(reader.edges(end - hair, end + hair) for reader in self.readers)
         self.nodes = nodes[-1:] if self.at_edge or trial.lapse > 0.0 else nodes[-3:]
         self.rates = [trial.half[k] for k in self.plan.compiled.rates]
@@ -474,7 +474,7 @@ class AdaptiveMarch(AbstractMarch):
 
     def _keep_samples(self, end: float, trial: StepTrial, nodes: Sequence[Node]) -> None:
         observe, times = self.functions["observe"], self.plan.times
-        hair = HAIR * trial.length
+        hair = STEP_TOLERANCE * trial.length
         smooth: bool | None = None
         while self.sample < len(times) and times[self.sample] <= end + hair:
             time = times[self.sample]
@@ -516,7 +516,7 @@ class AdaptiveMarch(AbstractMarch):
         name = "rosenbrock" if self.plan.order == 4 else "solve"
         late = name == "solve" and time >= middle
         begin, state = (middle, trial.half) if late else (self.time, self.state)
-        if time - begin > HAIR * trial.length:
+        if time - begin > STEP_TOLERANCE * trial.length:
             inputs = self._feed_step(self._collect_inputs(begin, time), int(late))
             found = self.functions[name](*state, *inputs, time - begin)
             if name == "solve" and not found[self.size] <= SOLVED:  # a straight line between states that were solved
@@ -551,7 +551,7 @@ def join_halves(first: Moments, last: Moments, length: float) -> Moments:
 
 def stretch_length(length: float, end: float) -> float:
     """Return a length that reaches an end without a short rest before it."""
-    if length >= (1.0 - HAIR) * end:
+    if length >= (1.0 - STEP_TOLERANCE) * end:
         return end
     return 0.5 * end if length > 0.6 * end else length
 

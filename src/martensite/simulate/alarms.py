@@ -54,7 +54,7 @@ CYCLE = 0.5
 """Martensite fraction that a cycle loses and regains."""
 RETURNED = 0.01
 """Martensite fraction that may be missing after a cycle."""
-NEAR = 0.8
+DOUBT_FRACTION = 0.8
 """Share of a stress from which a law is doubtful, from which on it is said."""
 LOADED_ALIKE = 0.2
 """Difference of two stresses, as a share of the larger, under which orientation is compared."""
@@ -333,7 +333,7 @@ def _describe_doubts(result: Result, columns: Columns) -> list[str]:
         if doubt is None:
             continue
         most = float(np.abs(columns[name]).max())
-        if most > NEAR * doubt.stress:
+        if most > DOUBT_FRACTION * doubt.stress:
             words = f"Caution: {doubt.sentence} The stress comes to {most / 1e6:.4g} MPa."
             found.append(words)
     return list(dict.fromkeys(found))

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.status import Status
 from martensite.simulate.accuracy import (
+    ERROR_SAFETY,
     FINER,
-    LEAST,
+    LEAST_ACCURACY,
     LOCAL,
-    MOST,
-    SURE,
+    MOST_PASSES,
     choose_samples,
     find_floor,
     march_to,
@@ -31,7 +31,7 @@ from martensite.simulate.adaptive import AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.envelope import envelope_of, rows_inside
 from martensite.simulate.march import COARSE, SOLVED
-from martensite.simulate.marching import HAIR, START, MarchPlan
+from martensite.simulate.marching import START, STEP_TOLERANCE, MarchPlan
 from martensite.simulate.marching_native import RANGES, MarchRows, Runs, march_runs, observe_in_c
 from martensite.simulate.measures.base import AbstractMeasure
 from martensite.simulate.measures.extremes import Change, Largest, Smallest, Stroke
@@ -86,7 +86,7 @@ class Ensemble:
         verdicts[Status.LONG_STEP] = crossing > COARSE
         status = np.select(list(verdicts.values()), list(verdicts), Status.OK).astype(np.int8)
         gone = (left < np.inf) & (status < Status.UNSOLVED)
-        known = np.asarray(times) < np.where(gone, (1.0 - HAIR) * left, np.inf)[:, None]
+        known = np.asarray(times) < np.where(gone, (1.0 - STEP_TOLERANCE) * left, np.inf)[:, None]
         broken = [(~np.isfinite(column) & known).any(axis=1) for column in columns.values()]
         status[gone] = Status.OUT_OF_ENVELOPE
         status[np.logical_or.reduce(broken)] = Status.NOT_FINITE
@@ -206,7 +206,7 @@ def march_in_lanes(
     rows, numbers = before.outputs, before.numbers
     found = Ensemble.empty(names, runs.count, len(plan.times), Status.OK, len(measuring.measures))
     left = np.arange(runs.count)
-    for turn in range(MOST):
+    for turn in range(MOST_PASSES):
         local /= FINER
         known = float(turn > 0 or not shares_stress(compiled)) * numbers[:, RANGES:]
         finer = replace(whole, plan=replace(plan, tolerance=local, parted=True)).choose(left, known)
@@ -215,7 +215,7 @@ def march_in_lanes(
         apart = np.abs(rows[:, :, seen] - now[:, :, seen])
         accuracy = np.maximum(_bound_errors(compiled, apart, made), find_floor(compiled) * tolerance)
         rest = accuracy > tolerance
-        last = np.flatnonzero(~rest | (turn == MOST - 1))
+        last = np.flatnonzero(~rest | (turn == MOST_PASSES - 1))
         measured = np.full((len(measuring.measures), len(left)), np.nan)
         if len(last):
             measured[:, last] = measuring.measure_march(finer.choose(last, known[last]), made.choose(last))
@@ -233,9 +233,9 @@ def _bound_errors(compiled: CompiledMarch, apart: Numbers, made: MarchRows) -> N
     known = np.isfinite(apart)
     worst = (np.where(known, apart, 0.0).max(axis=1) / scales).max(axis=1, initial=0.0)
     heat = scales[:, 0] if len(least) else 1.0
-    total = np.maximum(SURE * worst + made.numbers[:, RIPPLE] / heat, SURE * made.numbers[:, RESIDUAL])
+    total = np.maximum(ERROR_SAFETY * worst + made.numbers[:, RIPPLE] / heat, ERROR_SAFETY * made.numbers[:, RESIDUAL])
     sure = np.isfinite(total) & known[:, 0].all(axis=-1)
-    return np.where(sure, np.maximum(total, LEAST), np.inf)
+    return np.where(sure, np.maximum(total, LEAST_ACCURACY), np.inf)
 
 
 def _judge_runs(

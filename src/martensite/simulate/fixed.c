@@ -49,7 +49,7 @@ static void plan_pieces(const march *m, block *b) {
     move_cursors(m, b);
     b->begin = b->time;
     b->stop = next_stop(m, b);
-    b->pieces = ceil((b->stop - b->begin) / m->step - HAIR);
+    b->pieces = ceil((b->stop - b->begin) / m->step - STEP_TOLERANCE);
     b->pieces = b->pieces > 1.0 ? b->pieces : 1.0;
     b->length = (b->stop - b->begin) / b->pieces;
     b->piece = 0.0;

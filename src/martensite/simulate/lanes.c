@@ -396,7 +396,7 @@ static void find_segments(const march *m, block *b) {
 /* ------------------------------------------------------------------ lengths of steps */
 
 INLINE double reach_end(double length, double end) {
-    return length >= (1.0 - HAIR) * end ? end : length > 0.6 * end ? 0.5 * end : length;
+    return length >= (1.0 - STEP_TOLERANCE) * end ? end : length > 0.6 * end ? 0.5 * end : length;
 }
 
 /* a length that no signal which prescribes a state makes too long */
@@ -406,7 +406,7 @@ static double before_prescribed(const march *m, const block *b, long i, double l
         long count;
         const drive *d = drive_of(m, b->now + k, k, i);
         if (d->fastest > 0.0 && PRESCRIBED / d->fastest < length) length = PRESCRIBED / d->fastest;
-        const double far = b->time[i] + (1.0 + HAIR) * length;
+        const double far = b->time[i] + (1.0 + STEP_TOLERANCE) * length;
         const double edge = first_edge(d, b->time[i] + SHORTEST * m->duration, far, b->now[k].cursor[i], &count);
         if (count && edge - b->time[i] < end) end = edge - b->time[i];
     }
@@ -420,7 +420,7 @@ static double to_edge(const march *m, const block *b, long i) {
         if (widths[k] == 1) continue;
         long count;
         const drive *d = drive_of(m, b->now + k, k, i);
-        const double far = b->time[i] + (1.0 - HAIR) * length;
+        const double far = b->time[i] + (1.0 - STEP_TOLERANCE) * length;
         const double edge = first_edge(d, b->time[i] + SHORTEST * m->duration, far, b->now[k].cursor[i], &count);
         if (count) length = edge - b->time[i];
         if (d->fastest > 0.0 && SWING / d->fastest < length) length = SWING / d->fastest;
@@ -437,7 +437,7 @@ static double before_few_edges(const march *m, block *b, long i) {
         if (widths[k] == 1) continue;
         long count;
         const drive *d = drive_of(m, b->now + k, k, i);
-        const double far = b->time[i] + (1.0 + HAIR) * length;
+        const double far = b->time[i] + (1.0 + STEP_TOLERANCE) * length;
         const double edge = first_edge(d, b->time[i] + SHORTEST * m->duration, far, b->now[k].cursor[i], &count);
         if (count && count <= FEW) length = reach_end(length, edge - b->time[i]);
         whole |= count && count <= FEW && length >= edge - b->time[i];
@@ -481,7 +481,7 @@ static void plan_lengths(const march *m, block *b) {
                 const double now = b->points[k][i], fallen = b->earlier_points[k][i] - now;
                 const int ahead = (now > LEAST_FALL) & (fallen > 0.0);
                 const double there = SHORT * now / (ahead ? fallen : 1.0) * b->last_half[i];
-                const int late = (NEAR * allowed[i] < there) & (m->shortest < there);
+                const int late = (KINK_MARGIN * allowed[i] < there) & (m->shortest < there);
                 const int kink = ahead & late & (there < length[i]);
                 length[i] = kink ? there : length[i];
             }
@@ -505,7 +505,7 @@ static void resolve_lengths(const march *m, block *b) {
     for (long k = 0; k < DRIVES; k++) {
         if (widths[k] == 1) continue;
         long inside = 0;
-        EVERY(i) inside |= b->now[k].following[i] <= b->time[i] + (1.0 + HAIR) * b->length[i];
+        EVERY(i) inside |= b->now[k].following[i] <= b->time[i] + (1.0 + STEP_TOLERANCE) * b->length[i];
         if (!inside) continue;
         EVERY(i) if (b->live[i]) b->length[i] = before_few_edges(m, b, i);
         break;
@@ -1015,7 +1015,7 @@ static void keep_samples(const march *m, block *b, const flags_of_lanes taken, c
     long leaving = 0, found = 0;
     for (long k = 0; k < ENVELOPE; k++) EVERY(i) leaving |= taken[i] & !is_inside(b, b->fine, k, i);
     EACH(i) {
-        last[i] = taken[i] ? end[i] + HAIR * b->length[i] : -1.0;
+        last[i] = taken[i] ? end[i] + STEP_TOLERANCE * b->length[i] : -1.0;
         middle[i] = b->time[i] + 0.5 * b->length[i];
     }
     for (;;) {
@@ -1028,9 +1028,9 @@ static void keep_samples(const march *m, block *b, const flags_of_lanes taken, c
         found = 1;
         memcpy(good, smooth, sizeof good);
         interpolate(b, time, per, good, b->x2, leaving);
-        EACH(i) other[i] = due[i] & (!good[i] | (time[i] >= end[i] - HAIR * b->length[i]));
+        EACH(i) other[i] = due[i] & (!good[i] | (time[i] >= end[i] - STEP_TOLERANCE * b->length[i]));
         SOME(i, any(other)) {
-            const double hair = HAIR * b->length[i];
+            const double hair = STEP_TOLERANCE * b->length[i];
             const int ends = time[i] >= end[i] - hair, halves = fabs(time[i] - middle[i]) <= hair;
             if (ends || halves) {
                 for (long k = 0; k < SIZE; k++) b->x2[k][i] = ends ? b->full[k][i] : b->half[k][i];
@@ -1093,7 +1093,7 @@ static void end_runs(const march *m, block *b) {
 
 /* whether a drive has an edge at the end of a step */
 static long is_edge(const march *m, const block *b, long i, double end) {
-    const double hair = HAIR * b->length[i];
+    const double hair = STEP_TOLERANCE * b->length[i];
     for (long k = 0; k < DRIVES; k++) {
         long count;
         first_edge(drive_of(m, b->now + k, k, i), end - hair, end + hair, b->now[k].cursor[i], &count);
@@ -1142,7 +1142,7 @@ static void accept_steps(march *m, block *b, flags_of_lanes taken) {
     }
     for (long k = 0; k < DRIVES; k++) {
         long near = 0;
-        EVERY(i) near |= b->now[k].following[i] < end[i] + 2.0 * HAIR * b->length[i];
+        EVERY(i) near |= b->now[k].following[i] < end[i] + 2.0 * STEP_TOLERANCE * b->length[i];
         if (!near) continue;
         EVERY(i) if (taken[i]) edge[i] = is_edge(m, b, i, end[i]);
         break;

@@ -12,7 +12,7 @@ from martensite.base.status import Status
 from martensite.signals.moments import Moments
 from martensite.simulate.compiled import CompiledMarch, Functions, feed_step
 from martensite.simulate.grid import TimeGrid
-from martensite.simulate.marching import HAIR, WHOLE, AbstractMarch, Exit, Marched, Row, RunLimits
+from martensite.simulate.marching import STEP_TOLERANCE, WHOLE, AbstractMarch, Exit, Marched, Row, RunLimits
 
 SOLVED = 1e-8
 COARSE = 0.2
@@ -117,7 +117,7 @@ class FixedMarch(AbstractMarch):
         hair = 1e-12 * self.duration
         edges = (e for r in self.readers for e in r.edges(begin + hair, sample - hair))
         end = min(edges, default=sample)
-        count = max(1, math.ceil((end - begin) / step - HAIR))
+        count = max(1, math.ceil((end - begin) / step - STEP_TOLERANCE))
         length = (end - begin) / count
         for k in range(count):
             here = begin + k * length

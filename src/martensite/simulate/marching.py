@@ -20,7 +20,7 @@ SHORTEST = 1e-12
 """Length of a step, as a share of the run, that is taken whatever its error: a jump lies in it."""
 FINEST, ROUGHNESS = 1e-4, 3e-11
 """Fraction of the first step of a motion with inertia that is the shortest step: at most, and per tolerance."""
-HAIR = 1e-9
+STEP_TOLERANCE = 1e-9
 """Fraction of a step that counts as zero."""
 START, WHOLE, FIRST, SECOND = -1, 0, 1, 2
 """Parts of a record: the start of a run, a whole step, and both halves of a step."""

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from martensite.simulate.point import PointResult
 from martensite.simulate.transformation_points import PlanePoint
 
-LEAST = 0.005
+LEAST_CHANGE = 0.005
 """Change of a fraction on a leg below which it does not count as a transformation."""
 SHARES = (0.01, 0.5, 0.99)
 STILL = {"temperature": 0.01, "stress": 1e3, "strain": 1e-7}
@@ -58,7 +58,7 @@ def _build_stage(result: PointResult, leg: int, first: int, last: int) -> PathSt
     martensite, oriented = changes["martensite"], changes["oriented"]
     name = "martensite" if abs(martensite) >= 0.5 * abs(oriented) else "oriented"
     varies = tuple(n for n in ("stress", "temperature") if np.ptp(result[n][first : last + 1]) > STILL[n])
-    acts = abs(changes[name]) > LEAST
+    acts = abs(changes[name]) > LEAST_CHANGE
     process = "orientation"
     if name == "martensite":
         process = "forward" if martensite > 0.0 else "reverse"

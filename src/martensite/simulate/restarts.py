@@ -26,7 +26,7 @@ RANGES = {
     "temperature": (0.0, 1e5),
 }
 """Last part of the name of a number of a state -> its range: phase fractions, and temperatures [K]."""
-HAIR = 1e-6
+RANGE_TOLERANCE = 1e-6
 """Beyond these ranges, by rounding."""
 WHERE, AT, PERIOD = "[initial]", "at", "period"
 """Table of a scenario that says where a run starts, and keys of it."""
@@ -155,7 +155,7 @@ def require_sound(names: Sequence[str], restart: Restart) -> None:
             raise _describe_damage(restart, f"it has {len(one.state)} numbers, but the system has {len(names)}")
         for name, value in zip(names, one.state, strict=True):
             low, high = RANGES.get(name.rpartition(".")[2], (-math.inf, math.inf))
-            if not (math.isfinite(value) and low - HAIR <= value <= high + HAIR):
+            if not (math.isfinite(value) and low - RANGE_TOLERANCE <= value <= high + RANGE_TOLERANCE):
                 span = f"between {low:g} and {high:g}" if math.isfinite(low) else "finite"
                 raise _describe_damage(restart, f"`{name}` must be {span}, but is {value:g}")
 

@@ -24,7 +24,7 @@ import numpy as np
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.status import Status
 from martensite.signals.base import AbstractWaveform
-from martensite.simulate.accuracy import FINER, FLOOR, LOCAL, SURE, RunEngine, bound_error
+from martensite.simulate.accuracy import ERROR_SAFETY, FINER, FLOOR, LOCAL, RunEngine, bound_error
 from martensite.simulate.envelope import cut_outside
 from martensite.simulate.marching import Marched, MarchPlan
 from martensite.simulate.measures.base import AbstractMeasure
@@ -148,5 +148,7 @@ class RunTrace(AbstractTrace):
             read = np.abs(one.derivatives(own)[:, :, 0])
             weights = np.where(own.weights[:, 0] > 0.0, own.weights[:, 0], np.inf)
             drawn = float((read / weights).max(axis=1) @ track.choose(places).bound_quadrature())
-        total = max(SURE * apart, off, drawn, ROUNDING * abs(value)) + one.spread(own, self.found.ripple * kelvin)
+        total = max(ERROR_SAFETY * apart, off, drawn, ROUNDING * abs(value)) + one.spread(
+            own, self.found.ripple * kelvin
+        )
         return total if np.isfinite(total) else None

@@ -42,7 +42,7 @@ Places: TypeAlias = NDArray[np.intp]
 Flags: TypeAlias = NDArray[np.bool_]
 Observe: TypeAlias = Callable[[Numbers, Numbers, Places], Numbers]
 """Outputs (rows, outputs) from states (rows, size), signals (rows, drives) and the run of every row."""
-HEAD = 4
+HEADER_SIZE = 4
 """Numbers of a record row before the drives."""
 AFTER, BEFORE, MEAN, SQUARE, LOW, HIGH, LAPSE = range(7)
 PER_DRIVE = 7
@@ -90,7 +90,7 @@ BETWEEN = (0.125, 0.25, 0.375, 0.625, 0.75, 0.875)
 
 def record_width(drives: int, size: int) -> int:
     """Return how many numbers a record row has."""
-    return HEAD + PER_DRIVE * drives + size
+    return HEADER_SIZE + PER_DRIVE * drives + size
 
 
 def observe_on_floats(function: Callable[..., tuple[float, ...]], outputs: Sequence[int]) -> Observe:
@@ -416,8 +416,8 @@ class _Pieces:
         self.record, self.drives, self.tones = record, drives, tones
         self.run = record[:, 0].astype(np.intp)
         self.part, self.begin, self.length = record[:, 1].astype(np.intp), record[:, 2], record[:, 3]
-        self.of_drives = record[:, HEAD : HEAD + PER_DRIVE * drives].reshape(-1, drives, PER_DRIVE)
-        self.end_states = record[:, HEAD + PER_DRIVE * drives :]
+        self.of_drives = record[:, HEADER_SIZE : HEADER_SIZE + PER_DRIVE * drives].reshape(-1, drives, PER_DRIVE)
+        self.end_states = record[:, HEADER_SIZE + PER_DRIVE * drives :]
         self.begins = self.part == START
         self.angle = self._measure_angles()
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from martensite.actuators.assembly.actuator import Actuator
-from martensite.actuators.mechanics.equal_elements import LEAST, group_alike
+from martensite.actuators.mechanics.equal_elements import LEAST_ELEMENTS, group_alike
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
 
@@ -17,7 +17,7 @@ def start_actuators(xp: Namespace, rows: Sequence[Row]) -> list[tuple[Any, Scala
     found: dict[int, tuple[Any, Scalar]] = {}
     for places in group_alike([(one,) for one, _, _ in rows]):
         chosen = [rows[i] for i in places]
-        alike = len(places) >= LEAST
+        alike = len(places) >= LEAST_ELEMENTS
         found |= zip(
             places, _start_alike(xp, chosen) if alike else [_start_one(xp, *one) for one in chosen], strict=True
         )

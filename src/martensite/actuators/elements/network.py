@@ -64,7 +64,7 @@ def _eliminate_before(diagonal: Column, right: Column, links: Column) -> Others:
     return Others(slope, source)
 
 
-HAIR = 1e-12
+ELONGATION_TOLERANCE = 1e-12
 """Difference of elongations that counts as none [m]."""
 
 
@@ -116,7 +116,9 @@ class ParallelCells:
         return spring
 
     def _taut(self, xp: Namespace, free: Column, compliance: Column, e: Scalar) -> Spring:
-        stiffness = [xp.where(e + HAIR >= f, 1.0 / c, 0.0) for f, c in zip(free, compliance, strict=True)]
+        stiffness = [
+            xp.where(e + ELONGATION_TOLERANCE >= f, 1.0 / c, 0.0) for f, c in zip(free, compliance, strict=True)
+        ]
         soft = 1.0 / sum_column(stiffness)
         return Spring(soft * sum_column([k * f for k, f in zip(stiffness, free, strict=True)]), soft)
 

@@ -14,7 +14,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
 from martensite.physics.laws.coupling import StepReport
 
-LEAST = 3
+LEAST_ELEMENTS = 3
 """So many are worth a loop, in which nothing about the parameters is computed beforehand."""
 
 
@@ -54,7 +54,7 @@ def answer_loads(
     found: dict[int, ElementResponse] = {}
     for places in group_alike([_list_parts(one) for one in loads]):
         first = loads[places[0]]
-        if len(places) < LEAST:
+        if len(places) < LEAST_ELEMENTS:
             found |= {i: _answer_load(xp, loads[i], lines[i], dt) for i in places}
             continue
         shape = NestedShape(ElementResponse(first.state, 0.0, Spring(0.0, 0.0), StepReport(0.0, 0.0)))

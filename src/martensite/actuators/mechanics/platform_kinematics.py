@@ -37,7 +37,7 @@ SETTLED = 1e-11
 """A correction that ends the search [rad]."""
 SINGULAR = 1e-12
 """Smallest determinant that is divided by, as a share of the square of its trace."""
-LEAST = 1e-9
+LEAST_LENGTH = 1e-9
 """Length of a leg below which its direction is left undefined [m]."""
 ALLOWED = 0.01
 """Residual of lengths that fit together, as a share of the plates' distance."""
@@ -96,7 +96,7 @@ def compute_length_slopes(
         # the leg
         leg_x, leg_y, leg_z = across - x, along - y, down - plates.pivot
         length = xp.sqrt(leg_x * leg_x + leg_y * leg_y + leg_z * leg_z)
-        share = 1.0 / xp.maximum(length, LEAST)
+        share = 1.0 / xp.maximum(length, LEAST_LENGTH)
         found.append(length)
         over_alpha.append(share * ((sb * leg_x + cb * leg_z) * along - leg_y * drop))
         over_beta.append(share * (leg_x * down - leg_z * across))

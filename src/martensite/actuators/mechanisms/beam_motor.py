@@ -41,7 +41,7 @@ from martensite.base.parameters import Number, option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import sum_column
 
-MOST = 4
+MOST_MODES = 4
 """Largest number of modes."""
 
 
@@ -284,8 +284,8 @@ def modal_numbers(modes: BeamModes) -> dict[str, Any]:
         ParameterError: there are more modes than four.
     """
     count = len(modes.omega)
-    if count > MOST:
-        raise ParameterError(f"`beam-motor` takes at most {MOST} modes, but {count} are given.")
+    if count > MOST_MODES:
+        raise ParameterError(f"`beam-motor` takes at most {MOST_MODES} modes, but {count} are given.")
     found: dict[str, Any] = {"modes": str(count)}
     for k, (mass, stiffness) in enumerate(zip(modes.mass, modes.stiffness, strict=True), start=1):
         ending = "" if k == 1 else f"_{k}"

@@ -43,7 +43,7 @@ Answer: TypeAlias = tuple[Scalar, Column]
 """The signal of a sample, and the memory for the next sample."""
 AROUND = "reading_filter", "shaping", "manual", "slew"
 """Parts of any controller that stand around it."""
-HAIR = 1e-9
+TIME_TOLERANCE = 1e-9
 """Difference of times that is rounding [s]."""
 AHEAD = "ahead."
 """Prefix of the names of references among the readings: `ahead.DRIVE.0` is the present value, higher numbers lie ahead.

@@ -19,7 +19,14 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from martensite.base.parameters import Number, param, text
-from martensite.control.controllers.base import CONTROLLERS, HAIR, AbstractController, Answer, Column, Readings
+from martensite.control.controllers.base import (
+    CONTROLLERS,
+    TIME_TOLERANCE,
+    AbstractController,
+    Answer,
+    Column,
+    Readings,
+)
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE, AbstractDrive
 from martensite.signals.levels import HIGH
@@ -74,7 +81,7 @@ class LatchedOnOff(AbstractController):
         """Return the memory with one more value; at the end of a window its amplitude is judged."""
         low, high = xp.minimum(value, memory.lowest), xp.maximum(value, memory.highest)
         elapsed = memory.elapsed + dt
-        over = elapsed >= self.window - HAIR
+        over = elapsed >= self.window - TIME_TOLERANCE
         amplitude = 0.5 * (high - low)
         peak = xp.where(memory.on > 0.5, xp.maximum(memory.peak, amplitude), 0.0)
         off = xp.where(amplitude < self.share * peak, 1.0, memory.off)

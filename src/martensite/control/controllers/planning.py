@@ -53,7 +53,7 @@ FEW_WINDOWS, MUCH_MORE = ((0.0, 0.1), (0.0, 0.3), (0.0, 1.0), (0.3, 1.0), (0.6, 
 """
 DAMPING = 1e-3
 """λ, as a share of the mean of the diagonal."""
-HAIR = 1e-9
+RANGE_TOLERANCE = 1e-9
 """Part of the range that is rounding."""
 HUGE = 1e30
 """Cost of a plan under which the model fails."""
@@ -191,7 +191,7 @@ class Planner(NamedTuple):
                 matrix[i][j] = matrix[j][i] = multiply_inner(row[1 + before :], slopes[j][1 + before :])
         self._charge_changes(plan, gradient, matrix)
         mean = sum_column([matrix[i][i] for i in range(count)]) / count
-        low, high = self.limits[0] + HAIR * self._range, self.limits[1] - HAIR * self._range
+        low, high = self.limits[0] + RANGE_TOLERANCE * self._range, self.limits[1] - RANGE_TOLERANCE * self._range
         free = [
             xp.negate(xp.either(xp.both(u <= low, g > 0.0), xp.both(u >= high, g < 0.0)))
             for u, g in zip(plan, gradient, strict=True)

@@ -8,7 +8,7 @@ from martensite.base.units import DIFFERENCE
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE
-from martensite.signals.levels import HIGH, MARGIN, NEAR
+from martensite.signals.levels import HIGH, MARGIN, TARGET_LEVEL
 
 
 @CONTROLLERS.register("on-off")
@@ -60,7 +60,7 @@ class TwoLevel(AbstractController):
 
     far: Number = param(DIFFERENCE, "error φ from which it is full", above=0.0, typical=MARGIN)
     high: Number = param(DRIVE, "signal u_H far from the target", typical=HIGH)
-    near: Number = param(DRIVE, "signal u_L near it", typical=NEAR)
+    near: Number = param(DRIVE, "signal u_L near it", typical=TARGET_LEVEL)
     low: Number = param(DRIVE, "signal u_0 at the target and beyond", default=0.0)
     sign: str = option("sign of the errors that it acts on", "1", "-1", default="1")
 

@@ -16,7 +16,7 @@ from martensite.base.registry import Registry
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 
 FAULTS: Registry[AbstractFault] = Registry("fault", "martensite.control.faults", typical="stuck")
-HAIR = 1e-7
+TIME_TOLERANCE = 1e-7
 """Difference of times that is rounding, for time is a sum of periods [s]."""
 
 
@@ -35,7 +35,7 @@ class AbstractFault(Parametrised):
 
     def active(self, xp: Namespace, time: Scalar) -> Flag:
         """Return whether the fault is present at a time [s]."""
-        return xp.both(time >= self.start - HAIR, time < self.end - HAIR)
+        return xp.both(time >= self.start - TIME_TOLERANCE, time < self.end - TIME_TOLERANCE)
 
     def fault_at(self, xp: Namespace, time: Scalar) -> Self:
         """Return the fault as it is by a time [s]; itself unless it grows."""

@@ -18,7 +18,7 @@ from martensite.control.observers.base import AbstractObserver
 from martensite.control.sensors.base import SENSORS, AbstractSensor, Column
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 
-HAIR = 1e-9
+PERIOD_TOLERANCE = 1e-9
 """Part of a period that is rounding."""
 WORST = 4.0
 """Jitters beyond which no reading is later."""
@@ -81,7 +81,7 @@ class MountedSensor(Parametrised):
 
     def count_delayed(self, period: float, later: float = 0.0) -> int:
         """Return the readings to be kept for the delay, and for a fault that makes it longer [s]."""
-        return 1 + math.ceil((self.delay + WORST * self.jitter + later) / period - HAIR)
+        return 1 + math.ceil((self.delay + WORST * self.jitter + later) / period - PERIOD_TOLERANCE)
 
     def rest(self, xp: Namespace, truth: Mapping[str, Scalar], noise: Scalar, kept: int) -> Sensed:
         """Return the first reading, made at rest; it has been the same for long."""
@@ -107,7 +107,7 @@ class MountedSensor(Parametrised):
         value, inner = self.sensor.reading(xp, before.inner, seen, noise, period)
         value = disturbed.reading(xp, value, before.held, noise)
         elapsed = before.elapsed + period
-        due = xp.both(self.sensor.valid(xp, seen), elapsed >= self.sample_time - HAIR * period)
+        due = xp.both(self.sensor.valid(xp, seen), elapsed >= self.sample_time - PERIOD_TOLERANCE * period)
         fresh = disturbed.fresh(xp, due)
         held, elapsed = xp.where(fresh, value, before.held), xp.where(fresh, 0.0, elapsed)
         travel = disturbed.travel(xp, xp.clip(late, -WORST, WORST) * self.jitter + self.delay)
@@ -124,7 +124,7 @@ def _find_arrived(xp: Namespace, past: Column, ages: Column, travels: Column, pe
     reading, age = past[oldest], ages[oldest] + oldest * period
     for k in range(oldest - 1, -1, -1):
         old = ages[k] + k * period
-        there = old >= travels[k] - HAIR * period
+        there = old >= travels[k] - PERIOD_TOLERANCE * period
         reading, age = xp.where(there, past[k], reading), xp.where(there, old, age)
     return reading, age
 

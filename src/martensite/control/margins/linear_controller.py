@@ -22,7 +22,7 @@ ROUNDS, LEFT = 30, 1e-9
 """Rounds of the search for the memory at rest, and largest remaining change of the memory, over the signal."""
 SAME = 1e-11
 """Relative difference of two references that is rounding."""
-LEAST = 1e-3
+LEAST_SIGNAL = 1e-3
 """Size of a signal that is as small as any."""
 
 
@@ -99,7 +99,7 @@ def settle_controller(
         found, *after = answer_sample(controller, xp, x[: count - 1], x[count - 1], read, dt)
         return [found - signal, *(new - old for new, old in zip(after, x[: count - 1], strict=True))]
 
-    least = max(abs(signal), LEAST)
+    least = max(abs(signal), LEAST_SIGNAL)
     size = np.maximum(np.abs(x), least)
     size[-1] = max(abs(value), 1e-6)
     for _ in range(ROUNDS):

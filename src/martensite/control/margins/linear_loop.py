@@ -25,7 +25,7 @@ from martensite.control.loop import period as of_period
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import NOISE, REFERENCE, list_drives, list_readings
 from martensite.control.loop.parts import BenchState, Controllers, Controlling, FaultTable, Sensors
-from martensite.control.margins.linear_controller import LEAST, find_reached, free_limits, settle_controller
+from martensite.control.margins.linear_controller import LEAST_SIGNAL, find_reached, free_limits, settle_controller
 from martensite.control.margins.margins import INSIDE
 from martensite.control.synthesis.linear import PUSH, compute_slopes
 from martensite.identify.chains.linear_system import LinearSystem
@@ -181,7 +181,7 @@ def _linearise_at(bench: Bench, drive: str, state: BenchState, point: SteadyPoin
         return [*flatten_numbers(after), collect_known(bench, xp, after, applied)[controller.measured]]
 
     pushed = list(flat)
-    pushed[place] += (1.0 if branch == "heating" else -1.0) * PUSH * max(abs(point.signal), LEAST)
+    pushed[place] += (1.0 if branch == "heating" else -1.0) * PUSH * max(abs(point.signal), LEAST_SIGNAL)
     slopes = compute_slopes(advance, [*pushed, *others])[1]
     given = {one.name: size + k for k, one in enumerate(drives) if one.name not in signals}
     inputs, unit = slopes[:, list(given.values())], list_readings(bench)[controller.measured].unit

@@ -19,7 +19,7 @@ from martensite.actuators.mechanics.elimination import multiply_inner
 from martensite.kernels.namespace import Namespace, Scalar
 
 Matrix = list[list[Scalar]]
-LEAST = 1e-30
+LEAST_VARIANCE = 1e-30
 """Variance below which nothing is unknown."""
 
 
@@ -68,7 +68,7 @@ def factor_cholesky(xp: Namespace, matrix: Matrix) -> Matrix:
     found: Matrix = [[0.0] * size for _ in range(size)]
     for k in range(size):
         left = matrix[k][k] - multiply_inner(found[k][:k], found[k][:k])
-        some = left > LEAST
+        some = left > LEAST_VARIANCE
         root = xp.sqrt(xp.where(some, left, 1.0))
         found[k][k] = xp.where(some, root, 0.0)
         for i in range(k + 1, size):
@@ -84,7 +84,7 @@ def condition_on_readings(
     found, nis = list(mean), 0.0
     for i, value, variance, used in readings:
         total = matrix[i][i] + variance
-        some = total > LEAST
+        some = total > LEAST_VARIANCE
         inverse = xp.where(some, used / xp.where(some, total, 1.0), 0.0)
         short = value - found[i]
         gain = [row[i] * inverse for row in matrix]
@@ -96,7 +96,7 @@ def condition_on_readings(
 
 def put_unknown(xp: Namespace, mean: Sequence[Scalar], matrix: Matrix, index: int, value: Scalar) -> list[Scalar]:
     """Return the unknowns of which one is put at a value; the others follow as they are correlated."""
-    some = matrix[index][index] > LEAST
+    some = matrix[index][index] > LEAST_VARIANCE
     inverse = xp.where(some, 1.0 / xp.where(some, matrix[index][index], 1.0), 0.0)
     way = value - mean[index]
     found = [x + row[index] * inverse * way for x, row in zip(mean, matrix, strict=True)]

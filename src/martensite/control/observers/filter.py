@@ -43,11 +43,11 @@ from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
 
-LEAST, MOST = 0.2, 5.0
+LEAST_FACTOR, MOST_FACTOR = 0.2, 5.0
 """Limits of factors."""
 FAR = 4.0
 """First deviations within which logarithms and offsets stay."""
-HAIR = 1e-9
+PERIOD_TOLERANCE = 1e-9
 """Part of a period that is rounding."""
 CORRELATION = "correlation"
 
@@ -78,7 +78,7 @@ class FreeParameter(NamedTuple):
     def limit(self, xp: Namespace, x: Scalar) -> Scalar:
         """Within what is possible."""
         if self.scale == "factor":
-            return xp.clip(x, LEAST, MOST)
+            return xp.clip(x, LEAST_FACTOR, MOST_FACTOR)
         far = FAR * self.first
         return xp.clip(x, -far, far)
 
@@ -237,7 +237,7 @@ class AbstractFilter(AbstractObserver):
             i = names.index(name)
             size, age = self.reading_noise * mean[i], readings[f"{name}.age"]
             variance = size * size + self.reading_deviation * self.reading_deviation
-            fresh = xp.where(age <= self.oldest + HAIR * dt, 1.0, 0.0)
+            fresh = xp.where(age <= self.oldest + PERIOD_TOLERANCE * dt, 1.0, 0.0)
             found.append(UnknownReading(i, readings[name], variance, fresh))
         return found
 

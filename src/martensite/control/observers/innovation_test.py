@@ -21,7 +21,7 @@ from martensite.control.observers.covariance import UnknownReading
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import find_largest
 
-MOST = 5.0
+MOST_DEVIATIONS = 5.0
 """Deviations beyond which an innovation counts no more."""
 
 
@@ -33,7 +33,7 @@ class RunningTest(NamedTuple):
 
     def add(self, xp: Namespace, found: UnknownReading, share: Scalar) -> "RunningTest":
         """With another innovation and the variance claimed of it, whose weight is a share."""
-        z = xp.clip(found.value / xp.sqrt(found.variance), -MOST, MOST)
+        z = xp.clip(found.value / xp.sqrt(found.variance), -MOST_DEVIATIONS, MOST_DEVIATIONS)
         weight = share * found.used
         return RunningTest(self.mean + weight * (z - self.mean), self.square + weight * (z * z - self.square))
 

@@ -197,7 +197,7 @@ class ModelBank(ExtendedKalman):
             hidden = [fraction if k % 2 else x for k, x in enumerate(at[:count])]
             state = hidden_states.place_hidden(xp, one.model, start.state, hidden, applied)
             ends.append(one.read_model(xp, state, at[count : one.unknowns()], applied)[row])
-        return xp.maximum(xp.abs(ends[1] - ends[0]), covariance.LEAST)
+        return xp.maximum(xp.abs(ends[1] - ends[0]), covariance.LEAST_VARIANCE)
 
     def _controlled_row(self) -> int:
         rows, first = self._rows(), next(iter(self.model.mechanism.outputs()), "")
@@ -278,7 +278,7 @@ class ModelBank(ExtendedKalman):
         rows = one.pair_readings(xp, expected.mean, readings, going.dt)
         mean, matrix, weight = list(expected.mean), expected.covariance, 0.0
         for row in rows:
-            variance = xp.maximum(matrix[row.index][row.index] + row.variance, covariance.LEAST)
+            variance = xp.maximum(matrix[row.index][row.index] + row.variance, covariance.LEAST_VARIANCE)
             short = row.value - mean[row.index]
             weight = weight - 0.5 * row.used * (short * short / variance + xp.log(variance))
             mean, matrix, _ = covariance.condition_on_readings(xp, mean, matrix, [row])

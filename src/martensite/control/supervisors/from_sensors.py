@@ -12,7 +12,7 @@ it is lost when `MISSED` readings in a row did not come.
 
 `stuck_NAME`, for sensors with noise: with noise σ and steps q, a reading is the same as another one of the same truth
 with the probability p = erf(q/(√8 σ)) at most (the truth in the middle of a step; Gaussian noise). It is stuck after n
-readings that are all the same, p^n < `CHANCE`. The check is left out where n would be above `LONGEST`, without noise,
+readings that are all the same, p^n < `CHANCE`. The check is left out for n above `MOST_REPEATS`, without noise,
 or for a sensor with a limited range, because its readings are constant at the end of the range.
 
 Sensors that now and then have nothing to measure, such as the resistance without a current, are
@@ -38,7 +38,7 @@ MISSED = 3
 """Readings that do not come before a sensor is lost."""
 CHANCE = 1e-9
 """Probability of readings that are all the same, beyond which a sensor is stuck."""
-LEAST, LONGEST = 5, 1000
+LEAST_REPEATS, MOST_REPEATS = 5, 1000
 """Fewest and most readings that are all the same for a sensor to be stuck."""
 TEMPERATURES = ("temperature", "hottest")
 
@@ -101,10 +101,10 @@ def stuck_after(mounted: MountedSensor, period: float) -> float | None:
     if sensor.noise <= 0.0 or sensor.limits() is not None:
         return None
     same = math.erf(sensor.resolution / (math.sqrt(8.0) * sensor.noise))
-    if same >= CHANCE ** (1.0 / LONGEST):
+    if same >= CHANCE ** (1.0 / MOST_REPEATS):
         return None
     count = math.ceil(math.log(CHANCE) / math.log(same)) if same > 0.0 else 0
-    return max(count, LEAST) * _find_interval(mounted, period) + WORST * mounted.jitter
+    return max(count, LEAST_REPEATS) * _find_interval(mounted, period) + WORST * mounted.jitter
 
 
 def _find_interval(mounted: MountedSensor, period: float) -> float:

@@ -8,7 +8,7 @@ from martensite.base.errors import ParameterError
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.linearise import operating_point, static_curve
 
-NEAR = 0.25
+REST_MARGIN = 0.25
 """Share of a range by which a model may be at rest beside it, and still be designed on."""
 CURVE = 21
 """Points of a static curve that is checked."""
@@ -26,7 +26,7 @@ def check_static_curve(chain: Chain, idle: float, targets: Sequence[float] = (),
         return
     (low, high), (least, most) = chain.ranges[name], chain.ranges[output]
     ways = "; fit a log that begins at rest, or hold it in the range of the log"
-    beside = NEAR * (high - low)
+    beside = REST_MARGIN * (high - low)
     if not low - beside <= idle <= high + beside:
         raise ParameterError(
             f"Model `{chain.name}` would be controlled from rest at {name} = {idle:.6g}, but its records hold {name} "
@@ -36,14 +36,14 @@ def check_static_curve(chain: Chain, idle: float, targets: Sequence[float] = (),
     levels, outputs = static_curve(chain, min(idle, low), max(idle, high), CURVE)
     rest = float(operating_point(chain, idle).outputs[number])
     curve = [(u, y, 1.0) for u, y in zip(levels, outputs[:, number].tolist(), strict=True)]
-    for level, y, share in ((idle, rest, NEAR), *curve):
+    for level, y, share in ((idle, rest, REST_MARGIN), *curve):
         if not least - share * room <= y <= most + share * room:
             raise ParameterError(
                 f"Model `{chain.name}` rests at {output} = {y:.4g} under {name} = {level:.4g}, but its records hold "
                 f"{output} from {least:.4g} to {most:.4g}: its static curve leaves what was measured{ways}."
             )
     for target in targets:
-        if not least - NEAR * room <= rest + target <= most + NEAR * room:
+        if not least - REST_MARGIN * room <= rest + target <= most + REST_MARGIN * room:
             raise ParameterError(
                 f"Model `{chain.name}` is to reach {output} = {rest + target:.4g}, but its records hold {output} "
                 f"from {least:.4g} to {most:.4g} alone."

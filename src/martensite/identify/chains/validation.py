@@ -30,7 +30,7 @@ from martensite.identify.chains.record_starts import RunStart, find_start
 from martensite.identify.chains.scores import run_from
 from martensite.search.model_score import Score, score_model
 from martensite.search.quantity_text import format_number, join_phrases
-from martensite.search.whiteness import FEWEST, Whiteness, assess_whiteness
+from martensite.search.whiteness import LEAST_SAMPLES, Whiteness, assess_whiteness
 from martensite.signals.sampling.sampled import Sampled
 
 WHOLE = "whole"
@@ -234,10 +234,10 @@ def _score_parts(record: Sampled, computed: Numbers, skip: int, parts: dict[str,
     for k, output in enumerate(record.output_names):
         y = record.outputs[:, k]
         counted = late & np.isfinite(y)
-        if counted.sum() < FEWEST:
+        if counted.sum() < LEAST_SAMPLES:
             raise DataError(
                 f"Output `{output}` of record `{record.name}` has {int(counted.sum())} samples "
-                f"that count, but a validation takes at least {FEWEST}."
+                f"that count, but a validation takes at least {LEAST_SAMPLES}."
             )
         for part, mask in parts.items():
             kept = counted & mask
@@ -256,7 +256,7 @@ def _score_parts(record: Sampled, computed: Numbers, skip: int, parts: dict[str,
 def _test_whiteness(record: Sampled, residuals: Numbers) -> Iterable[Whiteness]:
     for k, output in enumerate(record.output_names):
         piece = residuals[known_stretch(residuals[:, k]), k]
-        if len(piece) >= FEWEST:
+        if len(piece) >= LEAST_SAMPLES:
             yield assess_whiteness(piece, f"{record.name}, {output}")
 
 

@@ -22,7 +22,7 @@ from martensite.kernels.bracketed_newton import solve_bracketed
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import AbstractSource
 
-LEAST = 1e-30
+LEAST_CURRENT = 1e-30
 """Current [A] that counts as zero."""
 
 
@@ -63,7 +63,7 @@ class SharedSupply(Parametrised):
         def excess(xp: Namespace, voltage: Scalar) -> Scalar:
             current = self.sum_currents(xp, consumers, voltage)
             drooped = voltage - self.voltage + self.internal_resistance * current
-            held = voltage - voltage * (self.current_limit / xp.maximum(current, LEAST))
+            held = voltage - voltage * (self.current_limit / xp.maximum(current, LEAST_CURRENT))
             return xp.maximum(drooped, held) if limited else drooped
 
         return solve_bracketed(xp, excess, self.voltage, (0.0, 1.01 * self.voltage), smooth=False)

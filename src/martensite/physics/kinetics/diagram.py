@@ -16,7 +16,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import Number, Parametrised, option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics.asymmetry import NONE, SIDED_METHODS, by_side
-from martensite.physics.kinetics.hardening import LEAST_EXPONENT, MOST
+from martensite.physics.kinetics.hardening import LEAST_EXPONENT, MOST_WAIST
 from martensite.physics.laws.base import AbstractLaw, Fractions
 
 WIDTHS = (("M_f", "M_s"), ("A_s", "A_f"))
@@ -111,8 +111,12 @@ class AbstractShapes(Parametrised):
     n_2: Number = param("1", "roundness of the forward end", low=LEAST_EXPONENT, high=1.0, default=1.0)
     n_3: Number = param("1", "roundness of the reverse end", low=LEAST_EXPONENT, high=1.0, default=1.0)
     n_4: Number = param("1", "roundness of the reverse start", low=LEAST_EXPONENT, high=1.0, default=1.0)
-    waist_f: Number = param("1", "waist of the forward range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.8)
-    waist_r: Number = param("1", "waist of the reverse range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.9)
+    waist_f: Number = param(
+        "1", "waist of the forward range, if waisted", low=0.0, high=MOST_WAIST, default=0.0, typical=0.8
+    )
+    waist_r: Number = param(
+        "1", "waist of the reverse range, if waisted", low=0.0, high=MOST_WAIST, default=0.0, typical=0.9
+    )
     curvature_f: Number = param("K/Pa^2", "bend of the forward line, if curved", low=-1e-14, high=1e-14, default=0.0)
     curvature_r: Number = param("K/Pa^2", "bend of the reverse line, if curved", low=-1e-14, high=1e-14, default=0.0)
     widening_f: Number = param("K/Pa", "growth of the forward range, if curved", low=0.0, high=1e-6, default=0.0)

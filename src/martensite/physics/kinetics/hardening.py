@@ -85,7 +85,7 @@ def _improve_root(xp: Namespace, p: Scalar, twice: Scalar, near: Scalar, far: Sc
     return xp.maximum(p - (p + 1.0 - rest - twice) / slope, 0.0)
 
 
-MOST = 0.98
+MOST_WAIST = 0.98
 """Largest b: there the middle is fifty times as steep as without a waist."""
 HALF_LOG = 0.5 * math.log(2.0 * math.pi)
 SHIFT = 6

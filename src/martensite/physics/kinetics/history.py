@@ -28,7 +28,7 @@ from typing import Any, NamedTuple, TypeAlias
 from martensite.kernels import floats
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.physics.kinetics.return_points import (
-    GONE,
+    COMPLETE_REST,
     BranchCourse,
     ReturnPoints,
     commit_course,
@@ -39,7 +39,7 @@ from martensite.physics.kinetics.return_points import (
 )
 
 RESUME, RESTART, RETURN_POINT = "resume", "restart", "return-point"
-LEAST = 1e-3
+LEAST_REST = 1e-3
 """Part of a transformation below which nothing is left of it."""
 
 FARTHEST = 60.0
@@ -377,7 +377,7 @@ def remember_points(
     share = find_left(left, xp, limit_distance(xp, move.distance(after.stress, after.temperature, xp), endless), ahead)
     turned, other = before.branch * move.direction < 0.0, xp.where(ahead, before.fraction, 1.0 - before.fraction)
     rest = xp.where(ahead, 1.0 - after.fraction, after.fraction)
-    interrupts = xp.both(turned, other > GONE)
+    interrupts = xp.both(turned, other > COMPLETE_REST)
     points = commit_course(xp, before.points, move.course, move.direction, interrupts, share, rest)
     return after._replace(points=points)
 
@@ -408,10 +408,10 @@ def relocate_memory(
         was = xp.where(ahead, 1.0 - memory.fraction, memory.fraction)
         now = xp.where(ahead, 1.0 - fraction, fraction)
         then, there = (find_left(left, xp, xp.clip(v, 0.0, 1.0), ahead) for v in (before, after))
-        some = xp.both(was > LEAST, now > LEAST)
-        grown = xp.where(some, now / xp.maximum(was, LEAST), 1.0)
-        inside = xp.both(then > LEAST, there > LEAST)
-        scale = memory.scale * grown * xp.where(inside, then / xp.maximum(there, LEAST), 1.0)
+        some = xp.both(was > LEAST_REST, now > LEAST_REST)
+        grown = xp.where(some, now / xp.maximum(was, LEAST_REST), 1.0)
+        inside = xp.both(then > LEAST_REST, there > LEAST_REST)
+        scale = memory.scale * grown * xp.where(inside, then / xp.maximum(there, LEAST_REST), 1.0)
     scale = xp.where(xp.abs(memory.branch) > 0.0, scale, memory.scale)
     return OneFractionMemory(fraction, memory.branch, scale, stress, temperature)
 
@@ -434,8 +434,8 @@ def relocate_points(
             find_left(left, xp, limit_distance(xp, strip.distance(at.stress, at.temperature, xp), strip.endless), forth)
             for at in (memory, after)
         )
-        least = 0.0 if strip.endless else LEAST
-        return compare_parts(xp, before, there, least), compare_parts(xp, was, now, LEAST)
+        least = 0.0 if strip.endless else LEAST_REST
+        return compare_parts(xp, before, there, least), compare_parts(xp, was, now, LEAST_REST)
 
     forward = compare_rests(strips[0], True, 1.0 - memory.fraction, 1.0 - after.fraction)
     reverse = compare_rests(strips[1], False, memory.fraction, after.fraction)

@@ -29,14 +29,14 @@ from martensite.kernels.nested import NestedShape, flatten_numbers
 
 DEPTH = 8
 """Interrupted branches that are remembered of each direction."""
-HAIR = 1e-12
+SHARE_TOLERANCE = 1e-12
 """Difference of two L or of two fractions that counts as zero."""
 STEEPEST = 10.0
 """Largest ratio of the slope of the way back to a branch to the slope of the branch."""
 NOWHERE = 2.0 * DEPTH
 NONE, PASSED = -1.0, 2.0
 """An L below and one above all others."""
-GONE = 1e-15
+COMPLETE_REST = 1e-15
 """Remaining fraction of a transformation that counts as complete."""
 
 
@@ -148,7 +148,7 @@ def find_closing(xp: Namespace, target: Branch, share: Scalar, rest: Sequence[Sc
     falls = [a - line.at(target.share) for a, line in zip(rest, target.lines, strict=True)]
     line = target.lines[0]
     gentle = falls[0] <= STEEPEST * line.scale * (share - target.share)
-    closes = xp.both(xp.both(falls[0] >= 0.0, gentle), rest[0] <= line.at(1.0) + HAIR)
+    closes = xp.both(xp.both(falls[0] >= 0.0, gentle), rest[0] <= line.at(1.0) + SHARE_TOLERANCE)
     return xp.both(closes, admits(falls)) if admits else closes
 
 
@@ -188,11 +188,11 @@ def commit_course(
     """
     ahead, back = direction > 0.0, direction < 0.0
     low = xp.minimum(course.branch.share, share)
-    lines = follow_lines(xp, course, low - HAIR)
+    lines = follow_lines(xp, course, low - SHARE_TOLERANCE)
     branch = choose_branch(xp, xp.either(ahead, back), Branch(low, lines), points.branch)
     count = course.met
     for k, one in reversed(list(enumerate(course.outer))):
-        count = xp.where(low - HAIR < one.share, float(k), count)
+        count = xp.where(low - SHARE_TOLERANCE < one.share, float(k), count)
     own = xp.where(ahead, points.forwards, points.reverses)
     others = xp.where(ahead, points.reverses, points.forwards)
     full = xp.both(interrupts, others >= DEPTH)
@@ -201,7 +201,7 @@ def commit_course(
     # a loop consists of one branch of either direction: as many are wiped out of both
     wiped = own - count - xp.where(full, 1.0, 0.0)
     others = xp.maximum(xp.where(interrupts, slot + 1.0, others) - wiped, 0.0)
-    count, others = (xp.where(left > GONE, number, 0.0) for number in (count, others))
+    count, others = (xp.where(left > COMPLETE_REST, number, 0.0) for number in (count, others))
     return ReturnPoints(
         branch,
         put_branch(xp, points.forward, xp.where(back, slot, NOWHERE), stopped),

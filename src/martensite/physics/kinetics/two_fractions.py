@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.physics.kinetics.history import (
-    LEAST,
+    LEAST_REST,
     RESTART,
     RETURN_POINT,
     PathPoint,
@@ -35,8 +35,8 @@ from martensite.physics.kinetics.history import (
     turning_point,
 )
 from martensite.physics.kinetics.return_points import (
-    GONE,
-    HAIR,
+    COMPLETE_REST,
+    SHARE_TOLERANCE,
     Branch,
     BranchCourse,
     BranchLine,
@@ -172,12 +172,12 @@ def relocate_memory(
     def compare_shares(main: Strip, bend: Scalar) -> Scalar:
         distances = (main.distance(s, xp.maximum(t, bend)) for s, t in (origin, (stress, temperature)))
         before, after = (compute_cosine_rest(xp, xp.clip(v, 0.0, 1.0)) for v in distances)
-        return compare_parts(xp, before, after, LEAST)
+        return compare_parts(xp, before, after, LEAST_REST)
 
     changes = list(zip((memory.martensite, memory.oriented), fractions, strict=True))
     forth = xp.where(of_twins, compare_shares(diagram.cooling, 0.0), compare_shares(diagram.loading, diagram.bend))
-    forward = [forth, *(compare_parts(xp, 1.0 - a, 1.0 - b, LEAST) for a, b in changes)]
-    reverse = [compare_shares(diagram.reverse, 0.0), *(compare_parts(xp, a, b, LEAST) for a, b in changes)]
+    forward = [forth, *(compare_parts(xp, 1.0 - a, 1.0 - b, LEAST_REST) for a, b in changes)]
+    reverse = [compare_shares(diagram.reverse, 0.0), *(compare_parts(xp, a, b, LEAST_REST) for a, b in changes)]
     points = scale_points(xp, memory.recalled.points, memory.branch > 0.0, forward, reverse)
     recalled = memory.recalled._replace(points=points)
     return TwoFractionMemory(*fractions, memory.branch, *reaches, stress, temperature, recalled)
@@ -308,7 +308,7 @@ def turn_points(
     """
     points, turned = recalled.points, memory.branch * direction < 0.0
     forward = 1.0 - xp.where(recalled.twinned > 0.5, memory.martensite, memory.oriented)
-    goes_on = xp.where(direction > 0.0, memory.martensite, forward) > GONE
+    goes_on = xp.where(direction > 0.0, memory.martensite, forward) > COMPLETE_REST
     forget = xp.both(turned, xp.negate(goes_on))
     forwards, reverses = (xp.where(forget, 0.0, one) for one in (points.forwards, points.reverses))
     return points._replace(forwards=forwards, reverses=reverses), xp.both(turned, goes_on)
@@ -330,8 +330,8 @@ def select_points(xp: Namespace, memory: TwoFractionMemory, found: Courses) -> t
 
     def admits_falls(falls: Sequence[Scalar]) -> Flag:
         all_of_it, oriented = falls
-        forth = xp.either(twinned > 0.5, all_of_it <= oriented + HAIR)
-        back = xp.both(oriented >= -HAIR, oriented <= all_of_it + HAIR)
+        forth = xp.either(twinned > 0.5, all_of_it <= oriented + SHARE_TOLERANCE)
+        back = xp.both(oriented >= -SHARE_TOLERANCE, oriented <= all_of_it + SHARE_TOLERANCE)
         return xp.either(xp.both(ahead, forth), xp.both(found.back, back))
 
     rest = [xp.where(ahead, 1.0 - one, one) for one in (memory.martensite, memory.oriented)]

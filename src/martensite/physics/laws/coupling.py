@@ -27,15 +27,15 @@ Settle = Callable[[Namespace, Fractions], tuple[Scalar, Scalar]]
 
 REFINED = 2
 """Newton steps of the first guess; they do not ask the law for an answer."""
-LEAST = 1e-30
+LEAST_OVERSHOOT = 1e-30
 """Overshoot [-] below which nothing transforms."""
-NEAR = 1e-3
+POLISHING_STEP = 1e-3
 """Step on the chord from which Newton's method in both fractions goes on."""
 WHOLE = 4.0
 """So many roundings from the whole chord are the whole chord."""
 POLISHED = 1e-13
 """Mismatch of the fractions [-] that counts as zero."""
-MOST = 24
+MOST_STEPS = 24
 """Steps of Newton's method in both fractions."""
 
 
@@ -69,7 +69,7 @@ def advance_memory(
 
     aim = type(start)(*answer(xp, start))
     guess = _guess_place(xp, drive) if law.steep else _expect_place(xp, start, aim, change)
-    enough = SMALL if law.one_way or law.steep else NEAR
+    enough = SMALL if law.one_way or law.steep else POLISHING_STEP
     end = _seek_on_chord(xp, answer, start, aim, guess, enough, not law.steep)
     if not law.one_way:
         end = _polish_fractions(xp, answer, end)
@@ -116,7 +116,7 @@ def _seek_on_chord(
     """Return the point of the chord from `start` through `aim` that the law answers with itself."""
     ways = [b - a for a, b in zip(start, aim, strict=True)]
     size = sum_column([xp.abs(way) for way in ways])
-    moves = size > LEAST
+    moves = size > LEAST_OVERSHOOT
     share = xp.where(moves, 1.0 / xp.where(moves, size, 1.0), 0.0)
     shares = [xp.where(way < 0.0, -share, share) for way in ways]
 
@@ -153,7 +153,7 @@ def _polish_fractions(
         return (xp.where(going, 1.0, 0.0), *kept, length, left)
 
     begin = 1.0, *start, *[0.0 for _ in start], 1.0, float("inf")
-    going, *found, length, _ = xp.iterate(MOST, turn, *begin)
+    going, *found, length, _ = xp.iterate(MOST_STEPS, turn, *begin)
     end = move(found, xp.where(going > 0.0, 0.0, length))
     at = type(start)(*(xp.detach(x) for x in end))
     step, _ = _compute_newton_step(xp, answer, at)

@@ -22,7 +22,7 @@ from martensite.physics.thermal.base import Cylinder
 
 ENDS: Registry[AbstractEnds] = Registry("ends", "martensite.physics.thermal")
 
-LEAST = 0.01
+PARABOLA_LIMIT = 0.01
 """Half lengths per healing length below which the profile counts as a parabola."""
 
 
@@ -55,7 +55,7 @@ class ClampedEnds(AbstractEnds):
         section = 0.25 * math.pi * shape.diameter * shape.diameter
         along = self.thermal_conductivity * section
         healing = xp.sqrt(4.0 * film / (self.thermal_conductivity * shape.diameter))
-        b = xp.maximum(0.5 * healing * shape.length, LEAST)
+        b = xp.maximum(0.5 * healing * shape.length, PARABOLA_LIMIT)
         heat = xp.tanh(b)
         contact = 2.0 * b * along / (shape.length * self.contact)
         kept = 1.0 - heat / (b * (1.0 + contact * heat))

@@ -25,7 +25,7 @@ CLOSE = 0.25
 """Largest distance of a row from its place on a grid, in intervals."""
 SAME = 1e-4
 """Relative difference of intervals that is one of printed times."""
-FEWEST = 20
+LEAST_ROWS = 20
 """Rows that a piece between two gaps must have."""
 APART = 3.0
 """Rows further apart than so many usual distances are a gap, over which nothing is known."""
@@ -139,14 +139,14 @@ def split_at_gaps(
     if not gaps.any() or _find_grid(times, None).places is None:
         return (from_record(record, inputs, outputs, interval, units),)
     parts = pieces_of_record(record, inputs, outputs, (APART + 0.5) * usual, interval, units)
-    long = [part for part in parts if len(part) >= FEWEST]
+    long = [part for part in parts if len(part) >= LEAST_ROWS]
     if not long:
         return (from_record(record, inputs, outputs, interval, units),)
     missing = float(np.diff(times[rows])[gaps].sum())
     count = f"{int(gaps.sum())} gaps" if gaps.sum() > 1 else "a gap"
     said = f"Inputs are missing for {missing:.4g} s in {count}; the record is split there into {len(long)} of their own"
     short = len(parts) - len(long)
-    said += f", {short} shorter than {FEWEST} rows left out." if short else "."
+    said += f", {short} shorter than {LEAST_ROWS} rows left out." if short else "."
     return (replace(long[0], remarks=(said, *long[0].remarks)), *long[1:])
 
 

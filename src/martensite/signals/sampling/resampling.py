@@ -16,7 +16,7 @@ import numpy as np
 from martensite.base.errors import DataError, suggest_name
 from martensite.signals.sampling.sampled import Numbers, Sampled
 
-NEAR = 1e-9
+COUNT_TOLERANCE = 1e-9
 """Relative rounding that is forgiven where samples are counted."""
 
 
@@ -36,7 +36,7 @@ def resample_record(record: Sampled, interval: float | None = None, *, ratio: fl
     factor = interval / record.interval if interval is not None else ratio or 0.0
     if not 0.0 < factor < np.inf:
         raise DataError(f"The ratio of resampling must be above 0, but is {factor:g}.")
-    if abs(factor - 1.0) < NEAR:
+    if abs(factor - 1.0) < COUNT_TOLERANCE:
         return record
     inputs, outputs = (_average_samples if factor > 1.0 else _refine_samples)(record, factor)
     if not len(inputs):
@@ -49,7 +49,7 @@ def resample_record(record: Sampled, interval: float | None = None, *, ratio: fl
 
 def _average_samples(record: Sampled, factor: float) -> tuple[Numbers, Numbers]:
     """Return the means over new samples; NaN where less than half of one is known."""
-    edges = factor * np.arange(int(len(record) / factor * (1.0 + NEAR)) + 1)
+    edges = factor * np.arange(int(len(record) / factor * (1.0 + COUNT_TOLERANCE)) + 1)
     known = np.isfinite(record.outputs)
     shares = _average_held(known.astype(float), edges)
     sums = _average_held(np.where(known, record.outputs, 0.0), edges)
@@ -70,12 +70,12 @@ def _average_held(values: Numbers, edges: Numbers) -> Numbers:
 
 
 def _refine_samples(record: Sampled, factor: float) -> tuple[Numbers, Numbers]:
-    count = int((len(record) - 1) / factor * (1.0 + NEAR)) + 1
+    count = int((len(record) - 1) / factor * (1.0 + COUNT_TOLERANCE)) + 1
     places = np.minimum(factor * np.arange(count), len(record) - 1)
-    left = np.floor(places * (1.0 + NEAR)).astype(int)
+    left = np.floor(places * (1.0 + COUNT_TOLERANCE)).astype(int)
     share = np.maximum(places - left, 0.0)[:, None]
     right = np.minimum(left + 1, len(record) - 1)
-    exact = share < NEAR * len(record)
+    exact = share < COUNT_TOLERANCE * len(record)
     between = (1.0 - share) * record.outputs[left] + share * record.outputs[right]
     return record.inputs[left], np.where(exact, record.outputs[left], between)
 

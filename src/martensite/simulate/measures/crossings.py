@@ -20,7 +20,7 @@ from martensite.simulate.measures.run_table import Numbers, RunTable
 
 Places: TypeAlias = NDArray[np.intp]
 Flags: TypeAlias = NDArray[np.bool_]
-LEAST = 1e-12, 1e-9
+LEAST_WAY = 1e-12, 1e-9
 """Least way, in SI and as a share of the largest sample."""
 
 
@@ -231,7 +231,7 @@ class ColumnCrossings:
         self.share = share
         self.turn: Places = np.abs(gone).argmax(axis=1)
         furthest = _take_sample(gone, self.turn)
-        least: Numbers = LEAST[0] + LEAST[1] * np.abs(seen).max(axis=1)
+        least: Numbers = LEAST_WAY[0] + LEAST_WAY[1] * np.abs(seen).max(axis=1)
         self.none: Flags = np.abs(furthest) <= least
         """True if the path leads nowhere."""
         self.sign = np.where(furthest >= 0.0, 1.0, -1.0)

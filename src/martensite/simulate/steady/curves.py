@@ -17,7 +17,7 @@ from martensite.simulate.steady.rotations import ResponseCurve, require_same_hea
 Residual = Callable[[Numbers], Sequence[float] | Numbers | float]
 Sizes = Sequence[float] | Callable[[Numbers], Sequence[float] | Numbers] | None
 """Scale of each unknown, or a function of the unknowns that returns the scales."""
-LEAST = 1e-3
+LEAST_SIZE = 1e-3
 """Size of an unknown near 0, where none is given."""
 NUDGE = 1e-6
 """By how much an unknown is moved to difference a residual, in its size: third root of rounding."""
@@ -57,7 +57,7 @@ class DifferencedEquations:
     def _choose_sizes(self, point: Numbers) -> Numbers:
         given = self._sizes
         if given is None:
-            return np.maximum(np.abs(point), LEAST)
+            return np.maximum(np.abs(point), LEAST_SIZE)
         return np.asarray(given(point) if callable(given) else given, float)
 
     def linearise(self, point: Numbers) -> Linearised:

@@ -35,13 +35,13 @@ from martensite.simulate.steady.subjects import Subject
 if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
 
-LEAD, MOST = 4, 20_000
+LEAD_PERIODS, MOST_PERIODS = 4, 20_000
 """Periods that are run before the first Newton step, and in all."""
 ROUNDING = 1e-14
 """Part of a Newton step that counts as zero, in sizes of the states."""
 QUIET = 1e-9
 """Change of a martensite fraction that counts as zero."""
-FEWEST = 200
+LEAST_STEPS = 200
 """Steps in a period."""
 
 
@@ -121,7 +121,7 @@ class Shooting:
     transformations go on the periods are run.
     """
 
-    def __init__(self, motion: PeriodicMotion | Any, begin: Numbers, most: int = MOST) -> None:
+    def __init__(self, motion: PeriodicMotion | Any, begin: Numbers, most: int = MOST_PERIODS) -> None:
         self.most = most
         system = motion.stretch.system
         self.motion, self.state, self.count, self.left = motion, begin, 0, math.inf
@@ -136,7 +136,7 @@ class Shooting:
         Raises:
             SolveError: it does not.
         """
-        self._march(LEAD)
+        self._march(LEAD_PERIODS)
         wait = 1
         while self.count < self.most:
             self.left = self.motion.measure_change(self.state)
@@ -226,7 +226,7 @@ def build_period(
     Raises:
         InputError: a waveform does not repeat itself in the period.
     """
-    longest = step or min(period / FEWEST, longest_step(system))
+    longest = step or min(period / LEAST_STEPS, longest_step(system))
     rows = list[Numbers]()
     grids = [grid_of(system, dict(waveforms), count * period, count + 1, longest) for count in (1, 2)]
     for grid in grids:

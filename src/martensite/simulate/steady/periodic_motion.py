@@ -34,7 +34,7 @@ INERT = 1e-13
 """Largest distance of a neutral row or column from the unit matrix, as a fraction of the largest entry."""
 NEUTRAL = 1e-6
 """Largest distance of a neutral Floquet multiplier from the unit circle."""
-LEAST = 0.02
+LEAST_SIZE = 0.02
 """Size of a parameter near 0, as a share of how far it is varied."""
 
 
@@ -207,7 +207,7 @@ class PeriodicMotion:
         largest = np.maximum(np.abs(states).max(axis=0), 1e-12)
         if self.rotor is not None:
             largest[self.rotor] = 1.0
-        spans = np.array([LEAST * one.span for one in self.varied])
+        spans = np.array([LEAST_SIZE * one.span for one in self.varied])
         values = np.maximum(np.abs(point[self.size + self.times :]), spans)
         return np.concatenate([largest, point[self.size : self.size + self.times], values])
 
