@@ -84,9 +84,9 @@ def test_several_methods_stand_in_one_sentence() -> None:
     with pytest.raises(MissingMethodError) as caught:
         LAWS.register("test-half")(Half)
     assert str(caught.value) == (
-        f"`Half` in {__name__} must define `young(fractions)`: Young's modulus [Pa]; "
-        "`left(xp, distance)`: What a process leaves at a distance from its finish line, as a "
-        "share of all [-] (see `AbstractPhaseDiagram` in martensite.physics.kinetics.diagram and "
+        f"`Half` in {__name__} must define `young(fractions)`: Return Young's modulus [Pa]; "
+        "`left(xp, distance)`: Return the fraction that a process leaves at a distance from its finish line [-] "
+        "(see `AbstractPhaseDiagram` in martensite.physics.kinetics.diagram and "
         "`AbstractStripLaw` in martensite.physics.kinetics.strips). Is `lefft` meant as `left`?"
     )
 

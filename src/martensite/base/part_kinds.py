@@ -25,7 +25,7 @@ def find_annotated(owner: type[Any], name: str) -> tuple[type[Any], ...]:
 
 
 def _list_classes(annotation: Any) -> list[type[Any]]:
-    """The classes of a union or of `Given[AbstractLaw]`; of another type with arguments, such as a tuple, its own."""
+    """Return the classes of a union or of `Given[AbstractLaw]`; for a generic type, such as a tuple, its origin."""
     origin = get_origin(annotation)
     if origin in (Union, UnionType, Given):
         return [one for inner in get_args(annotation) for one in _list_classes(inner)]

@@ -130,7 +130,7 @@ class Summary:
     def format_lines(
         self, width: int = PAGE_WIDTH, paint: Callable[[str, Tone], str] = lambda text, _: text
     ) -> Iterator[str]:
-        """Lines of plain text, its tables within a width; pictures and details are left out, sentences never broken."""
+        """Return plain text, with tables within a width and unbroken sentences, without pictures and details."""
         if self.title:
             yield paint(self.title, "title")
         if self.lead:

@@ -52,7 +52,7 @@ def format_table(
     width: int,
     paint: Paint = lambda _, text: text,
 ) -> Iterator[str]:
-    """Lines of a table that takes at most `width` columns of text; cells below `right` headings are never wrapped."""
+    """Return lines of a table of at most `width` columns of text; cells below `right` headings are not wrapped."""
     columns = [_Column(name, [row[k] for row in rows], k in right) for k, name in enumerate(head)]
     for k, group in enumerate(_group_columns(columns, width)):
         if k:

@@ -387,15 +387,15 @@ class GraphNamespace:
         return self.graph.apply("power", base, exponent)
 
     def each(self, body: Callable[..., Sequence[Any]], *columns: Sequence[Any]) -> tuple[list[Expr], ...]:
-        """One loop over the rows of the columns."""
+        """Add one loop over the rows of the columns."""
         return self.graph.loop(body, columns)
 
     def repeat(self, count: int, body: Callable[..., Sequence[Any]], *state: Any) -> list[Expr]:
-        """One loop over a state."""
+        """Add one loop over a state."""
         return self.graph.repeat(count, body, state)
 
     def iterate(self, most: int, body: Callable[..., Sequence[Any]], *state: Any) -> list[Expr]:
-        """One loop over a state that ends where the first number is not above 0."""
+        """Add one loop over a state that ends where the first number is not above 0."""
         return self.graph.repeat(most, body, state, stops=True)
 
     def clip(self, x: Any, low: Any, high: Any) -> Any:

@@ -62,7 +62,7 @@ def differentiate_program(
 def differentiate_results(
     program: Program, name: str, places: Sequence[int], inputs: Sequence[str]
 ) -> list[list[Expr]]:
-    """Derivatives of some results of a function by some of its inputs, by their full names: a row for each result.
+    """Differentiate some results of a function by some inputs, by their full names: a row for each result.
 
     They are plain numbers of the same graph, which every runtime prints as it prints values.
     """

@@ -91,7 +91,7 @@ class BatchRunner:
         return found if worst[0, 0] <= SOLVED and np.isfinite(found).all() else None
 
     def run_driven(self, values: Numbers, grid: LaneGrid) -> Numbers:
-        """Outputs (lanes, samples, outputs) of one set of numbers, each lane with its own signals; NaN if it fails."""
+        """Compute outputs (lanes, samples, outputs) of one set of numbers, with signals by lane; NaN if it fails."""
         if self.native:
             return self._judge_lanes(list(np.repeat(values[:, None], LANES, axis=1)), grid)
         found = [self._march_floats(values, grid.lane(lane)) for lane in range(grid.lengths.shape[1])]
@@ -103,7 +103,7 @@ class BatchRunner:
         return self._judge_lanes(list(table.T), grid)
 
     def run_slopes(self, values: Numbers, seeds: Numbers) -> tuple[Numbers, Numbers] | None:
-        """One run and its derivatives (samples, outputs, directions) along seeds (parameters, directions), or None."""
+        """Make a run with derivatives (samples, outputs, directions) along seeds (parameters, directions), or None."""
         if not self.native:
             return self._difference(values, seeds)
         from martensite.simulate.native_slopes import march_slopes

@@ -134,7 +134,7 @@ class BoxObjective(Protocol):
         ...
 
     def differentiate(self, z: Numbers) -> PointSlopes | None:
-        """One point with its derivatives; None where a run fails."""
+        """Return one point with its derivatives; None where a run fails."""
         ...
 
 

@@ -77,7 +77,7 @@ class Uncertainty:
         return tuple(tuple(c * one * other for c, other in zip(row, self.errors, strict=True)) for one, row in rows)
 
     def interval(self, name: str, level: float = LEVEL) -> Interval:
-        """Confidence interval of a parameter, were all samples independent."""
+        """Return the confidence interval of a parameter under the assumption that all samples are independent."""
         return self._about(name, level, self.freedom, 1.0)
 
     def widened(self, name: str, level: float = LEVEL) -> Interval:

@@ -151,7 +151,7 @@ def compute_autocorrelation(residuals: Any, lengths: Sequence[int] | None = None
 
 
 def count_effective_samples(residuals: Any, lengths: Sequence[int] | None = None) -> float:
-    """Number of independent samples with as much to say; at most the number of samples. See `compute_autocorrelation`.
+    """Return the equivalent number of independent samples, at most all samples; see `compute_autocorrelation`.
 
     Raises:
         DataError: the residuals are none or not finite, or not as many as `lengths` say.

@@ -47,7 +47,7 @@ class AbstractWaveform(AbstractDrive):
         """A waveform remembers nothing."""
 
     def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Any]:
-        """The value at `time` [s], whatever is measured."""
+        """Return the value at `time` [s], independent of measurements."""
         return self.value(time), memory
 
     @abstractmethod

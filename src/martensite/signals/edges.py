@@ -46,7 +46,7 @@ def find_interval(time: float, guess: float, start: Callable[[int], float]) -> i
 
 
 def blend_levels(first: float, last: float, share: float) -> float:
-    """The level at a share of the way from `first` to `last`, never outside the two."""
+    """Return the level at a fraction of the way from `first` to `last`, never outside the two."""
     if share <= 0.0:
         return first
     if share >= 1.0:

@@ -25,7 +25,7 @@ class Held(AbstractWaveform):
         return select_inside((self._start(k) for k in range(1, len(self.values))), duration)
 
     def segments(self, begin: float) -> Iterator[Segment]:
-        """One for each value."""
+        """Yield one segment for each value."""
         for k in range(self._period(begin), len(self.values)):
             yield Segment(self._start(k), self.values[k])
 

@@ -25,7 +25,7 @@ class AbstractPulses(AbstractWaveform):
         """Return the share of period k that is on."""
 
     def levels(self) -> tuple[float, float]:
-        """Signal while a pulse is on, and while it is off."""
+        """Return the signal while a pulse is on, and while it is off."""
         return 1.0, 0.0
 
     def is_on(self, time: float) -> bool:

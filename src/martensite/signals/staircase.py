@@ -41,7 +41,7 @@ class Staircase(AbstractWaveform):
         return select_inside((self._start(k) for k in range(1, jumps + 1)), duration)
 
     def segments(self, begin: float) -> Iterator[Segment]:
-        """One for each level."""
+        """Yield one segment for each level."""
         for step in range(self._step(begin), self._last + 1):
             yield Segment(self._start(step), self._level(step))
 

@@ -187,7 +187,7 @@ class _Walk:
         """Outputs when the source was last on."""
 
     def run(self) -> Marched:
-        """All periods; failures are a status, and of a period that leaves the envelope only the start is kept."""
+        """Run all periods; failures are a status. Of a period that leaves the envelope only the start is kept."""
         memory: Any = self.plan.drive.init()
         try:
             for k in range(self.plan.periods):

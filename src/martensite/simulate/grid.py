@@ -180,7 +180,7 @@ def is_jump(before: Signals, after: Signals) -> bool:
 
 
 def lane_grid(grids: Sequence[TimeGrid]) -> LaneGrid:
-    """One grid of all lanes from that of each; they must have the same samples."""
+    """Merge the grids of all lanes into one; the grids must have the same samples."""
     import numpy as np
 
     counts = np.array([grid.counts for grid in grids], np.int_)

@@ -47,7 +47,7 @@ class Judgement:
 
     @property
     def verdict(self) -> str:
-        """One sentence: all limits are kept, or each exceeded limit with the value and the limit."""
+        """Return one sentence: all limits are kept, or each exceeded limit with the value and the limit."""
         if self.kept:
             return "All limits are kept."
         words = [self.outside] if self.outside else []

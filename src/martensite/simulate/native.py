@@ -116,7 +116,7 @@ def march_c(
     limits: RunLimits | None = None,
     start: Sequence[float] = (),
 ) -> Marched:
-    """One run on the C runtime, from a start or from rest."""
+    """Make one run on the C runtime, from a start or from rest."""
     places = range(len(compiled.outputs))
     states = np.array(start or [np.nan] * max(compiled.size, 1), float).reshape(-1, 1)
     rows, worst, left = march_inside(compiled, values, grid, 1, places, limits, states)

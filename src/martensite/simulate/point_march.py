@@ -192,7 +192,7 @@ class NativeRider:
         self._programs: dict[str, CompiledProgram] = {}
 
     def _load(self, step: str) -> CompiledProgram:
-        """One library per kind of step: compiling what is not used takes seconds."""
+        """Load one library per kind of step: compiling unused functions takes seconds."""
         if step in self._programs:
             return self._programs[step]
         from martensite.kernels.compiled_program import CompiledProgram

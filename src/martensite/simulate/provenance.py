@@ -23,7 +23,7 @@ NOT_TRIED = "not tried"
 
 
 def tell_conformance(things: Iterable[Any]) -> dict[str, str]:
-    """Name of every foreign part of things, or of mappings -> `conforms`, `does not conform`, or `not tried`."""
+    """Return the name of every user-defined part -> `conforms`, `does not conform`, or `not tried`."""
     return {_name_part(cls): find_record(cls) for cls in dict.fromkeys(_list_foreign(things))}
 
 

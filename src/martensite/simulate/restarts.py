@@ -27,11 +27,11 @@ RANGES = {
 }
 """Last part of the name of a number of a state -> its range: phase fractions, and temperatures [K]."""
 RANGE_TOLERANCE = 1e-6
-"""Beyond these ranges, by rounding."""
+"""Distance beyond these ranges that counts as rounding."""
 WHERE, AT, PERIOD = "[initial]", "at", "period"
-"""Table of a scenario that says where a run starts, and keys of it."""
+"""Table of a scenario for the start of a run, and its keys."""
 EQUILIBRIUM, CYCLE = "equilibrium", "settled cycle"
-"""Starts that are found by a search, values of the key `at`."""
+"""Starts that are searched for, values of the key `at`."""
 SAME = 1e-12
 """Share of a duration by which two times are the same."""
 

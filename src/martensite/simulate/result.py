@@ -274,7 +274,7 @@ class Result:
 
     @cached_property
     def track(self) -> Track | None:
-        """Outputs at all accepted steps, from which measures and alarms come; None where only samples are known."""
+        """Return outputs at all accepted steps, for measures and alarms; None where only samples are known."""
         return None if self.trace is None else self.trace.compute_track()
 
     def __getstate__(self) -> dict[str, Any]:
@@ -392,7 +392,7 @@ class Result:
 
     @property
     def stroke(self) -> Any:
-        """Largest minus smallest value of the first coordinate [m] or [rad]; for a batch an array (variants,)."""
+        """Return the range of the first coordinate [m] or [rad]; for a batch an array (variants,)."""
         return self.range(self.coordinate)
 
     def __str__(self) -> str:

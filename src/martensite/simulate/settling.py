@@ -111,7 +111,7 @@ class _Search:
         return result.restarts[-1].at_time_zero(), judge(result)
 
     def _worst(self, result: Result, measure: Callable[[list[float]], float], least_only: bool = False) -> float:
-        """Largest of what is measured of a judged column, as a share of its range, or of the least that counts."""
+        """Return the largest measure of a judged column, as a fraction of its range, or of the least range."""
         found = [0.0]
         for name, least in self.system.convergence_scales().items():
             column = result.columns[name]

@@ -285,7 +285,7 @@ class VariantSetup:
         return [rows[:, k].T for k in range(len(self.outputs))], worst, left
 
     def _march_floats(self, values: Values, grid: TimeGrid | LaneGrid, runs: int) -> OnSteps:
-        """One after another, for machines without a compiler; a failed run has a report above the limit."""
+        """Make one run after another, for machines without a compiler; a failed run has a report above the limit."""
         columns = np.full((len(self.outputs), runs, len(grid.times)), np.nan)
         reports, left = np.zeros((3, runs)), np.full(runs, np.inf)
         for run in range(runs):

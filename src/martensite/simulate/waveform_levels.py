@@ -58,7 +58,7 @@ class Levels(Parametrised):
 
     @property
     def declarations(self) -> dict[str, Declared]:  # type: ignore[override]
-        """One number per level."""
+        """Return one parameter per level."""
         return {name: Declared("parameter", "level of a waveform", REQUIRED, DRIVE) for name in self.__dict__}
 
 
@@ -241,7 +241,7 @@ class WaveformLevels:
         return found
 
     def level(self, drive: str, name: str) -> Level:
-        """One of the levels that could be steered; `ParameterError` if there is none of that name."""
+        """Return a level that can be steered, by its name; raise `ParameterError` if no level has that name."""
         known = {(level.drive, level.name): level for level in self.available()}
         if (drive, name) not in known:
             names = [level for owner, level in known if owner == drive]

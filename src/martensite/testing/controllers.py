@@ -25,7 +25,7 @@ SAMPLES = 40
 
 
 def list_readings(controller: AbstractController) -> dict[str, float]:
-    """The plant at rest, whatever else the controller reads, and references ahead at which nothing is to be done."""
+    """Return the plant at rest with all other readings, and references ahead that need no action."""
     others = {name: sum(find_range(name)) / 2.0 for name in controller.reads()}
     found = others | observe_rest()
     previews = controller.list_previews().items()

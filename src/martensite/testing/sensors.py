@@ -31,7 +31,7 @@ def silence_sensor(sensor: AbstractSensor, **numbers: float) -> AbstractSensor:
 
 
 def choose_truth(sensor: AbstractSensor, share: float = 0.6) -> list[float]:
-    """True signals, this share of the way through where they usually are."""
+    """Return true signals at this fraction of their usual ranges."""
     return [low + share * (high - low) for low, high in map(find_range, sensor.sees)]
 
 

@@ -37,7 +37,7 @@ class Members(Parametrised, Generic[Kind]):
 
     @property
     def declarations(self) -> dict[str, Declared]:  # type: ignore[override]
-        """One part per component."""
+        """Declare one part per component."""
         article = "an" if self.noun[0] in "aeiou" else "a"
         return {name: Declared("part", f"{article} {self.noun}", REQUIRED) for name in self.__dict__}
 

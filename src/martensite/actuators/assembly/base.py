@@ -175,7 +175,7 @@ class AbstractAssembly(AbstractSystem):
     mechanism: AbstractMechanism = part("what the elements pull on", MECHANISMS)
 
     def drives(self) -> list[DriveSignal]:
-        """One signal per actuator, then those of the mechanism, then those of what cools."""
+        """Return one signal per actuator, then signals of the mechanism, then signals of the cooling."""
         own = [
             DriveSignal(self.drive_at(port), one.source.unit, one.source.sets_temperature)
             for port, one in self.actuators().items()
@@ -259,7 +259,7 @@ class AbstractAssembly(AbstractSystem):
         return given
 
     def losses(self, xp: Namespace, state: State, *drives: Scalar | Feed) -> Scalar | None:
-        """Power [W] out of those elements under what cools them, in the mean; None if nothing does by a signal."""
+        """Return the mean cooling power [W] out of the elements; None if no signal drives their cooling."""
         return self._sum_losses(xp, self._loads(xp, state, drives)) if self._cooling_signals() else None
 
     def _sum_losses(self, xp: Namespace, loads: Sequence[Load]) -> Scalar:

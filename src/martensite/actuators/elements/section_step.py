@@ -165,7 +165,7 @@ class SectionStep:
     def find_heat(
         self, xp: Namespace, memory: Any, volume: Scalar, stress: Scalar, temperature: Scalar, end: Fractions
     ) -> Scalar:
-        """Heat [J] that a fibre sets free on its way to an end, at the mean stress and temperature of the way."""
+        """Return the heat [J] that a fibre releases on its way to an end, at the mean stress and temperature."""
         element, middle = self.element, (0.5 * (memory.stress + stress), 0.5 * (memory.temperature + temperature))
         latent = element.law.heat(xp, element.density * element.latent_heat, *middle)
         change = element.law.released(end) - element.law.released(element.law.fractions(memory))
@@ -204,7 +204,7 @@ class SectionStep:
         return [sum_column(column) for column in columns[:7]], list(columns[7:])
 
     def solve_elongation(self, xp: Namespace, sums: Column, at: Scalar) -> tuple[Scalar, Callable[[Scalar], Scalar]]:
-        """Elongation at which all fits, linearised at a temperature, and how much warmer it is at an elongation."""
+        """Return the elongation of the linearised balance at a temperature, and the warming at an elongation."""
         heat, (stiffness, push, softening, by_elongation, held, by_temperature, _) = self.heat, sums
         per = 1.0 / (1.0 - heat.share * by_temperature)
         none = per * (heat.base - at + heat.share * (held - heat.by_elongation * self.start.elongation))
@@ -290,6 +290,6 @@ class SectionStep:
 
 
 def _extrapolate(ends: Sequence[Scalar], stress: Scalar, temperature: Scalar) -> tuple[Scalar, Scalar]:
-    """Fractions by their slopes, for a change of stress and temperature: exact to rounding where strips are narrow."""
+    """Return the fractions by their slopes, for a change of stress and temperature; exact for narrow strips."""
     m, o, m_stress, m_heat, o_stress, o_heat = ends
     return m + m_stress * stress + m_heat * temperature, o + o_stress * stress + o_heat * temperature

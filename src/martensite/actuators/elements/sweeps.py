@@ -47,7 +47,7 @@ class SweepStep:
 
     @property
     def memories(self) -> list[Column]:
-        """One column per number of the memory."""
+        """Return one column per number of the memory."""
         rows = [flatten_numbers(memory) for memory in self.state.memories]
         return [list(column) for column in zip(*rows, strict=True)]
 

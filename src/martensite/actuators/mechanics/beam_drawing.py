@@ -22,7 +22,7 @@ SHORTEST = 0.05
 
 
 def drawn_beam(mechanism: BeamMotor, reading: DrawingState) -> list[DrawingShape]:
-    """Clamp, beam, motor, rotor, and the wire if there is one."""
+    """Draw clamp, beam, motor, rotor, and the wire if there is one."""
     tip, angle = reading.outputs["displacement"], reading.outputs["rotor_angle"]
     r, (across, reach) = mechanism.eccentricity, _measure_reach(mechanism)
     thick, tall = 0.008 * reach, 0.1 * reach

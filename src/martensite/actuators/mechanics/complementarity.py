@@ -110,7 +110,7 @@ def measure_mismatch(xp: Namespace, gaps: Column, reactions: Column) -> Scalar:
 def _move_held(
     xp: Namespace, given: Constraints, stiffness: Rows, flags: Sequence[Flag], sides: Rows, targets: Rows
 ) -> tuple[list[list[Scalar]], list[list[Scalar]]]:
-    """Motions under sides that change the gaps of what touches by the targets, and what that adds to reactions."""
+    """Return the motions that close the gaps of touching constraints, and the change of reactions."""
     slopes, columns = given.slopes, list(zip(*given.slopes, strict=True))
     matrix, weights = [list(row) for row in stiffness], list[Scalar]()
     for j, soft in enumerate(solve_linear(stiffness, slopes)):

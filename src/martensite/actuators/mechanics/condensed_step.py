@@ -110,7 +110,7 @@ class CondensedStep:
     dt: Scalar
 
     def solve_position(self, xp: Namespace) -> tuple[MotionHistory, list[Scalar], Numbers, list[Any], StepReport]:
-        """Course, stiffness of every element and reactions, states of the elements at the end, and the residual."""
+        """Return course, stiffnesses, reactions, final states of the elements, and the residual."""
         scheme = self._choose_scheme(xp)
         shape = NestedShape(
             _Turn(

@@ -123,7 +123,7 @@ def _turn_vertex(
 def correct_angles(
     xp: Namespace, plates: Plates, wanted: Sequence[Scalar], alpha: Scalar, beta: Scalar
 ) -> tuple[Scalar, Scalar]:
-    """One Gauss–Newton step of both angles [rad] towards three lengths [m].
+    """Make one Gauss–Newton step of both angles [rad] towards three lengths [m].
 
     Steps of fixed count make an observer of the posture; near a posture of the lengths each one squares the error.
     """

@@ -127,13 +127,13 @@ class AbstractMechanism(Parametrised):
         """Return the memory at the start, from the elongations [m] that the start forces give."""
 
     def initial_numbers(self) -> dict[str, str]:
-        """Coordinates and speeds that a run may start with, with their units; none where they follow from elements."""
+        """Return the coordinates and speeds that a run may start with, with units; empty if elements define them."""
         return {}
 
     def set_initial(
         self, memory: Any, given: Mapping[str, float], loads: Sequence[Load], signals: Column
     ) -> tuple[Any, list[float]]:
-        """The memory of one that was assembled, with given `initial_numbers`, on floats; and forces [N] of elements."""
+        """Return the memory with given `initial_numbers`, on floats; and the forces [N] of the elements."""
         return memory, self.observe(floats, memory, loads, signals)[0]
 
     @abstractmethod

@@ -96,7 +96,7 @@ class AbstractGrasp(AbstractMultibody, init=False):
         return found if self.contact == "stops" else found + [touch.gap for touch in self.locate_contacts(xp, position)]
 
     def outputs(self) -> dict[str, Output]:
-        """The angles, and what contacts do: the moment at every joint, the force on every phalanx and their sum."""
+        """Return the angles, the contact moment at every joint, the force on every phalanx and the sum of forces."""
         found = super().outputs()
         several = len(self.coordinates()) > 1
         places = [(f"{c.name}_", f", {c.long_name}") if several else ("", "") for c in self.coordinates()]

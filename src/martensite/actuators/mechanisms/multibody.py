@@ -138,7 +138,7 @@ class AbstractMultibody(AbstractMechanism):
         return None
 
     def dissipative(self, xp: Namespace, motion: Motion) -> Column:
-        """Part of `demand` [N] or [N m] that takes energy: its `damping`, if it declares one, times every rate."""
+        """Return the part of `demand` [N] or [N m] that dissipates: its declared `damping` times every rate."""
         damping = getattr(self, "damping", 0.0)
         return [damping * rate for rate in motion.velocity]
 

@@ -86,7 +86,7 @@ class AbstractCheck(Parametrised):
         """
 
     def find_most(self, xp: Namespace, memory: Column, dt: Scalar) -> Named:
-        """Size of the largest signals with which it holds for the next period, by drive; none if it cannot say."""
+        """Return the sizes of the largest allowed signals for the next period, by drive; empty if unknown."""
         return {}
 
     def remember_allowed(self, xp: Namespace, memory: Column, allowed: Named, dt: Scalar) -> Column:

@@ -224,7 +224,7 @@ class SignalLimits(Parametrised):
         return min(max(self.low, 0.0), self.high)
 
     def hold_integral(self, xp: Namespace, wanted: Scalar, push: Scalar, before: Scalar, after: Scalar) -> Scalar:
-        """The integral, as it was `before` where the signal is beyond a limit and its error pushes it further."""
+        """Return the integral, held at `before` where the signal is beyond a limit and its error pushes it further."""
         over, under = xp.both(wanted > self.high, push > 0.0), xp.both(wanted < self.low, push < 0.0)
         return xp.where(xp.either(over, under), before, after)
 

@@ -116,7 +116,7 @@ class ManualMode(Parametrised):
 
     @property
     def waveforms(self) -> tuple[AbstractWaveform, AbstractWaveform]:
-        """Signal by hand, and 1 while the controller has it."""
+        """Return the manual signal, and 1 while the controller sets the signal."""
         return self.signal, Step(low=0.0, high=1.0, at=self.automatic_from, until=self.automatic_until)
 
 

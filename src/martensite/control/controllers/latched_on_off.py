@@ -66,7 +66,7 @@ class LatchedOnOff(AbstractController):
         return self.measured, self.oscillation
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Latch:
-        """Off, at the beginning of a window."""
+        """Return the memory of a controller that is off, at the beginning of a window."""
         value = readings[self.oscillation]
         return Latch(0.0, 0.0, 0.0, value, value, 0.0)
 

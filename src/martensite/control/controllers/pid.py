@@ -97,7 +97,7 @@ class PidLaw(SignalLimits):
         dt: Scalar,
         sampled: bool = False,
     ) -> tuple[Scalar, PidMemory]:
-        """Signal of this sample, `dt` [s] after the one before, and what is remembered; `sampled`: gains of C(z)."""
+        """Return the signal `dt` [s] after the last sample, and the new memory; `sampled`: gains of C(z)."""
         length = 1.0 if sampled else dt
         added = gains.Ki * (reference - measured) * length
         integral = memory.integral + added

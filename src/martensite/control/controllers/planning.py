@@ -138,7 +138,7 @@ class Planner(NamedTuple):
         return shape.rebuild(turn(*flat) if rounds == 1 else xp.repeat(rounds, turn, *flat))
 
     def improve(self, xp: Namespace, known: Planned) -> Planned:
-        """One round."""
+        """Improve the plan by one round."""
         count = len(known.plan)
         middle = 0.5 * (self.limits[0] + self.limits[1])
         apart = APART * (self.limits[1] - self.limits[0])
@@ -181,7 +181,7 @@ class Planner(NamedTuple):
     def _find_direction(
         self, xp: Namespace, plan: Sequence[Scalar], slopes: Sequence[Numbers], residuals: Numbers
     ) -> Numbers:
-        """The Gauss-Newton step, without signals that a limit holds; slopes are those of the energy, then residuals."""
+        """Return the Gauss-Newton step, without signals at a limit; slopes are those of the energy, then residuals."""
         count, kinds = len(plan), len(residuals) // self.blocks
         gradient, matrix = Numbers(), [[0.0] * count for _ in range(count)]
         for i, row in enumerate(slopes):
@@ -262,7 +262,7 @@ class Planner(NamedTuple):
     def _go_block(
         self, xp: Namespace, state: Any, signals: Sequence[Scalar], wanted: tuple[Numbers, Numbers]
     ) -> Sequence[Scalar]:
-        """State after a block, means of errors and excesses, of their squares, of the power, and the worst report."""
+        """Return the state after a block, means of errors, excesses, squares and power, and the worst report."""
         shape, size, kinds = NestedShape(state), len(flatten_numbers(state)), self._count_kinds()
         part = 1.0 / self.turns
 

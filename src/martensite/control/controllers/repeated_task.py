@@ -206,7 +206,7 @@ def find_weights(half: int) -> list[float]:
 
 
 def _choose_line(xp: Namespace, flag: Flag, one: Sequence[Scalar], other: Sequence[Scalar]) -> Line:
-    """One of two lines, place by place; a long one in a loop, which a C compiler reads sooner."""
+    """Select one of two lines, place by place; a long line in a loop, which a C compiler reads sooner."""
 
     def choose(a: Scalar, b: Scalar) -> tuple[Scalar]:
         return (xp.where(flag, a, b),)

@@ -91,7 +91,7 @@ class NumberedGains(Parametrised):
 
     @property
     def declarations(self) -> dict[str, Declared]:  # type: ignore[override]
-        """One parameter per number."""
+        """Return one parameter per number."""
         return {name: _convert_number(place) for place, name in enumerate(self.__dict__, 1)}
 
     def layout(self) -> tuple[int, ...]:

@@ -112,7 +112,7 @@ class Bench(AbstractSystemAround, init=False):
         return BenchState(0.0, state, sensors, observers, controllers, held)
 
     def step(self, xp: Namespace, state: BenchState, *drives: Scalar, dt: Scalar) -> tuple[BenchState, StepReport]:
-        """One period, whatever `dt`: the plant goes on, then everything samples."""
+        """Advance by one period, whatever `dt`: the plant goes on, then everything samples."""
         given = period.sorted_inputs(self, drives)
         allowed = period.apply_supervisor(self, xp, state, given)
         signals = period.deliver_signals(self, xp, state.time, allowed.signals)

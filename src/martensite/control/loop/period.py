@@ -67,7 +67,7 @@ def collect_wanted(bench: Bench, controllers: Sequence[Controlling], given: Inpu
 
 
 def collect_idle(bench: Bench, given: Inputs) -> Numbers:
-    """Signals before anything is controlled, in the order of the drives."""
+    """Return the signals before the first control action, in the order of the drives."""
     return {drive.name: given.free.get(drive.name, 0.0) for drive in bench.plant.drives()}
 
 

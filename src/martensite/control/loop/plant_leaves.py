@@ -8,7 +8,7 @@ PLANT = "plant."
 
 
 def find_plant_leaf(bench: Bench, name: str) -> Leaf:
-    """The number of the plant that a path, or a unique ending of one, names; `ParameterError` if there is none."""
+    """Find the parameter of the plant of a path, or a unique ending; raise `ParameterError` if none matches."""
     path = bench.plant.resolve(name.removeprefix(PLANT))
     return next(leaf for leaf in bench.plant.leaves() if leaf.path == path)
 

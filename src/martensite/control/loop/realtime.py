@@ -107,7 +107,7 @@ class RealtimeStep:
         return name
 
     def _set_by_hand(self) -> list[float]:
-        """Signal and mode of every controller that has a manual mode: as it was set, or else as its file says."""
+        """Return signal and mode of every controller with a manual mode: as set, or as in its file."""
         found: list[float] = []
         for name, waveforms in self._modes.items():
             signal, automatic = (wave.value(self.count * self.bench.period) for wave in waveforms)

@@ -115,7 +115,7 @@ def simulate_bench(
 
 
 def warn_of_loops(result: Result, bench: Bench, duration: float) -> Result:
-    """A result with what its guard did, what its controllers failed to do, signals that cannot be, and its end [s]."""
+    """Add actions of the guard, failures of controllers, impossible signals, and the end [s] to a result."""
     faults = [
         f"Warning: {one.sentence} {one.remedy}" for one in (*check_signals(bench), *check_guard(bench)) if one.fault
     ]

@@ -223,7 +223,7 @@ class SwitchedMotion:
         return self.stretch.observe(states, signals)[self.switch.output]
 
     def _find_event(self, state: Numbers, level: float, threshold: float, sign: float) -> _Leg:
-        """Steps until the output is at a threshold; the last one ends there, or at the next look.
+        """Return the steps until the output reaches a threshold; the last one ends there, or at the next check.
 
         Raises:
             SolveError: it does not come there.

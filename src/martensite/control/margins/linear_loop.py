@@ -87,7 +87,7 @@ def linearise_loops(
 
 
 def linearise_dead_band(bench: Bench, drive: str, point: SteadyPoint) -> LinearLoop:
-    """The loop after a turn at a point of the heating branch, within the dead band; arguments as `linearise_loops`."""
+    """Linearise a loop after a turn on the heating branch, in the dead band; arguments as `linearise_loops`."""
     alone = _isolate_loop(bench, drive)
     (state,) = _settle_bench(alone, drive, [point], None)
     return _linearise_at(alone, drive, state, point, "dead band")

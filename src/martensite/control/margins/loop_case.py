@@ -84,7 +84,7 @@ class LoopCase:
         return settle(np.interp(np.linspace(0.0, way[-1], SIGNALS), way, coarse.levels))
 
     def list_reached(self) -> Numbers:
-        """Readings on the heating branches of this drive, of those led, and of those that hold the same reading."""
+        """Return the readings on the heating branches of this drive, led drives, and drives with the same reading."""
         own = self.controller
         members = {**self.bench.controllers.members(), **dict.fromkeys(own.led_drives(), own), self.drive: own}
         peers = [(name, one) for name, one in members.items() if one.measured == own.measured and name != self.drive]

@@ -81,7 +81,7 @@ def _compute_fastest(case: LoopCase, sign: float, wanted: Numbers, ends: tuple[f
 
 
 def _march_until(case: LoopCase, lanes: Lanes, signal: float, done: Callable[[Numbers], Numbers], place: int) -> Curve:
-    """Times and truths until something is reached, to which the lanes are taken."""
+    """Return the times and outputs until the lanes reach a target."""
     names, dt = [one.name for one in case.bench.plant.drives()], case.bench.period / case.bench.turns
     held = case.heating.signals[:, 0].copy()
     held[names.index(case.drive)] = signal

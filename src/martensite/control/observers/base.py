@@ -40,7 +40,7 @@ class AbstractObserver(Parametrised):
         """Return the estimates, by name."""
 
     def commands(self) -> tuple[str, str] | None:
-        """Names of two estimates of one that takes the drive of its model over for a while: whether, and the signal."""
+        """Return the names of two estimates by which it commands a drive: whether it commands, and the signal."""
         return None
 
     @abstractmethod
@@ -82,7 +82,7 @@ class ObserverPeriod(NamedTuple):
 
 
 def list_required(observer: AbstractObserver, signals: Named) -> list[Scalar]:
-    """Signals of the model of an observer, in their order; `ParameterError` if the plant has no signal of that name."""
+    """Return the signals of an observer's model, in order; raise `ParameterError` if the plant lacks one."""
     for drive in observer.model.drives():
         if drive.name not in signals:
             raise ParameterError(

@@ -93,14 +93,14 @@ class Calibration(Parametrised):
             )
 
     def rest(self, reading: Scalar) -> CalibrationState:
-        """Cold, with a first reading."""
+        """Return the initial state: cold, with a first reading."""
         means = (reading, reading)
         return CalibrationState(float(COLD), 0.0, 0.0, 0.0, 0.0, *means, 0.0, 0.0, self.probe, *means, 0.0)
 
     def advance(
         self, xp: Namespace, before: CalibrationState, reading: Scalar, fresh: Scalar, dt: Scalar, heated: Scalar
     ) -> CalibrationState:
-        """A sample later.
+        """Advance the calibration by a sample.
 
         Args:
             xp: namespace.
@@ -156,7 +156,7 @@ class Calibration(Parametrised):
     def _watch_change(
         self, xp: Namespace, now: CalibrationState, at: list[Flag], reading: Scalar, step: Scalar, dt: Scalar
     ) -> CalibrationState:
-        """Running means, and for how long they have been as one; while cold they are what has been measured."""
+        """Return running means with their duration; while cold they are means of the measured values."""
         fast = now.fast + step / (FAST + dt) * (reading - now.fast)
         slow = now.slow + step / (SLOW + dt) * (reading - now.slow)
         fast, slow = (xp.where(at[COLD], now.martensite, x) for x in (fast, slow))

@@ -151,7 +151,7 @@ class ModelBank(ExtendedKalman):
         return list_usual_models(xp, self.model, list_several(self.usual), sizes)
 
     def _filters(self, xp: Namespace) -> list[AbstractFilter]:
-        """The filter of every model, with the numbers that it has now; the first is the bank itself as a filter."""
+        """Return the filter of every model, with its present parameters; the first is the bank itself."""
         made: Mapping[str, ExtendedKalman] = self.__dict__["_members"]
         settings = {key: self.__dict__[key] for key in AbstractFilter.declarations}
         models, found = self._list_models(xp), list[AbstractFilter]()

@@ -181,7 +181,7 @@ class SelfSensing(UnscentedKalman):
         return [self.temperature_noise, self.fraction_noise * xp.sqrt(room)]
 
     def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
-        """Cold and not calibrated; without a calibration, as the sheet says."""
+        """Return the initial memory: cold and not calibrated; without a calibration, as in the data sheet."""
         own = self.calibration.rest(readings[self.reads()[0]])
         if self.start == "sheet":
             own = own._replace(phase=float(READY), done=1.0)

@@ -26,7 +26,7 @@ def list_heated(plant: AbstractSystem, controllers: Mapping[str, AbstractControl
 
 
 def find_full_signal(one: Actuator, controller: AbstractController | None) -> float:
-    """Largest signal of an actuator, in the unit of its source: 1 of a duty, else the largest level of its controller.
+    """Return the largest signal of an actuator, in the unit of its source: 1 for a duty, else that of its controller.
 
     Raises:
         InputError: its controller has no largest signal.

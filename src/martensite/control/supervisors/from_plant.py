@@ -70,7 +70,7 @@ def guard_for(
 def find_bound(
     one: Actuator, drive: str, limit: float, full: float, hottest: float | None = None, least_cooling: float = 1.0
 ) -> ThermalBound:
-    """The bound on the temperature of one actuator, whose drive is called so, at a limit [K]; see `guard_for`."""
+    """Return the bound on the temperature of the actuator with this drive, at a limit [K]; see `guard_for`."""
     ambient = one.environment.temperature if hottest is None else hottest
     return ThermalBound(
         drive=drive,
@@ -85,7 +85,7 @@ def find_bound(
 
 
 def worst_power(actuator: Actuator, hottest: float, full: float) -> float:
-    """Power [W] at the full signal of the line, or parabola, that is above what any signal of either sign brings.
+    """Return the power [W] at full signal of the line, or parabola, that bounds the power of all signals.
 
     Into an element up to `hottest` [K], at any resistance; also of a source that reaches a limit before.
 

@@ -76,7 +76,7 @@ def find_worst_case(bench: Bench, drive: str, full: float) -> WorstCase:
 
 
 def bound_by_check(bench: Bench, one: Actuator, port: str, check: AbstractCheck, most: ThermalBound) -> float | None:
-    """Highest temperature [K] of an element that a check lets through, if it bounds it; `most` is its worst case."""
+    """Return the highest temperature [K] that a check admits, if it bounds it; `most` is its worst case."""
     if most.drive not in (check.cuts() or (most.drive,)):
         return None
     if isinstance(check, ThermalBound):
@@ -96,7 +96,7 @@ def bound_by_check(bench: Bench, one: Actuator, port: str, check: AbstractCheck,
 
 
 def find_transformation_end(one: Actuator, least: float) -> float:
-    """Temperature [K] from which on, at its limit of the stress, an element is austenite; at least the one given."""
+    """Return the temperature [K] above which an element is austenite at its stress limit; at least the given one."""
     law, stress, cold = one.element.law, one.element.limits.stress_limit, one.environment.temperature
     if not math.isfinite(stress):
         return least

@@ -71,7 +71,7 @@ def build_free_gains(bench: Bench, texts: Sequence[str], starts: Sequence[Mappin
 
 
 def _read_gain(text: str, unit: str) -> SearchRange:
-    """Bounds may have no unit: they are in SI then."""
+    """Read a free gain from its text; bounds without a unit are in SI."""
     return read_free(text, unit, lambda x: float(x) if is_bare(x) else units.parse_quantity(x, unit))
 
 

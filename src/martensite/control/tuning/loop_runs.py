@@ -87,7 +87,7 @@ class LoopRuns(BatchRunner):
         return self._sort_columns(self.run_many(table))
 
     def slopes(self, values: Numbers, moving: Sequence[str]) -> tuple[Seen, Seen] | None:
-        """One run, and its derivatives with respect to parameters; None if it fails.
+        """Run one loop; return the run and its derivatives with respect to parameters, None if it fails.
 
         Derivatives have shape (samples, parameters).
         """

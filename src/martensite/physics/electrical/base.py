@@ -165,7 +165,7 @@ class AbstractSwitch(AbstractSource):
     current_limit: Number = param("A", "current limit while the switch is closed", above=0.0, high=1e6, default=1e6)
 
     def closed_current(self, xp: Namespace, resistance: Scalar) -> Scalar:
-        """Current [A] through an element of `resistance` [ohm] while the switch is closed."""
+        """Return the current [A] through an element of `resistance` [ohm] while the switch is closed."""
         return xp.minimum(self.supply / (resistance + self.series_resistance), self.current_limit)
 
     def supply_current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
@@ -188,6 +188,6 @@ class AbstractSwitch(AbstractSource):
         return SignalRange(0.0, 1.0)
 
     def largest_power(self, resistance: float) -> float:
-        """Power [W] in an element of `resistance` [ohm] while the switch is closed."""
+        """Return the power [W] in an element of `resistance` [ohm] while the switch is closed."""
         current = self.closed_current(xp, resistance)
         return current * current * resistance

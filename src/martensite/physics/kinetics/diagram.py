@@ -146,7 +146,7 @@ class AbstractPhaseDiagram(AbstractTwoPhaseLaw):
 
     @abstractmethod
     def young(self, fractions: Fractions) -> Scalar:
-        """Return the Young's modulus [Pa]."""
+        """Return Young's modulus [Pa]."""
 
     def mixture(self, fractions: Fractions) -> Scalar:
         """E_A + ξ (E_M - E_A) [Pa]."""

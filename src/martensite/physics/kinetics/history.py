@@ -98,7 +98,7 @@ class Strip(NamedTuple):
     """Curve of the lines, if they are not straight."""
 
     def distance(self, stress: Scalar, temperature: Scalar, xp: Namespace = floats) -> Scalar:
-        """Distance to the finish line in widths of the strip [-]; unlimited. The namespace is that of curved lines."""
+        """Return the unlimited distance to the finish line in widths of the strip [-]; `xp` serves curved lines."""
         straight = (temperature - stress * self.per_slope - self.finish) * self.per_width
         if not self.curve:
             return straight
@@ -244,7 +244,7 @@ def follow_strip(
 def follow_both_strips(
     xp: Namespace, forward: Strip, reverse: Strip, memory: OneFractionMemory, stress: Scalar, temperature: Scalar
 ) -> tuple[StripLeg, StripLeg, Flag]:
-    """Both courses of a leg, and whether the reverse process is the one that acts first."""
+    """Return both courses of a leg, and whether the reverse process acts first."""
     f = follow_strip(xp, forward, memory, stress, temperature, 1.0 - memory.fraction)
     r = follow_strip(xp, reverse, memory, stress, temperature, memory.fraction)
     if forward.endless:
@@ -493,7 +493,7 @@ def find_zero_stress(xp: Namespace, start: LegStart, stress: Scalar, temperature
 def find_turn(
     xp: Namespace, strips: tuple[Strip, Strip], start: LegStart, stress: Scalar, temperature: Scalar
 ) -> tuple[Scalar, Scalar]:
-    """The first point of a leg where curved lines make it turn back, or where tension begins or ends; else its end."""
+    """Return the first point of a leg where curved lines turn it, or tension begins or ends; else its end."""
     end = find_zero_stress(xp, start, stress, temperature)
     turns = [strip.find_turn(xp, start, *end) for strip in strips]
     return turning_point(xp, start, *end, xp.minimum(*turns))

@@ -102,7 +102,7 @@ class AbstractLayers(AbstractLaw):
 
     @property
     def constant_heat(self) -> bool:
-        """True unless work or free energy adds to it."""
+        """Return True unless work or free energy adds to it."""
         return self.heat_model == "constant"
 
     def material(self) -> BarrierConstants:

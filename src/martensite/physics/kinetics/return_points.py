@@ -88,18 +88,18 @@ FallTest = Callable[[Sequence[Scalar]], Flag]
 
 
 def start_branch(fractions: int) -> Branch:
-    """Completion, to which a branch without a target leads."""
+    """Return the completed transformation, to which a branch without a target leads."""
     return Branch(0.0, (BranchLine(0.0, 0.0),) * fractions)
 
 
 def start_points(fractions: int) -> ReturnPoints:
-    """Nothing is remembered of so many fractions."""
+    """Return an empty memory for a number of fractions."""
     branch = start_branch(fractions)
     return ReturnPoints(branch, (branch,) * DEPTH, (branch,) * DEPTH, 0.0, 0.0, 0.0)
 
 
 def choose_branch(xp: Namespace, flag: Flag, yes: Branch, no: Branch) -> Branch:
-    """One of two branches."""
+    """Return one of two branches."""
     pairs = zip(flatten_numbers(yes), flatten_numbers(no), strict=True)
     return NestedShape(no).rebuild([xp.where(flag, a, b) for a, b in pairs])
 

@@ -157,7 +157,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
     by_ratios = False
 
     def on_side(self, xp: Namespace, side: Scalar) -> Self:
-        """The law of tension [+1] or compression [-1]; what stress does not orient stays on the side of tension."""
+        """Return the law of tension [+1] or compression [-1]; unoriented martensite stays on the side of tension."""
         law = super().on_side(xp, side)
         law.__dict__.update(H_min=side * self.H_min, reorients=self.compression != NONE)
         return law

@@ -114,7 +114,7 @@ class AbstractLaw(Parametrised):
         return None
 
     def find_forgotten_change(self, memory: Any) -> Scalar | None:
-        """Largest change [-] of a fraction because a memory of bounded size forgot a loop; None if it never does."""
+        """Return the largest change [-] of a fraction by a forgotten loop of a bounded memory; None if none occurs."""
         return None
 
     @abstractmethod

@@ -135,7 +135,7 @@ def advance_rosenbrock(
 
 
 def find_rates(xp: Namespace, law: AbstractExchange, memory: Any, T: Scalar, coupling: Coupling) -> tuple[Any, Column]:
-    """Memory with the stress that follows at a temperature [K], and the rates: of x₊ and x₋ of all groups, of T."""
+    """Return the memory with the stress at a temperature [K], and the rates: of x₊ and x₋ of all groups, of T."""
     here = _Columns(*law.populations(memory))
     at = [*here.mean(), T]
     stress = coupling.stress(xp, at)

@@ -99,7 +99,7 @@ class LiangRogers(AbstractCosineLaw, AbstractShapes):
         return found
 
     def young(self, fractions: Fractions) -> Scalar:
-        """Return the Young's modulus [Pa] by the chosen rule."""
+        """Return Young's modulus [Pa] by the chosen rule."""
         if self.modulus == "mixture":
             return self.mixture(fractions)
         return self.E_A if self.modulus == "austenite" else self.E_M
@@ -117,7 +117,7 @@ ENOUGH = 2e9
 
 
 def _find_fall(slope: float, curve: StripCurve) -> float | None:
-    """The stress [Pa] from which on the cool end of a strip falls; its rate 1/C + 2c (σ - σ_cal) - w/2 is linear."""
+    """Return the stress [Pa] above which the cool end of a strip falls; 1/C + 2c (σ - σ_cal) - w/2 is linear."""
     rate, more = 1.0 / slope - 2.0 * curve.bend * curve.calm - 0.5 * abs(curve.growth), 2.0 * curve.bend
     if rate < 0.0:
         return 0.0
@@ -154,7 +154,7 @@ class Tanaka(AbstractStripLaw):
         return xp.exp(-STEEPNESS * (1.0 - distance))
 
     def young(self, fractions: Fractions) -> Scalar:
-        """Return the Young's modulus [Pa] of the chosen phase."""
+        """Return Young's modulus [Pa] of the chosen phase."""
         return self.E_A if self.modulus == "austenite" else self.E_M
 
 

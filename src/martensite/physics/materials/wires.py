@@ -105,7 +105,7 @@ class WireCatalogue:
         return self.sizes[name]
 
     def interpolate(self, diameter: float) -> WireSize:
-        """A size that is not in the table: its cells on the lines, in logarithms, through the two sizes beside it.
+        """Interpolate a size that is not in the table, in logarithms, through the two sizes beside it.
 
         Beyond the last size they are those through the last two. The cells are of the kind `assumed`.
         """

@@ -62,7 +62,7 @@ def print_slopes(
 
 @cache_answers(32)
 def add_slopes(compiled: CompiledMarch, wrt: tuple[int, ...], outputs: tuple[int, ...]) -> CompiledMarch:
-    """A march whose states and wanted outputs are followed by their derivatives by parameters, one after another.
+    """Return a march whose states and wanted outputs are followed by their derivatives by parameters, in order.
 
     It looks at no envelope: nor do derivatives in C.
     """

@@ -119,7 +119,7 @@ def _choose_high(one: Subject, high: Mapping[str, float] | float | None) -> Mapp
 
 
 def settle_system(system: AbstractSystem, course: list[Numbers], state: Numbers | None = None) -> Numbers:
-    """The state after resting under some signals, one after the other; from rest without signals if none is given.
+    """Let a system rest under some signals, one after the other; from rest without signals if none is given.
 
     Raises:
         SolveError: it does not come to rest.
@@ -145,7 +145,7 @@ def rest_signals(system: AbstractSystem) -> Numbers:
 def _judge_rest(
     system: AbstractSystem, state: Numbers, signals: Numbers, start: str, before: dict[str, float] | None = None
 ) -> SteadyState:
-    """An equilibrium with its outputs, its stability and the outputs of the state before, by default without drives."""
+    """Return an equilibrium with its outputs, stability and the outputs before, by default without drives."""
     stretch, dt = Stretch(system), longest_step(system)
     row, _ = stretch.hold(signals)
     given, n = np.append(row, dt)[None], stretch.size
