@@ -137,7 +137,7 @@ def test_run_and_check_agree_about_a_loop(
 
 
 def test_a_run_that_takes_too_long_is_reported_as_not_judged(monkeypatch: pytest.MonkeyPatch, c_compiler: str) -> None:
-    monkeypatch.setattr("martensite.cli.check.TRIED", 0.0)
+    monkeypatch.setattr("martensite.cli.commands.check.TRIED", 0.0)
     verdict = CHECK.fine(str(EXAMPLE_LOOP)).splitlines()[1]
     assert verdict.startswith("The loop is sound. The limits were not judged: the run takes more than 0 s")
     assert "CPU time was spent" in RUN(str(EXAMPLE_LOOP), "--no-figure", "--budget", "1 us").output
