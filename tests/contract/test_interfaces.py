@@ -125,4 +125,4 @@ def test_the_command_line_says_it_in_one_sentence(tmp_path: Path) -> None:
         encoding="utf-8",
     )
     sentence = Command("list", "waveform").refused("--import", str(tmp_path / "half_a_wave.py"))
-    assert "`HalfAWave` in half_a_wave must define `value(time)`: Signal at `time` [s]" in sentence
+    assert "`HalfAWave` in half_a_wave must define `value(time)`: Return the signal at `time` [s]" in sentence
