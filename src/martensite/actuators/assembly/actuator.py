@@ -42,7 +42,7 @@ class Members(Parametrised, Generic[Kind]):
         return {name: Declared("part", f"{article} {self.noun}", REQUIRED) for name in self.__dict__}
 
     def members(self) -> dict[str, Kind]:
-        """Return the name -> component."""
+        """Return the components by name."""
         return dict(self.__dict__)
 
 
