@@ -94,7 +94,7 @@ class CompiledMarch(Compiled):
     """Places in the state of numbers that only tell a solve where to look."""
 
     follows: bool = False
-    """Whether a signal prescribes a state, and nothing has rates or inertia: no error of a step shows its course."""
+    """True if a signal prescribes a state without rates or inertia: then no error of a step shows its course."""
 
     @property
     def order(self) -> int:

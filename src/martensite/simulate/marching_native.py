@@ -46,8 +46,8 @@ EXPECTED = 512
 RANGES = 11 + len(ACCOUNTS)
 """Numbers of a run before the ranges of what is judged."""
 SHARED = (
-    *("HAIR", "SHORTEST", "SOLVED", "SAFETY", "LEAST_CHANGE", "MOST_CHANGE", "SWING", "PRESCRIBED", "BEND", "LEAP"),
-    *("TURN", "NEAR", "HIDDEN", "EDGE"),
+    *("STEP_TOLERANCE", "SHORTEST", "SOLVED", "SAFETY", "LEAST_CHANGE", "MOST_CHANGE", "SWING", "PRESCRIBED"),
+    *("BEND", "LEAP", "TURN", "KINK_MARGIN", "HIDDEN", "EDGE"),
     *("SHORT", "BESIDE", "BETWEEN", "ROUNDING", "CUBIC", "PER_STRESS", "LEAST_FALL"),
 )
 """Numbers of the march on floats, which the same march in C has under the same names."""

@@ -165,7 +165,7 @@ class Track:
     tolerance: float = TOLERANCE
     """Accepted error of the run, as a fraction of the range of a column."""
     bent: bool = False
-    """Whether a column without a trusted polynomial is as far from straight lines as it may be (`bend_chords`)."""
+    """True if a column without a trusted polynomial departs from straight lines up to its bound (`bend_chords`)."""
     inner: InnerRows | None = None
     """None where they are not known."""
 
