@@ -228,15 +228,6 @@ def test_the_time_is_estimated_from_a_block(bench: Bench) -> None:
     assert found["seconds"] == pytest.approx(3 * found["took"] / found["workers"])
 
 
-def test_without_the_extra_there_is_a_sentence_and_no_trace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    import sys
-
-    monkeypatch.setitem(sys.modules, "zarr", None)
-    with pytest.raises(InputError, match=r"needs Zarr.*martensite\[sweep\]"):
-        sweep(GRID, Desk(tmp_path))
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.parametrize("key", ["", "..", "../../etc", "0" * 16, "*", "a-*", 7])
 def test_keys_lead_nowhere_else(made: tuple[Desk, str, list[dict[str, Any]]], key: Any) -> None:
     with pytest.raises(InputError):

@@ -181,13 +181,13 @@ def to_and_fro() -> Result:
 
 
 def at(result: Result, name: str, time: float) -> float:
-    return result[name][result.times.index(time)]
+    return result[name][result.times.tolist().index(time)]
 
 
 def test_a_cold_antagonist_is_detwinned_along_its_strip(to_and_fro: Result) -> None:
     """ξ_S = ½ [1 - cos π(σ - σ_s)/(σ_f - σ_s)] between the critical stresses."""
     law, result = niti(), to_and_fro
-    until = result.times.index(HEATED)
+    until = result.times.tolist().index(HEATED)
     stress = np.array(result["antagonist.stress"][:until])
     share = np.clip((stress - law.sigma_s) / (law.sigma_f - law.sigma_s), 0.0, 1.0)
     expected = 0.5 * (1.0 - np.cos(math.pi * share))

@@ -153,7 +153,7 @@ def test_a_scheduler_that_does_not_answer_is_bad_input(monkeypatch: pytest.Monke
 
 def test_without_dask_it_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(InputError, match=r"pip install 'martensite\[cluster\]'"):
+    with pytest.raises(InputError, match=r"pip install .*\[cluster\]'"):
         next(DaskCluster().run(Doubling(Path()), [0]))
 
 

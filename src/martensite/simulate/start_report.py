@@ -11,10 +11,7 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.elements.base import AbstractElement
 from martensite.base.formats import typeset_unit, write_quantity
 from martensite.kernels import floats
-from martensite.kernels.arrays import ArrayNamespace
 from martensite.physics.laws.base import SHELF_TIME, Fractions
-from martensite.simulate.compiled import compile_march
-from martensite.simulate.drive_waveforms import arrange_waveforms
 from martensite.simulate.restarts import Restart
 
 if TYPE_CHECKING:
@@ -59,18 +56,14 @@ def describe_batch_start(result: Result) -> str:
     actuators = system.actuators()
     if not actuators or variants is None:
         return ""
-    compiled = compile_march(system)
-    signals = [wave.value(0.0) + np.zeros(len(variants)) for wave in arrange_waveforms(system, result.waveform)]
-    nominal = zip(compiled.paths, compiled.values(system), strict=True)
-    table = [np.broadcast_to(variants.over.get(path, number), len(variants)) for path, number in nominal]
-    functions = compiled.program.bind_arrays(ArrayNamespace(np), table)
-    with np.errstate(all="ignore"):
-        rows = functions["observe"](*functions["init"](*signals), *signals)
-    outputs = dict(zip(system.outputs(), rows, strict=False))
-    known = [[outputs[name] for name in row if name in outputs] for row in _name_shown(system)]
-    if not all(known):
+    names = _name_shown(system)
+    if not all(name in result.columns for row in names for name in row):
         return ""
-    temperatures, stresses, fractions = (np.ravel(np.broadcast_arrays(*row, signals[0])[:-1]).tolist() for row in known)
+    count = len(variants)
+    temperatures, stresses, fractions = (
+        np.ravel([np.broadcast_to(result[name], (count, len(result.times)))[:, 0] for name in row]).tolist()
+        for row in names
+    )
     where = f"{_write_range(temperatures, 'K')} and {_write_range(stresses, 'Pa')}"
     elements: list[AbstractElement] = [one.element for one in actuators.values()]
     given = any(path.endswith("initial_fraction") for path in variants.over)
