@@ -73,7 +73,7 @@ def truth(load: str, noise: float = NOISE, zero: float = 0.0) -> dict[str, list[
     seed = list(LOADS).index(load)
     error = np.random.default_rng(seed).normal(0.0, noise, len(result.times))
     return {
-        "time": list(result.times),
+        "time": result.times.tolist(),
         "temperature": result["temperature"].tolist(),
         "strain": (np.asarray(result["strain"]) + error + zero).tolist(),
     }

@@ -91,5 +91,5 @@ def keep_rows(result: Result) -> Result:
 def draw_row(system: Any, result: Result, row: int) -> list[DrawingShape]:
     """The mechanism at one row of a result, on floats."""
     mechanism = system.mechanism
-    outputs = {name: result.columns[name][row] for name in mechanism.outputs()}
+    outputs = {name: float(result.columns[name][row]) for name in mechanism.outputs()}
     return mechanism.draw_shapes(DrawingState(outputs, measure_lengths(system, result.columns)))

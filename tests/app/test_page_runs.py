@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 from page_runs import PageRuns, keep_rows
 
@@ -119,11 +120,10 @@ def test_alarms_that_are_rare_are_told_alike(page_runs: PageRuns) -> None:
     """Of columns as they may be: an element without force for a while, another orientation after a cycle."""
     scenario, plain = run("constant_power", {})
     columns = dict(plain.columns)
-    columns["force"] = [
-        0.0 if 3.0 < time < 4.0 else force for time, force in zip(plain.times, columns["force"], strict=True)
-    ]
-    columns["martensite_fraction"] = [1.0 - math.sin(math.pi * k / 1000) for k in range(1001)]
-    columns["oriented_fraction"] = [(0.5 + 4e-4 * k) * xi for k, xi in enumerate(columns["martensite_fraction"])]
+    columns["force"] = np.where((plain.times > 3.0) & (plain.times < 4.0), 0.0, columns["force"])
+    k = np.arange(1001.0)
+    columns["martensite_fraction"] = 1.0 - np.sin(math.pi * k / 1000)
+    columns["oriented_fraction"] = (0.5 + 4e-4 * k) * columns["martensite_fraction"]
     result = add_warnings(replace(plain, columns=columns, trace=None, alarms=[], warnings=[]))
     assert {alarm["kind"] for alarm in list_alarms(result)} >= {"slack", "drift"}
     assert compare(page_runs, {"rare": (scenario, result)}) == {}

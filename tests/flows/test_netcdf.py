@@ -227,37 +227,3 @@ def test_a_name_that_is_not_there_is_a_sentence(tmp_path: Path) -> None:
     with pytest.raises(UnknownNameError, match="Did you mean `temperature`"):
         saved["temperatur"]
     assert "temperature [K] ('time',) (5,)" in repr(saved)
-
-
-HIDDEN = """
-import sys
-sys.path[:0] = {path!r}
-sys.modules["xarray"] = sys.modules["pandas"] = None  # as if they were not installed
-from test_netcdf import make_result, ms, read_labelled, save_result
-result = make_result()
-save_result(result, {file!r})
-read = read_labelled({file!r})
-assert list(read["temperature"].values) == list(result["temperature"])
-for ask in (result.to_xarray, read.to_xarray, result.to_pandas, lambda: ms.design.open_sweep("x.zarr"),
-            lambda: ms.design.run_sweep("x.toml", over=["diameter=1..2 mm:2"], out="x.zarr")):
-    try:
-        ask()
-    except ms.InputError as error:
-        print(error)
-"""
-
-
-def test_files_need_no_xarray(tmp_path: Path) -> None:
-    path, file = [str(Path(__file__).parent), *sys.path], str(tmp_path / "a.nc")
-    code = HIDDEN.format(path=path, file=file)
-    done = subprocess.run([sys.executable, "-W", "ignore", "-c", code], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
-    need = "This needs {}, which is not installed; run `pip install 'martensite[{}]'`."
-    wanted = [
-        ("xarray", "xarray"),
-        ("xarray", "xarray"),
-        ("pandas", "xarray"),
-        ("xarray", "sweep"),
-        ("xarray", "sweep"),
-    ]
-    assert done.stdout.splitlines() == [need.format(*one) for one in wanted]

@@ -297,7 +297,7 @@ def test_a_run_written_as_a_table_agrees_with_itself(write):
     waveform = PulseWidthModulation(high=6.0, frequency=2.0, duty=0.3)
     run = simulate(plain_system(), waveform, 3.0, samples=31, step=0.01)
     names = ("temperature", "position", "drive")
-    rows = zip(run.times, *(run.columns[name] for name in names), strict=True)
+    rows = zip(run.times.tolist(), *(run.columns[name].tolist() for name in names), strict=True)
     lines = [f"{t!r},{k - 273.15!r},{x * 1e3!r},{u!r}" for t, k, x, u in rows]
     heading = "time [s],temperature [degC],position [mm],drive [V]"
     agreements = compare_with_record(run, read_table(write("\n".join([heading, *lines]))))

@@ -96,7 +96,6 @@ COMPLEX = {
     "simulate/marching_native.py:__init__",
     "simulate/marching_native.py:source",
     "simulate/restarts.py:join_legs",
-    "simulate/start_report.py:describe_batch_start",
     "simulate/start_report.py:describe_start",
     "studies/electrothermal/staircase.py:reduce_to_plateaus",
 }

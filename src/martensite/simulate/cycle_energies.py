@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -58,10 +59,11 @@ def compute_cycle_energies(result: Result, period: float, *, pairs: Sequence[Pai
         (np.asarray(result.columns[force]), np.asarray(result.columns[coordinate]))
         for force, coordinate in _find_columns(result, pairs)
     ]
-    over = integrate_energies(result, ways)
-    totals = over.electrical, over.lost, over.work, over.returned
-    found = [np.diff(np.interp(ends, times, total)) for total in totals]
-    return CycleEnergies(found[0], found[1], found[2], found[3], period)
+    over: Any = integrate_energies(result, ways)
+    totals: tuple[Any, ...] = over.electrical, over.lost, over.work, over.returned
+    found: list[Any] = [np.diff(np.interp(ends, times, total)) for total in totals]
+    electrical, lost, work, returned = found
+    return CycleEnergies(electrical, lost, work, returned, period)
 
 
 def _find_columns(result: Result, pairs: Sequence[Pair] | None) -> Sequence[Pair]:

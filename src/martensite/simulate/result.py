@@ -126,6 +126,11 @@ class Result:
     """States from which another run can continue: at the end, and at the requested times; empty if the run stopped
     early."""
 
+    def __post_init__(self) -> None:
+        """Hold times and columns as arrays, whatever sequences were given."""
+        object.__setattr__(self, "times", np.asarray(self.times, np.float64))
+        object.__setattr__(self, "columns", {name: np.asarray(one, np.float64) for name, one in self.columns.items()})
+
     @cached_property
     def start(self) -> str:
         """Return state and history with which the run starts, in a sentence; empty without shape-memory elements."""
@@ -187,7 +192,7 @@ class Result:
 
         Columns are in SI units (`attrs["units"]`).
         """
-        import pandas
+        import pandas  # type: ignore[import-untyped]
 
         index = pandas.Index(self.times, name="time")
         if self.variants is not None:

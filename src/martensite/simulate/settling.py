@@ -110,7 +110,7 @@ class _Search:
         ).require()
         return result.restarts[-1].at_time_zero(), judge(result)
 
-    def _worst(self, result: Result, measure: Callable[[list[float]], float], least_only: bool = False) -> float:
+    def _worst(self, result: Result, measure: Callable[[Any], float], least_only: bool = False) -> float:
         """Return the largest measure of a judged column, as a fraction of its range, or of the least range."""
         found = [0.0]
         for name, least in self.system.convergence_scales().items():

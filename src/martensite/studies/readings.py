@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from martensite.kernels.compiler import find_compiler
+from martensite.signals.sampling.sampled import Numbers
 
 
 def choose_runtime() -> str:
@@ -13,7 +14,7 @@ def choose_runtime() -> str:
     return "floats" if find_compiler() is None else "c"
 
 
-def passing_time(times: Sequence[float], values: Sequence[float], level: float) -> float:
+def passing_time(times: Sequence[float] | Numbers, values: Sequence[float] | Numbers, level: float) -> float:
     """When values first pass a level upwards, between two samples; NaN if never.
 
     To read off where they pass it downwards, negate values and level. Any other column may
@@ -25,7 +26,7 @@ def passing_time(times: Sequence[float], values: Sequence[float], level: float) 
     return math.nan
 
 
-def level_time(times: Sequence[float], values: Sequence[float], k: int, level: float) -> float:
+def level_time(times: Sequence[float] | Numbers, values: Sequence[float] | Numbers, k: int, level: float) -> float:
     """When values are at a level, on the straight line from sample k to the next."""
     share = (level - values[k]) / (values[k + 1] - values[k])
     return times[k] + share * (times[k + 1] - times[k])

@@ -1,13 +1,17 @@
 """Lengths of elements as a mechanism is assembled, from which it is drawn."""
 
 from collections.abc import Mapping, Sequence
+from typing import TypeAlias
 
 from martensite.actuators.assembly.base import AbstractSystem
 from martensite.actuators.elements.base import AbstractElement
 from martensite.kernels.recordable_numbers import xp
+from martensite.signals.sampling.sampled import Numbers
+
+Course: TypeAlias = Sequence[float] | Numbers
 
 
-def measure_lengths(system: AbstractSystem, columns: Mapping[str, Sequence[float]]) -> dict[str, float]:
+def measure_lengths(system: AbstractSystem, columns: Mapping[str, Course]) -> dict[str, float]:
     """Return the length of the element at each port at the start [m], from the first sample of the columns of a run."""
     return {
         port: _find_natural_length(one.element) + elongation
@@ -16,7 +20,7 @@ def measure_lengths(system: AbstractSystem, columns: Mapping[str, Sequence[float
 
 
 def record_lengths(
-    system: AbstractSystem, columns: Mapping[str, Sequence[float]], drawn: AbstractSystem, strains: Mapping[str, float]
+    system: AbstractSystem, columns: Mapping[str, Course], drawn: AbstractSystem, strains: Mapping[str, float]
 ) -> dict[str, float]:
     """Return the same lengths as functions of recorded numbers.
 
@@ -29,7 +33,7 @@ def record_lengths(
         drawn: the same system with recorded numbers.
         strains: recorded first strain by port.
     """
-    found = {}
+    found: dict[str, float] = {}
     for (port, one), elongation in zip(system.actuators().items(), _list_elongations(system, columns), strict=True):
         natural, strain = (
             _find_natural_length(drawn.actuators()[port].element),
@@ -40,9 +44,9 @@ def record_lengths(
     return found
 
 
-def _list_elongations(system: AbstractSystem, columns: Mapping[str, Sequence[float]]) -> list[float]:
-    forces = system.mechanism.first_forces(xp, [columns[name][0] for name in system.mechanism.signals()])
-    starts = [columns[system.label(port, "drive")][0] for port in system.actuators()]
+def _list_elongations(system: AbstractSystem, columns: Mapping[str, Course]) -> list[float]:
+    forces = system.mechanism.first_forces(xp, [float(columns[name][0]) for name in system.mechanism.signals()])
+    starts = [float(columns[system.label(port, "drive")][0]) for port in system.actuators()]
     return [
         one.element.elongation(xp, one.start(xp, force, drive), force)
         for one, force, drive in zip(system.actuators().values(), forces, starts, strict=True)

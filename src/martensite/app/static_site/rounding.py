@@ -17,6 +17,7 @@ import numpy as np
 
 from martensite.base.errors import MartensiteError
 from martensite.scenario.scenario import Scenario
+from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.compiled import compile_march
 from martensite.simulate.result import Result
 
@@ -29,7 +30,7 @@ CLOSE = 1e-9
 VISIBLE = 1e-3
 """Share of a range that is seen in a curve."""
 DIGIT = 2.0**-52
-Columns = Mapping[str, Sequence[float]]
+Columns = Mapping[str, Sequence[float] | Numbers]
 
 
 def measure_rounding(scenario: Scenario, *others: Result) -> float:

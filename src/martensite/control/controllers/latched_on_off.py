@@ -30,6 +30,7 @@ from martensite.control.controllers.base import (
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE, AbstractDrive
 from martensite.signals.levels import HIGH
+from martensite.signals.sampling.sampled import Numbers
 
 
 class Latch(NamedTuple):
@@ -96,7 +97,7 @@ class LatchedOnOff(AbstractController):
 
 
 def replay_controller(
-    drive: AbstractDrive, times: Sequence[float], columns: Mapping[str, Sequence[float]]
+    drive: AbstractDrive, times: Sequence[float] | Numbers, columns: Mapping[str, Sequence[float] | Numbers]
 ) -> list[float]:
     """Return the signal that a controller gives at every sample [s] of a record, its readings in SI."""
     memory, signals = drive.init(), list[float]()

@@ -177,9 +177,9 @@ def _with_loops(result: Result, bench: Bench, outside: Mapping[str, AbstractDriv
         if isinstance(one, AbstractController):
             unit = one.reference_unit(units, signals[drive])
             beside[name] = reference_output(unit, one.measured or drive)
-            columns[name] = [one.reference.value(time) for time in result.times]
+            columns[name] = np.array([one.reference.value(time) for time in result.times.tolist()])
         beside[wanted_name(name)] = wanted_output(signals[drive], drive)
-        columns[wanted_name(name)] = [*held, held[-1]][: len(result.times)]
+        columns[wanted_name(name)] = np.array([*held, held[-1]][: len(result.times)])
     return replace(result, columns=columns, beside=beside)
 
 

@@ -24,6 +24,7 @@ from martensite.show.figures.labels import choose_limits, describe_axis, read_co
 from martensite.show.figures.panels import draw_arrow, draw_start, measure_way
 from martensite.show.figures.record_overlays import MeasuredRecord, pair_columns
 from martensite.show.figures.style import COOLING, HEATING, INK, QUIET
+from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.result import Result
 
 LOOPS = (("temperature", "martensite_fraction"), ("temperature", "strain"), ("strain", "stress"))
@@ -56,7 +57,7 @@ class StripMark:
     colour: str
 
 
-def find_senses(temperature: Sequence[float]) -> Any:
+def find_senses(temperature: Sequence[float] | Numbers) -> Any:
     """+1 (heating), -1 (cooling) or 0 (isothermal) for every of the n - 1 segments of a path of temperatures [K]."""
     ripple = max(RIPPLE * (max(temperature) - min(temperature)), STILL)
     found = np.zeros(len(temperature) - 1, dtype=int)

@@ -44,6 +44,7 @@ def march_slopes(
     """
     varied = tuple(np.flatnonzero((table != table[:, :1]).any(axis=1)).tolist())
     columns: list[Any] = []
+    reports: Any = ()
     for first in range(0, max(len(wrt), 1), DIRECTIONS):
         source = print_slopes(compiled, tuple(wrt[first : first + DIRECTIONS]), (place,), varied)
         rows, reports, _ = march_batch(source, table[:, 0], table[list(varied)], grid, np.empty((2, 0)))

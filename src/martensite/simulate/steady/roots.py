@@ -8,7 +8,7 @@ from typing import Any
 
 def find_root(function: Callable[[float], float], low: float, high: float) -> float:
     """Find the root of a function with different signs at the bounds, to rounding."""
-    from scipy import optimize
+    from scipy import optimize  # pyright: ignore[reportMissingTypeStubs]
 
-    brent: Any = optimize.brentq  # its stubs ask for types of NumPy
+    brent: Any = optimize.brentq  # pyright: ignore[reportUnknownMemberType, reportUnknownVariableType]  # its stubs ask for types of NumPy
     return float(brent(function, low, high, xtol=1e-14, rtol=1e-14))

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -210,7 +210,8 @@ def find_angles(system: AbstractSystem) -> list[int]:
     if not isinstance(mechanism, AbstractMultibody) or not mechanism.moves:
         return []
     turning = [k for k, one in enumerate(mechanism.coordinates()) if one.unit == "rad"]
-    places = Stretch(system).place(lambda state: state.mechanism.course.position)
+    read_position: Callable[[Any], Any] = lambda state: state.mechanism.course.position  # noqa: E731
+    places = Stretch(system).place(read_position)
     return [places[k] for k in turning]
 
 

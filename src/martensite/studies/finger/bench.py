@@ -19,6 +19,7 @@ from martensite.actuators.elements.wire import Wire
 from martensite.scenario.laws import configure_laws
 from martensite.scenario.scenario import Scenario, load
 from martensite.signals.constant import Constant
+from martensite.signals.sampling.sampled import Numbers
 from martensite.signals.sine import Sine
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
@@ -95,7 +96,7 @@ def top_angle(result: Result, printed: Printed) -> float:
 
 def column_at(result: Result, name: str, time: float) -> float:
     """Return a column at a sample time [s]."""
-    return result[name][round(time / result.times[-1] * (len(result.times) - 1))]
+    return float(result[name][round(time / result.times[-1] * (len(result.times) - 1))])
 
 
 def rise_time(result: Result, share: float, printed: Printed) -> float:
@@ -153,7 +154,7 @@ def energy_imbalance(result: Result, values: Mapping[str, float]) -> float:
     return abs(_integrate_power(times, gain) - stored) / put
 
 
-def _integrate_power(times: Sequence[float], values: Sequence[float]) -> float:
+def _integrate_power(times: Sequence[float] | Numbers, values: Sequence[float] | Numbers) -> float:
     steps = zip(times, times[1:], values, values[1:], strict=False)
     return math.fsum(0.5 * (t1 - t0) * (a + b) for t0, t1, a, b in steps)
 

@@ -94,7 +94,7 @@ def _draw_response(key: str, printed: Printed, volts: float) -> tuple[list[float
         turned = bench.angle_degrees(result)
         return [*result.times, LATE], [*turned, turned[-1]]
     result = bench.run_heated(case, printed, volts, LATE, step_of(case))
-    return result.times, bench.angle_degrees(result)
+    return result.times.tolist(), bench.angle_degrees(result)
 
 
 # ---------------------------------------------------------------- reach
@@ -205,7 +205,7 @@ def _draw_hysteresis(axes: Any, printed: Printed) -> None:
 def _hysteresis_path(result: Result) -> tuple[list[float], list[float]]:
     """Return the temperature [°C] and martensite fraction of the hot spring."""
     found = [t - bench.ZERO for t in result["first.temperature"]]
-    return found, result.columns["first.martensite_fraction"]
+    return found, result.columns["first.martensite_fraction"].tolist()
 
 
 def _describe_case(on: bool) -> str:
