@@ -174,9 +174,10 @@ def test_every_command_has_help(python: Path, folder: Path) -> None:
         "import json, typer\n"
         "from martensite.cli import app\n"
         "def walk(group, words):\n"
-        "    for name, one in group.commands.items():\n"
+        "    for name in group.list_commands(None):\n"
+        "        one = group.get_command(None, name)\n"
         "        yield [*words, name]\n"
-        "        yield from walk(one, [*words, name]) if hasattr(one, 'commands') else ()\n"
+        "        yield from walk(one, [*words, name]) if hasattr(one, 'list_commands') else ()\n"
         "print(json.dumps(list(walk(typer.main.get_command(app), []))))"
     )
     done = call(python, folder, "-c", code)

@@ -42,7 +42,7 @@ def place_restarts(scenario: Scenario) -> list[float]:
 def require_same_rest(whole: Result, rest: Result, begin: float) -> None:
     """Raise `AssertionError` unless the rest of a run is that of the whole, in all bits."""
     first = next(k for k, time in enumerate(whole.times) if time > begin * (1.0 + 1e-12))
-    assert whole.times[first:] == rest.times[1:]
+    assert np.array_equal(whole.times[first:], rest.times[1:])
     for name, column in whole.columns.items():
         assert np.array_equal(column[first:], rest.columns[name][1:], equal_nan=True), name
     assert whole.restarts[-1] == rest.restarts[-1] and whole.accuracy == rest.accuracy
@@ -81,7 +81,7 @@ def test_on_given_steps_the_whole_needs_no_restart_to_be_gone_on_with() -> None:
     rest = run(scenario, start=half, runtime="floats")
     assert scenario.samples == 1001 and rest.times[0] == half.times[-1]
     for name, column in whole.columns.items():
-        assert column[:501] == half.columns[name] and column[500:] == rest.columns[name]
+        assert np.array_equal(column[:501], half.columns[name]) and np.array_equal(column[500:], rest.columns[name])
 
 
 def test_halves_that_were_made_apart_agree_within_the_tolerance_and_balance() -> None:

@@ -27,8 +27,8 @@ def list_columns(result: Result) -> JsonTable:
     fine = add_step_rows(result)
     kept = choose_curve_rows(fine)
     return {
-        "times": [fine.times[i] for i in kept],
-        "columns": {name: [c[i] for i in kept] for name, c in fine.columns.items()},
+        "times": fine.times[kept].tolist(),
+        "columns": {name: c[kept].tolist() for name, c in fine.columns.items()},
         "ends": {name: list(result.find_range(name)) for name in result.columns},
         "outputs": {name: describe_column(result, name) for name in result.columns},
     }
