@@ -8,13 +8,16 @@ import numpy as np
 import pytest
 from builders import problem_a
 
-from martensite.physics.electrical.sources import PowerSource
+from martensite.actuators.mechanisms.load_line import DeadWeight
+from martensite.physics.electrical.sources import PowerSource, PrescribedTemperature
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.signals.ramp import Ramp
 from martensite.signals.sine import Sine
 from martensite.signals.step import Step
+from martensite.signals.triangle import Triangle
 from martensite.simulate.api import simulate
+from martensite.simulate.chords import bend_chords
 from martensite.simulate.ensembles import Ensemble
 from martensite.simulate.measures.base import parse_measure
 from martensite.simulate.result import Result
@@ -24,6 +27,7 @@ from martensite.simulate.variants import VariantSetup
 SYSTEM = problem_a().with_parts(source=PowerSource())
 """Its power is its drive, so energy, mean and extremes of the power are those of the waveform."""
 DURATION = 20.0
+TENT = Triangle(low=300.0, high=390.0, frequency=1.0 / DURATION)
 FAST, SLOW = 50.0, 0.1
 """Frequencies [Hz] that a step passes, and that steps follow."""
 WAVES: dict[str, tuple[AbstractWaveform, float, float, float]] = {
@@ -50,6 +54,43 @@ def test_power_and_energy_are_those_of_the_waveform(name: str, runtime: str, c_c
     assert run.measure("energy") == pytest.approx(energy, rel=1e-9)
     assert (run.measure("min(power)"), run.measure("max(power)")) == pytest.approx((low, high), rel=1e-6, abs=1e-9)
     assert run.extremes["power"] == pytest.approx((low, high), rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-7])
+def test_a_sine_that_touches_zero_has_its_lowest_voltage(tolerance: float, c_compiler: str) -> None:
+    """U = sqrt(P R), which has a corner at P = 0, where steps are short at a tight tolerance."""
+    run = simulate(SYSTEM, Sine(high=4.0, frequency=0.15), DURATION, samples=11, runtime="c", tolerance=tolerance)
+    assert run.measure("min(voltage)") == pytest.approx(0.0, abs=1e-6)
+
+
+TIMES = (0.0, 4.0, 10.0, 16.0, DURATION)
+
+
+@pytest.mark.parametrize("runtime", ["floats", "c"])
+@pytest.mark.parametrize("wave", [Step(low=300.0, high=390.0, at=4.0, until=16.0), TENT], ids=["jumps", "ramps"])
+def test_courses_of_prescribed_temperatures_are_resolved(wave: AbstractWaveform, runtime: str, c_compiler: str) -> None:
+    """Beside stored samples, each of which has a step of its own."""
+    system = SYSTEM.with_parts(source=PrescribedTemperature(), mechanism=DeadWeight(mass=1.0))
+    run = simulate(system, wave, DURATION, samples=2001, runtime=runtime, tolerance=1e-3)
+    range_of = np.ptp(run["position"])
+    for time in np.linspace(0.3, 19.7, 41).tolist():
+        meant = float(np.interp(time, run["time"], run["position"]))
+        if min(abs(time - jump) for jump in TIMES) > 0.05:
+            assert run.measure(f"at(position, time={time!r} s)") == pytest.approx(meant, abs=3e-3 * range_of)
+
+
+def test_corners_between_steps_are_within_the_bound() -> None:
+    """A tent whose tip lies between two nodes is bent exactly to its tip; a parabola by about four times its height."""
+    nodes, tip = np.arange(5.0)[None, :], 2.4
+    shares = np.array([[0.7]])  # of the step from node 1 to node 3
+    joined = np.ones((1, 2), np.bool_)
+    tent = -np.abs(nodes - tip)[:, :, None]
+    line = np.interp(tip, nodes[0], tent[0, :, 0])
+    assert line + bend_chords(nodes, tent, joined, shares)[0, 0, 0] == pytest.approx(0.0)
+    bent = bend_chords(nodes, (nodes**2)[:, :, None], joined, np.array([[0.75]]))[0, 0, 0]
+    assert bent == pytest.approx(4.0 * (2.5**2 - 0.5 * (4.0 + 9.0)))
+    alone = bend_chords(nodes, (nodes**2)[:, :, None], ~joined, np.array([[0.75]]))[0, 0, 0]
+    assert alone == pytest.approx(2.0 * (2.5**2 - 0.5 * (4.0 + 9.0)))
 
 
 @pytest.mark.parametrize("name", WAVES)

@@ -28,7 +28,7 @@ from martensite.simulate.accuracy import ERROR_SAFETY, FINER, FLOOR, LOCAL, RunE
 from martensite.simulate.envelope import cut_outside
 from martensite.simulate.marching import Marched, MarchPlan
 from martensite.simulate.measures.base import AbstractMeasure
-from martensite.simulate.measures.run_table import tabulate_track
+from martensite.simulate.measures.run_table import Numbers, RunTable, tabulate_track
 from martensite.simulate.restarts import Relay
 from martensite.simulate.track import Observe, Track, build_long_track, build_track, tabulate_tones, track_rows
 
@@ -143,7 +143,10 @@ class RunTrace(AbstractTrace):
         scales = np.array([max(np.ptp(own.values[k]), least.get(n, nothing[k])) for k, n in enumerate(names)])
         kelvin = np.array([self.system.outputs()[name].unit == "K" for name in names], float)
         share = max(FLOOR * plan.tolerance, bound_error(plan.compiled, self.found))
-        off = one.spread(own, share * scales + ROUNDING * np.abs(own.values[:, :, 0]).max(axis=1))
+        values = share * scales + ROUNDING * np.abs(own.values[:, :, 0]).max(axis=1)
+        if one.seeks_turn:
+            values = np.maximum(values, np.maximum(SURE * part_extremes(own, other), part_extremes(own, bent)))
+        off = one.spread(own, values)
         if one.averages:
             read = np.abs(one.derivatives(own)[:, :, 0])
             weights = np.where(own.weights[:, 0] > 0.0, own.weights[:, 0], np.inf)
@@ -152,3 +155,11 @@ class RunTrace(AbstractTrace):
             own, self.found.ripple * kelvin
         )
         return total if np.isfinite(total) else None
+
+
+def part_extremes(one: RunTable, other: RunTable) -> Numbers:
+    """Return how far the extremes of two tables of a run are apart, (columns,)."""
+    highest, lowest = (
+        np.abs(find(one)[:, 0] - find(other)[:, 0]) for find in (RunTable.find_highest, RunTable.find_lowest)
+    )
+    return np.maximum(highest, lowest)

@@ -13,7 +13,8 @@ the duration of each level is right, their order is not. A tone is read at Gauss
 at its extremes.
 
 A column follows the polynomial through the five nearest nodes on one side of a jump where its term
-of the fourth order is small, or much less than the term of the second, else a straight line. Peaks
+of the fourth order is small, or much less than the term of the second, and where it is not beyond the
+nodes of the step by more than their second difference, else a straight line. Peaks
 between nodes come from that polynomial. Integrals use Simpson's rule over the halves of a step, and
 the trapezoidal rule over whole steps. If one half has a drive that switches or comes from near 0,
 the other half has Gauss-Lobatto nodes.
@@ -305,9 +306,10 @@ class Track:
             stencil, known = self._find_stencil(some, ahead)
             if known.any():
                 curve, fourth = interpolate_nodes(self.times[stencil], table[stencil], at, times)
-                bend = CONVERGING * np.abs(values[:, 0] - 2.0 * values[:, 1] + values[:, 2])
-                good = known[:, None] & (fourth <= np.maximum(extent, bend)) & (plain[:, None] | ~swinging)
-                found = np.where(good[:, None, :], curve, found)
+                bend = np.abs(values[:, 0] - 2.0 * values[:, 1] + values[:, 2])
+                good = known[:, None] & (fourth <= np.maximum(extent, CONVERGING * bend)) & (plain[:, None] | ~swinging)
+                low, high = (values.min(axis=1) - bend)[:, None], (values.max(axis=1) + bend)[:, None]
+                found = np.where(good[:, None, :] & (low <= curve) & (curve <= high), curve, found)
         return found
 
     def _bend(self, some: Places, shares: Numbers, table: Numbers) -> Numbers:

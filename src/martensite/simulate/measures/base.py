@@ -35,6 +35,9 @@ class AbstractMeasure(Parametrised):
     follows_curve: ClassVar[bool] = False
     """True if it needs the curve between steps, not only extremes and integrals."""
 
+    seeks_turn: ClassVar[bool] = False
+    """Whether it depends on which value is the farthest from the first."""
+
     of: str = text("output that is looked at; none for the first coordinate", default=FIRST)
 
     @abstractmethod

@@ -28,7 +28,7 @@ LEAST_WAY = 1e-12, 1e-9
 class RiseTime(AbstractMeasure):
     """Time from 10 % to 90 % of the change; of several outputs the longest."""
 
-    follows_curve = True
+    follows_curve = seeks_turn = True
 
     low: Number = param("1", "share of the way at which it begins", low=0.0, high=1.0, default=0.1)
     high: Number = param("1", "share of the way at which it ends", low=0.0, high=1.0, default=0.9)
@@ -87,7 +87,7 @@ class FallTime(RiseTime):
 class ReachTime(AbstractMeasure):
     """Time from the start of the run to 90 % of the change; of several outputs the longest."""
 
-    follows_curve = True
+    follows_curve = seeks_turn = True
 
     share: Number = param("1", "share of the way that is reached", above=0.0, high=1.0, default=0.9)
 
@@ -117,7 +117,7 @@ class ReachTime(AbstractMeasure):
 class PeakTime(AbstractMeasure):
     """Time from the start of the run to the largest change, on the parabola through three rows."""
 
-    follows_curve = True
+    follows_curve = seeks_turn = True
 
     def unit(self, unit: str) -> str:
         """Seconds."""
