@@ -156,10 +156,10 @@ class Trial:
         return simulate(one, self.drives, self.duration, tolerance=tolerance, runtime="c", samples=samples, start=begin)
 
 
-def make_trial(seed: int, structure: str = "") -> Trial:
+def make_trial(seed: int, name: str = "") -> Trial:
     """Draw a trial, of the structure that the seed names if none is given."""
     rng = np.random.default_rng([41, seed])
-    name = structure or list(STRUCTURES)[seed % len(STRUCTURES)]
+    name = name or list(STRUCTURES)[seed % len(STRUCTURES)]
     structure = STRUCTURES[name]
     system = vary_numbers(rng, structure.system)
     duration = structure.seconds * 10.0 ** rng.uniform(-0.2, 0.5)

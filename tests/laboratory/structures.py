@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -49,6 +49,17 @@ class Structure:
         return self.build()
 
 
+def list_parts(part: Any) -> Iterator[Any]:
+    """Return a part and all parts in it."""
+    if isinstance(part, Parametrised):
+        yield part
+        for one in vars(part).values():
+            yield from list_parts(one)
+    elif isinstance(part, tuple | list | dict):
+        for one in part.values() if isinstance(part, dict) else part:
+            yield from list_parts(one)
+
+
 def _law(name: str, **choices: Any) -> Structure:
     """The wire of problem A with another law."""
     one = LAWS[name]
@@ -91,7 +102,8 @@ def _part(
 
     def build() -> AbstractSystem:
         one = example(part)
-        return problem_a(**{kind: example_environment(one) if kind == "environment" else one})
+        parts: dict[str, Any] = {kind: example_environment(one) if kind == "environment" else one}
+        return problem_a(**parts)
 
     return Structure(group, build, {"drive": (0.0, high), **levels}, SECONDS)
 
