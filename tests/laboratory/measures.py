@@ -58,7 +58,8 @@ This part compares the numbers that users read with a reference: `max`, `min`, `
 
 A scenario compares 12 measures, drawn at random. *Claimed* is the bound that `Result.bound` returns. *Not estimated*
 means that it returns no bound, for example for an event that may not occur. The worst value of an alarm is compared
-with the bound of the extreme value. Times of an alarm are compared with their change if the limit is off by that bound.
+with the bound of the extreme value. Times of an alarm are compared with their change if the limit is off by that bound,
+or, in trials that were repeated, by the bound of the value at that time.
 Closed loops have no bound, and are compared elsewhere.
 
 The command `python -m laboratory measures`, in the folder `tests` of a checkout, makes the trials and writes the
