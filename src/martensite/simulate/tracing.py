@@ -145,7 +145,7 @@ class RunTrace(AbstractTrace):
         share = max(FLOOR * plan.tolerance, bound_error(plan.compiled, self.found))
         values = share * scales + ROUNDING * np.abs(own.values[:, :, 0]).max(axis=1)
         if one.seeks_turn:
-            values = np.maximum(values, np.maximum(SURE * part_extremes(own, other), part_extremes(own, bent)))
+            values = np.maximum(values, np.maximum(ERROR_SAFETY * part_extremes(own, other), part_extremes(own, bent)))
         off = one.spread(own, values)
         if one.averages:
             read = np.abs(one.derivatives(own)[:, :, 0])
