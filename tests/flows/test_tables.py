@@ -233,7 +233,7 @@ class Run:
     """What `compare` asks of a result: x = 2t at samples 0, 1, …, 10 s."""
 
     def __init__(self):
-        self.times = [float(t) for t in range(11)]
+        self.times = np.array([float(t) for t in range(11)])
         self.columns = {"position": [2.0 * t for t in self.times], "drive": [t * t for t in self.times]}
 
     def __getitem__(self, name):
