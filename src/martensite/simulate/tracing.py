@@ -138,15 +138,8 @@ class RunTrace(AbstractTrace):
         drawn = max((abs(value - float(one.value(few)[0])) for few in thinned), default=0.0)
         bent = tabulate_track(track.bend(), places, 1, one.follows_curve)
         drawn = max(drawn, abs(value - float(one.value(bent)[0])))
-        least = dict(plan.compiled.convergence_scales)
-        nothing = LEAST_RANGE * np.abs(own.values[:, :, 0]).max(axis=1)
-        scales = np.array([max(np.ptp(own.values[k]), least.get(n, nothing[k])) for k, n in enumerate(names)])
         kelvin = np.array([self.system.outputs()[name].unit == "K" for name in names], float)
-        share = max(FLOOR * plan.tolerance, bound_error(plan.compiled, self.found))
-        values = share * scales + ROUNDING * np.abs(own.values[:, :, 0]).max(axis=1)
-        if one.seeks_turn:
-            values = np.maximum(values, np.maximum(ERROR_SAFETY * part_extremes(own, other), part_extremes(own, bent)))
-        off = one.spread(own, values)
+        off = one.spread(own, self._allow_values(one, own, other, bent))
         if one.averages:
             read = np.abs(one.derivatives(own)[:, :, 0])
             weights = np.where(own.weights[:, 0] > 0.0, own.weights[:, 0], np.inf)
@@ -155,6 +148,26 @@ class RunTrace(AbstractTrace):
             own, self.found.ripple * kelvin
         )
         return total if np.isfinite(total) else None
+
+    def _allow_values(self, one: AbstractMeasure, own: RunTable, other: RunTable, bent: RunTable) -> Numbers:
+        """Return how far the values that a measure reads may be off, (columns,).
+
+        Args:
+            one: the measure.
+            own: table of the last pass.
+            other: table of the pass before.
+            bent: table of the last pass as far from straight lines as it may be.
+        """
+        least = dict(self.plan.compiled.convergence_scales)
+        nothing = LEAST_RANGE * np.abs(own.values[:, :, 0]).max(axis=1)
+        scales = np.array(
+            [max(np.ptp(own.values[k]), least.get(n, nothing[k])) for k, n in enumerate(one.columns(self.system))]
+        )
+        share = max(FLOOR * self.plan.tolerance, bound_error(self.plan.compiled, self.found))
+        values = share * scales + ROUNDING * np.abs(own.values[:, :, 0]).max(axis=1)
+        if one.seeks_turn:
+            values = np.maximum(values, np.maximum(ERROR_SAFETY * part_extremes(own, other), part_extremes(own, bent)))
+        return values
 
 
 def part_extremes(one: RunTable, other: RunTable) -> Numbers:
