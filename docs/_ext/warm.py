@@ -24,15 +24,6 @@ from typer.testing import CliRunner
 
 from martensite.cli import app
 
-PACKAGES = (
-    "martensite",
-    "martensite.control",
-    "martensite.export",
-    "martensite.boards",
-    "martensite.studies",
-    "martensite.design.sweep",
-    "martensite.testing",
-)
 OTHERS = ("control", "dask", "fmu", "gymnasium", "mujoco")
 """What only some pages need; they import it themselves."""
 
@@ -54,8 +45,7 @@ def _draw() -> None:
     plt.close(figure)
 
 
-for name in PACKAGES:
-    _import_all(name)
+_import_all("martensite")
 CliRunner().invoke(app, ["materials", "copaci-2019"])
 _draw()
 gc.freeze()

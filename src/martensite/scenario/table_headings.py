@@ -72,7 +72,7 @@ def _fit_width(cells: Sequence[str], line: str, width: int, sign: str | None) ->
 
 
 def collect_said(rows: Sequence[Row]) -> dict[str, str]:
-    """Return the words above the table with what stands beside them."""
+    """Return the labels above the table with the values beside them."""
     found: dict[str, str] = {}
     for _, row in rows:
         cells = [part.strip() for cell in row for part in re.split(r":\s", cell, maxsplit=1) if part.strip()]

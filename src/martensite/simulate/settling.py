@@ -104,7 +104,7 @@ class _Search:
     def _march(
         self, waves: Mapping[str, AbstractWaveform], length: float, start: Restart, judge: Callable[[Result], float]
     ) -> tuple[Restart, float]:
-        """Return the state after a length of time [s], and what a judge says of the way there."""
+        """Return the state after a time [s], and the verdict of a judge on the run."""
         result = simulate(
             self.system, waves, length, tolerance=0.5 * self.tolerance, samples=LOOKED, start=start
         ).require()

@@ -50,7 +50,7 @@ def find_step(
 
 
 def _compare_runs(system: AbstractSystem, found: Result, meant: Result) -> float:
-    """Return the largest difference of what is judged, as a share of its range."""
+    """Return the largest difference of the judged outputs, as a fraction of their ranges."""
     shares: list[float] = []
     for name, least in system.convergence_scales().items():
         count = min(len(found.times), len(meant.times))

@@ -35,10 +35,8 @@ def record_lengths(
     """
     found: dict[str, float] = {}
     for (port, one), elongation in zip(system.actuators().items(), _list_elongations(system, columns), strict=True):
-        natural, strain = (
-            _find_natural_length(drawn.actuators()[port].element),
-            columns[system.label(port, "strain")][0],
-        )
+        natural = _find_natural_length(drawn.actuators()[port].element)
+        strain = columns[system.label(port, "strain")][0]
         share = elongation / _find_natural_length(one.element)
         found[port] = natural * (1.0 + (share / strain * strains[port] if strain else share))
     return found

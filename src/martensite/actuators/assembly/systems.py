@@ -56,7 +56,7 @@ class System(Actuator, AbstractAssembly):
         return found | {"drive": own["drive"]._replace(unit=self.source.unit)}
 
     def description(self) -> str:
-        """Return such as `wire (brinson) on bias-spring, driven by power`."""
+        """Return a description such as `wire (brinson) on bias-spring, driven by power`."""
         element, load = self.element, self.mechanism.registered_name
         names = f"{element.registered_name} ({element.law.registered_name})"
         return f"{names} on {load}, driven by {self.source.registered_name}"
@@ -167,7 +167,7 @@ class Machine(AbstractAssembly):
         return found
 
     def description(self) -> str:
-        """Return such as `parallel-platform with 3 × coil-spring (liang-rogers)`."""
+        """Return a description such as `parallel-platform with 3 × coil-spring (liang-rogers)`."""
         kinds = Counter(
             f"{one.element.registered_name} ({one.element.law.registered_name})" for one in self.actuators().values()
         )

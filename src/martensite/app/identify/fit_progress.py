@@ -177,7 +177,7 @@ def describe_outcome(fit: Fit, proposal: Proposal | None = None) -> JsonTable:
 
 
 def _list_warnings(fit: Fit) -> list[str]:
-    """Return the warnings but those that say what the data leave open, which is told by itself."""
+    """Return the warnings without those about undetermined parameters, which the page shows separately."""
     told = {one.sentence for one in fit.identifiability.weak}
     return [sentence for sentence in list_fit_warnings(fit) if sentence not in told]
 

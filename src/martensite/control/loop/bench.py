@@ -82,7 +82,7 @@ class Bench(AbstractSystemAround, init=False):
         return self.period
 
     def description(self) -> str:
-        """Return such as `wire (brinson) on bias-spring, driven by pwm-voltage, under pid`."""
+        """Return a description such as `wire (brinson) on bias-spring, driven by pwm-voltage, under pid`."""
         kinds = [one.registered_name for one in self.controllers.members().values()]
         return f"{self.plant.description()}{', under ' if kinds else ''}{', '.join(kinds)}"
 

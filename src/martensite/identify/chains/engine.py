@@ -143,7 +143,7 @@ def _allocate_aligned(count: int) -> Numbers:
 
 
 def scratch_size(plan: ChainPlan, columns: int) -> int:
-    """Return the numbers that `slopes` needs room for: one tile of signals, and what blocks need beside."""
+    """Return the size of the work space of `slopes`: one tile of signals and the memory of the blocks."""
     beside = sum(count_room(piece, columns - plan.columns) for piece in plan.pieces)
     return plan.width * TILE * columns + beside
 
