@@ -36,7 +36,7 @@ class AbstractMeasure(Parametrised):
     """True if it needs the curve between steps, not only extremes and integrals."""
 
     seeks_turn: ClassVar[bool] = False
-    """Whether it depends on which value is the farthest from the first."""
+    """True if the measure depends on which value is farthest from the first."""
 
     of: str = text("output that is looked at; none for the first coordinate", default=FIRST)
 
