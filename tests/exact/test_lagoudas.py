@@ -56,7 +56,9 @@ def test_a_trained_wire_starts_where_its_cycles_end(stress):
     assert [one.kind for one in trained.alarms] == []
     (drift,) = stretched.alarms
     assert drift.kind == "drift" and drift.sentence in stretched.warnings
-    assert (drift.limit, drift.worst) == pytest.approx((1.0, H / law.H_sat), rel=1e-9)
+    assert drift.limit == 1.0
+    # The drift is read at the first accepted step at which the fraction is back, to 1e-3 of it.
+    assert drift.worst == pytest.approx(H / law.H_sat, rel=1e-3)
 
 
 def oriented_after(law, points, xi, substeps=1):

@@ -25,7 +25,8 @@ from martensite.show.figures.responses import plot_frequency_response, plot_spee
 from martensite.signals.held import Held
 from martensite.signals.sine import Sine
 from martensite.simulate.api import simulate
-from martensite.simulate.cycle_energies import compute_cycle_energies, plot_energy
+from martensite.show.figures.energy import plot_energy
+from martensite.simulate.cycle_energies import compute_cycle_energies
 from martensite.simulate.result import Result
 
 GAIN, MASS, H = 2.0, 1.0, 100.0

@@ -115,7 +115,7 @@ def test_another_seed_draws_another_noise_the_same_in_floats_and_c(tmp_path: Pat
         result = read_scenario(LOOP, overrides={} if seed is None else {"run.seed": seed}).run(runtime=runtime)
         save_result(result, tmp_path / "run.nc")
         assert open_result(tmp_path / "run.nc").attrs["noise_seed"] == (seed or 0)
-        return result.columns["measured.position"]
+        return result.columns["measured.position"].tolist()
 
     assert draw(None, "floats") == draw(0, "floats")
     assert draw(7, "floats") == pytest.approx(draw(7, "c"), rel=1e-12)

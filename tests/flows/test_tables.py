@@ -234,7 +234,7 @@ class Run:
 
     def __init__(self):
         self.times = np.array([float(t) for t in range(11)])
-        self.columns = {"position": [2.0 * t for t in self.times], "drive": [t * t for t in self.times]}
+        self.columns = {"position": 2.0 * self.times, "drive": self.times**2}
 
     def __getitem__(self, name):
         return self.columns[name]

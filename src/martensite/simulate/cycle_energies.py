@@ -60,8 +60,8 @@ def compute_cycle_energies(result: Result, period: float, *, pairs: Sequence[Pai
         for force, coordinate in _find_columns(result, pairs)
     ]
     over: Any = integrate_energies(result, ways)
-    totals: tuple[Any, ...] = over.electrical, over.lost, over.work, over.returned
-    found: list[Any] = [np.diff(np.interp(ends, times, total)) for total in totals]
+    totals: tuple[Numbers, ...] = over.electrical, over.lost, over.work, over.returned
+    found: list[Numbers] = [np.diff(np.asarray(np.interp(ends, times, total), float)) for total in totals]
     electrical, lost, work, returned = found
     return CycleEnergies(electrical, lost, work, returned, period)
 

@@ -16,7 +16,7 @@ from martensite.base.registry import import_modules
 from martensite.physics.materials.base import Material, load_material, material_names
 from martensite.scenario.catalogue import list_registries
 from martensite.simulate.provenance import keep_record
-from martensite.studies.base import STUDIES, AbstractStudy, load_study
+from martensite.studies.base import AbstractStudy, load_study, study_names
 from martensite.testing.examples import label_part, list_variants
 
 Check = Callable[[Any], None]
@@ -161,7 +161,7 @@ def check_target(target: str) -> list[Conformance]:
     try:
         return [check_conformance(cls, kind) for kind, cls in find_parts(target)]
     except UnknownNameError as error:
-        if target in STUDIES.names():
+        if target in study_names():
             return [check_study(target)]
         raise error from None
 

@@ -115,16 +115,25 @@ class ParallelCells:
             e = spring.free + spring.compliance * force
         return spring
 
+    def _stiffness(self, xp: Namespace, free: Column, compliance: Column, e: Scalar) -> Column:
+        """Return the stiffness of every cell at a common elongation; 0 of a slack cell."""
+        rows = zip(free, compliance, strict=True)
+        return [xp.where(e + ELONGATION_TOLERANCE >= f, 1.0 / c, 0.0) for f, c in rows]
+
     def _taut(self, xp: Namespace, free: Column, compliance: Column, e: Scalar) -> Spring:
-        stiffness = [
-            xp.where(e + ELONGATION_TOLERANCE >= f, 1.0 / c, 0.0) for f, c in zip(free, compliance, strict=True)
-        ]
+        stiffness = self._stiffness(xp, free, compliance, e)
         soft = 1.0 / sum_column(stiffness)
         return Spring(soft * sum_column([k * f for k, f in zip(stiffness, free, strict=True)]), soft)
 
     def rests(self, xp: Namespace, free: Column, compliance: Column, force: Column) -> tuple[Column, Column]:
-        """Return the sums over the others that were taut: stiffness times free elongation, and stiffness."""
-        stiffness = [xp.where(f > 0.0, 1.0 / c, 0.0) for f, c in zip(force, compliance, strict=True)]
+        """Return the sums over the others that are taut: stiffness times free elongation, and stiffness.
+
+        The taut ones are those of the balance of all lines. Which cells carried a force before says less: a cell
+        that begins to pull would count as slack in the equation of the one that it relieves.
+        """
+        whole = self.whole(xp, free, compliance, sum_column(force))
+        e = whole.free + whole.compliance * sum_column(force)
+        stiffness = self._stiffness(xp, free, compliance, e)
         pull = [k * f for k, f in zip(stiffness, free, strict=True)]
         return _sum_others(pull), _sum_others(stiffness)
 
