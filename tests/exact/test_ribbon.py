@@ -110,7 +110,7 @@ class TestSideBySide:
 
     @pytest.mark.parametrize("force", [[9.0, 4.0, 7.0], [20.0, 0.0, 0.0]], ids=["all taut before", "one taut before"])
     def test_a_cell_and_the_rest_are_the_whole(self, force):
-        """A wire that was slack before and pulls now is part of the rest, or a step that makes it taut is not solved."""
+        """A wire that was slack before and pulls now is part of the rest."""
         free, soft = [0.0, 1e-4, 2e-4], [1e-4, 2e-4, 1e-4]
         whole = ParallelCells().whole(floats, free, soft, sum(force))
         offsets, slopes = ParallelCells().rests(floats, free, soft, force)

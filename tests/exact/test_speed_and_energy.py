@@ -21,11 +21,11 @@ from martensite.base.errors import InputError, ParameterError
 from martensite.control.loop.bench import Bench
 from martensite.design.analysis.frequency_response import measure_frequency_response
 from martensite.design.analysis.speeds import compute_speeds
+from martensite.show.figures.energy import plot_energy
 from martensite.show.figures.responses import plot_frequency_response, plot_speeds
 from martensite.signals.held import Held
 from martensite.signals.sine import Sine
 from martensite.simulate.api import simulate
-from martensite.show.figures.energy import plot_energy
 from martensite.simulate.cycle_energies import compute_cycle_energies
 from martensite.simulate.result import Result
 
