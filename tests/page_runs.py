@@ -15,7 +15,6 @@ from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState
 from martensite.app.messages import write_message
 from martensite.app.views.formulas import write_number
 from martensite.scenario.scenario import Scenario
-from martensite.simulate.alarms import add_warnings
 from martensite.simulate.result import Result
 from martensite.simulate.tracing import AbstractTrace
 from martensite.simulate.track import StepRows, Track
@@ -83,9 +82,9 @@ def keep_rows(result: Result) -> Result:
         return result
     none = StepRows(track.steps.rows[:0], track.steps.joined[:0], track.steps.plain[:0])
     rows = replace(track, steps=none)
-    fresh = add_warnings(replace(result, trace=KeptTrace(rows), alarms=[], warnings=[]))
+    fresh = replace(result, trace=KeptTrace(rows), notes=[])
     guard = [one for one in result.warnings if one.startswith("Warning: The guard")]
-    return replace(fresh, warnings=[*fresh.warnings, *guard])
+    return replace(fresh, notes=guard)
 
 
 def draw_row(system: Any, result: Result, row: int) -> list[DrawingShape]:

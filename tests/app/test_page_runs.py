@@ -21,7 +21,6 @@ from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.show.figures.hysteresis import find_senses, split_runs
 from martensite.show.figures.phase_diagram import find_bands
 from martensite.show.summaries.run import tabulate_key_results
-from martensite.simulate.alarms import add_warnings
 from martensite.simulate.result import Result
 
 MARCH = ("The run stopped", "Warning: The trial step", "Warning: The run ends")
@@ -124,7 +123,7 @@ def test_alarms_that_are_rare_are_told_alike(page_runs: PageRuns) -> None:
     k = np.arange(1001.0)
     columns["martensite_fraction"] = 1.0 - np.sin(math.pi * k / 1000)
     columns["oriented_fraction"] = (0.5 + 4e-4 * k) * columns["martensite_fraction"]
-    result = add_warnings(replace(plain, columns=columns, trace=None, alarms=[], warnings=[]))
+    result = replace(plain, columns=columns, trace=None, notes=[])
     assert {alarm["kind"] for alarm in list_alarms(result)} >= {"slack", "drift"}
     assert compare(page_runs, {"rare": (scenario, result)}) == {}
 

@@ -326,7 +326,7 @@ def test_a_record_that_cannot_be_compared_is_refused(
 
 
 def test_title_summary_and_warnings_are_on_the_figure() -> None:
-    result = replace(make_result(), warnings=["Warning: hot."], status=Status.LONG_STEP)
+    result = replace(make_result(), notes=["Warning: hot."], status=Status.LONG_STEP)
     texts = all_texts(plot_result(result))
     assert "Wire (liang-rogers) on dead-weight, driven by voltage" in texts
     assert "Warning: hot." in texts
@@ -340,7 +340,7 @@ CASES = {
     "constant": (make_result(temperature=np.full(N, 350.0), position=np.zeros(N)), []),
     "small": (make_result(position=SI["position"] * 1e-4, resistance=SI["position"] + 1e4), []),
     "records": (
-        replace(make_result(), warnings=["Warning: " + "long " * 60, "Short."]),
+        replace(make_result(), notes=["Warning: " + "long " * 60, "Short."]),
         [
             make_record("a rather long name of a measured record $x$", position=SI["position"]),
             make_record("_b", position=SI["position"], strain=SI["strain"], drive=SI["drive"]),

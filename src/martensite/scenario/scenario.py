@@ -321,6 +321,10 @@ def read_scenario(
 
     `log` is the record that waveforms of kind `log` follow, from its first row on.
     """
+    if "\n" not in text and text.endswith(".toml"):
+        raise InputError(
+            f"`read_scenario` takes the text of a scenario, but was given a path; use `ms.load({text!r})`."
+        )
     document = toml_document(text, f"`{path}`" if path else "The scenario")
     if overrides:
         document = change_document(document, _name_in_full(document, overrides, path, log))

@@ -89,6 +89,14 @@ class Alarm:
 
 
 @dataclass(frozen=True)
+class Judged:
+    """Alarms of a run, and sentences on them and on what its laws leave in doubt."""
+
+    alarms: Sequence[Alarm] = ()
+    sentences: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
 class Excursion:
     """When a margin was above zero."""
 
@@ -295,23 +303,20 @@ def undelivered_margins(source: AbstractSource, drive: Values, resistance: Value
     return np.maximum(demand - reached.most, reached.least - demand) - ROUNDING * np.abs(demand)
 
 
-def add_warnings(result: Result) -> Result:
-    """Add alarms and warnings to a result, from its track, or from its samples if it has none."""
-    system = result.system
+def judge_limits(result: Result) -> Judged:
+    """Return the alarms of a run with their sentences, from its track, or from its samples if it has none."""
+    system, alarms = result.system, list[Alarm]()
     if system.actuators():
-        judged = [name for name in system.outputs() if name.rpartition(".")[2] in JUDGED]
-        times, columns = result.list_rows(judged)
-        wide = {name: _widen(name, column) for name, column in columns.items()}
+        names = [name for name in system.outputs() if name.rpartition(".")[2] in JUDGED]
+        times, columns = result.list_rows(names)
         if result.track is None:
-            result.alarms.extend(alarms_of(system, times, columns))
-        elif near := alarms_of(system, times, wide):
+            alarms = alarms_of(system, times, columns)
+        elif near := alarms_of(system, times, {name: _widen(name, column) for name, column in columns.items()}):
             followed = {one.quantity if one.kind == "rig" else system.label(one.port, one.quantity) for one in near}
-            result.alarms.extend(alarms_of(system, *result.draw_curves(judged, sorted(followed))))
-    result.warnings.extend(alarm.sentence for alarm in result.alarms)
-    if result.status is Status.LONG_STEP:
-        result.warnings.append(f"Warning: {result.status.sentence}")
-    result.warnings.extend(_describe_doubts(result, result.list_rows()[1]))
-    return result
+            alarms = alarms_of(system, *result.draw_curves(names, sorted(followed)))
+    coarse = [f"Warning: {result.status.sentence}"] if result.status is Status.LONG_STEP else []
+    sentences = [alarm.sentence for alarm in alarms]
+    return Judged(alarms, [*sentences, *coarse, *_describe_doubts(result, result.list_rows()[1])])
 
 
 def _widen(name: str, column: Numbers) -> Numbers:

@@ -15,7 +15,7 @@ from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.base.status import Status
 from martensite.kernels import floats
 from martensite.simulate.accuracy import RunEngine, Tell, choose_samples, march_to, require_budget
-from martensite.simulate.alarms import add_warnings
+from martensite.simulate.alarms import judge_limits
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms, grid_of
 from martensite.simulate.envelope import describe_exit, envelope_of, rows_inside
@@ -117,13 +117,13 @@ def simulate(
     kept = relay.list_restarts([times[k] for k in compared])
     trace = RunTrace(system, engine, plan, found, relay, marched_on)
     result = _build_result(system, waveform, plan, found, accuracy, engine.used, trace)
-    result = replace(result, restarts=kept, begin=partial(describe_start, start))
+    notes = list(result.notes)
     if accuracy is not None and accuracy > tolerance and not found.status.failed:
-        result.warnings.append(
+        notes.append(
             f"Warning: the tolerance of {tolerance:.1e} was not reached in {found.steps:,} steps; "
             f"what is judged may be off by {accuracy:.1e} of its range."
         )
-    return result
+    return replace(result, notes=notes, restarts=kept, begin=partial(describe_start, start))
 
 
 def _in_discrete_time(
@@ -165,13 +165,13 @@ def _in_discrete_time(
     plan = replace(plan, times=[grid.times[k] for k in places])
     found = replace(found, rows=[found.rows[k] for k in places if k < len(found.rows)])
     result = _build_result(system, waveform, plan, found, None, used, trace)
-    result = replace(result, restarts=kept, begin=partial(describe_start, start))
+    notes = list(result.notes)
     if not kept_all and len(whole.lengths) > len(whole.times):
-        result.warnings.append(
+        notes.append(
             f"Caution: the run has {len(whole.lengths):,} steps; its measures and alarms come from "
             f"{len(whole.times):,} stored samples."
         )
-    return result
+    return replace(result, notes=notes, restarts=kept, begin=partial(describe_start, start))
 
 
 def _march_grid(
@@ -226,7 +226,6 @@ def _build_result(
     runtime: str,
     trace: AbstractTrace | None = None,
 ) -> Result:
-    leaves = found.status is Status.OUT_OF_ENVELOPE
     names = list(system.outputs())
     rows = found.require().rows
     columns = dict(zip(names, np.array(rows, float).T.copy(), strict=False))
@@ -245,27 +244,29 @@ def _build_result(
         rejected=found.rejected,
         ripple=found.ripple,
         trace=trace,
+        judged=judge_limits,
     )
     if plan.step is None and not system.sample_time():
         result = _add_balances(result, plan, found)
-    if leaves:
-        result.warnings.append(describe_exit(system, found.time, found.place, found.value))
-    return add_warnings(result)
+    if found.status is Status.OUT_OF_ENVELOPE:
+        gone = describe_exit(system, found.time, found.place, found.value)
+        result = replace(result, notes=[*result.notes, gone])
+    return result
 
 
 def _add_balances(result: Result, plan: MarchPlan, found: Marched) -> Result:
     """Return a result with what became of heat and work, and a warning where some of it is missing."""
-    book, warnings = plan.compiled.book, result.warnings
+    book, notes = plan.compiled.book, list(result.notes)
     heat = balance_heat(found.put_in, found.lost, found.accounts) if book.heat else None
     work = balance_work(book, found.accounts) if book.work else None
     for words, one in (("heat", heat), ("work", work)):
         residual = None if one is None else one.residual
         if residual is not None and not residual <= plan.tolerance:
-            warnings.append(
+            notes.append(
                 f"Warning: {residual:.1e} of the {words} is not accounted for, more than the "
                 f"tolerance of {plan.tolerance:.1e}."
             )
-    return replace(result, heat=heat, work=work, unbalanced=list(book.unknown))
+    return replace(result, heat=heat, work=work, unbalanced=list(book.unknown), notes=notes)
 
 
 def check_run(duration: float, tolerance: float, step: float | None, samples: int) -> None:

@@ -134,7 +134,7 @@ def _build_result(
     ends = {name: (ran.numbers[2 * k], ran.numbers[2 * k + 1]) for k, name in enumerate(measured)}
     variants = Variants(varied, status, ran.ended, ran.accuracy if controlled else None, ends)
     lost = sum(one.failed or one is Status.OUT_OF_ENVELOPE for one in status)
-    warnings = [f"Warning: {lost} of {len(status)} variants ended early."] if lost else []
+    notes = [f"Warning: {lost} of {len(status)} variants ended early."] if lost else []
     return Result(
         system,
         waveform,
@@ -144,7 +144,7 @@ def _build_result(
         None,
         0,
         math.nan,
-        warnings=warnings,
+        notes=notes,
         runtime=NAMES.get(runtime, runtime),
         variants=variants,
         begin=describe_batch_start,

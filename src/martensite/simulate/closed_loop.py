@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -27,7 +27,7 @@ from martensite.base.status import Status
 from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.carrier import Carrier, limit_duty
 from martensite.signals.held import Held
-from martensite.simulate.alarms import add_warnings
+from martensite.simulate.alarms import judge_limits
 from martensite.simulate.api import first_step
 from martensite.simulate.compiled import bind_system
 from martensite.simulate.envelope import Envelope, describe_exit, rows_inside
@@ -260,11 +260,12 @@ class _Walk:
             self.longest,
             trace=self._trace(),
             begin=partial(describe_start, HOME),
+            judged=judge_limits,
         )
         ends = self._columns(self.ends)
         if found.status is Status.OUT_OF_ENVELOPE:
-            result.warnings.append(describe_exit(plan.system, found.time, found.place, found.value))
-        return LoopResult(add_warnings(result), plan.period, self.signals, ends, self._columns(self.sums))
+            result = replace(result, notes=[describe_exit(plan.system, found.time, found.place, found.value)])
+        return LoopResult(result, plan.period, self.signals, ends, self._columns(self.sums))
 
     def _trace(self) -> AbstractTrace:
         """Return the outputs at both ends of all steps, with what the drive asked for."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -22,7 +22,7 @@ from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.held import Held
 from martensite.signals.moments import Moments
 from martensite.signals.reader import Reader
-from martensite.simulate.alarms import add_warnings
+from martensite.simulate.alarms import judge_limits
 from martensite.simulate.api import first_step
 from martensite.simulate.closed_loop import whole_periods
 from martensite.simulate.compiled import bind_march, compile_march, feed_step
@@ -204,10 +204,11 @@ class _ControlledWalk:
             plan.period / plan.pieces,
             trace=self._trace(),
             begin=partial(describe_start, HOME),
+            judged=judge_limits,
         )
         if found.status is Status.OUT_OF_ENVELOPE:
-            result.warnings.append(describe_exit(plan.system, found.time, found.place, found.value))
-        return add_warnings(result)
+            result = replace(result, notes=[describe_exit(plan.system, found.time, found.place, found.value)])
+        return result
 
     def _trace(self) -> AbstractTrace:
         """Return the outputs at the ends of all steps."""

@@ -20,7 +20,7 @@ from martensite.base.formats import write_quantity
 from martensite.base.services import import_service
 from martensite.base.status import Status
 from martensite.base.summary import DataTable, Sentence, Summary
-from martensite.simulate.alarms import Alarm
+from martensite.simulate.alarms import Alarm, Judged
 from martensite.simulate.ledger import HeatBalance, WorkBalance
 from martensite.simulate.measures.base import measure_samples, parse_measure
 from martensite.simulate.measures.run_table import find_extremes, tabulate_track
@@ -89,11 +89,11 @@ class Result:
     accuracy: float | None = None
     """Bound on the errors of temperatures, martensite fractions, stresses and coordinates, as a fraction of the range
     of each; None if only one run was made, and for a batch (see `variants.accuracy`)."""
-    warnings: list[str] = field(default_factory=list[str])
-    """Sentences on exceeded limits, slack, a saturated supply, coarse steps."""
-    alarms: list[Alarm] = field(default_factory=list[Alarm])
-    """Exceeded limits, slack and a saturated supply, with time, duration and amount."""
-
+    notes: Sequence[str] = ()
+    """Sentences of the run itself, with which `warnings` begins."""
+    judged: Callable[[Result], Judged] | Judged = field(default_factory=Judged)
+    """Returns `alarms` and the rest of `warnings` when one of them is read; or these themselves, of a result from a
+    file and of a batch."""
     profiles: dict[str, list[list[float]]] = field(default_factory=dict[str, list[list[float]]])
     """One list per cell and quantity named in `martensite.actuators.assembly.PROFILES`, in SI
     units; empty
@@ -130,6 +130,20 @@ class Result:
         """Hold times and columns as arrays, whatever sequences were given."""
         object.__setattr__(self, "times", np.asarray(self.times, np.float64))
         object.__setattr__(self, "columns", {name: np.asarray(one, np.float64) for name, one in self.columns.items()})
+
+    @cached_property
+    def _judgement(self) -> Judged:
+        return self.judged if isinstance(self.judged, Judged) else self.judged(self)
+
+    @property
+    def alarms(self) -> list[Alarm]:
+        """Return exceeded limits, slack and a saturated supply, with time, duration and amount."""
+        return list(self._judgement.alarms)
+
+    @property
+    def warnings(self) -> list[str]:
+        """Return sentences on exceeded limits, slack, a saturated supply, coarse steps."""
+        return [*self.notes, *self._judgement.sentences]
 
     @cached_property
     def start(self) -> str:

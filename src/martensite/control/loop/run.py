@@ -120,7 +120,7 @@ def warn_of_loops(result: Result, bench: Bench, duration: float) -> Result:
         f"Warning: {one.sentence} {one.remedy}" for one in (*check_signals(bench), *check_guard(bench)) if one.fault
     ]
     known = _with_doubts(warn_of_guard(result, bench), bench)
-    return warn_of_end(replace(known, warnings=[*known.warnings, *faults]), duration, bench.period)
+    return warn_of_end(replace(known, notes=[*known.notes, *faults]), duration, bench.period)
 
 
 def warn_of_guard(result: Result, bench: Bench) -> Result:
@@ -139,7 +139,7 @@ def warn_of_guard(result: Result, bench: Bench) -> Result:
             f"Warning: The guard {acted} a signal by {names} (alarm {number:.0f}), first at t = {first:.4g} s, "
             f"for {length:.3g} s in all."
         )
-    return replace(result, warnings=[*result.warnings, *said])
+    return replace(result, notes=[*result.notes, *said])
 
 
 def _with_doubts(result: Result, bench: Bench) -> Result:
@@ -149,7 +149,7 @@ def _with_doubts(result: Result, bench: Bench) -> Result:
         names = name_controller_outputs(bench, drive)
         said += one.describe_doubts({own: result[name][-1] for own, name in names.items()})
         said += describe_expected_miss(result, drive, one.measured, reference)
-    return replace(result, warnings=[*result.warnings, *said]) if said else result
+    return replace(result, notes=[*result.notes, *said]) if said else result
 
 
 def warn_of_end(result: Result, duration: float, period: float) -> Result:
@@ -161,7 +161,7 @@ def warn_of_end(result: Result, duration: float, period: float) -> Result:
         f"Warning: The run ends at {end:.6g} s instead of {duration:.6g} s: it goes in periods of {period:.6g} s. "
         "Try a duration that is a multiple of it."
     )
-    return replace(result, warnings=[*result.warnings, said])
+    return replace(result, notes=[*result.notes, said])
 
 
 def _with_loops(result: Result, bench: Bench, outside: Mapping[str, AbstractDrive]) -> Result:
