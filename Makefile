@@ -9,8 +9,9 @@ PYTHON ?= python3
 PYTEST_ARGS ?= -m "not slow" -n auto --maxprocesses 4 --dist worksteal
 
 # Most compiled C runs once in a test or on a page: it is compiled quickly, not optimised, and kept
-# for both. test-all compiles as users do.
+# for both: by tcc where there is one and it can, which takes a twentieth of the time. test-all compiles as users do.
 C_QUICK ?= -O0
+QUICK_C = MARTENSITE_CFLAGS="$(C_QUICK)" MARTENSITE_CC="$$($(BIN)/python tests/quick_compiler.py)"
 # Many processes share the cores: each computes on one thread.
 export OPENBLAS_NUM_THREADS ?= 1
 # And many import the same: what Python compiles of it is kept, or each would compile it anew.
@@ -42,7 +43,7 @@ demo: $(VENV)/.stamp-core ## run the demonstration (core dependencies only)
 	$(BIN)/martensite demo
 
 test: $(VENV)/.stamp-dev ## run the tests that are not marked slow
-	MARTENSITE_CFLAGS="$(C_QUICK)" $(BIN)/python -m pytest $(PYTEST_ARGS)
+	$(QUICK_C) $(BIN)/python -m pytest $(PYTEST_ARGS)
 
 test-all: $(VENV)/.stamp-dev ## run every test, and check the types of tests, too
 	$(PYRIGHT)
@@ -55,7 +56,7 @@ lint: $(VENV)/.stamp-dev ## style, format, types of what ships, import contracts
 	$(BIN)/lint-imports --no-cache
 
 docs: $(VENV)/.stamp-dev ## build the documentation into docs/_build/html
-	MARTENSITE_CFLAGS="$(C_QUICK)" $(BIN)/python -m sphinx -b html -W --keep-going docs docs/_build/html
+	$(QUICK_C) $(BIN)/python -m sphinx -b html -W --keep-going docs docs/_build/html
 
 # The bench is compiled by zig, which the extra cc brings.
 site: $(VENV)/.stamp-dev $(VENV)/.stamp-cc ## documentation and, beside it, the bench without a server, as files into site

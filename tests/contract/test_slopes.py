@@ -1,8 +1,8 @@
 """Exact derivatives of whole runs in C, for every registered law, element, mechanism and drive.
 
 Sources of truth: central differences of the same run in C without derivatives. All
-parameters of a case take part. Kernels are compiled without optimisation, which takes a tenth of
-the time; two cases are compiled as for a user.
+parameters of a case take part. Kernels are compiled without optimisation, and for one direction at a time: vectors
+take most of a compiler's time. One case holds them to the directions one by one.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from builders import law_a
 from slope_cases import Case, cases, under_weight
 
 from martensite.kernels import compiler
+from martensite.simulate import native_slopes
 
 TOLERANCE = 1e-5
 GOOD = 0.99
@@ -27,12 +28,18 @@ def unoptimised(c_compiler, monkeypatch):
     monkeypatch.setattr(compiler, "FLAGS", quick)
 
 
+@pytest.fixture
+def one_by_one(unoptimised, monkeypatch):
+    """Compute one direction at a time."""
+    monkeypatch.setattr(native_slopes, "WIDTHS", (1,))
+
+
 def listed(case: Case, usual: bool):
     return pytest.param(case, id=case.name, marks=[] if usual else [pytest.mark.slow])
 
 
 @pytest.mark.parametrize("case", [listed(*row) for row in cases()])
-def test_slopes_are_those_of_differences(case: Case, unoptimised):
+def test_slopes_are_those_of_differences(case: Case, one_by_one):
     error, good = case.apart()
     assert good >= GOOD
     assert error <= TOLERANCE
@@ -41,8 +48,8 @@ def test_slopes_are_those_of_differences(case: Case, unoptimised):
     assert np.ptp(found.rows, axis=0).max() > 0.0
 
 
-def test_many_directions_are_those_one_by_one(unoptimised):
-    """Forty directions, in chunks; a row of zeros moves nothing."""
+def test_many_directions_are_those_one_by_one(unoptimised, monkeypatch):
+    """Forty directions, in chunks of vectors; a row of zeros moves nothing."""
     case = under_weight(law_a())
     seeds = case.directions[:, np.arange(40) % 4] * np.linspace(1.0, 2.0, 40)
     seeds[:, 17] = 0.0
@@ -51,9 +58,11 @@ def test_many_directions_are_those_one_by_one(unoptimised):
     assert (many[:, :, 17] == 0.0).all()
     for k in (0, 15, 16, 39):
         assert (many[:, :, k] == case.slopes(seeds[:, [k]]).slopes[:, :, 0]).all()
+    monkeypatch.setattr(native_slopes, "WIDTHS", (1,))
+    assert many == pytest.approx(case.slopes(seeds).slopes, rel=1e-9, abs=1e-12 * np.abs(many).max())
 
 
-def test_a_seed_in_a_wrong_parameter_is_noticed(unoptimised):
+def test_a_seed_in_a_wrong_parameter_is_noticed(one_by_one):
     case = under_weight(law_a())
     place, other = (case.compiled.paths.index(f"element.law.{n}") for n in ("C_A", "C_M"))
     wrong = case.directions.copy()

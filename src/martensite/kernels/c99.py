@@ -229,14 +229,13 @@ def slopes_source(program: Program, functions: Sequence[Function], wrt: Sequence
     """C of `prepare` and of differentiated functions, in `width` directions.
 
     Every function takes constants and inputs, each followed by its slopes:
-    `k_step(c, dc, x, dx, y, dy)`; `k_prepare(p, dp, c, dc)`.
+    `k_step(c, dc, x, dx, y, dy)`; `k_prepare(p, dp, c, dc)`. One direction needs no vectors, so any compiler takes it.
     """
+    vector = f" __attribute__((vector_size({8 * width}), aligned(8)))" if width > 1 else ""
     kernels = KernelPrinter(program, C_DIALECT, moving=wrt)
     places = kernels.list_places("c", program.hoisted_nodes)
     parts = [
-        f"{write_prelude()}"
-        f"typedef double slopes __attribute__((vector_size({8 * width}), aligned(8)));\n"
-        f"static const slopes {ZERO};\n",
+        f"{write_prelude()}typedef double slopes{vector};\nstatic const slopes {ZERO};\n",
         _print_slopes("prepare", ("p", "dp"), ("c", "dc"), kernels.prepare, places),
     ]
     taken = ("c", "dc", "x", "dx")

@@ -89,16 +89,20 @@ def load_library(source: str, more: tuple[str, ...] = ()) -> Any:
     An existing library is loaded if it is complete and built on this machine; else it is compiled again. If the cache
     is not writable, a folder of this process is used.
 
-    The environment variable `MARTENSITE_CFLAGS` has the last word on the flags of the compiler.
+    The environment variable `MARTENSITE_CFLAGS` has the last word on the flags of the compiler. `MARTENSITE_CC` names
+    a compiler with its flags, such as tcc, that is tried first: it is for runs too short to repay optimisation.
 
     Raises:
         CompileError: no compiler was found, it failed, or no folder is writable for its output.
     """
-    command = _build_command(more)
-    name, reasons = _name_library(command, source), list[str]()
+    *quick, usual = _list_commands(source, more)
+    for command in quick:
+        with suppress(CompileError, OSError):
+            return _load_from(_locate_folder() / _name_library(command, source), command, source)
+    name, reasons = _name_library(usual, source), list[str]()
     for find_folder in (_locate_folder, _make_own_folder):
         try:
-            return _load_from(find_folder() / name, command, source)
+            return _load_from(find_folder() / name, usual, source)
         except OSError as error:
             reasons.append(str(error.strerror or error))
             if find_folder is _locate_folder:
@@ -117,13 +121,26 @@ def is_compiled(source: str, more: tuple[str, ...] = ()) -> bool:
     if find_compiler() is None:
         return False
     with suppress(OSError):
-        return _is_whole(_locate_folder() / _name_library(_build_command(more), source))
+        folder = _locate_folder()
+        return any(_is_whole(folder / _name_library(command, source)) for command in _list_commands(source, more))
     return False
 
 
 def call_compiled(function: Any, *arguments: Any) -> None:
     """Call a function of a library: a whole number is a `long`, all else arrays of C's order."""
     function(*(ctypes.c_long(one) if isinstance(one, int) else ctypes.c_void_p(one.ctypes.data) for one in arguments))
+
+
+_BEYOND_QUICK = ("vector_size", "_Pragma")
+"""Parts of GNU C that a small compiler may skip without an error, and then compute something else."""
+
+
+def _list_commands(source: str, more: tuple[str, ...]) -> list[tuple[str, ...]]:
+    """Return the commands to try, the quick compiler first where one is named and knows what the source uses."""
+    usual, quick = _build_command(more), tuple(shlex.split(os.environ.get("MARTENSITE_CC", "")))
+    if not quick or any(word in source for word in _BEYOND_QUICK):
+        return [usual]
+    return [(*quick, "-shared"), usual]
 
 
 def _build_command(more: tuple[str, ...]) -> tuple[str, ...]:

