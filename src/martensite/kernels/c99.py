@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-from martensite.kernels.compiler import read_source
+from martensite.kernels.compiler import names_quick_compiler, read_source
 from martensite.kernels.floats import LARGEST
 from martensite.kernels.kernel_printer import KernelPrinter, Statements
 from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE, evaluate_estrin
@@ -222,7 +222,14 @@ def _print_polynomial(coefficients: list[float]) -> str:
 # ---------------------------------------------------------------- values and slopes
 
 WIDTHS = (4, 8, 16)
-"""Directions that are computed together."""
+"""Numbers of directions that are computed together in vectors."""
+
+
+def choose_width(count: int) -> int:
+    """Return how many of so many directions to compute together: one where a quick compiler is named."""
+    if names_quick_compiler():
+        return 1
+    return next((width for width in WIDTHS if width >= count), WIDTHS[-1])
 
 
 def slopes_source(program: Program, functions: Sequence[Function], wrt: Sequence[int], width: int) -> str:

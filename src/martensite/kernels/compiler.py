@@ -77,6 +77,11 @@ def _find_zig() -> str | None:
     return None
 
 
+def names_quick_compiler() -> bool:
+    """Return whether `MARTENSITE_CC` names a compiler that is tried first and knows no vectors."""
+    return bool(os.environ.get("MARTENSITE_CC", "").strip())
+
+
 def read_source(room: str, name: str, constants: Mapping[str, Any]) -> str:
     """Return the C of a file that lies in a room, below definitions of its constants."""
     text = (Path(__file__).parents[1] / room / name).read_text(encoding="utf-8")

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from martensite.kernels.c99 import WIDTHS, slopes_source
+from martensite.kernels.c99 import choose_width, slopes_source
 from martensite.kernels.compiler import call_compiled, load_library, read_source
 from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.slopes import differentiate_program
@@ -41,7 +41,7 @@ def march_slopes(
     given = np.asarray(seeds, float)
     count = given.shape[1]
     moving = tuple(int(i) for i in np.flatnonzero(np.any(given != 0.0, axis=1)))
-    width = next((w for w in WIDTHS if w >= count), WIDTHS[-1])
+    width = choose_width(count)
     library = _load_library(compiled, moving, tuple(outputs), width)
     pieces = [
         _march_library(library, values, _pad_seeds(given[list(moving), k : k + width], width), grid, len(outputs))
