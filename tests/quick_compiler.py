@@ -5,6 +5,7 @@ The machine's own knows where the headers of the machine are. The one of the pac
 
 import shlex
 import shutil
+import sys
 import sysconfig
 from importlib.util import find_spec
 from pathlib import Path
@@ -27,4 +28,4 @@ def find_quick_compiler() -> list[str]:
 
 
 if __name__ == "__main__":
-    print(shlex.join(find_quick_compiler()))
+    sys.stdout.write(shlex.join(find_quick_compiler()))

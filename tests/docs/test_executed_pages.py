@@ -84,9 +84,9 @@ def test_a_cell_that_fails_fails_the_page(page: Page, source: str, told: str) ->
     assert type(error.value).__name__ == "ExecutionError"
 
 
-@pytest.mark.parametrize(("cell", "status"), [("1 + 1", 0), ("1 / 0", 2)])
-def test_a_cell_that_fails_fails_the_build(cell: str, status: int, tmp_path: Path) -> None:
-    text = f"---\nfile_format: mystnb\n---\n\n# A page\n\n```{{code-cell}}\n{cell}\n```\n"
+def test_a_cell_that_fails_fails_the_build(tmp_path: Path) -> None:
+    """Builds of sound pages are those of `test_built_pages.py`."""
+    text = "---\nfile_format: mystnb\n---\n\n# A page\n\n```{code-cell}\n1 / 0\n```\n"
     (tmp_path / "index.md").write_text(text, encoding="utf-8")
     settings = {"extensions": "myst_nb,executed", "nb_execution_mode": "force"}
     given = [word for name, value in settings.items() for word in ("-D", f"{name}={value}")]
@@ -98,5 +98,5 @@ def test_a_cell_that_fails_fails_the_build(cell: str, status: int, tmp_path: Pat
         text=True,
         check=False,
     )
-    assert done.returncode == status, done.stderr
-    assert ("ZeroDivisionError" in done.stderr) == bool(status)
+    assert done.returncode == 2, done.stderr
+    assert "ZeroDivisionError" in done.stderr

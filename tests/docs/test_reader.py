@@ -161,9 +161,8 @@ def reader(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Reader:
     return Reader(tmp_path)
 
 
-def test_readme_then_tutorial(reader: Reader) -> None:
+def test_the_readme_is_followed(reader: Reader) -> None:
     assert len(reader.follow(README)) >= 5
-    assert len(reader.follow(TUTORIAL)) >= 12
 
 
 @pytest.mark.slow  # the documentation follows the tutorial alone whenever it is built
@@ -172,6 +171,7 @@ def test_the_tutorial_is_the_same_after_the_readme(
 ) -> None:
     reader.follow(README)
     both = reader.follow(TUTORIAL)
+    assert len(both) >= 12
     monkeypatch.chdir(tmp_path_factory.mktemp("alone"))
     alone = Reader(Path.cwd()).follow(TUTORIAL)
     assert timeless(both) == timeless(alone)

@@ -123,8 +123,9 @@ def test_a_whole_first_cell_up_to_the_clamp_is_noticed() -> None:
 def test_another_conductivity_is_noticed() -> None:
     watts = MILD * L
     exact = fin(watts)[0]
+    wrong = 1.01 * K
     errors = [
-        settled(watts, cells=n, thermal_conductivity=1.01 * K)["temperature"][-1] - AMBIENT - exact for n in CELLS
+        settled(watts, cells=n, thermal_conductivity=wrong)["temperature"][-1] - AMBIENT - exact for n in CELLS[:4]
     ]
     assert not (orders(errors)[1:] > 1.8).all()
 
