@@ -59,11 +59,11 @@ def parse(line: str) -> None:
 
 
 def find_fault(line: str) -> str | None:
-    """Why a command line does not parse; None if it does."""
+    """Return why a command line does not parse; None if it does."""
     try:
         parse(line)
-    except (LookupError, USAGE) as error:
-        return str(error)
+    except Exception as error:
+        return f"{type(error).__name__}: {error}"
     return None
 
 
