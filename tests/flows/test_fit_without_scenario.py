@@ -10,7 +10,6 @@ import os
 from dataclasses import replace
 from pathlib import Path
 from shlex import split
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,67 +18,17 @@ from rig_cases import draw_rig
 
 from martensite.base.errors import DataError, UnknownNameError
 from martensite.fit.cross_validation import HeldOutError, pool_errors
-from martensite.fit.experiment_kinds import KINDS, recognise_experiment
+from martensite.fit.experiment_kinds.base import list_kinds, propose_scenarios, recognise_experiment
+from martensite.fit.experiment_kinds.values import make_pulses, make_record
 from martensite.fit.log_models import model_logs
-from martensite.fit.scenario_proposals import propose_scenarios
-from martensite.scenario.scenario import read_scenario
-from martensite.signals.records import Record
 
 FIT = Command("fit")
 DATA = Path(os.environ.get("MARTENSITE_DATA", "/nowhere"))
-UNITS = {
-    "time": "s",
-    "temperature": "K",
-    "strain": "1",
-    "stress": "Pa",
-    "force": "N",
-    "position": "m",
-    "resistance": "ohm",
-    "voltage": "V",
-    "current": "A",
-    "power": "W",
-    "duty": "1",
-    "elongation": "m",
-}
-WAVE = np.sin(np.linspace(0.0, 9.0, 80)) ** 2
-LOOP = np.concatenate([np.linspace(0.0, 1.0, 40), np.linspace(1.0, 0.0, 40)])
-HELD = np.where(LOOP > 0.5, 1.0, LOOP)
-RECORDS: dict[str, dict[str, Any]] = {
-    "stroke": {"duty": WAVE, "position": 0.004 * np.roll(WAVE, 3)},
-    "blocked-force": {"voltage": 3.0 * WAVE, "force": 5.0 + np.roll(WAVE, 3), "position": 0.0 * WAVE},
-    "heating": {"current": WAVE, "temperature": 300.0 + 60.0 * np.roll(WAVE, 3)},
-    "resistance": {"current": WAVE, "resistance": 4.0 - 0.3 * np.roll(WAVE, 3)},
-    "isobaric": {"temperature": 300.0 + 100.0 * LOOP, "strain": 0.04 * (1.0 - LOOP**4), "stress": 1e8 + 0.0 * LOOP},
-    "isothermal": {"strain": 0.06 * LOOP, "stress": 4e8 * HELD},
-    "cooling": {"temperature": 300.0 + 60.0 * np.exp(-np.linspace(0.0, 4.0, 80))},
-}
-
-
-def make_record(columns: dict[str, Any], name: str = "log") -> Record:
-    whole = {"time": np.arange(80.0)} | columns
-    return Record(name, {n: list(map(float, x)) for n, x in whole.items()}, {n: UNITS[n] for n in whole})
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_kind_is_told_from_what_varies(kind: str) -> None:
-    found = recognise_experiment([make_record(RECORDS[kind])])
-    assert found.name == kind
-    assert all(f"`{name}`" in found.why for name in found.measured)
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_every_proposal_is_a_scenario_that_follows_its_log(kind: str) -> None:
-    record = make_record(RECORDS[kind])
-    proposals, notes = propose_scenarios(recognise_experiment([record]), [record], {})
-    assert proposals
-    assert all(note.endswith(".") for note in notes)
-    for one in proposals:
-        scenario = read_scenario(one.text, log=one.rows[0])
-        assert set(scenario.follows.values()) <= set(one.rows[0].columns)
+RECORDS = {one.registered_name: one.make_example()[0] for one in list_kinds()}
 
 
 def test_what_is_set_is_not_assumed() -> None:
-    record = make_record(RECORDS["stroke"])
+    record = RECORDS["stroke"]
     kind = recognise_experiment([record])
     given = {"element.diameter": "0.3 mm", "mechanism.mass": "80 g"}
     (free, assumed), (known, told) = (propose_scenarios(kind, [record], x) for x in ({}, given))
@@ -109,17 +58,17 @@ def test_free_cooling_gives_film_ambient_and_time_constant(tmp_path: Path) -> No
 
 
 def test_nothing_that_varies_is_a_sentence() -> None:
-    cooling = make_record(RECORDS["cooling"])
+    cooling = RECORDS["cooling"]
     with pytest.raises(DataError, match="cannot be told"):
-        recognise_experiment([make_record({"voltage": 0.0 * WAVE, "force": 0.0 * WAVE})])
+        recognise_experiment([make_record({"voltage": 0.0 * make_pulses(), "force": 0.0 * make_pulses()})])
     with pytest.raises(DataError, match="no `isobaric` experiment"):
-        recognise_experiment([make_record(RECORDS["stroke"])], "isobaric")
+        recognise_experiment([RECORDS["stroke"]], "isobaric")
     with pytest.raises(UnknownNameError):
         recognise_experiment([cooling], "isobarric")
 
 
 def test_loop_without_a_load_is_asked_for_it_in_one_sentence() -> None:
-    columns = {name: x for name, x in RECORDS["isobaric"].items() if name != "stress"}
+    columns = {name: x for name, x in RECORDS["isobaric"].columns.items() if name not in ("time", "stress")}
     record = make_record(columns)
     with pytest.raises(DataError, match="under which stress"):
         propose_scenarios(recognise_experiment([record]), [record], {})
@@ -129,8 +78,8 @@ def test_loop_without_a_load_is_asked_for_it_in_one_sentence() -> None:
 
 
 def test_missing_samples_of_a_loop_are_passed_over() -> None:
-    columns = dict(RECORDS["isobaric"])
-    columns["strain"] = np.where(np.arange(80) % 7 == 0, np.nan, columns["strain"])
+    columns = dict(RECORDS["isobaric"].columns)
+    columns["strain"] = np.where(np.arange(80) % 7 == 0, np.nan, np.asarray(columns["strain"]))
     record = make_record(columns)
     proposals, _ = propose_scenarios(recognise_experiment([record]), [record], {})
     assert np.isfinite(proposals[0].rows[0]["strain"]).all()
@@ -182,9 +131,9 @@ def test_logs_alone_become_a_scenario_that_is_accepted_again(rig_logs: list[str]
 @pytest.mark.parametrize("stressed", [True, False])
 def test_printed_command_fits_the_kept_scenario_again(tmp_path: Path, stressed: bool) -> None:
     """Below title lines: the raw file where it holds what the scenario follows, else the record as understood."""
-    loop, more = RECORDS["isobaric"], ";100" if stressed else ""
+    loop, more = RECORDS["isobaric"].columns, ";100" if stressed else ""
     noise = 0.3 * np.random.default_rng(2).standard_normal(80)
-    pairs = enumerate(zip(loop["temperature"] + noise - 273.15, 100.0 * loop["strain"], strict=True))
+    pairs = enumerate(zip(np.add(loop["temperature"], noise - 273.15), np.multiply(100.0, loop["strain"]), strict=True))
     head = "Time;Chamber;Strain;Tension\ns;degC;%;MPa" if stressed else "Time;Chamber;Strain\ns;degC;%"
     path, kept = tmp_path / "wire_100MPa.csv", tmp_path / "kept.toml"
     rows = [f"{k};{kelvin:.2f};{strain:.4f}{more}" for k, (kelvin, strain) in pairs]
@@ -216,6 +165,6 @@ def test_isobaric_files_become_a_law_that_predicts_the_level_left_out() -> None:
 
 
 def test_records_that_lack_a_column_are_named() -> None:
-    whole, part = make_record(RECORDS["stroke"]), make_record({"duty": WAVE}, "other")
+    whole, part = RECORDS["stroke"], make_record({"duty": make_pulses()}, "other")
     with pytest.raises(DataError, match="`other` has no column `position`"):
         model_logs([whole, part])

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from rig_cases import draw_rig
 
-from martensite.fit.baselines import fit_drive_lag
 from martensite.fit.cross_validation import BETTER, EXPLAINED
+from martensite.fit.drive_lag import fit_drive_lag
 from martensite.fit.log_models import model_logs
 
 

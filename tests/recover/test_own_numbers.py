@@ -16,16 +16,8 @@ from fit_cases import ISOBARIC
 
 from martensite.base.errors import InputError
 from martensite.fit.api import build_task, fit_logs, read_problem
-from martensite.fit.baselines import (
-    CYCLE,
-    MEAN,
-    NEAREST,
-    SCALING,
-    pool_baselines,
-    predict_naively,
-    refine_period,
-    score_baselines,
-)
+from martensite.fit.baselines import CYCLE, MEAN, NEAREST, SCALING, pool_baselines, predict_naively, score_baselines
+from martensite.fit.drive_lag import refine_period
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import HELD_OUT, Fit, compute_rms, list_held_out
 from martensite.fit.fit_file import read_fit_file

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from martensite.fit.condition_runs import ConditionExperiment
+from martensite.fit.drive_lag import LAGS, find_drive, find_period, fit_drive_lag, refine_period
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 from martensite.fit.problem import Problem
@@ -32,12 +33,6 @@ DRIVE = "drive"
 """Column of what drives, whatever it is called in a record."""
 CYCLES = 2.0
 """Periods from which on a record is periodic."""
-TURNED = 0.1
-"""Range about the mean in which the period is searched, as a fraction."""
-LAGS = 16
-"""Time constants that are tried."""
-SQUARED = ("V", "A")
-"""Units of drives that heat by their square."""
 
 
 @dataclass(frozen=True)
@@ -100,25 +95,29 @@ def _score_all(fitted: Sequence[Experiment], targets: Sequence[Experiment]) -> I
 
 
 def predict_naively(fitted: Sequence[Experiment], one: Experiment, output: str) -> dict[str, Any]:
-    """Baseline -> what it says of an output in every row, from the rows of some experiments that are fitted."""
+    """Return the baselines of an output in every row, (rows,), by name, from the rows of fitted experiments."""
     known = {x.name: x for x in fitted if np.isfinite(_find_fitted(x, output)).any()}
     if not known:
         return {}
-    k, unit = one.outputs.index(output), one.describe_outputs()[output].unit
-    own = np.isfinite(one.measured[:, k]) & ~one.kept_back
+    own = np.isfinite(_find_fitted(one, output))
     pooled = np.concatenate([_find_fitted(x, output) for x in ([one] if own.any() else known.values())])
     mean = np.full(len(one.times), float(np.nanmean(pooled)))
-    others = [x for x in known.values() if (x.name == one.name if own.any() else x.name != one.name)]
+    found = {name: x for name, x in _predict_all(known, one, output, own).items() if x is not None}
+    return {MEAN: mean} | {name: np.where(np.isfinite(x), x, mean) for name, x in found.items()}
+
+
+def _predict_all(known: Mapping[str, Experiment], one: Experiment, output: str, own: Any) -> dict[str, Any]:
+    """Return the baselines beside the mean; `own` marks the fitted rows of the record itself."""
+    k, unit = one.outputs.index(output), one.describe_outputs()[output].unit
+    others = [x for x in known.values() if (x.name == one.name) == own.any()]
     if isinstance(one, ConditionExperiment):
-        found = {SCALING: _scale_conditions(others, one, output, unit)} if others else {}
-    elif own.any():
-        found = _predict_driven(known, one, output) | {CYCLE: _repeat_cycle(one, k, own)}
-    else:
-        found = _predict_driven(known, one, output)
-        if others and NEAREST not in found:
-            found |= {SCALING: _scale_record(others, one, output, unit)}
-    named = {name: np.where(np.isfinite(x), x, mean) for name, x in found.items() if x is not None}
-    return {MEAN: mean} | named
+        return {SCALING: _scale_conditions(others, one, output, unit)} if others else {}
+    found = _predict_driven(known, one, output)
+    if own.any():
+        return found | {CYCLE: _repeat_cycle(one, k, own)}
+    if others and NEAREST not in found:
+        return found | {SCALING: _scale_record(others, one, output, unit)}
+    return found
 
 
 def _predict_driven(known: Mapping[str, Experiment], one: Experiment, output: str) -> dict[str, Any]:
@@ -129,7 +128,7 @@ def _predict_driven(known: Mapping[str, Experiment], one: Experiment, output: st
         return {}
     mine = _show_fitted(one, output)
     if driving != "K":
-        lags = 0 if _find_drive(one) in [x.name for x in one.system.drives() if x.at_end] else LAGS
+        lags = 0 if find_drive(one) in [x.name for x in one.system.drives() if x.at_end] else LAGS
         lag = fit_drive_lag([_show_fitted(x, output) for x in alike], DRIVE, output, lags)
         return {LAG if lags else LINE: lag.predict(mine, DRIVE)[one.rows]}
     others = [x for x in alike if x.name != one.name]
@@ -139,25 +138,15 @@ def _predict_driven(known: Mapping[str, Experiment], one: Experiment, output: st
     return {NEAREST: _repeat_branches(mine, _show_fitted(nearest, output), output)[one.rows]}
 
 
-def _find_drive(one: Experiment) -> str:
-    """Return the drive that follows the column that moves most for its size; empty for none."""
-    share = {drive: _measure_move(np.asarray(one.record[name], float)) for drive, name in one.follows.items()}
-    return max(share, key=share.__getitem__, default="")
-
-
-def _measure_move(x: Any) -> float:
-    return float(np.nanmax(x) - np.nanmin(x)) / (float(np.nanmax(np.abs(x))) or 1.0)
-
-
 def _find_unit(one: Experiment) -> str:
     """Return the unit of what drives; empty for nothing."""
-    drive = _find_drive(one)
+    drive = find_drive(one)
     return one.record.units[one.follows[drive]] if drive else ""
 
 
 def _show_fitted(one: Experiment, output: str) -> Record:
     """Return the drive and an output over time; NaN where the output is held out."""
-    column, seen = one.follows[_find_drive(one)], np.full(len(one.record), np.nan)
+    column, seen = one.follows[find_drive(one)], np.full(len(one.record), np.nan)
     seen[one.rows] = _find_fitted(one, output)
     columns = {"time": one.record.times, DRIVE: one.record[column], output: seen.tolist()}
     return Record(one.name, columns, {"time": "s", DRIVE: one.record.units[column], output: "1"})
@@ -168,63 +157,6 @@ def _find_fitted(one: Experiment, output: str) -> Any:
     if output not in one.outputs:
         return np.full(len(one.times), np.nan)
     return np.where(one.kept_back, np.nan, one.measured[:, one.outputs.index(output)])
-
-
-# ---------------------------------------------------------------- a lag behind the drive
-
-
-@dataclass(frozen=True)
-class DriveLag:
-    """A first-order lag from what heats to what is measured."""
-
-    time_constant: float
-    """[s]; 0 for none."""
-    gain: float
-    """Measured unit per unit of what heats."""
-    zero: float
-    rms: float
-    """Error over the rows it was fitted to."""
-
-    def predict(self, record: Record, drive: str) -> Any:
-        """(rows,): what it says of a record."""
-        return self.zero + self.gain * filter_drive(record, drive, self.time_constant)
-
-
-def filter_drive(record: Record, drive: str, time_constant: float) -> Any:
-    """Return the heating column, (rows,), behind a lag [s] that begins at rest."""
-    times, u = np.asarray(record.times), np.asarray(record[drive], float)
-    heat = np.where(np.isfinite(u), u, 0.0) ** (2.0 if record.units[drive] in SQUARED else 1.0)
-    if time_constant <= 0.0:
-        return heat
-    kept = np.exp(-np.diff(times) / time_constant).tolist()
-    found, rows = [float(heat[0])], heat.tolist()
-    for keep, level in zip(kept, rows[:-1], strict=True):
-        found.append(level + (found[-1] - level) * keep)
-    return np.array(found)
-
-
-def fit_drive_lag(records: Sequence[Record], drive: str, column: str, lags: int = LAGS) -> DriveLag:
-    """Return the lag that explains a column of some records best; rows with NaN are not seen.
-
-    Args:
-        records: with times.
-        drive: column that drives.
-        column: that is explained.
-        lags: how many time constants are tried, besides none.
-    """
-    seen = [np.isfinite(np.asarray(one[column], float)) for one in records]
-    y = np.concatenate([np.asarray(r[column], float)[s] for r, s in zip(records, seen, strict=True)])
-    longest = max(r.times[-1] - r.times[0] for r in records)
-    least = min(float(np.median(np.diff(r.times))) for r in records)
-    best = DriveLag(0.0, 0.0, float(y.mean()), float(y.std()))
-    for lag in (0.0, *np.geomspace(least, longest, lags)):
-        x = np.concatenate([filter_drive(r, drive, lag)[s] for r, s in zip(records, seen, strict=True)])
-        slope = float(np.cov(x, y, bias=True)[0, 1] / max(float(np.var(x)), 1e-300))
-        zero = float(y.mean() - slope * x.mean())
-        rms = float(np.sqrt(np.mean((zero + slope * x - y) ** 2)))
-        if rms < best.rms:
-            best = DriveLag(float(lag), slope, zero, rms)
-    return best
 
 
 # ---------------------------------------------------------------- the cycle before
@@ -247,45 +179,13 @@ def _repeat_cycle(one: Experiment, k: int, own: Any) -> Any:
     return found if np.isfinite(found[one.kept_back]).any() else None
 
 
-def find_period(experiment: Experiment) -> float:
-    """Return the mean period [s] of what drives an experiment; its length if it never returns, 0 for none.
-
-    Counted are passages from below a quarter of its range to above three quarters, and back.
-    """
-    if not experiment.follows:
-        return 0.0
-    table = experiment.followed(_find_drive(experiment))
-    x, length = np.asarray(table.values), table.times[-1] - table.times[0]
-    share = (x - x.min()) / (np.ptp(x) or 1.0)
-    sides = np.sign(np.where(np.abs(share - 0.5) >= 0.25, share - 0.5, 0.0))
-    passages = int(np.count_nonzero(np.diff(sides[sides != 0.0])))
-    return 2.0 * length / passages if passages > 1 else length
-
-
-def refine_period(one: Experiment) -> float:
-    """Return the period [s] near the mean one after which what drives repeats itself best; 0 for none."""
-    about = find_period(one)
-    if about == 0.0:
-        return 0.0
-    table = one.followed(_find_drive(one))
-    times, values = np.asarray(table.times), np.asarray(table.values)
-    tried = about * np.linspace(1.0 - TURNED, 1.0 + TURNED, 81)
-
-    def misfit(period: float) -> float:
-        late = times[times >= times[0] + period]
-        return float(np.mean(np.abs(np.interp(late, times, values) - np.interp(late - period, times, values))))
-
-    apart = [misfit(period) for period in tried if period < 0.9 * (times[-1] - times[0])]
-    return float(tried[int(np.argmin(apart))]) if apart else about
-
-
 # ---------------------------------------------------------------- the nearest record, or condition
 
 
 def _compare_loads(one: Experiment, others: Sequence[Experiment], output: str) -> list[float]:
     """Return the differences of the mean loads of other records; of their temperatures without a load."""
     columns = [n for n in ("stress", "force") if n != output and all(n in x.record.columns for x in (one, *others))]
-    names = [columns[0] if columns else x.follows[_find_drive(x)] for x in (one, *others)]
+    names = [columns[0] if columns else x.follows[find_drive(x)] for x in (one, *others)]
     means = [float(np.nanmean(x.record[name])) for x, name in zip((one, *others), names, strict=True)]
     return [abs(mean - means[0]) for mean in means[1:]]
 

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from martensite.fit.baselines import predict_naively
+from martensite.fit.experiment_kinds.base import AbstractExperimentKind
 from martensite.fit.fit import Fit, list_compared
 from martensite.fit.logs import ALL, choose_held_out
 from martensite.fit.problem import Problem
@@ -101,13 +102,15 @@ def pool_errors(errors: Sequence[HeldOutError]) -> list[PooledError]:
     return found
 
 
-def cross_validate(whole: Fit, start: Sequence[FreeNumber], *, kind: str, own_zero: bool) -> list[HeldOutError]:
+def cross_validate(
+    whole: Fit, start: Sequence[FreeNumber], *, kind: AbstractExperimentKind, own_zero: bool
+) -> list[HeldOutError]:
     """Return the held-out errors of a model that was fitted to all records.
 
     Args:
         whole: the fit to all records, near which the searches begin.
         start: the free numbers as proposed, where they begin as well.
-        kind: of the experiment.
+        kind: kind of the experiment.
         own_zero: whether the zero of a left-out record is fitted to it.
     """
     problem = whole.problem
@@ -118,15 +121,15 @@ def cross_validate(whole: Fit, start: Sequence[FreeNumber], *, kind: str, own_ze
     return found
 
 
-def list_folds(problem: Problem, kind: str) -> Iterator[Problem]:
+def list_folds(problem: Problem, kind: AbstractExperimentKind) -> Iterator[Problem]:
     """Yield the problem with every record left out in turn, or with stretches of all."""
     names = [one.name for one in problem.experiments]
-    least = 3 if kind in ("isobaric", "isothermal") else 2
+    least = 3 if kind.axis else 2
     if len(names) >= least:
         for name in names:
             yield _leave_out(problem, {name: ALL})
         return
-    if kind in ("isobaric", "isothermal", "cooling"):
+    if kind.own_zero:
         rows = [one.times.tolist() for one in problem.experiments]
         yield _leave_out(problem, dict(zip(names, choose_held_out("auto", names, rows), strict=True)))
         return

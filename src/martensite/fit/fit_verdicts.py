@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from martensite.base import units
-from martensite.fit.baselines import BaselineScore, find_period, pool_baselines, score_baselines
+from martensite.fit.baselines import BaselineScore, pool_baselines, score_baselines
+from martensite.fit.drive_lag import find_period
 from martensite.fit.fit import HELD_OUT, TRAINING, ComparedOutput, Fit, compute_rms, list_compared, list_held_out
 from martensite.search.quantity_text import format_change, format_number, format_quantity, join_phrases, list_names
 

@@ -20,12 +20,18 @@ from martensite.base.toml_text import as_toml
 from martensite.fit.api import build_task
 from martensite.fit.column_matching import read_columns
 from martensite.fit.cross_validation import HeldOutError, PooledError, cross_validate, pool_errors, with_start
-from martensite.fit.experiment_kinds import ExperimentKind, recognise_experiment
+from martensite.fit.experiment_kinds.base import (
+    AbstractExperimentKind,
+    Proposal,
+    RecognisedExperiment,
+    propose_scenarios,
+    recognise_experiment,
+)
+from martensite.fit.experiment_kinds.driven import add_waist
 from martensite.fit.fit import Fit
 from martensite.fit.input_noise import FollowedNoise, find_input_noise
 from martensite.fit.logs import Source
 from martensite.fit.problem import Problem
-from martensite.fit.scenario_proposals import Proposal, add_waist, propose_scenarios
 from martensite.fit.solve import solve_problem
 from martensite.scenario.exact_text import exact_text
 from martensite.scenario.lab_files import LabFile
@@ -38,8 +44,6 @@ ALIKE = 1.05
 """Ratio of held-out errors below which the model with fewer numbers is kept."""
 EVALUATIONS = 60
 """Evaluations of one local search."""
-MOVING = ("stroke", "blocked-force")
-"""Driven experiments in which the shape of the transformation is seen."""
 GOOD = 93.0
 """Held-out fit [%] of a simple law beyond which rounder transformations are not tried."""
 TRANSFORMED = 0.05
@@ -66,7 +70,7 @@ class TriedModel:
 class LogModel:
     """Model made from logs."""
 
-    kind: ExperimentKind
+    experiment: RecognisedExperiment
     chosen: TriedModel
     tried: tuple[TriedModel, ...]
     notes: tuple[str, ...]
@@ -93,7 +97,7 @@ class LogModel:
         needed = [{*one.follows.values(), *one.columns.values()} for one in self.fit.problem.experiments]
         made = {read_columns([text])[0].output for text in self.chosen.proposal.columns if "*" in text}
         whole = all(need - made <= held[one.name] for need, one in zip(needed, self.chosen.proposal.rows, strict=True))
-        same = self.kind.name != "cooling" or all(
+        same = not self.experiment.kind.cuts_rows or all(
             own.times[0] == one.times[0] and own["temperature"][0] == one["temperature"][0]
             for own, one in zip(self.records, self.chosen.proposal.rows, strict=False)
         )
@@ -106,14 +110,8 @@ class LogModel:
 
     @property
     def time_constant(self) -> tuple[float, float, float] | None:
-        """τ = ρ c d/(4 h) [s] of an element left to cool, with its interval; it does not depend on what c and d are."""
-        if self.kind.name != "cooling":
-            return None
-        numbers = {leaf.path.rpartition(".")[2]: float(leaf.value) for leaf in self.fit.system().leaves()}
-        film = next(name for name in self.fit.numbers if name.endswith("cooling.h"))
-        low, high = self.fit.uncertainty.widened(film)
-        tau = numbers["density"] * numbers["heat_capacity"] * numbers["diameter"] / (4.0 * self.fit[film])
-        return tau, tau * self.fit[film] / high, tau * self.fit[film] / low if low > 0.0 else math.inf
+        """Return the time constant [s] of an element left to cool, with its interval; None for other experiments."""
+        return self.experiment.kind.find_time_constant(self.fit)
 
     def predict_record(self, record: Record) -> dict[str, Any]:
         """Output -> (rows,) in SI of what the model says of another record, with the mean zero of those fitted.
@@ -212,27 +210,27 @@ def model_logs(
     sources = [logs] if isinstance(logs, (str, Path, Record)) else list(logs)
     records, notes, files = _read_files(sources, named or {}, interval)
     said = _name_columns(files, len(sources)) if not named else tuple(f"{key}={text}" for key, text in named.items())
-    kind = recognise_experiment(records, experiment)
-    moving, still = _part_still(records, kind.measured)
+    seen = recognise_experiment(records, experiment)
+    moving, still = _part_still(records, seen.measured)
     notes += still
-    proposals, more = propose_scenarios(kind, moving, overrides or {})
+    proposals, more = propose_scenarios(seen, moving, overrides or {})
     notes += more
     tried: list[TriedModel] = []
     while proposals:
         one = proposals.pop(0)
         if tell is not None:
-            tell(f"{kind.name}: {one.name}")
+            tell(f"{seen.name}: {one.name}")
         try:
-            tried.append(_try_proposal(one, kind))
+            tried.append(_try_proposal(one, seen.kind))
         except (SolveError, ParameterError) as error:
             notes.append(f"Left out: {one.name}. {error}")
-        if tried and not proposals and kind.name in MOVING and one.spread:
+        if tried and not proposals and seen.kind.shows_shape and one.spread:
             best = _choose_model(tried)
             if best.pooled[0].fit_percent < GOOD:
                 proposals.append(add_waist(best.proposal, best.fit.numbers))
     if not tried:
         raise SolveError(f"None of the proposed models can be run. {' '.join(notes)}")
-    return LogModel(kind, _choose_model(tried), tuple(tried), tuple(dict.fromkeys(notes)), tuple(records), said)
+    return LogModel(seen, _choose_model(tried), tuple(tried), tuple(dict.fromkeys(notes)), tuple(records), said)
 
 
 def _part_still(records: Sequence[Record], measured: Sequence[str]) -> tuple[list[Record], list[str]]:
@@ -254,15 +252,14 @@ def _read_proposal(proposal: Proposal) -> Scenario:
     return read_scenario(proposal.text, log=proposal.rows[0])
 
 
-def _try_proposal(proposal: Proposal, kind: ExperimentKind) -> TriedModel:
+def _try_proposal(proposal: Proposal, kind: AbstractExperimentKind) -> TriedModel:
     scenario = _read_proposal(proposal)
     task = build_task(scenario, list(proposal.rows), list(proposal.free))
     task = task.with_changes(each=list(proposal.each), hold_out="none", columns=list(proposal.columns))
     problem = task.arrange(check=False).problem
     fit = _solve_from_starts(problem, proposal)
     fit = replace(fit, scenario=scenario)
-    own_zero = kind.name in ("isobaric", "isothermal", "cooling") and bool(proposal.each)
-    errors = cross_validate(fit, problem.free, kind=kind.name, own_zero=own_zero)
+    errors = cross_validate(fit, problem.free, kind=kind, own_zero=kind.own_zero and bool(proposal.each))
     return TriedModel(proposal, fit, tuple(errors))
 
 

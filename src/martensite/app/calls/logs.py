@@ -22,7 +22,6 @@ from martensite.base.files import MOST_LOG, read_unpacked, toml_document
 from martensite.base.parameters import Leaf
 from martensite.base.toml_text import as_toml
 from martensite.fit.column_matching import list_echoes, match_columns
-from martensite.fit.experiment_kinds import KINDS
 from martensite.fit.free_parameters import build_free_numbers
 from martensite.fit.losses import LOSSES
 from martensite.fit.solve import METHODS
@@ -199,8 +198,8 @@ def propose_fit(request: Request, desk: Desk) -> JsonTable:
         models = [describe_proposal(one) for one in found.proposals]
     except MartensiteError as error:
         return {"kind": "", "said": "", "refused": str(error), "notes": [], "models": []}
-    said = f"Taken as {found.kind.name}, {KINDS[found.kind.name]}: {found.kind.why}."
-    return {"kind": found.kind.name, "said": said, "refused": "", "notes": list(found.notes), "models": models}
+    said = f"Taken as {found.experiment.name}, {found.experiment.kind.meaning}: {found.experiment.why}."
+    return {"kind": found.experiment.name, "said": said, "refused": "", "notes": list(found.notes), "models": models}
 
 
 def list_followers(request: Request, desk: Desk) -> JsonTable:

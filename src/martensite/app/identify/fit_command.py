@@ -10,8 +10,8 @@ from shlex import quote
 from martensite.app.messages import Request
 from martensite.app.uploads import clean_name
 from martensite.fit.experiment import Experiment
+from martensite.fit.experiment_kinds.base import Proposal
 from martensite.fit.fit import Fit
-from martensite.fit.scenario_proposals import Proposal
 from martensite.scenario.csv_files import format_record
 
 SCENARIO = "scenario.toml"

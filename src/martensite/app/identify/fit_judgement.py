@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from martensite.app.messages import JsonTable
 from martensite.base.errors import DataError, MartensiteError
-from martensite.fit.experiment_kinds import recognise_experiment
+from martensite.fit.experiment_kinds.base import Proposal, recognise_experiment
 from martensite.fit.fit import Fit
 from martensite.fit.fit_verdicts import (
     describe_predictions,
@@ -22,7 +22,6 @@ from martensite.fit.fit_verdicts import (
 )
 from martensite.fit.free_parameters import is_nuisance
 from martensite.fit.log_models import LogModel, TriedModel
-from martensite.fit.scenario_proposals import Proposal
 from martensite.search.quantity_text import format_quantity
 from martensite.show.summaries.fit_tables import mark_parameter
 from martensite.show.summaries.log_model import list_next_records
@@ -92,7 +91,7 @@ def _list_next(fit: Fit, proposal: Proposal | None) -> list[str]:
     records = [one.record for one in fit.problem.experiments]
     named = proposal or Proposal(fit.scenario.title if fit.scenario else "", {}, (), (), records)
     try:
-        kind = recognise_experiment(records)
-        return list_next_records(JudgedModel(kind, TriedModel(named, fit, ()), (), ()))
+        experiment = recognise_experiment(records)
+        return list_next_records(JudgedModel(experiment, TriedModel(named, fit, ()), (), ()))
     except (DataError, MartensiteError):
         return []

@@ -23,11 +23,11 @@ from martensite.app.views.columns import (
 from martensite.app.views.columns import MOST_CORNERS as FEW
 from martensite.base import units
 from martensite.fit.experiment import Experiment
+from martensite.fit.experiment_kinds.base import Proposal
 from martensite.fit.fit import ComparedOutput, Fit, list_compared
 from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
 from martensite.fit.free_parameters import is_nuisance
 from martensite.fit.problem import Problem
-from martensite.fit.scenario_proposals import Proposal
 from martensite.fit.search_monitor import SearchNote
 from martensite.scenario.exact_text import exact_text
 from martensite.search.free_numbers import FreeNumber

@@ -18,9 +18,9 @@ from martensite.app.identify.mapped_table import read_records
 from martensite.app.messages import BadMessageError, JsonTable, Request, require_entry
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, InputError, ParameterError
+from martensite.fit.experiment_kinds.base import Proposal
 from martensite.fit.fit_task import FitSearch, FitTask
 from martensite.fit.logs import AUTO, Log
-from martensite.fit.scenario_proposals import Proposal
 from martensite.scenario.scenario import Scenario
 from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record

@@ -11,9 +11,8 @@ from martensite.app.views.columns import describe_conversion, describe_differenc
 from martensite.base import units
 from martensite.base.errors import DataError, MartensiteError
 from martensite.base.formats import typeset_unit
-from martensite.fit.experiment_kinds import KINDS, ExperimentKind, recognise_experiment
+from martensite.fit.experiment_kinds.base import Proposal, RecognisedExperiment, propose_scenarios, recognise_experiment
 from martensite.fit.free_parameters import build_free_numbers, is_difference, read_ranges
-from martensite.fit.scenario_proposals import Proposal, propose_scenarios
 from martensite.scenario.lab_files import LabFile
 from martensite.scenario.raw_table import LeftOut
 from martensite.scenario.scenario import read_scenario
@@ -21,12 +20,9 @@ from martensite.search.free_numbers import SearchRange
 from martensite.search.quantity_text import join_phrases
 from martensite.signals.records import Record
 
-LOOPS = {"isobaric": "temperature", "isothermal": "strain"}
-"""Experiments without rates: what they are drawn over, and need no times."""
 
-
-def find_kind(records: Sequence[Record]) -> ExperimentKind | None:
-    """Return the experiment of some records; none where it cannot be told."""
+def find_experiment(records: Sequence[Record]) -> RecognisedExperiment | None:
+    """Return the experiment of some records; None if no kind recognises them."""
     try:
         return recognise_experiment(records)
     except MartensiteError:
@@ -44,10 +40,11 @@ def describe_reading(file: LabFile, timed: bool) -> str:
     said += f"; {unused} more column{'s are' if unused > 1 else ' is'} not used" if unused else ""
     lost = [_describe_lost(one) for one in file.dropped]
     said += f"; left out: {join_phrases(lost)}" if lost else ""
-    kind = find_kind([file.record])
+    found = find_experiment([file.record])
     warm = [one.name for one in file.columns if one.si and one.name != "time"] == ["temperature"]
     alone = "A temperature alone: take the log of what heated it beside it, and merge the two." if warm else ""
-    return f"{said}. {alone if alone and not kind else _describe_kind(kind)}{_describe_times(kind, timed)}"
+    experiment = alone if alone and not found else _describe_experiment(found)
+    return f"{said}. {experiment}{_describe_times(found, timed)}"
 
 
 def _describe_lost(one: LeftOut) -> str:
@@ -55,14 +52,16 @@ def _describe_lost(one: LeftOut) -> str:
     return f"{one.count} row{'s' if one.count > 1 else ''} ({one.reason}: {rows})"
 
 
-def _describe_kind(kind: ExperimentKind | None) -> str:
-    return f"Taken as {kind.name}: {KINDS[kind.name]}." if kind else "By itself it holds no experiment that is known."
+def _describe_experiment(found: RecognisedExperiment | None) -> str:
+    return (
+        f"Taken as {found.name}: {found.kind.meaning}." if found else "By itself it holds no experiment that is known."
+    )
 
 
-def _describe_times(kind: ExperimentKind | None, timed: bool) -> str:
+def _describe_times(found: RecognisedExperiment | None, timed: bool) -> str:
     if timed:
         return ""
-    if kind is not None and kind.name in LOOPS:
+    if found is not None and found.kind.axis:
         return " It has no times, and needs none: a slow loop follows its turning points only."
     return " It has no times: its rows count as 1 s apart, unless you say otherwise."
 
@@ -71,7 +70,7 @@ def _describe_times(kind: ExperimentKind | None, timed: bool) -> str:
 class ProposedModels:
     """Proposed models of some records."""
 
-    kind: ExperimentKind
+    experiment: RecognisedExperiment
     proposals: Sequence[Proposal]
     notes: Sequence[str]
 
@@ -93,9 +92,9 @@ def propose_models(records: Sequence[Record], settings: Mapping[str, str]) -> Pr
     Raises:
         DataError: the experiment cannot be told, or something indispensable is missing.
     """
-    kind = recognise_experiment(records)
-    proposals, notes = propose_scenarios(kind, records, settings)
-    return ProposedModels(kind, proposals, tuple(dict.fromkeys(notes)))
+    experiment = recognise_experiment(records)
+    proposals, notes = propose_scenarios(experiment, records, settings)
+    return ProposedModels(experiment, proposals, tuple(dict.fromkeys(notes)))
 
 
 def describe_proposal(one: Proposal) -> JsonTable:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from martensite.app.identify.log_kinds import LOOPS, find_kind
+from martensite.app.identify.log_kinds import find_experiment
 from martensite.app.identify.preparation import interpolate_column
 from martensite.app.messages import JsonTable
 from martensite.app.views.columns import choose_rows, describe_conversion, describe_display
@@ -30,8 +30,8 @@ def draw_overlay(records: Sequence[Record], align: str) -> JsonTable:
     """
     if align not in ALIGNED:
         raise ParameterError(f"Records are aligned by {' or '.join(ALIGNED)}, not by {align!r}.")
-    kind = find_kind(records)
-    axis = LOOPS.get(kind.name, "") if kind else ""
+    found = find_experiment(records)
+    axis = found.kind.axis if found else ""
     loops = bool(axis) and all(axis in one.columns for one in records)
     names = [name for name in dict.fromkeys(n for one in records for n in one.columns) if name not in ("time", axis)]
     drawn = _draw_loops(records, axis, names) if loops else _draw_times(records, align, names)

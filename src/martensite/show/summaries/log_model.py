@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
 from typing import Any
 
 from martensite.base.summary import Block, BulletList, DataTable, Heading, Notice, Picture, Sentence, Summary
-from martensite.fit.baselines import find_period
 from martensite.fit.cross_validation import BETTER, EXPLAINED, HeldOutError, PooledError
-from martensite.fit.experiment_kinds import KINDS
+from martensite.fit.experiment_kinds.base import FitEvidence
 from martensite.fit.fit import list_compared
 from martensite.fit.fit_verdicts import format_error
 from martensite.fit.log_models import LogModel, TriedModel
-from martensite.search.quantity_text import format_change, format_number, format_quantity, join_phrases
+from martensite.search.quantity_text import format_change, format_quantity, join_phrases
 from martensite.show.figures.fit import has_loops, plot_fit, plot_fit_loops
 
 HELD_OUT = ("record", "output", "rms", "raw_rms", "own_zero", "whole", "fit_percent")
@@ -26,7 +24,8 @@ def summarise_log_model(model: LogModel, command: str = "") -> Summary:
     fit, rows = model.fit, list_compared(model.fit)
     names = [one.name for one in fit.problem.experiments]
     which = join_phrases(names) if len(names) <= 4 else f"{len(names)} records"
-    lead = f"Taken as `{model.kind.name}`: {KINDS[model.kind.name]}, because {model.kind.why} (`--experiment`)."
+    seen = model.experiment
+    lead = f"Taken as `{seen.name}`: {seen.kind.meaning}, because {seen.why} (`--experiment`)."
     figure = (plot_fit_loops, "loops") if has_loops(fit) else (plot_fit, "measured")
     samples = sum(int(row.used.sum()) for row in rows)
     blocks: list[Block] = [
@@ -139,63 +138,20 @@ def _list_input_noise(model: LogModel) -> Iterator[Sentence]:
 
 def list_next_records(model: LogModel) -> list[str]:
     """Return suggestions for further records, the most useful first."""
-    return list(_iterate_next(model)) or [
+    fit = model.fit
+    weak = {name for one in fit.identifiability.weak for name in one.names}
+    evidence = FitEvidence(
+        fit.problem.experiments, model.chosen.proposal.name, model.predicts, weak | set(fit.undetermined)
+    )
+    return list(model.experiment.kind.suggest_records(evidence)) or [
         "Another record under other conditions, kept back as it is, to judge the model."
     ]
-
-
-def _iterate_next(model: LogModel) -> Iterator[str]:
-    kind, fit = model.kind.name, model.fit
-    ones = fit.problem.experiments
-    open_names = set(fit.undetermined) | {name for one in fit.identifiability.weak for name in one.names}
-    if kind == "isobaric":
-        loads = sorted({round(1e-6 * sum(one.record["stress"]) / len(one.record)) for one in ones})
-        if len(loads) < 3:
-            yield (
-                f"Loops under other loads than {join_phrases([f'{x:g}' for x in loads])} MPa: three or more tell C_A, "
-                "C_M and how the strain grows with stress."
-            )
-        elif not model.predicts or len(loads) < 5:
-            gap = max(pairwise(loads), key=lambda pair: pair[1] - pair[0])
-            yield f"A loop at {0.5 * sum(gap):.0f} MPa, in the widest gap between the loads."
-        return
-    if kind == "isothermal":
-        if len({round(one.record["temperature"][0]) for one in ones}) < 2:
-            yield "The same loop 10 to 20 K warmer: it tells C_A and C_M, which are assumed."
-        return
-    if kind == "cooling":
-        if len(ones) < 2:
-            yield "A second fall, from another temperature: only a record left out whole shows what is predicted."
-        if model.chosen.proposal.name == "heat alone":
-            yield "A fall through the transformation, if latent heat matters: none was needed here."
-        return
-    periods = [find_period(one) for one in ones]
-    if len(ones) < 2:
-        yield "A second record with another cadence: only a record that was left out whole shows what is predicted."
-    if min(periods) > 0.0 and max(periods) < 2.0 * min(periods):
-        third, triple = (format_number(f * min(periods), 2) for f in (1.0 / 3.0, 3.0))
-        yield (
-            f"A drive with a period of {third} s or {triple} s: all records have about one cadence, which leaves heat "
-            "capacity and cooling entangled."
-        )
-    if {"heat_capacity", "latent_heat", "environment.cooling.h"} & open_names:
-        yield (
-            "Steps that are held until nothing moves, and the free cooling after them: they part cooling, heat "
-            "capacity and latent heat."
-        )
-    if any(name.startswith(("A_s", "M_s", "M_f", "A_f")) for name in open_names):
-        yield "A slow ramp of the drive up and down: it shows where the transformations begin and end."
-    if "temperature" not in kind and not any("temperature" in one.record.columns for one in ones):
-        yield (
-            "The temperature of the element, or at least of the air: without, one temperature is assumed, and sets the "
-            "scale of all others."
-        )
 
 
 def _collect_numbers(model: LogModel) -> dict[str, Any]:
     fit = model.fit
     return {
-        "experiment": {"kind": model.kind.name, "why": model.kind.why, "drive": model.kind.drive},
+        "experiment": {"kind": model.experiment.name, "why": model.experiment.why, "drive": model.experiment.drive},
         "predicts": model.predicts,
         "model": model.chosen.proposal.name,
         "held_out": [

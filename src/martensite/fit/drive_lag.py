@@ -1,0 +1,117 @@
+"""Lag behind a drive, and period of a drive."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from martensite.signals.records import Record
+
+if TYPE_CHECKING:
+    from martensite.fit.experiment import Experiment
+
+LAGS = 16
+"""Time constants that are tried."""
+SQUARED = ("V", "A")
+"""Units of drives that heat by their square."""
+TURNED = 0.1
+"""Range about the mean in which the period is searched, as a fraction."""
+
+
+@dataclass(frozen=True)
+class DriveLag:
+    """A first-order lag from what heats to what is measured."""
+
+    time_constant: float
+    """[s]; 0 for none."""
+    gain: float
+    """Measured unit per unit of what heats."""
+    zero: float
+    rms: float
+    """Error over the rows it was fitted to."""
+
+    def predict(self, record: Record, drive: str) -> Any:
+        """(rows,): what it says of a record."""
+        return self.zero + self.gain * filter_drive(record, drive, self.time_constant)
+
+
+def filter_drive(record: Record, drive: str, time_constant: float) -> Any:
+    """Return the heating column, (rows,), behind a lag [s] that begins at rest."""
+    times, u = np.asarray(record.times), np.asarray(record[drive], float)
+    heat = np.where(np.isfinite(u), u, 0.0) ** (2.0 if record.units[drive] in SQUARED else 1.0)
+    if time_constant <= 0.0:
+        return heat
+    kept = np.exp(-np.diff(times) / time_constant).tolist()
+    found, rows = [float(heat[0])], heat.tolist()
+    for keep, level in zip(kept, rows[:-1], strict=True):
+        found.append(level + (found[-1] - level) * keep)
+    return np.array(found)
+
+
+def fit_drive_lag(records: Sequence[Record], drive: str, column: str, lags: int = LAGS) -> DriveLag:
+    """Return the lag that explains a column of some records best; rows with NaN are not seen.
+
+    Args:
+        records: with times.
+        drive: column that drives.
+        column: that is explained.
+        lags: how many time constants are tried, besides none.
+    """
+    seen = [np.isfinite(np.asarray(one[column], float)) for one in records]
+    y = np.concatenate([np.asarray(r[column], float)[s] for r, s in zip(records, seen, strict=True)])
+    longest = max(r.times[-1] - r.times[0] for r in records)
+    least = min(float(np.median(np.diff(r.times))) for r in records)
+    best = DriveLag(0.0, 0.0, float(y.mean()), float(y.std()))
+    for lag in (0.0, *np.geomspace(least, longest, lags)):
+        x = np.concatenate([filter_drive(r, drive, lag)[s] for r, s in zip(records, seen, strict=True)])
+        slope = float(np.cov(x, y, bias=True)[0, 1] / max(float(np.var(x)), 1e-300))
+        zero = float(y.mean() - slope * x.mean())
+        rms = float(np.sqrt(np.mean((zero + slope * x - y) ** 2)))
+        if rms < best.rms:
+            best = DriveLag(float(lag), slope, zero, rms)
+    return best
+
+
+def find_drive(one: Experiment) -> str:
+    """Return the drive that follows the column that moves most for its size; empty for none."""
+    share = {drive: _measure_move(np.asarray(one.record[name], float)) for drive, name in one.follows.items()}
+    return max(share, key=share.__getitem__, default="")
+
+
+def _measure_move(x: Any) -> float:
+    return float(np.nanmax(x) - np.nanmin(x)) / (float(np.nanmax(np.abs(x))) or 1.0)
+
+
+def find_period(experiment: Experiment) -> float:
+    """Return the mean period [s] of what drives an experiment; its length if it never returns, 0 for none.
+
+    Counted are passages from below a quarter of its range to above three quarters, and back.
+    """
+    if not experiment.follows:
+        return 0.0
+    table = experiment.followed(find_drive(experiment))
+    x, length = np.asarray(table.values), table.times[-1] - table.times[0]
+    share = (x - x.min()) / (np.ptp(x) or 1.0)
+    sides = np.sign(np.where(np.abs(share - 0.5) >= 0.25, share - 0.5, 0.0))
+    passages = int(np.count_nonzero(np.diff(sides[sides != 0.0])))
+    return 2.0 * length / passages if passages > 1 else length
+
+
+def refine_period(one: Experiment) -> float:
+    """Return the period [s] near the mean one after which what drives repeats itself best; 0 for none."""
+    about = find_period(one)
+    if about == 0.0:
+        return 0.0
+    table = one.followed(find_drive(one))
+    times, values = np.asarray(table.times), np.asarray(table.values)
+    tried = about * np.linspace(1.0 - TURNED, 1.0 + TURNED, 81)
+
+    def misfit(period: float) -> float:
+        late = times[times >= times[0] + period]
+        return float(np.mean(np.abs(np.interp(late, times, values) - np.interp(late - period, times, values))))
+
+    apart = [misfit(period) for period in tried if period < 0.9 * (times[-1] - times[0])]
+    return float(tried[int(np.argmin(apart))]) if apart else about

@@ -1,0 +1,199 @@
+"""Isobaric experiment: heated and cooled under constant loads, strain measured."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from martensite.base.errors import DataError, InputError, MartensiteError
+from martensite.characterise.tangent_fit import fit_tangents
+from martensite.characterise.tangent_points import find_tangent_points
+from martensite.fit.experiment_kinds.base import (
+    EXPERIMENT_KINDS,
+    AbstractExperimentKind,
+    Assumptions,
+    FitEvidence,
+    Proposal,
+    RecognisedExperiment,
+)
+from martensite.fit.experiment_kinds.loops import ROUNDNESS, ROWS, SLOPES, read_machine, with_law
+from martensite.fit.experiment_kinds.survey import LogSurvey
+from martensite.fit.experiment_kinds.values import (
+    LAGOUDAS,
+    SLOPE,
+    WAIST,
+    Document,
+    make_loop,
+    make_record,
+    thin_rows,
+    with_column,
+    write_value,
+    write_values,
+)
+from martensite.search.quantity_text import join_phrases
+from martensite.signals.records import Record
+
+ZEROED = 0.03
+"""Smallest strain over range below which every record seems to count from its own zero."""
+CURVES = (
+    "curvature_f=-1e-3..1e-3 K/MPa^2",
+    "curvature_r=-1e-3..1e-3 K/MPa^2",
+    "widening_f=0..0.9 K/MPa",
+    "widening_r=0..0.9 K/MPa",
+)
+
+
+@EXPERIMENT_KINDS.register("isobaric")
+class Isobaric(AbstractExperimentKind):
+    """Loops of temperature under constant loads."""
+
+    order = 50.0
+    meaning = "heated and cooled under constant loads"
+    needs = "a temperature that varies by more than 15 K and a strain or position"
+    axis = "temperature"
+    own_zero = True
+
+    def recognise(self, survey: LogSurvey) -> RecognisedExperiment | None:
+        """Return the experiment if a shape varies, the temperature too, and no load does."""
+        if not survey.shapes or not survey.is_heated or survey.is_loaded:
+            return None
+        shape = survey.shapes[0]
+        why = f"`{shape}` and `temperature` vary, the temperature goes over {survey.warming:.0f} K while the load rests"
+        return RecognisedExperiment(self, why, "temperature", (shape,))
+
+    def propose(self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
+        """Yield laws for loops of temperature under constant loads; the machine prescribes the stress."""
+        width = known.find_diameter(any("stress" not in r.columns and "force" in r.columns for r in records))
+        section = math.pi / 4.0 * width**2
+        rows = [_read_loop(record, found.measured[0], section, known) for record in records]
+        loads = sorted(one["stress"][0] for one in rows)
+        levels = 1 + int(np.sum(np.diff(loads) > 0.05 * loads[-1]))
+        zeroed = len(rows) > 1 and all(min(r["strain"]) < ZEROED * float(np.ptp(r["strain"])) for r in rows)
+        if zeroed:
+            known.sentences.append(
+                "Every record counts strain from its own smallest value: each has a zero of its own."
+            )
+        if levels == 1:
+            known.sentences.append(f"One load only: C_A and C_M are assumed to be {SLOPE / 1e6:g} MPa/K.")
+        size = f'section = "{write_value(section, "m^2")}"'
+        names = {"title": "Isobaric loops", "control": "stress", "wide": write_value(width, "m"), "long": "100 mm"}
+        base = read_machine(xi=0.0, size=size, **names)
+        base["run"]["lead"] = "60 s"
+        kelvin = [t for one in rows for t in one["temperature"]]
+        if np.mean([one["temperature"][0] for one in rows]) <= 0.5 * (max(kelvin) + min(kelvin)):  # begins cold
+            base["drive"]["waveform"]["from"] = write_value(max(kelvin) + 20.0, "K")
+        yield from _vary_loop_laws(rows, base, _guess_temperatures(rows), levels, zeroed or levels == 1)
+
+    def suggest_records(self, evidence: FitEvidence) -> Iterator[str]:
+        """Yield further loads."""
+        loads = sorted({round(1e-6 * float(np.mean(one.record["stress"]))) for one in evidence.experiments})
+        if len(loads) < 3:
+            yield (
+                f"Loops under other loads than {join_phrases([f'{x:g}' for x in loads])} MPa: three or more tell C_A, "
+                "C_M and how the strain grows with stress."
+            )
+        elif not evidence.predicts or len(loads) < 5:
+            gap = max(pairwise(loads), key=lambda pair: pair[1] - pair[0])
+            yield f"A loop at {0.5 * sum(gap):.0f} MPa, in the widest gap between the loads."
+
+    def make_example(self) -> list[Record]:
+        """Return a loop over 100 K at 100 MPa."""
+        loop = make_loop()
+        strain = 0.04 * (1.0 - loop**4)
+        return [make_record({"temperature": 300.0 + 100.0 * loop, "strain": strain, "stress": 1e8 + 0.0 * loop})]
+
+
+def _read_loop(record: Record, column: str, section: float, known: Assumptions) -> Record:
+    """Return a loop with few rows, its strain, and its mean stress [Pa]."""
+    thin = thin_rows(record, (column, "temperature"), ROWS)
+    if column != "strain":
+        effect = "strain and everything in it is counted from this length"
+        strain = np.asarray(thin[column], float) / known.take("element.length", "m", 0.1, effect)
+        if np.corrcoef(strain, thin["temperature"])[0, 1] > 0.0:
+            strain = -strain
+            known.sentences.append(f"`{column}` grows on heating, and is taken as shortening.")
+        thin = with_column(thin, "strain", "1", strain)
+    return with_column(thin, "stress", "Pa", _find_load(record, section))
+
+
+def _find_load(record: Record, section: float) -> float:
+    """Return the mean stress of a loop [Pa]: of its column, by its force, or of its name."""
+    for name, area in (("stress", 1.0), ("force", section)):
+        if name in record.columns:
+            return float(np.nanmean(record[name])) / area
+    named = re.search(r"(\d+(?:\.\d+)?)[ _]?MPa", record.name, re.IGNORECASE)
+    if named is None:
+        raise DataError(
+            f"Record `{record.name}` does not say under which stress it was taken: give a column `stress [MPa]` or "
+            "`force [N]`, or put it into the name of the file (`wire_100MPa.csv`)."
+        )
+    return 1e6 * float(named[1])
+
+
+def _guess_temperatures(rows: Sequence[Record]) -> dict[str, float]:
+    """Return the numbers of a law by tangents; by the middles of the strokes where there are none."""
+    found: list[Any] = []
+    for one in rows:
+        try:
+            found.append(find_tangent_points(one, stress=one["stress"][0]))
+        except MartensiteError:
+            continue
+    try:
+        guess = fit_tangents(found).guess("cosine")
+    except InputError:
+        one, middle, apart = rows[-1], float(np.mean(rows[-1]["temperature"])), 8.0
+        if found:
+            middle, apart = 0.5 * (found[-1].A_half + found[-1].M_half), 0.5 * abs(found[-1].A_half - found[-1].M_half)
+        zero = middle - one["stress"][0] / SLOPE
+        guess = {"A_s": zero + apart - 7.0, "A_f": zero + apart + 7.0, "M_s": zero - apart + 7.0}
+        guess |= {"M_f": zero - apart - 7.0, "eps_L": float(np.ptp(one["strain"]))}
+    return guess if {"C_A", "C_M"} <= set(guess) else {"C_A": SLOPE, "C_M": SLOPE} | guess
+
+
+def _vary_loop_laws(
+    rows: Sequence[Record], base: Document, guess: Mapping[str, float], levels: int, zeroed: bool
+) -> Iterator[Proposal]:
+    """Lagoudas with a waist, with curved surfaces, and without both; Liang–Rogers."""
+    stroke = max(float(np.ptp(one["strain"])) for one in rows)
+    sigma = max(float(np.mean([one["stress"][0] for one in rows])), 1e6)
+    top, apart = guess["A_f"] + 10.0, max(guess["A_f"] - guess["M_s"], 3.0)
+    wide = max(guess["A_f"] - guess["A_s"], 4.0), max(guess["M_s"] - guess["M_f"], 4.0)
+    shared = {"E_A": "70 GPa", "E_M": "30 GPa"} | write_values("Pa/K", C_A=guess["C_A"], C_M=guess["C_M"])
+    common = SLOPES if levels > 1 else ()
+    common += ("E_A=15..200 GPa", "E_M=5..150 GPa") if levels > 2 and not zeroed else ()
+
+    def build_proposal(name: str, law: Document, free: Sequence[str], widen: float) -> Proposal:
+        above, below = (widen * w for w in wide)
+        low = top - apart - max(below, above - apart + 5.0)
+        places = write_values("K", A_f=top, A_s=top - above, M_s=top - apart, M_f=low)
+        temperatures = ("A_f", "A_s-A_f=-400..-1 K", "M_s-A_f=-200..-0.5 K", "M_f-M_s=-400..-1 K")
+        again = {"A_s-A_f": -2.0 * above, "M_f-M_s": -2.0 * max(below, above)}
+        document = with_law(base, shared | places | law)
+        each = ("offset.strain",) if zeroed else ()
+        return Proposal(name, document, (*temperatures, *common, *free), ("strain",), rows, each, (again,))
+
+    kelvin = [t for one in rows for t in (min(one["temperature"]), max(one["temperature"]))]
+    surface = LAGOUDAS | {"alpha_A": "1e-5 1/K", "alpha_M": "6e-6 1/K", "sigma_cal": write_value(sigma, "Pa")}
+    surface |= write_values("K", T_ref=guess["A_f"])
+    if levels > 2:
+        surface |= {"H_min": 0.3 * stroke, "H_sat": 0.8 * stroke, "H_k": f"{1e6 / sigma:.4g} 1/MPa"}
+        strain = ("H_min=0..0.15", "H_sat=0.002..0.19", "H_k=1e-3..0.1 1/MPa")
+    else:
+        surface |= {"H_min": stroke, "H_sat": 0.19, "H_k": "0 1/MPa"}
+        strain = ("H_min=0.001..0.15",)
+    strain += ("alpha_A=-2e-5..4e-5 1/K", "alpha_M=-2e-5..4e-5 1/K")
+    strain += () if zeroed else (f"T_ref={min(kelvin):.5g}..{max(kelvin):.5g} K",)
+    waist = {"hardening": "waisted", "waist_f": 0.8, "waist_r": 0.8, "n_1": 0.4, "n_2": 0.5, "n_3": 0.4, "n_4": 0.5}
+    yield build_proposal("lagoudas with a waist", surface | waist, (*strain, *WAIST), 2.0)
+    if levels > 2:
+        curved = surface | waist | {"surfaces": "curved", "widening_f": "0.05 K/MPa", "widening_r": "0.05 K/MPa"}
+        yield build_proposal("lagoudas with a waist and curved surfaces", curved, (*strain, *WAIST, *CURVES), 1.0)
+    yield build_proposal("lagoudas", surface, (*strain, *ROUNDNESS), 1.3)
+    if zeroed:
+        simple = {"kind": "liang-rogers", "modulus": "mixture", "eps_L": 0.8 * stroke, "Theta": "0 Pa/K"}
+        yield build_proposal("liang-rogers", simple, ("eps_L=0.001..0.19",), 1.0)

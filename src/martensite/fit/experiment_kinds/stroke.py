@@ -1,0 +1,84 @@
+"""Stroke experiment: a drive moves what the element carries."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from martensite.fit.experiment_kinds.base import EXPERIMENT_KINDS, Assumptions, Proposal, RecognisedExperiment
+from martensite.fit.experiment_kinds.driven import AbstractDrivenKind, start_driven
+from martensite.fit.experiment_kinds.survey import DEFORMATIONS, LogSurvey
+from martensite.fit.experiment_kinds.values import EPS, SIGMA, Document, make_pulses, make_record
+from martensite.search.quantity_text import format_number
+from martensite.signals.records import Record
+
+
+@EXPERIMENT_KINDS.register("stroke")
+class Stroke(AbstractDrivenKind):
+    """A weight or a bias spring that a driven element moves."""
+
+    order = 10.0
+    meaning = "a drive moves what the element carries"
+    needs = "a drive (voltage, current, power or duty) and a position, or strain, that vary"
+    answers = DEFORMATIONS
+    shows_shape = True
+
+    def list_further(self, survey: LogSurvey) -> list[str]:
+        """Return the varying loads."""
+        return survey.loads
+
+    def propose_driven(
+        self, found: RecognisedExperiment, records: Sequence[Record], known: Assumptions
+    ) -> Iterator[Proposal]:
+        """Yield a weight and a bias spring; the spring alone if force and position are measured."""
+        column = found.measured[0]
+        output = "strain" if column == "strain" else "position"
+        stroke = max(float(np.nanmax(r[column]) - np.nanmin(r[column])) for r in records)
+        guess = (0.1, "without effect on strain"), (stroke / (0.8 * EPS), "the transformation strain absorbs it")
+        length = known.take("element.length", "m", *guess[output == "position"])
+        begun = start_driven(found, records, known, length)
+        up = (begun.lag.gain > 0.0) == (output == "position")
+        if not up:
+            known.sentences.append(f"`{column}` falls with the drive: its sign is turned.")
+        columns = [output if up and column == output else f"{output}={column}*{1 if up else -1}"]
+        free, force = (*begun.free, f"eps_L={EPS / 6.0:.4g}..0.19"), SIGMA * begun.section
+        if len(found.measured) > 1:
+            spring, more = _read_spring(found, records, begun.section, known)
+            columns.append(found.measured[1])
+            yield begun.make_proposal("a bias spring", {"mechanism": spring}, (*free, *more), columns, output)
+            return
+        rate = 0.6 * force / (stroke if output == "position" else 0.03 * length)
+        spring = {"kind": "bias-spring", "stiffness": f"{rate:.5g} N/m", "preload": f"{0.6 * force:.5g} N"}
+        wanted = {path.partition(".")[2] for path in known.settings if path.startswith("mechanism.")}
+        if not wanted & {"stiffness", "preload"}:
+            known.sentences.append(
+                f"The load is not on record: a weight and a spring are tried, at a stress of some {SIGMA / 1e6:g} MPa; "
+                "temperatures absorb what it is (`mechanism.mass`, `mechanism.stiffness`)."
+            )
+            yield begun.make_proposal("a weight", begun.dead_weight, free, columns, output)
+        if "mass" not in wanted:
+            rates = () if "stiffness" in wanted else (f"stiffness={rate / 20.0:.4g}..{rate * 10.0:.4g} N/m log",)
+            yield begun.make_proposal("a bias spring", {"mechanism": spring}, (*free, *rates), columns, output)
+
+    def make_example(self) -> list[Record]:
+        """Return pulses of the duty cycle, and a position that follows them."""
+        pulses = make_pulses()
+        return [make_record({"duty": pulses, "position": 0.004 * np.roll(pulses, 3)})]
+
+
+def _read_spring(
+    kind: RecognisedExperiment, records: Sequence[Record], section: float, known: Assumptions
+) -> tuple[Document, tuple[str, str]]:
+    """Return a spring whose rate and preload follow from force and position, both measured, and their bounds."""
+    column, load = kind.measured
+    x, f = (np.concatenate([np.asarray(r[name], float) for r in records]) for name in (column, load))
+    f, good = f * (section if load == "stress" else 1.0), np.isfinite(x) & np.isfinite(f)
+    slope, zero = (float(v) for v in np.polyfit(x[good], f[good], 1))
+    rate, least = max(abs(slope), 1e-3), max(float(np.nanmin(f)), 1e-3)
+    known.sentences.append(
+        f"`{load}` over `{column}` is a spring of {format_number(rate)} N/m, and {format_number(zero)} N at zero."
+    )
+    spring = {"kind": "bias-spring", "stiffness": f"{rate:.5g} N/m", "preload": f"{least:.5g} N"}
+    bounds = f"stiffness={0.5 * rate:.5g}..{2.0 * rate:.5g} N/m", f"preload={0.2 * least:.5g}..{5.0 * least:.5g} N"
+    return spring, bounds

@@ -1,0 +1,81 @@
+"""Values, rows and columns that proposals of all kinds of experiment share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from martensite.signals.records import Record
+
+SIGMA = 100e6
+"""Stress that is assumed in an element of unknown section [Pa]."""
+EPS = 0.04
+"""Transformation strain that is assumed in an element of unknown length."""
+ROOM = "22 degC"
+SLOPE = 7.5e6
+"""C_A and C_M where loops at one load do not determine them [Pa/K]."""
+WAIST = ("waist_f=0.1..0.98", "waist_r=0.1..0.98")
+LAGOUDAS = {"kind": "lagoudas", "sigma_crit": "0 MPa"} | dict.fromkeys(("n_1", "n_2", "n_3", "n_4"), 0.45)
+EXAMPLE_UNITS = {
+    "time": "s",
+    "temperature": "K",
+    "strain": "1",
+    "stress": "Pa",
+    "force": "N",
+    "position": "m",
+    "resistance": "ohm",
+    "voltage": "V",
+    "current": "A",
+    "duty": "1",
+}
+Document = dict[str, Any]
+
+
+def write_value(value: float, unit: str) -> str:
+    """Return a value [SI] as a scenario takes it, in a readable unit."""
+    if unit == "K":
+        return f"{value - 273.15:.5g} degC"
+    if unit == "1":
+        return f"{value:.5g}"
+    large = {"m": ("mm", 1e-3), "m^2": ("mm^2", 1e-6), "Pa": ("MPa", 1e6), "Pa/K": ("MPa/K", 1e6)}
+    words, factor = large.get(unit, (unit, 1.0))
+    return f"{value / factor:.5g} {words}"
+
+
+def write_values(unit: str, **values: float) -> Document:
+    """Return values [SI] of one unit by name, as a scenario takes them."""
+    return {name: write_value(value, unit) for name, value in values.items()}
+
+
+def thin_rows(record: Record, needed: Sequence[str], most: int) -> Record:
+    """Return a record with at most `most` rows, in all of which the needed columns are finite."""
+    whole = np.flatnonzero(np.all([np.isfinite(record[name]) for name in needed], axis=0))
+    kept = whole[np.unique(np.linspace(0, len(whole) - 1, min(most, len(whole))).round().astype(int))]
+    return replace(record, columns={name: [column[k] for k in kept] for name, column in record.columns.items()})
+
+
+def with_column(record: Record, name: str, unit: str, values: Any) -> Record:
+    """Return a record with a further column, of one value for each row or the same in all rows [SI unit]."""
+    numbers = np.broadcast_to(np.asarray(values, float), len(record)).tolist()
+    return replace(record, columns=record.columns | {name: numbers}, units=record.units | {name: unit})
+
+
+def make_record(columns: Mapping[str, Any], name: str = "log") -> Record:
+    """Return a record [SI] of columns of equal length, with a row every second."""
+    rows = len(next(iter(columns.values())))
+    whole = {"time": np.arange(float(rows))} | columns
+    made = {one: [float(x) for x in column] for one, column in whole.items()}
+    return Record(name, made, {one: EXAMPLE_UNITS[one] for one in whole})
+
+
+def make_pulses() -> Any:
+    """Return a drive from 0 to 1 that rises and falls three times, of 80 rows."""
+    return np.sin(np.linspace(0.0, 9.0, 80)) ** 2
+
+
+def make_loop() -> Any:
+    """Return a ramp from 0 to 1 and back, of 80 rows."""
+    return 1.0 - np.abs(np.linspace(-1.0, 1.0, 80))
