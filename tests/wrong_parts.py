@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import builders
 import numpy as np
+import typer
 
 from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanics.motion import Motion
@@ -26,6 +28,9 @@ from martensite.control.faults.sensor import Stuck
 from martensite.control.observers.inverse import InverseModel
 from martensite.control.sensors.channel import CurrentSensor
 from martensite.control.supervisors.guard import Guard
+from martensite.fit.experiment_kinds.base import Proposal, RecognisedExperiment
+from martensite.fit.experiment_kinds.isobaric import Isobaric
+from martensite.fit.experiment_kinds.survey import LogSurvey
 from martensite.identify.blocks.gain import Gain
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.transfer_function import TransferFunction
@@ -39,6 +44,7 @@ from martensite.physics.materials.base import Material, Source, load_material
 from martensite.physics.thermal.ends import AbstractEnds
 from martensite.physics.thermal.films import ConstantCooling
 from martensite.signals.pwm import PulseWidthModulation
+from martensite.signals.records import Record
 from martensite.simulate.measures.extremes import Largest
 from martensite.studies.base import AbstractStudy, Claim
 from martensite.testing import build_example
@@ -517,7 +523,57 @@ class Unsourced(AbstractStudy):
         """Draw nothing."""
 
 
+class Wordless(Isobaric):
+    """Has no meaning."""
+
+    meaning = ""
+
+
+class Overtaken(Isobaric):
+    """Its example is one of a stroke as well."""
+
+    def make_example(self) -> list[Record]:
+        (one,) = super().make_example()
+        return [replace(one, columns=one.columns | {"duty": one["temperature"]}, units=one.units | {"duty": "1"})]
+
+
+class Greedy(Isobaric):
+    """Recognises all logs."""
+
+    def recognise(self, survey: LogSurvey) -> RecognisedExperiment:
+        return RecognisedExperiment(self, "", "temperature", ("strain",))
+
+
+class Idle(Isobaric):
+    """Proposes no scenario."""
+
+    def propose(self, found: Any, records: Any, known: Any) -> Iterator[Proposal]:
+        yield from ()
+
+
+class Stubborn(Isobaric):
+    """Assumes a length that is given."""
+
+    def propose(self, found: Any, records: Any, known: Any) -> Iterator[Proposal]:
+        known.sentences.append("`element.length` is assumed to be 100 mm: without effect.")
+        yield from super().propose(found, records, known)
+
+
+def make_wrong_command() -> Any:
+    """Return a command without help and options, in a file that imports NumPy."""
+
+    def write_all(scenario: str) -> None:
+        pass
+
+    app = typer.Typer()
+    app.command()(write_all)
+    return typer.main.get_command(app)
+
+
 WRONG: dict[str, list[Any]] = {
+    "experiment": [Wordless(), Overtaken(), Greedy(), Idle(), Stubborn()],
+    "command": [make_wrong_command()],
+    "exporter": [make_wrong_command()],
     "cooling": [Falling(h=10.0), Heating(h=10.0)],
     "ends": [Insulating()],
     "fluid": [Strange()],

@@ -12,12 +12,15 @@ from typing import Any
 import pytest
 from builders import label, variants
 from command import Command
+from typer.core import TyperCommand
 from wrong_parts import WRONG
 
 from martensite.actuators.mechanisms.load_line import DeadWeight
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Number, param
 from martensite.base.registry import Registry
+from martensite.cli.commands.conform import find_kind, list_commands
+from martensite.fit.experiment_kinds.base import EXPERIMENT_KINDS, AbstractExperimentKind, recognise_experiment
 from martensite.identify.blocks.base import BLOCKS
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.side_by_side import SideBySide
@@ -26,7 +29,7 @@ from martensite.physics.materials.base import Material, material_names
 from martensite.physics.thermal.films import ConstantCooling
 from martensite.scenario.catalogue import list_registries
 from martensite.studies.base import AbstractStudy
-from martensite.testing import check_conformance, check_material, observers
+from martensite.testing import check_command, check_conformance, check_material, observers
 from martensite.testing.conformance import SUITES, check_part, find_checks
 
 SLOW = {
@@ -42,7 +45,7 @@ SLOW = {
 }
 SLOW |= {"r-phase-restart", "r-phase-return-point", "self-sensing-sheet"}
 """Second forms of the parts that take longest."""
-REGISTRIES = list_registries(blocks=True)
+REGISTRIES = list_registries(blocks=True) | {"experiment": EXPERIMENT_KINDS}
 CASES = [
     pytest.param(kind, cls, id=f"{kind}-{cls.registered_name}")
     for kind, registry in REGISTRIES.items()
@@ -52,7 +55,8 @@ CASES = [
 
 @pytest.mark.parametrize(("kind", "cls"), CASES)
 def test_every_part_keeps_its_promises(kind: str, cls: Any) -> None:
-    parts = [part for part in variants(cls) if label(part) not in SLOW]
+    declared = not issubclass(cls, AbstractExperimentKind)
+    parts = [part for part in variants(cls) if label(part) not in SLOW] if declared else []
     found = check_conformance(cls, kind, parts)
     assert found.holds, found.faults
 
@@ -71,6 +75,11 @@ def test_every_material_keeps_its_promises(name: str) -> None:
     assert check_material(name).faults == []
 
 
+@pytest.mark.parametrize(("name", "command"), [pytest.param(*one, id=one[0]) for one in list_commands()])
+def test_every_command_keeps_its_promises(name: str, command: Any) -> None:
+    assert check_command(command, name, find_kind(name)).faults == []
+
+
 def test_blocks_that_differ_stand_side_by_side() -> None:
     both = SideBySide(blocks=(Polynomial(degree=3.0), BLOCKS["transfer-function"]()))
     assert check_conformance(SideBySide, "block", [both]).faults == []
@@ -83,7 +92,12 @@ def test_observers_without_sigma_points_rest_to_the_last_digits(monkeypatch: Any
         observers.check_rest(observer)
 
 
-OTHERS: dict[str, type[Any]] = {"material": Material, "study": AbstractStudy}
+OTHERS: dict[str, type[Any]] = {
+    "material": Material,
+    "study": AbstractStudy,
+    "command": TyperCommand,
+    "exporter": TyperCommand,
+}
 """Kinds that no scenario names."""
 
 
@@ -120,6 +134,19 @@ class WrongWay(LiangRogers):
 """
 
 
+OWN_KIND = """
+from martensite.fit.experiment_kinds.base import EXPERIMENT_KINDS
+from martensite.fit.experiment_kinds.isobaric import Isobaric
+
+
+@EXPERIMENT_KINDS.register("own-loops")
+class OwnLoops(Isobaric):
+    '''Loops of temperature, recognised before all others.'''
+
+    order = 1.0
+"""
+
+
 OWN_LAW = """
 from martensite.physics.laws.base import LAWS
 from martensite.physics.laws.strip_laws import LiangRogers
@@ -151,6 +178,24 @@ def test_a_law_whose_fraction_moves_the_wrong_way_is_refused(folder: Any) -> Non
     assert found.exit_code == 1
     assert "law `wrong-way` does not conform" in found.stdout
     assert "the martensite fraction goes the wrong way at" in " ".join(found.stdout.split())
+
+
+def test_a_kind_of_experiment_is_one_file(tmp_path: Any) -> None:
+    file = tmp_path / "own_loops_kind.py"
+    file.write_text(OWN_KIND)
+    try:
+        assert Command("conform", str(file))().exit_code == 0
+        assert recognise_experiment(EXPERIMENT_KINDS["isobaric"]().make_example()).name == "own-loops"
+    finally:
+        EXPERIMENT_KINDS._entries.pop("own-loops", None)
+        sys.modules.pop("own_loops_kind", None)
+
+
+def test_an_unknown_name_is_answered_with_the_nearest_names() -> None:
+    sentence = Command("conform").refused("flexinol-9")
+    assert "Did you mean `flexinol-90` or `flexinol-70`?" in sentence
+    assert "`martensite list`" in sentence
+    assert len(sentence) < 400
 
 
 SCENARIO = """

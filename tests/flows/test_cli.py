@@ -436,18 +436,6 @@ def test_help_imports_nothing_heavy() -> None:
     assert "run " in done.stdout
 
 
-def test_every_command_takes_json() -> None:
-    from typer.main import get_command
-
-    group: Any = get_command(app)
-    commands = {name: group.get_command(None, name) for name in group.list_commands(None)}
-    assert len(commands) >= 10
-    for name, command in commands.items():
-        inner = command.list_commands(None) if hasattr(command, "commands") else ()
-        for part in [command.get_command(None, one) for one in inner] or [command]:
-            assert any("--json" in option.opts for option in part.params), name
-
-
 def test_usage_errors_exit_with_2_and_unknown_commands_too() -> None:
     assert call("run").exit_code == 2
     assert call("rnu").exit_code == 2

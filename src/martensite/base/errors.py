@@ -10,6 +10,8 @@ import re
 from collections.abc import Collection, Iterable
 from difflib import get_close_matches
 
+MOST_LISTED = 40
+"""Most names that a sentence lists."""
 LONG_WORD = re.compile(r"[^\s`]{500,}")
 """Words that a sentence does not repeat in full."""
 
@@ -34,8 +36,8 @@ class InputError(MartensiteError):
 class UnknownNameError(InputError):
     """A name is not one of the valid ones."""
 
-    def __init__(self, kind: str, name: str, valid: Iterable[str]) -> None:
-        super().__init__(f"No {kind} named `{name}`. {suggest_name(name, valid)}")
+    def __init__(self, kind: str, name: str, valid: Iterable[str], where: str = "") -> None:
+        super().__init__(f"No {kind} named `{name}`. {suggest_name(name, valid, where)}")
 
 
 def require_known(kind: str, name: str, valid: Collection[str]) -> None:
@@ -84,12 +86,19 @@ class CompileError(MartensiteError):
     """A program could not be compiled on this machine; on floats it runs all the same."""
 
 
-def suggest_name(name: str, valid: Iterable[str]) -> str:
-    """Return 'Did you mean …?' for the nearest valid name, or the list of valid names."""
-    names = sorted(valid)
-    near = get_close_matches(name[:100].lower(), [n.lower() for n in names], n=1, cutoff=0.6)
-    listed = ", ".join(f"`{n}`" for n in names) or "none"
-    if not near:
-        return f"Valid: {listed}."
-    best = next(n for n in names if n.lower() == near[0])
-    return f"Did you mean `{best}`? Valid: {listed}."
+def suggest_name(name: str, valid: Iterable[str], where: str = "") -> str:
+    """Return 'Did you mean …?' for the nearest valid names, and all valid names if they are few.
+
+    Args:
+        name: what was given.
+        valid: names that are allowed.
+        where: words on where a long list is found, such as "`martensite list` lists them".
+    """
+    names = sorted({*valid})
+    lower = {one.lower(): one for one in reversed(names)}
+    long = len(names) > MOST_LISTED
+    near = get_close_matches(name[:100].lower(), lower, n=3 if long else 1, cutoff=0.6)
+    meant = f"Did you mean {' or '.join(f'`{lower[one]}`' for one in near)}? " if near else ""
+    if long:
+        return f"{meant}{len(names)} names are valid{f'; {where}' if where else ''}."
+    return f"{meant}Valid: {', '.join(f'`{one}`' for one in names) or 'none'}."

@@ -60,6 +60,10 @@ class PartDescription(NamedPart):
     parameters: list[EntryDescription]
 
 
+LISTS = "`martensite list` lists them by kind"
+"""Place of the names of all parts, for messages."""
+
+
 def list_registries(blocks: bool = False) -> dict[str, Registry[Any]]:
     """Return every registry of parts, by the word for one of its entries.
 
@@ -152,7 +156,7 @@ def describe_named(name: str) -> list[PartDescription]:
     known = list_registries(blocks=True)
     found = [describe_class(k, r[name]) for k, r in known.items() if name in r.names()]
     if not found:
-        raise UnknownNameError("part", name, {one for r in known.values() for one in r.names()})
+        raise UnknownNameError("part", name, {one for r in known.values() for one in r.names()}, LISTS)
     return found
 
 

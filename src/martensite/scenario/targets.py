@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from martensite.control.loop.bench import Bench
     from martensite.scenario.scenario import Scenario
 
+LISTS = "`martensite params SCENARIO` lists them"
 SWITCHES = "automatic_from", "automatic_until"
 """Numbers of a bench that no program has: they are in what is played."""
 
@@ -28,7 +29,7 @@ def find_one(name: str, targets: Mapping[str, Target]) -> Target:
         return targets[found[0]]
     if found:
         raise ParameterError(f"`{name}` is ambiguous: {', '.join(found)}.")
-    raise ParameterError(f"There is no parameter `{name}` to vary. {suggest_name(name, targets)}")
+    raise ParameterError(f"There is no parameter `{name}` to vary. {suggest_name(name, targets, LISTS)}")
 
 
 def list_targets(scenario: Scenario) -> dict[str, Target]:

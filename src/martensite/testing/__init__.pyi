@@ -1,6 +1,7 @@
 from martensite.testing.conformance import Conformance as Conformance
 from martensite.testing.conformance import ConformanceError as ConformanceError
 from martensite.testing.conformance import Finding as Finding
+from martensite.testing.conformance import check_command as check_command
 from martensite.testing.conformance import check_conformance as check_conformance
 from martensite.testing.conformance import check_material as check_material
 from martensite.testing.conformance import check_target as check_target

@@ -13,10 +13,11 @@ from typing import Any, get_type_hints
 from martensite.base.errors import InputError, MartensiteError, UnknownNameError
 from martensite.base.parameters import Parametrised
 from martensite.base.registry import import_modules
-from martensite.physics.materials.base import Material, load_material, material_names
-from martensite.scenario.catalogue import list_registries
+from martensite.fit.experiment_kinds.base import EXPERIMENT_KINDS
+from martensite.physics.materials.base import load_material, material_names
+from martensite.scenario.catalogue import LISTS, list_registries
 from martensite.simulate.provenance import keep_record
-from martensite.studies.base import AbstractStudy, load_study, study_names
+from martensite.studies.base import STUDIES
 from martensite.testing.examples import label_part, list_variants
 
 Check = Callable[[Any], None]
@@ -40,6 +41,9 @@ SUITES = {
     "measure": "waveforms",
     "material": "materials",
     "study": "studies",
+    "experiment": "experiment_kinds",
+    "command": "commands",
+    "exporter": "exporters",
 }
 """Kind of a part -> module of this package that has its suite."""
 
@@ -110,10 +114,13 @@ def find_checks(kind: str, cls: type[Any]) -> list[Check]:
     return [one for one in own if issubclass(cls, next(iter(get_type_hints(one).values())))]
 
 
-def check_conformance(cls: type[Parametrised], kind: str, parts: Iterable[Parametrised] = ()) -> Conformance:
-    """Run the suite of a kind on a part, and keep the result for the remarks of later runs.
+def check_conformance(cls: type[Any], kind: str, parts: Iterable[Any] = ()) -> Conformance:
+    """Run the suite of a kind on a part; keep the result for the remarks of later runs.
 
-    Examples of it are by default made of typical values, one for every choice of options.
+    Args:
+        cls: class of the part.
+        kind: kind of the part, such as `law`.
+        parts: examples; by default made of typical values, one for every choice of options.
 
     Raises:
         InputError: no suite exists for this kind.
@@ -121,11 +128,28 @@ def check_conformance(cls: type[Parametrised], kind: str, parts: Iterable[Parame
     """
     if kind not in SUITES:
         raise InputError(f"There is no suite for the kind `{kind}` of `{cls.registered_name}`.")
-    checks = find_checks(kind, cls)
-    found = [check_part(part, check) for part in (list(parts) or list_variants(cls)) for check in checks]
-    report = Conformance(cls.registered_name or cls.__name__, kind, tuple(found))
-    keep_record(cls, report.holds, len(checks))
+    declared = issubclass(cls, Parametrised)
+    tried = list(parts) or (list_variants(cls) if declared else [cls()])
+    report = Conformance(cls.registered_name or cls.__name__, kind, tuple(_try_all(kind, tried)))
+    if declared:
+        keep_record(cls, report.holds, len({one.check for one in report.findings}))
     return report
+
+
+def check_command(command: Any, name: str, kind: str = "command") -> Conformance:
+    """Run the suite of commands on a command of Typer, and that of exporters on an exporter.
+
+    Args:
+        command: the command.
+        name: words that call it, such as `export c`.
+        kind: `command` or `exporter`.
+    """
+    suites = dict.fromkeys(("command", kind))
+    return Conformance(name, kind, tuple(one for suite in suites for one in _try_all(suite, [command])))
+
+
+def _try_all(kind: str, parts: Iterable[Any]) -> list[Finding]:
+    return [check_part(part, check) for part in parts for check in find_checks(kind, type(part))]
 
 
 def check_material(name: str | Path) -> Conformance:
@@ -135,66 +159,56 @@ def check_material(name: str | Path) -> Conformance:
         InputError: the material does not exist, or its file is malformed.
     """
     material = load_material(name)
-    found = [check_part(material, check) for check in find_checks("material", Material)]
-    return Conformance(material.name, "material", tuple(found))
+    return Conformance(material.name, "material", tuple(_try_all("material", [material])))
 
 
-def check_study(name: str) -> Conformance:
-    """Run the suite of studies on one, by its name.
+def check_target(target: str, others: Iterable[str] = (), required: bool = True) -> list[Conformance]:
+    """Run the suites on all parts that a name, a `.py` file or the `.toml` file of a material stands for.
 
-    Raises:
-        InputError: the study does not exist, or its files cannot be read.
-    """
-    study = load_study(name)
-    found = [check_part(study, check) for check in find_checks("study", AbstractStudy)]
-    return Conformance(study.key, "study", tuple(found))
-
-
-def check_target(target: str) -> list[Conformance]:
-    """Run the suites on all that a name, a `.py` file or the `.toml` file of a material stands for.
+    Args:
+        target: the name or the file.
+        others: further valid names, for the message.
+        required: False if it is no error that there is no part.
 
     Raises:
         InputError: the part does not exist, the file registers no part, or it cannot be read.
     """
     if target.endswith(".toml") or target in material_names():
         return [check_material(target)]
-    try:
-        return [check_conformance(cls, kind) for kind, cls in find_parts(target)]
-    except UnknownNameError as error:
-        if target in study_names():
-            return [check_study(target)]
-        raise error from None
+    found = find_parts(target)
+    if required and not found:
+        raise _make_error(target, others)
+    return [check_conformance(cls, kind) for kind, cls in found]
 
 
-def find_parts(target: str) -> list[tuple[str, type[Parametrised]]]:
-    """Find kind and class of the parts that a name stands for, or that a file registers.
+def find_parts(target: str) -> list[tuple[str, type[Any]]]:
+    """Return kind and class of the parts that a name stands for, or that a file registers; empty if there are none.
 
     Raises:
-        InputError: the part does not exist, the file registers no part, or it cannot be imported.
+        InputError: the file cannot be imported.
     """
-    known = list_registries(blocks=True)
+    kinds = list_registries(blocks=True) | {"experiment": EXPERIMENT_KINDS}
     if target.endswith(".py"):
         import_modules([target])
-        module = Path(target).stem
-        found = [(k, r[n]) for k, r in known.items() for n in r.names()]
-        own = [(kind, cls) for kind, cls in found if cls.__module__ == module]
-        if not own:
-            raise InputError(
-                f'`{target}` registers no part; write, for example, `@LAWS.register("my-law")` above a class of it.'
-            )
-        return own
-    own = [(kind, r[target]) for kind, r in known.items() if target in r.names()]
-    if not own:
-        names = [n for r in known.values() for n in r.names()]
-        raise UnknownNameError("part", target, [*names, *material_names()])
-    return own
+        found = [(kind, r[name]) for kind, r in kinds.items() for name in r.names()]
+        return [(kind, cls) for kind, cls in found if cls.__module__ == Path(target).stem]
+    own = [(kind, r[target]) for kind, r in kinds.items() if target in r.names()]
+    return own or [("study", STUDIES[name]) for name in STUDIES.names() if name == target]
 
 
-def check_part(part: Parametrised | Material | AbstractStudy, check: Check) -> Finding:
+def _make_error(target: str, others: Iterable[str]) -> InputError:
+    if target.endswith(".py"):
+        return InputError(
+            f'`{target}` registers no part; write, for example, `@LAWS.register("my-law")` above a class of it.'
+        )
+    registries = *list_registries(blocks=True).values(), EXPERIMENT_KINDS, STUDIES
+    names = {*others, *material_names(), *(name for one in registries for name in one.names())}
+    where = f"{LISTS}, `martensite study` lists studies, `martensite --help` commands"
+    return UnknownNameError("part, material, study or command", target, names, where)
+
+
+def check_part(part: Any, check: Check) -> Finding:
     """Return the finding of one check on one part; an error in the code of the part is a fault too."""
-    label = (
-        label_part(part) if isinstance(part, Parametrised) else part.name if isinstance(part, Material) else part.key
-    )
     promise = (check.__doc__ or "").partition("\n")[0]
     try:
         check(part)
@@ -204,4 +218,10 @@ def check_part(part: Parametrised | Material | AbstractStudy, check: Check) -> F
         fault = f"it raised {type(error).__name__}: {error}"
     else:
         fault = ""
-    return Finding(label, check.__name__, promise, fault)
+    return Finding(_label(part), check.__name__, promise, fault)
+
+
+def _label(part: Any) -> str:
+    if isinstance(part, Parametrised):
+        return label_part(part)
+    return str(getattr(part, "registered_name", "") or getattr(part, "name", type(part).__name__))

@@ -1,8 +1,9 @@
-"""`conform`: whether parts of your own, commands among them, keep their contracts."""
+"""`conform`: try whether parts and commands of your own keep their contracts."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -17,25 +18,50 @@ if TYPE_CHECKING:
 
 @app.command("conform", rich_help_panel="Look up")
 def conform(
-    target: Annotated[str, typer.Argument(metavar="FILE|NAME", help="A .py or .toml file, or a name.")],
+    target: Annotated[str, typer.Argument(metavar="FILE|NAME", help="A .py or .toml file, or a name, e.g. wire.")],
     json: Json = False,
     modules: Imports = None,
 ) -> None:
-    """Try whether parts of your own keep what they promise.
+    """Try whether parts, kinds of experiment, studies, commands and exporters keep what they promise.
 
-    A law, for example, must not depend on how a path is cut into steps. Parts of this package can
-    be tried as well. They are made of the typical values of their declarations, once for every
-    choice of an option. Ends with 1 if a check fails.
+    A law, for example, must not depend on how a path is cut into steps. Parts are made of the typical values of their
+    declarations, once for every choice of an option. Ends with 1 if a check fails.
     """
-    import_modules(modules)
+    import_modules([*(modules or []), *([target] if target.endswith(".py") else [])])
     from martensite.show.terminal import print_summary
-    from martensite.testing.conformance import check_target
+    from martensite.testing.conformance import check_command, check_target
 
-    found = check_target(target)
+    commands = dict(list_commands())
+    own = {name: one for name, one in commands.items() if _is_meant(one, name, target)}
+    found = check_target(target, commands, required=not own)
+    found += [check_command(one, name, find_kind(name)) for name, one in own.items()]
     blocks = [block for one in found for block in _describe_findings(one)]
     print_summary(Summary("", blocks, [_collect_findings(one) for one in found]), json)
     if not all(one.holds for one in found):
         raise typer.Exit(1)
+
+
+def list_commands(group: Any = None, words: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the words that call each command, such as `export c`, and the command."""
+    group = typer.main.get_command(app) if group is None else group
+    for name in group.list_commands(None):
+        one = group.get_command(None, name)
+        if hasattr(one, "list_commands"):
+            yield from list_commands(one, f"{words}{name} ")
+        else:
+            yield f"{words}{name}", one
+
+
+def find_kind(name: str) -> str:
+    """Return the kind of a command: `exporter` or `command`."""
+    return "exporter" if name.startswith("export ") else "command"
+
+
+def _is_meant(command: Any, name: str, target: str) -> bool:
+    """Return whether the target is the name of a command, the last word of it, or the file that declares it."""
+    if target.endswith(".py"):
+        return command.callback.__module__ == Path(target).stem
+    return target in (name, name.rpartition(" ")[2])
 
 
 def _collect_findings(found: Conformance) -> dict[str, Any]:
