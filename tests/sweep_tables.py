@@ -7,14 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from martensite.design.sweep.axes import SweepAxis
 from martensite.design.sweep.sampling.samples import parse_sampling
 from martensite.design.sweep.table import SweepColumn, SweepTable
-from martensite.search.free_numbers import Target
+from martensite.search.free_numbers import FreeNumber, Target
 
 Function = Callable[[np.ndarray], np.ndarray]
 ISHIGAMI_A, ISHIGAMI_B = 7.0, 0.1
-ANGLES = [SweepAxis(Target(f"part.x{k}", f"x{k}", "1", 0.0), "range", (-np.pi, np.pi)) for k in (1, 2, 3)]
+ANGLES = [
+    FreeNumber(one.name, one.path, one.unit, 0.0, -np.pi, np.pi, targets=(one,))
+    for one in (Target(f"part.x{k}", f"x{k}", "1", 0.0) for k in (1, 2, 3))
+]
 
 
 def ishigami(x: np.ndarray) -> np.ndarray:
@@ -32,7 +34,7 @@ def ishigami_indices() -> tuple[np.ndarray, np.ndarray]:
     return np.array([one, two, 0.0]) / variance, np.array([one + both, two, both]) / variance
 
 
-def table(sample: str, axes: Sequence[SweepAxis] = ANGLES, seed: int = 1, **measures: Function) -> SweepTable:
+def table(sample: str, axes: Sequence[FreeNumber] = ANGLES, seed: int = 1, **measures: Function) -> SweepTable:
     """A sweep of functions of the varied numbers, all runs made."""
     found = parse_sampling(sample, seed)
     x = found.values(axes, 0, found.size(axes))
@@ -40,7 +42,7 @@ def table(sample: str, axes: Sequence[SweepAxis] = ANGLES, seed: int = 1, **meas
     return SweepTable(
         "Functions",
         sample,
-        {one.target.name: SweepColumn(one.target.name, one.target.unit, v, one.log) for one, v in columns},
+        {one.target.name: SweepColumn(one.target.name, one.target.unit, v, one.logarithmic) for one, v in columns},
         {name: SweepColumn(name, "m", function(x)) for name, function in measures.items()},
         np.zeros(len(x), np.int8),
         tuple(one.levels() for one in axes) if sample == "grid" else None,

@@ -229,7 +229,7 @@ def test_records_are_cut_and_thinned(desk: Desk) -> None:
     [
         ({"free": []}, "Nothing is free"),
         ({"free": [{"name": "A_z"}]}, "no parameter `A_z`"),
-        ({"free": [{"name": "A_s", "low": 400.0, "high": 300.0}]}, "Bounds of the free number"),
+        ({"free": [{"name": "A_s", "low": 400.0, "high": 300.0}]}, "Bounds of the free parameter"),
         ({"free": [{"name": "A_s", "low": "cold"}]}, "must be a number"),
         ({"method": "magic"}, "magic"),
         ({"loss": "magic"}, "magic"),

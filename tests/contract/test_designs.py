@@ -14,9 +14,9 @@ import pytest
 from scipy.stats import qmc
 
 from martensite.base.errors import InputError
-from martensite.design.sweep.axes import SweepAxis, parse_axis
+from martensite.design.sweep.axes import parse_axis
 from martensite.design.sweep.sampling.samples import DESIGNS, AbstractSample, parse_sampling
-from martensite.search.free_numbers import Target
+from martensite.search.free_numbers import FreeNumber, Target
 
 COUNT = 60
 TARGETS = {
@@ -35,7 +35,7 @@ def words(name: str) -> str:
     return f"{name}:{COUNT}" if name in SAMPLES else name
 
 
-def every(name: str, axes: list[SweepAxis] = RANGES, seed: int = 3) -> np.ndarray:
+def every(name: str, axes: list[FreeNumber] = RANGES, seed: int = 3) -> np.ndarray:
     found = parse_sampling(words(name), seed)
     return found.values(axes, 0, found.size(axes))
 

@@ -100,7 +100,7 @@ def test_modules_of_ones_own_are_found_by_the_workers(here: Path) -> None:
     [
         ((), "say what by `--over`"),
         (("--over", "diametr=0.1..0.2 mm:2"), "Did you mean"),
-        (("--over", "diameter"), "is no axis"),
+        (("--over", "diameter"), "is no free parameter"),
         (("--over", "diameter=0.1..0.2:2"), "`element.diameter`: "),
         (("--over", "diameter=0.1..0.2 mm"), "no levels"),
         ((*AXES, "--output", "strke"), "Did you mean `stroke`"),

@@ -217,12 +217,12 @@ def test_offsets_and_delays_are_differences(text: str, low: float, high: float) 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("A_s=40 degC", r"is no range; write for example `1\.\.2 degC`"),
-        ("A_s=..", "is no range"),
+        ("A_s=40 degC", r"is no free parameter; write `NAME`, `NAME=LOW\.\.HIGH UNIT`"),
+        ("A_s=..", "is no free parameter"),
         ("A_s=40..90 mm", "`A_s`: The unit `mm` cannot be converted"),
         ("A_s=40..90", "has no unit"),
         ("B_s=1..2 K", "no parameter `B_s`"),
-        ("", "is no free number"),
+        ("", "is no free parameter"),
         ("offset.strain", "belongs to a record"),
         ("delay", "belongs to a record"),
     ],

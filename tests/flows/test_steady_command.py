@@ -62,7 +62,7 @@ def test_a_curve_with_its_fold_runs_and_a_boundary(tmp_path: Path) -> None:
         ((WIRE, "--drive", "2 A"), "A"),
         ((WIRE, "--drive", "motr=2 V"), "`motr`"),
         ((WIRE, "--over", "drive=1..2 V"), "Nothing turns"),
-        ((BEAM, "--over", "motor"), "is no range"),
+        ((BEAM, "--over", "motor"), "is no free parameter"),
         ((BEAM, "--over", "motr=1..2 V"), "`motr`"),
         ((BEAM, "--over", "motor=2..1 V"), "must rise"),
         ((BEAM, "--cycle"), "has no period"),

@@ -261,7 +261,7 @@ def test_limits_are_kept_unless_told_otherwise() -> None:
 # ---------------------------------------------------------------- texts
 
 REFUSED: dict[str, tuple[str, type[Exception]]] = {
-    "0.1..0.2 mm": ("is no free number", ParameterError),
+    "0.1..0.2 mm": ("is no free parameter", ParameterError),
     "strand.diameter=0.2..0.1 mm": ("must rise", ParameterError),
     "strand.diameter=0.1..0.2 s": ("cannot be converted", UnitError),
     "strand.diameter=0.1..0.2": ("has no unit", UnitError),
@@ -269,7 +269,7 @@ REFUSED: dict[str, tuple[str, type[Exception]]] = {
     "element.count=0.5..3": ("must rise and lie within", ParameterError),
     "element.count=1..3.5": ("must be whole numbers", ParameterError),
     "limits.stress_limit=0..9 MPa log": ("on one side of 0|no number", ParameterError),
-    "drive.waveform.at=0..1 s": ("There is no number", ParameterError),
+    "drive.waveform.at=0..1 s": ("There is no parameter", ParameterError),
 }
 
 

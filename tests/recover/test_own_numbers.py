@@ -49,7 +49,7 @@ def wire(tmp_path: Path) -> Path:
 @pytest.fixture(scope="module")
 def fit(table: Path) -> Fit:
     coil = make_coil(element__law__A_f="80 degC")
-    return fit_logs(coil, str(table), "A_s", each="film=±20 %@62 W/m^2/K", hold_out="B", step=0.05)
+    return fit_logs(coil, str(table), "A_s", each="film=62 W/m^2/K ± 20 %", hold_out="B", step=0.05)
 
 
 def arrange(table: Path, **how: str) -> Problem:

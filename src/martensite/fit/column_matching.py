@@ -32,11 +32,12 @@ from martensite.base.errors import (
 )
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
-from martensite.fit.free_parameters import read_difference, split_list
+from martensite.fit.free_parameters import split_list
 from martensite.fit.problem import Problem
 from martensite.fit.solve import solve_problem
 from martensite.scenario.exact_text import shown_range
 from martensite.scenario.scenario import Scenario
+from martensite.search.free_numbers import read_difference
 from martensite.signals.records import Record
 
 CONVINCING_FIT = 50.0

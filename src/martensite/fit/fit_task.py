@@ -19,7 +19,7 @@ from martensite.fit.column_matching import ComparedColumn, match_columns, read_c
 from martensite.fit.condition_tables import INPUTS, is_condition_table
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
-from martensite.fit.free_parameters import is_nuisance, read_ranges
+from martensite.fit.free_parameters import FIT_FORMS, is_nuisance, read_ranges
 from martensite.fit.logs import (
     ALL,
     AUTO,
@@ -38,7 +38,8 @@ from martensite.fit.solve import INTERRUPTED, MOST_EVALUATIONS, predict_each, so
 from martensite.fit.start_checks import check_start, find_silent_outputs
 from martensite.fit.step_choice import choose_step, describe_step_error
 from martensite.scenario.scenario import Scenario
-from martensite.search.free_numbers import SearchRange, parse_free
+from martensite.search.free_numbers import SearchRange
+from martensite.search.free_text import FreeText, parse_free
 from martensite.signals.records import Record
 from martensite.signals.table import Table
 from martensite.simulate.drive_waveforms import Waveforms, by_name
@@ -185,18 +186,11 @@ def list_paths(scenario: Scenario) -> dict[str, str]:
     return {name: path for name, path in paths.items() if name != path and name not in own}
 
 
-def spell_paths(ranges: Sequence[str | SearchRange], known: Mapping[str, str]) -> list[str | SearchRange]:
-    """Return the free parameters with paths of the scenario put into those of the system."""
-    found: list[str | SearchRange] = []
-    for one in [ranges] if isinstance(ranges, str) else ranges:
-        name = one.name if isinstance(one, SearchRange) else parse_free(one)[0]
-        name = name.partition(":")[0]
-        path = known.get(name, name)
-        if isinstance(one, SearchRange):
-            found.append(replace(one, name=path))
-        else:
-            found.append(one.replace(name, path, 1))
-    return found
+def spell_paths(ranges: str | Sequence[str | SearchRange], known: Mapping[str, str]) -> list[FreeText | SearchRange]:
+    """Return the free parameters with their paths in the system; `known` maps paths of the scenario to these."""
+    given = [ranges] if isinstance(ranges, str) else ranges
+    parsed = [parse_free(one, *FIT_FORMS) if isinstance(one, str) else one for one in given]
+    return [replace(one, name=known.get(one.name, one.name)) for one in parsed]
 
 
 def _choose_steps(

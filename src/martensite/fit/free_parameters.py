@@ -1,19 +1,16 @@
 """Free parameters of a fit: common to all records, or of each record for itself.
 
-Texts are those of `martensite.search.free_numbers`. A name may end several paths: they then move
-together, as one material of several wires does.
+Texts are those of `martensite.search.free_text`. A name may end several paths: they then move together, as one
+material of several wires does.
 
-What a record has for itself: the zero of a sensor, the delay of its clock.
+Further parameters of a record:
 
     offset.OUTPUT   added to what the model says, in the unit of the output
     delay           seconds by which the record lags behind the run
 
 Any parameter of the system may be free for each record as well, such as `initial_fraction`, or for each group of
-records, and may be drawn to a centre by a spread:
-
-    h:by=specimen        every specimen has its own, whatever records belong to it
-    h=±20 %              log-normal about its centre: the scenario's number, or the common one if `h` is free, too
-    h=±5 W/m^2/K@60 W/m^2/K    normal about a centre that is given
+records (`h:by=specimen`). With a spread it is drawn to a centre: the value of the scenario, or the common value if that
+is free, too. A spread in % is log-normal, any other normal.
 
 `A_f-A_s` is how far A_f lies above A_s. Both may be free, A_s first: then they keep their order wherever a search goes.
 """
@@ -21,7 +18,6 @@ records, and may be drawn to a centre by a spread:
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from importlib import import_module
@@ -32,7 +28,7 @@ import numpy as np
 from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.mechanisms.base import Output
 from martensite.base import units
-from martensite.base.errors import ParameterError, require_known, suggest_name
+from martensite.base.errors import ParameterError, require_known
 from martensite.base.formats import write_quantity
 from martensite.fit.experiment import Experiment
 from martensite.search.free_numbers import (
@@ -41,10 +37,13 @@ from martensite.search.free_numbers import (
     SearchRange,
     Target,
     build_free,
-    parse_free,
-    read_free,
+    make_missing_error,
+    read_difference,
 )
+from martensite.search.free_text import FreeText, parse_free
 
+FIT_FORMS = ("range", "spread")
+"""Forms of the text of a free parameter in a fit."""
 OFFSET, DELAY = "offset", "delay"
 """Parameters of a single record: the zero of a sensor, the delay of its clock."""
 LONGEST_DELAY = 0.05
@@ -53,11 +52,6 @@ LARGEST_OFFSET = 2.0
 """Largest offset either way, in measured ranges."""
 SPREADS = 5.0
 """Search range about the centre of a parameter with a spread, in spreads."""
-_AMOUNT = re.compile(r"^\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(.*?)\s*$")
-
-
-_GROUP = re.compile(r"^\s*([^:=@\s]+):by=([^=@\s]+)(.*)$")
-_SPREAD = re.compile(r"^\s*([^=@\s]+)\s*=\s*(?:±|\+/?-)\s*([^@]+?)\s*(@.*)?$")
 
 
 def split_list(texts: str | Sequence[str]) -> list[str]:
@@ -67,18 +61,18 @@ def split_list(texts: str | Sequence[str]) -> list[str]:
 
 
 def read_ranges(
-    texts: Iterable[str | SearchRange],
+    texts: Iterable[str | FreeText | SearchRange],
     systems: Sequence[AbstractSystem],
     own: bool = False,
     outputs: Mapping[str, Output] | None = None,
 ) -> list[SearchRange]:
-    """Return the free parameters as asked for.
+    """Return the requested free parameters.
 
     Args:
         texts: one per parameter.
-        systems: those that have the parameters.
-        own: whether every record has them for itself, so that offsets and delays may be asked for.
-        outputs: what may have an offset; those of the first system if left out.
+        systems: systems that have the parameters.
+        own: True if every record has separate values, so that offsets, delays, groups and spreads are allowed.
+        outputs: outputs that may have an offset; those of the first system by default.
 
     Raises:
         InputError: a text cannot be read, or names no parameter.
@@ -88,49 +82,23 @@ def read_ranges(
     return [x if isinstance(x, SearchRange) else _read_range(x, systems, own, seen) for x in given]
 
 
-def _read_range(text: str, systems: Sequence[AbstractSystem], own: bool, outputs: Mapping[str, Output]) -> SearchRange:
-    text, by = _split_group(text)
-    text, spread = _split_spread(text)
-    name, bounds, start, scale = parse_free(text)
-    if (is_nuisance(name) or by or spread) and not own:
+def _read_range(
+    text: str | FreeText, systems: Sequence[AbstractSystem], own: bool, outputs: Mapping[str, Output]
+) -> SearchRange:
+    words = parse_free(text, *FIT_FORMS) if isinstance(text, str) else text
+    name = words.name
+    if (is_nuisance(name) or words.by or words.form == "spread") and not own:
         raise ParameterError(f"`{name}` belongs to a record, not to the system: ask for it under `each` (--each).")
-    if spread or by:
-        found = _read_range(text, systems, own, outputs)
-        unit = _find_own_unit(name, outputs) if is_nuisance(name) else _find_unit(name, systems)
-        size, relative = _read_spread(spread, name, unit) if spread else (0.0, False)
-        return replace(found, by=by, spread=size, relative=relative)
-    if bounds is None and start is None:
-        return SearchRange(name, scale=scale)
-    if is_nuisance(name) or is_difference(name):
-        unit = _find_own_unit(name, outputs) if is_nuisance(name) else _find_difference_unit(name, systems)
-        return read_free(text, unit, lambda words: read_difference(words, unit))
-    unit = _find_unit(name, systems)
-    return read_free(text, unit, lambda words: units.parse_quantity(words, unit))
-
-
-def _find_unit(name: str, systems: Sequence[AbstractSystem]) -> str:
-    return build_free_numbers([SearchRange(name)], systems)[0].unit
-
-
-def _split_group(text: str) -> tuple[str, str]:
-    """Return a text without `:by=GROUP` behind its name, and the group."""
-    found = _GROUP.match(text)
-    return (found[1] + found[3], found[2]) if found else (text, "")
-
-
-def _split_spread(text: str) -> tuple[str, str]:
-    """Return a text without `=±SPREAD`, and the spread."""
-    found = _SPREAD.match(text)
-    return (found[1] + (found[3] or ""), found[2]) if found else (text, "")
-
-
-def _read_spread(text: str, name: str, unit: str) -> tuple[float, bool]:
-    """Return a spread [SI], or as a share."""
-    relative = text.endswith("%")
-    size = units.parse_quantity(text, "1") if relative else read_difference(text, unit)
-    if not size > 0.0 or (relative and is_nuisance(name)):
-        raise ParameterError(f"The spread of `{name}` must be above 0 and, of an offset or a delay, in its unit.")
-    return size, relative
+    if not words.form and words.start is None:
+        return SearchRange.read(words, "1")
+    if is_nuisance(name):
+        if words.form == "spread" and str(words.values[1]).endswith("%"):
+            raise ParameterError(f"The spread of `{name}` must have its unit; it is an offset or a delay.")
+        unit = _find_own_unit(name, outputs)
+    else:
+        unit = build_free_numbers([SearchRange(name.partition("-")[0])], systems)[0].unit
+    apart = is_nuisance(name) or is_difference(name)
+    return SearchRange.read(words, unit, (lambda quantity: read_difference(quantity, unit)) if apart else None)
 
 
 def _find_own_unit(name: str, known: Mapping[str, Output]) -> str:
@@ -141,20 +109,6 @@ def _find_own_unit(name: str, known: Mapping[str, Output]) -> str:
         raise ParameterError("Bounds of `offset` need the output they are for, such as `offset.strain=-0.1..0.1 %`.")
     require_known("output", output, known)
     return known[output].unit
-
-
-def read_difference(text: str, unit: str) -> float:
-    """Return a difference in the SI `unit`, such as 0.5 K for `0.5 degC`.
-
-    Raises:
-        UnitError: the text is not a number with a suitable unit.
-    """
-    zero = re.sub(_AMOUNT, lambda found: f"0 {found[2]}", text)
-    return units.parse_quantity(text, unit) - units.parse_quantity(zero, unit)
-
-
-def _find_difference_unit(name: str, systems: Sequence[AbstractSystem]) -> str:
-    return build_free_numbers([SearchRange(name.partition("-")[0])], systems)[0].unit
 
 
 def is_difference(name: str) -> bool:
@@ -216,8 +170,7 @@ def _build_one(wanted: SearchRange, known: Sequence[Target], record: str | None)
     name = wanted.name
     found = [x for x in known if x.path == name or x.path.endswith("." + name)]
     if not found:
-        names = list(dict.fromkeys(x.path.rpartition(".")[2] for x in known))
-        raise ParameterError(f"There is no parameter `{name}` to be fitted. {suggest_name(name, names)}")
+        raise make_missing_error(name, known)
     if wanted.spread:
         wanted = _widen_range(wanted, found[0])
     free = build_free(wanted, found, name if record is None else f"{name}@{record}", record)

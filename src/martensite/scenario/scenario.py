@@ -274,9 +274,10 @@ class Scenario:
         Raises:
             ParameterError: there is none of that name, or several.
         """
-        from martensite.scenario.targets import find_one, list_targets
+        from martensite.scenario.targets import list_targets
+        from martensite.search.free_numbers import find_alike
 
-        return find_one(name, list_targets(self))
+        return find_alike(name, [*list_targets(self).values()], several=False)[0]
 
     def show_bench(self) -> Any:
         """The web bench as a widget of a notebook; `InputError` if the extra `notebook` is not installed."""

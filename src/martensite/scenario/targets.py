@@ -6,8 +6,6 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from martensite.base.errors import ParameterError, suggest_name
-from martensite.base.parameters import find_paths
 from martensite.scenario.assemble import waveform_path
 from martensite.scenario.place_units import PlaceUnits
 from martensite.search.free_numbers import Target
@@ -17,19 +15,8 @@ if TYPE_CHECKING:
     from martensite.control.loop.bench import Bench
     from martensite.scenario.scenario import Scenario
 
-LISTS = "`martensite params SCENARIO` lists them"
 SWITCHES = "automatic_from", "automatic_until"
 """Numbers of a bench that no program has: they are in what is played."""
-
-
-def find_one(name: str, targets: Mapping[str, Target]) -> Target:
-    """Return the target of a path, or of its unique ending; raise `ParameterError` if it is missing or ambiguous."""
-    found = find_paths(name, targets)
-    if len(found) == 1:
-        return targets[found[0]]
-    if found:
-        raise ParameterError(f"`{name}` is ambiguous: {', '.join(found)}.")
-    raise ParameterError(f"There is no parameter `{name}` to vary. {suggest_name(name, targets, LISTS)}")
 
 
 def list_targets(scenario: Scenario) -> dict[str, Target]:

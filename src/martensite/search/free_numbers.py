@@ -1,12 +1,6 @@
-"""Free numbers: what may move, between which bounds, on which scale. One grammar for all searches.
+"""Free parameters: which may move, between which bounds, on which scale (texts: `martensite.search.free_text`).
 
-    A_s                                  between bounds chosen from its declaration
-    A_s=40..90 degC                      with bounds; either may be left out
-    A_s=40..90 degC@60 degC              with a start
-    element.diameter=0.05..0.5 mm log    on a scale: linear, log, or whole numbers
-    A_f-A_s=2..60 degC                   in a fit: how far A_f lies above A_s, which may be free itself
-
-A search runs over shares u from 0 to 1 of the range, one per free number:
+A search runs over shares u from 0 to 1 of the range, one per free parameter:
 
     linear        p = low + u (high - low)
     logarithmic   p = low (high/low)^u        both bounds of one sign
@@ -22,13 +16,14 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, overload
 
 from martensite.base import units
-from martensite.base.errors import ParameterError, UnitError
+from martensite.base.errors import ParameterError, UnitError, suggest_name
 from martensite.base.formats import write_quantity
 from martensite.base.parameters import Leaf, find_paths
+from martensite.search.free_text import FreeText, parse_free
 
 if TYPE_CHECKING:
     import numpy as np
@@ -44,9 +39,9 @@ LOG_RATIO = 4.0
 """Ratio of bounds from which a positive number is searched on its logarithm."""
 BOUND_SHARE = 1e-3
 """Part of a range from a bound that counts as being there."""
-_FREE = re.compile(r"^\s*([^=@\s]+)\s*(?:=\s*([^@]*?))?\s*(?:@\s*(.+?))?(?:\s+(linear|log|whole))?\s*$")
-_RANGE = re.compile(r"^\s*(.*?)\s*\.\.\s*(.*?)\s*(?::\s*(\d+))?(?:\s+(linear|log|whole))?\s*$")
-_NUMBER = re.compile(r"^[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+LISTS = "`martensite params` lists those of a scenario or a part"
+"""Place of the names of all parameters, for messages."""
+_AMOUNT = re.compile(r"^\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(.*?)\s*$")
 
 
 @dataclass(frozen=True)
@@ -88,27 +83,95 @@ class Target:
 
 @dataclass(frozen=True)
 class SearchRange:
-    """A number that is asked to be free, by its path or an ending of it; None is chosen."""
+    """A request for a free parameter, by its path or an ending of it; None is chosen."""
 
     name: str
     low: float | None = None
     """Lower bound [SI]."""
     high: float | None = None
     start: float | None = None
-    """Start value [SI]; None for the value in the scenario."""
+    """Start, or centre of a spread [SI]; None for the value in the scenario."""
     scale: str | None = None
     """linear, log or whole."""
     spread: float = 0.0
-    """Standard deviation about the centre that several have in common: [SI], or a share of it; 0 for none."""
+    """Standard deviation about the centre [SI], or a fraction of it; 0 for none."""
     relative: bool = False
     """True if the spread is a fraction."""
     by: str = ""
     """Kind of group of records that have separate values; every record if empty."""
+    choices: tuple[float, ...] = ()
+    """Levels of a sweep [SI]; empty for a range."""
+    count: int | None = None
+    """Number of levels of a range in a sweep."""
+
+    @classmethod
+    def read(cls, text: FreeText | str, unit: str, convert: Callable[[str], float] | None = None) -> SearchRange:
+        """Read a request from its text.
+
+        Args:
+            text: as in `martensite.search.free_text`; a text that is not parsed yet must be a range.
+            unit: SI unit of the parameter.
+            convert: turns a quantity into a value [SI]; by default one of the unit.
+
+        Raises:
+            ParameterError: the text is malformed, or a spread is not above 0.
+            UnitError: a value is not a quantity of the unit.
+        """
+        words = parse_free(text) if isinstance(text, str) else text
+        convert = convert or (lambda quantity: units.parse_quantity(quantity, unit))
+        made = cls(words.name, scale=words.scale, by=words.by, count=words.count)
+        try:
+            if words.start is not None:
+                made = replace(made, start=convert(words.start))
+            if words.form == "spread":
+                return _read_spread(made, words, unit, convert)
+            values = [None if one is None else convert(one) for one in words.values]
+        except UnitError as error:
+            raise UnitError(f"Free parameter `{words.name}`: {error}") from None
+        if words.form == "levels":
+            return replace(made, choices=tuple(one for one in values if one is not None))
+        return replace(made, low=values[0], high=values[1]) if values else made
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Return both bounds [SI]; NaN for a bound that is not given."""
+        return math.nan if self.low is None else self.low, math.nan if self.high is None else self.high
+
+    def write(self, unit: str) -> str:
+        """Return the text of a range in an SI unit, which `read` reads back."""
+        spelling = "" if unit == "1" else f" {'K' if unit == units.DEGREES else unit}"
+        low, high = ("" if end is None else f"{end:.10g}" for end in (self.low, self.high))
+        ends = f"={low}..{high}{spelling}" if high else f"={low}{spelling}.." if low else ""
+        text = self.name + ends
+        text += "" if self.start is None else f"@{self.start:.10g}{spelling}"
+        return text + (f" {self.scale}" if self.scale else "")
+
+
+def _read_spread(made: SearchRange, words: FreeText, unit: str, convert: Callable[[str], float]) -> SearchRange:
+    centre, spread = words.values
+    size = str(spread)
+    relative = size.endswith("%")
+    if relative and unit == "K":
+        raise ParameterError(f"The spread of the temperature `{words.name}` must be a difference, such as `± 2 K`.")
+    found = units.parse_quantity(size, "1") if relative else read_difference(size, unit)
+    if not found > 0.0:
+        raise ParameterError(f"The spread of `{words.name}` must be above 0, but is {size}.")
+    return replace(made, start=convert(centre) if centre else made.start, spread=found, relative=relative)
+
+
+def read_difference(text: str, unit: str) -> float:
+    """Return a difference in the SI `unit`, such as 0.5 K for `0.5 degC`.
+
+    Raises:
+        UnitError: the text is not a number with a suitable unit.
+    """
+    zero = _AMOUNT.sub(lambda amount: f"0 {amount[2]}", text)
+    return units.parse_quantity(text, unit) - units.parse_quantity(zero, unit)
 
 
 @dataclass(frozen=True)
 class FreeNumber:
-    """A number to be found."""
+    """A parameter that a search, a fit or a sweep moves."""
 
     name: str
     """Name as requested, unique in a problem; for several that move together their common part."""
@@ -132,6 +195,15 @@ class FreeNumber:
     """True if the spread is a fraction."""
     base: str = ""
     """Path of the number from which this one is counted, so that order holds by construction; empty for none."""
+    choices: tuple[float, ...] = ()
+    """Levels of a sweep [SI]; empty for a range."""
+    count: int | None = None
+    """Number of levels of a range on a grid."""
+
+    @property
+    def target(self) -> Target:
+        """Return the first parameter that takes the value."""
+        return self.targets[0]
 
     @overload
     def value(self, share: float) -> float: ...
@@ -169,6 +241,39 @@ class FreeNumber:
             return "lower"
         return "upper" if share >= 1.0 - BOUND_SHARE else None
 
+    def levels(self) -> NDArray[np.float64]:
+        """Return the values [SI] on a grid.
+
+        Raises:
+            ParameterError: there are none.
+        """
+        import numpy as np
+
+        if self.choices:
+            return np.array(self.choices)
+        if self.spread or self.count is None:
+            raise ParameterError(
+                f"Axis `{self.name}` has no levels for a grid; write how many, such as `:9` behind its range, or "
+                "choose another `--sample`."
+            )
+        return self.quantile(np.linspace(0.0, 1.0, self.count))
+
+    def quantile(self, share: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the values [SI] below which fractions of a sample lie: exactly the bounds at 0 and 1."""
+        import numpy as np
+
+        if self.choices:
+            return np.array(self.choices)[np.minimum((share * len(self.choices)).astype(int), len(self.choices) - 1)]
+        if self.spread:
+            from scipy.special import ndtri
+
+            return self.start + self.spread * np.asarray(ndtri(share))
+        return np.where(share >= 1.0, self.high, self.value(share))
+
+    def extremes(self) -> tuple[float, ...]:
+        """Return the values of an axis that must be allowed; empty for a distribution without ends."""
+        return self.choices or (() if self.spread else (self.low, self.high))
+
     def moves(self, path: str) -> bool:
         """Return whether a parameter of this path takes the value."""
         return path == self.path or path.endswith("." + self.path)
@@ -184,63 +289,30 @@ def find_targets(name: str, known: Iterable[Target]) -> list[Target]:
     return [one for one in targets if one.name in names or one.path in paths]
 
 
-def parse_free(text: str) -> tuple[str, str | None, str | None, str | None]:
-    """Parse name, bounds, start and scale of a free parameter, as texts.
+def find_alike(name: str, known: Sequence[Target], several: bool = True) -> list[Target]:
+    """Return the parameters that a path, or an ending of paths, names.
+
+    Args:
+        name: path, or ending of paths.
+        known: parameters that may be named.
+        several: True if several may be named that are alike in unit and value.
 
     Raises:
-        ParameterError: the text is not a free parameter.
+        ParameterError: there is none, or several that differ.
     """
-    match = _FREE.match(text)
-    if match is None or ".." in match[1]:
-        raise ParameterError(
-            f"`{text}` is no free number; write `NAME`, `NAME=LOW..HIGH UNIT`, or "
-            "`NAME=LOW..HIGH UNIT@START UNIT`, such as `element.diameter=0.05..0.5 mm`."
-        )
-    name, bounds, start, scale = match.groups()
-    return name, bounds, start, scale
+    found = find_targets(name, known)
+    if not found:
+        raise make_missing_error(name, known)
+    if len(found) > 1 and not (several and len({(one.unit, one.value) for one in found}) == 1):
+        raise ParameterError(f"`{name}` is ambiguous: {', '.join(one.name for one in found)}.")
+    return found
 
 
-def read_free(text: str, unit: str, read: Callable[[str], float]) -> SearchRange:
-    """Read a free parameter in an SI unit from its text, as written above; `read` converts a quantity to a number [SI].
-
-    Raises:
-        ParameterError: the text is not a free parameter.
-        UnitError: a bound or the start is not a quantity in the unit of the parameter.
-    """
-    name, bounds, start, scale = parse_free(text)
-    try:
-        low, high, _, _ = (None,) * 4 if bounds is None else parse_range(bounds, unit, read)
-        return SearchRange(name, low, high, None if start is None else read(start), scale)
-    except UnitError as error:
-        raise UnitError(f"Free number `{name}`: {error}") from None
-
-
-def parse_range(
-    text: str, unit: str, read: Callable[[str], float]
-) -> tuple[float | None, float | None, int | None, str | None]:
-    """Parse bounds, count and scale of a range such as `20..200 W/m^2/K:5 log`.
-
-    A unit behind the second bound holds for both.
-
-    Raises:
-        UnitError: the text is not a range, or a bound is not a quantity in the unit.
-    """
-    match = _RANGE.match(text)
-    if match is None or not (match[1] or match[2]):
-        shown = "" if unit == "1" else f" {units.choose_readable_unit(unit)}"
-        raise UnitError(f"`{text}` is no range; write for example `1..2{shown}`.")
-    low, high, count, scale = match.groups()
-    behind = _NUMBER.match(high)
-    if behind and is_bare(low):
-        low = f"{low} {high[behind.end() :]}".strip()
-    ends = [read(end) if end else None for end in (low, high)]
-    return ends[0], ends[1], int(count) if count else None, scale
-
-
-def is_bare(text: str) -> bool:
-    """Return whether a text is a number without a unit."""
-    match = _NUMBER.match(text)
-    return match is not None and match.end() == len(text)
+def make_missing_error(name: str, known: Iterable[Target]) -> ParameterError:
+    """Return the error for a parameter that does not exist, with the nearest valid names."""
+    names = [one.name for one in known]
+    endings = {one.rpartition(".")[2] for one in names} if "." not in name else {*names}
+    return ParameterError(f"There is no parameter `{name}`. {suggest_name(name, endings, LISTS)}")
 
 
 def build_free(wanted: SearchRange, targets: Sequence[Target], name: str, record: str | None = None) -> FreeNumber:
@@ -256,12 +328,12 @@ def build_free(wanted: SearchRange, targets: Sequence[Target], name: str, record
     ends = " and ".join(write_quantity(end, first.unit) for end in (low, high))
     if not (low < high and least <= low and high <= most):
         raise ParameterError(
-            f"Bounds of the free number `{wanted.name}` must rise and lie within what is allowed "
+            f"Bounds of the free parameter `{wanted.name}` must rise and lie within what is allowed "
             f"({first.allowed}), but are {ends}."
         )
     if wanted.scale == "log" and not low * high > 0.0:
         raise ParameterError(
-            f"Bounds of the free number `{wanted.name}` on a logarithmic scale must be on one side "
+            f"Bounds of the free parameter `{wanted.name}` on a logarithmic scale must be on one side "
             f"of 0, but are {ends}."
         )
     wide = low > 0.0 and high / low >= LOG_RATIO and first.unit != "K"
@@ -306,7 +378,7 @@ def _choose_box(name: str, target: Target, starts: Sequence[float], factor: floa
         return max(min(ends), least), min(max(ends), most)
     if not (math.isfinite(least) and math.isfinite(most)):
         raise ParameterError(
-            f"The free number `{name}` is {starts[0]:g} and its declaration sets no bounds; "
+            f"The free parameter `{name}` is {starts[0]:g} and its declaration sets no bounds; "
             f"write them, such as `{name}=low..high`."
         )
     return least, most

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from shlex import quote
 
+from martensite.app.identify.fit_request import read_ranges
 from martensite.app.messages import Request
 from martensite.app.uploads import clean_name
 from martensite.fit.experiment import Experiment
@@ -30,7 +31,7 @@ def write_command(request: Request, fit: Fit, proposal: Proposal | None) -> str:
     """Return the command that fits the same scenario to the same records."""
     words = ["martensite", "fit", *_name_files(fit), "--scenario", SCENARIO]
     units = {free.name.partition("@")[0]: free.unit for free in fit.problem.free}
-    words += ["--free", ",".join(_write_range(one, units) for one in request.get("free", []))]
+    words += ["--free", ",".join(one.write(units.get(one.name, "1")) for one in read_ranges(request, "free"))]
     own = {text.partition("=")[0].strip(): text for text in proposal.each} if proposal else {}
     for one in request.get("each", []):
         words += ["--each", own.get(one["name"], one["name"])]
@@ -42,18 +43,6 @@ def write_command(request: Request, fit: Fit, proposal: Proposal | None) -> str:
     for name, usual in (("method", "trf"), ("loss", "linear"), ("starts", 0)):
         words += [] if request.get(name, usual) == usual else [f"--{name}", str(request[name])]
     return " ".join(map(quote, words))
-
-
-def _write_range(one: Request, units: dict[str, str]) -> str:
-    name, unit = str(one["name"]), units.get(str(one["name"]), "1")
-    spelling = "" if unit == "1" else f" {'K' if unit == 'delta_degC' else unit}"
-    low, high, start, scale = (one.get(key) for key in ("low", "high", "start", "scale"))
-    text = name
-    if low is not None or high is not None:
-        ends = ("" if end is None else f"{end:.10g}" for end in (low, high))
-        text += f"={'..'.join(ends)}{spelling}"
-    text += "" if start is None else f"@{start:.10g}{spelling}"
-    return text + (f" {scale}" if scale else "")
 
 
 def write_terminal_files(

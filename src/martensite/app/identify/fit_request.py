@@ -53,7 +53,7 @@ def read_task(request: Request, desk: Desk) -> FitTask:
     if long is not None:
         raise DataError(f"Record `{long.name}` has {len(long):,} rows; thin it out to at most {MOST_ROWS:,}.")
     logs = tuple(Log(one, build_scenario(request, one), name=one.name) for one in records)
-    free = _list_ranges(request, "free")
+    free = read_ranges(request, "free")
     if not free:
         raise ParameterError("Nothing is free; choose at least one parameter to be found.")
     compared = [str(name) for name in require_entry(request, "compare", list, [])]
@@ -93,10 +93,15 @@ def list_rows(request: Request, desk: Desk) -> list[Record]:
 def _list_each(request: Request, proposal: Proposal | None) -> list[str | SearchRange]:
     """Return the parameters of single records, with the bounds of the proposal if it has them."""
     known = {text.partition("=")[0].strip(): text for text in proposal.each} if proposal else {}
-    return [known.get(one.name, one) for one in _list_ranges(request, "each")]
+    return [known.get(one.name, one) for one in read_ranges(request, "each")]
 
 
-def _list_ranges(request: Request, name: str) -> list[SearchRange]:
+def read_ranges(request: Request, name: str) -> list[SearchRange]:
+    """Return the free parameters of an entry of a request.
+
+    Raises:
+        BadMessageError: the entry holds something else.
+    """
     found: list[SearchRange] = []
     for entry in require_entry(request, name, list, []):
         if not isinstance(entry, dict):

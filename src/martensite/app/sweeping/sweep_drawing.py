@@ -21,12 +21,12 @@ from martensite.app.views.columns import describe_conversion, round_digits
 from martensite.app.worker import Desk
 from martensite.base.status import Status
 from martensite.design.sweep.api import PlannedSweep, Progress
-from martensite.design.sweep.axes import SweepAxis
 from martensite.design.sweep.backends.base import AbstractBackend, Report
 from martensite.design.sweep.job import SweepJob
 from martensite.design.sweep.reading import count_statuses, read_axes, read_levels
 from martensite.design.sweep.store import STATUS, Store
 from martensite.design.sweep.table import SweepColumn, shorten_names
+from martensite.search.free_numbers import FreeNumber
 
 MOST_DRAWN = 20_000
 """Runs that are drawn of a sweep."""
@@ -50,7 +50,7 @@ class SweepDrawing:
         return self.store.spec
 
     @cached_property
-    def axes(self) -> list[SweepAxis]:
+    def axes(self) -> list[FreeNumber]:
         """Return the varied axes."""
         return read_axes(self.store)
 
@@ -128,7 +128,7 @@ class SweepDrawing:
                 {
                     **self._shown(one.target.name),
                     "short": short[one.target.name],
-                    "log": one.log,
+                    "log": one.logarithmic,
                     "levels": None if self.levels is None else self.levels[k],
                 }
                 for k, one in enumerate(self.axes)

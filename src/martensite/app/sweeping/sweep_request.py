@@ -20,7 +20,7 @@ from martensite.app.messages import BadMessageError, Request, require_entry
 from martensite.base import units
 from martensite.base.errors import MartensiteError, ParameterError
 from martensite.design.sweep.api import SweepExecution
-from martensite.design.sweep.axes import SweepAxis, parse_axis
+from martensite.design.sweep.axes import parse_axis
 from martensite.design.sweep.backends.processes import count_cores
 from martensite.design.sweep.job import SweepRequest, build_plan
 from martensite.design.sweep.plan import CHUNK, SweepPlan
@@ -28,6 +28,7 @@ from martensite.design.sweep.sampling.samples import AbstractDesign, parse_sampl
 from martensite.design.sweep.subject import build_course
 from martensite.scenario.scenario import Scenario
 from martensite.scenario.targets import list_targets
+from martensite.search.free_numbers import FreeNumber
 from martensite.simulate.measures.base import parse_measure
 from martensite.simulate.variants import LANES
 
@@ -165,7 +166,7 @@ def _check_axes(scenario: Scenario, known: SweepRequest, chosen: AbstractDesign 
             found.attempt(f"over.{k}", lambda one=one: _check_axis(scenario, one, chosen))
 
 
-def _check_axis(scenario: Scenario, one: SweepAxis, chosen: AbstractDesign | None) -> None:
+def _check_axis(scenario: Scenario, one: FreeNumber, chosen: AbstractDesign | None) -> None:
     course = build_course(scenario)
     SweepPlan(course, (one,), parse_sampling("monte-carlo:1"), {"stroke": parse_measure("stroke")})
     if chosen is not None and chosen.registered_name == "grid":

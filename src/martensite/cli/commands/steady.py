@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from typer import Exit, Option
 
 from martensite.base import units
-from martensite.base.errors import InputError, ParameterError, require_known
+from martensite.base.errors import InputError, require_known
 from martensite.cli.app import app
 from martensite.cli.options import ScenarioSource, Text, Texts, read_positive, refuse_idle, spread_options
 from martensite.cli.outputs import AnswerOptions
@@ -178,13 +178,8 @@ def _read_drives(scenario: Scenario, given: list[str] | None) -> dict[str, float
 
 def _read_range(one: Subject, words: str) -> tuple[str, float, float]:
     """Name and bounds [SI] of `PATH=LOW..HIGH`."""
-    from martensite.search.free_numbers import parse_range
+    from martensite.search.free_numbers import SearchRange
+    from martensite.search.free_text import parse_free
 
-    name, equals, numbers = words.partition("=")
-    if not equals:
-        raise ParameterError(f"`{words}` is no range; write for example `motor=1..90 V`.")
-    unit = one.vary(name.strip(), 0.0, 1.0).unit
-    low, high, _, _ = parse_range(numbers, unit, lambda end: units.parse_quantity(end, unit))
-    if low is None or high is None:
-        raise ParameterError(f"The range of `{name.strip()}` needs two ends, such as `1..90 V`.")
-    return name.strip(), low, high
+    text = parse_free(words, complete=True)
+    return text.name, *SearchRange.read(text, one.vary(text.name, 0.0, 1.0).unit).ends

@@ -10,7 +10,7 @@ itself derivatives grow from swing to swing: they are shortened to what can be. 
 switch alone, such as the band of an ON/OFF controller, has no derivative; then scattered starts and
 clouds are all that searches. Without a compiler there are no derivatives.
 
-Free numbers of controllers are texts of `martensite.search.free_numbers`: `Kp`, `Ki=0.1..10`. A number that begins
+Free gains are texts of `martensite.search.free_text`: `Kp`, `Ki=0.1..10`. A gain that begins
 away from 0 keeps its sign and is searched on its logarithm. Bounds that are not asked for are a hundredth of the
 least to the hundredfold of the largest start, or what is declared of a number that begins at 0.
 """
@@ -30,16 +30,8 @@ from martensite.control.tuning.goals import Cost, Numbers
 from martensite.control.tuning.loop_runs import LoopRuns, Seen
 from martensite.control.tuning.plant_spread import Plants
 from martensite.search.box_search import BoxSearch, JudgedPoints, PointSlopes, Tell
-from martensite.search.free_numbers import (
-    FreeNumber,
-    SearchRange,
-    Target,
-    build_free,
-    choose_bounds,
-    is_bare,
-    parse_free,
-    read_free,
-)
+from martensite.search.free_numbers import FreeNumber, SearchRange, Target, build_free, choose_bounds
+from martensite.search.free_text import is_bare, parse_free
 
 BOX_FACTOR = 100.0
 """Box around the starts, as a factor."""
@@ -59,9 +51,10 @@ def build_free_gains(bench: Bench, texts: Sequence[str], starts: Sequence[Mappin
     leaves = {leaf.path: leaf for leaf in bench.leaves()}
     found: list[FreeNumber] = []
     for text in texts:
-        path = "controllers." + bench.controllers.resolve(parse_free(text)[0].removeprefix("controllers."))
+        words = parse_free(text)
+        path = "controllers." + bench.controllers.resolve(words.name.removeprefix("controllers."))
         target = Target.from_leaf(leaves[path])
-        wanted = replace(_read_gain(text, target.unit), name=path)
+        wanted = replace(SearchRange.read(words, target.unit, _convert_to(target.unit)), name=path)
         begun = [target.value, *(start[path] for start in starts if path in start)]
         low, high = choose_bounds(wanted, target, begun, BOX_FACTOR)
         scale = wanted.scale or ("log" if low * high > 0.0 else "linear")
@@ -70,9 +63,9 @@ def build_free_gains(bench: Bench, texts: Sequence[str], starts: Sequence[Mappin
     return found
 
 
-def _read_gain(text: str, unit: str) -> SearchRange:
-    """Read a free gain from its text; bounds without a unit are in SI."""
-    return read_free(text, unit, lambda x: float(x) if is_bare(x) else units.parse_quantity(x, unit))
+def _convert_to(unit: str) -> Callable[[str], float]:
+    """Return a reader of bounds; without a unit they are in SI."""
+    return lambda text: float(text) if is_bare(text) else units.parse_quantity(text, unit)
 
 
 FAILED_COST = 1e3

@@ -29,8 +29,8 @@ from dataclasses import dataclass
 from martensite.actuators.assembly import Actuator
 from martensite.base import units
 from martensite.base.errors import ParameterError, UnitError, suggest_name
-from martensite.design.optimise.targets import find_alike, list_targets, read_design_number
-from martensite.search.free_numbers import BOX_TEMPERATURE, FreeNumber, Target
+from martensite.design.optimise.targets import list_targets, read_design_number
+from martensite.search.free_numbers import BOX_TEMPERATURE, FreeNumber, Target, find_alike
 from martensite.simulate.measures.base import MEASURES, AbstractMeasure, parse_measure
 from martensite.simulate.waveform_levels import WaveformLevels
 

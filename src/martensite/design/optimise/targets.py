@@ -1,6 +1,6 @@
-"""Free numbers of a design: parameters of the system and levels of its waveforms.
+"""Free parameters of a design: parameters of the system and levels of its waveforms.
 
-Texts are those of `martensite.search.free_numbers`. What the system refuses to be anything between
+Texts are those of `martensite.search.free_text`. What the system refuses to be anything between
 whole numbers is searched as a whole number.
 """
 
@@ -11,9 +11,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base import units
-from martensite.base.errors import ParameterError, suggest_name
-from martensite.search.free_numbers import FreeNumber, Target, build_free, find_targets, parse_free, read_free
+from martensite.base.errors import ParameterError
+from martensite.search.free_numbers import FreeNumber, SearchRange, Target, build_free, find_alike
+from martensite.search.free_text import parse_free
 from martensite.simulate.waveform_levels import PEAK, WaveformLevels
 
 
@@ -35,30 +35,6 @@ def name_level(drive: str, name: str) -> str:
     return f"{drive}.{PEAK}" if name == PEAK else f"{drive}.waveform.{name}"
 
 
-def find_alike(name: str, known: Sequence[Target]) -> list[Target]:
-    """Return the numbers that a path, or an ending of paths, names; several must be alike.
-
-    Raises:
-        ParameterError: there is none, or several that differ.
-    """
-    found = find_targets(name, known)
-    if not found:
-        endings = {c.name for c in known} | {c.name.rpartition(".")[2] for c in known}
-        raise ParameterError(f"There is no number `{name}`. {_suggest_ending(name, endings)}")
-    if len({(c.unit, c.value) for c in found}) > 1:
-        listed = ", ".join(f"`{c.name}`" for c in found)
-        raise ParameterError(f"`{name}` is ambiguous: {listed}.")
-    return found
-
-
-def _suggest_ending(name: str, endings: set[str]) -> str:
-    """Return a suggestion, or where to find a list, which is long."""
-    sentence = suggest_name(name, endings)
-    if sentence.startswith("Valid"):
-        return "`martensite params` lists those of every component."
-    return sentence.partition(" Valid")[0]
-
-
 def read_design_number(text: str, known: Sequence[Target], system: AbstractSystem) -> FreeNumber:
     """Read a free parameter from a text such as `element.diameter=0.05..0.5 mm`.
 
@@ -66,11 +42,10 @@ def read_design_number(text: str, known: Sequence[Target], system: AbstractSyste
         ParameterError: the text is malformed, the name is unknown, or the bounds are not an interval.
         UnitError: a bound has another unit than the parameter.
     """
-    name = parse_free(text)[0]
-    found = find_alike(name, known)
-    unit = found[0].unit
-    wanted = read_free(text, unit, lambda words: units.parse_quantity(words, unit))
-    free = build_free(wanted, found, found[0].name if len(found) == 1 else name)
+    words = parse_free(text)
+    found = find_alike(words.name, known)
+    wanted = SearchRange.read(words, found[0].unit)
+    free = build_free(wanted, found, found[0].name if len(found) == 1 else words.name)
     free = replace(free, whole=free.whole or (wanted.scale is None and _is_whole(system, free)))
     if free.whole and not free.low.is_integer() & free.high.is_integer():
         raise ParameterError(f"`{text}`: bounds of a whole number must be whole numbers.")

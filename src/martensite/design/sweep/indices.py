@@ -21,10 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.errors import DataError
-from martensite.design.sweep.axes import Numbers
 from martensite.design.sweep.given_data_indices import NORMAL_95, SensitivityIndex, estimate_indices, is_spread
 from martensite.design.sweep.sampling.samples import count_block_runs
 from martensite.design.sweep.table import SweepColumn, SweepTable
+from martensite.signals.sampling.sampled import Numbers
 
 LEAST_BLOCKS = 8
 LEAST_RUNS = 32

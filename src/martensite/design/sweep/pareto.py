@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.errors import DataError, ParameterError
-from martensite.design.sweep.axes import Numbers
 from martensite.design.sweep.table import SweepColumn, SweepTable
+from martensite.signals.sampling.sampled import Numbers
 
 Places: TypeAlias = NDArray[np.int64]
 BLOCK = 256

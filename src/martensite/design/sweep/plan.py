@@ -16,8 +16,8 @@ import numpy as np
 from martensite.base.errors import MartensiteError, ParameterError
 from martensite.base.parameters import Parametrised, describe_structure
 from martensite.base.status import Status
-from martensite.design.sweep.axes import SweepAxis
 from martensite.design.sweep.sampling.samples import AbstractDesign
+from martensite.search.free_numbers import FreeNumber
 from martensite.simulate.accuracy import FEW
 from martensite.simulate.ensembles import Ensemble, Numbers
 from martensite.simulate.measures.base import AbstractMeasure, list_needed
@@ -73,7 +73,7 @@ class SweepPlan:
 
     course: VariantSetup
     """System, waveforms, length and step; which outputs it has is decided here."""
-    axes: tuple[SweepAxis, ...]
+    axes: tuple[FreeNumber, ...]
     design: AbstractDesign
     measures: Mapping[str, AbstractMeasure]
     """By the words that name them."""

@@ -27,11 +27,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.status import Status
-from martensite.design.sweep.axes import SweepAxis, parse_axis
+from martensite.design.sweep.axes import parse_axis
 from martensite.design.sweep.plan import DETAILS
 from martensite.design.sweep.store import RUN, STATUS, Store
 from martensite.design.sweep.table import NOT_MADE, SweepColumn, SweepTable
-from martensite.search.free_numbers import Target
+from martensite.search.free_numbers import FreeNumber, Target
 
 if TYPE_CHECKING:
     import xarray
@@ -53,7 +53,7 @@ def read_sweep(path: Path | str) -> SweepTable:
     axes = read_axes(store)
     gone = status == NOT_MADE
     names = [one.target.name for one in axes]
-    logs = {one.target.name: one.log for one in axes}
+    logs = {one.target.name: one.logarithmic for one in axes}
     columns = {
         name: _read_column(store, name, gone, logs.get(name, False)) for name in (*names, *store.spec["measures"])
     }
@@ -74,7 +74,7 @@ def read_status(store: Store) -> NDArray[np.int8]:
     return np.where(np.isin(places, list(store.made())), status, np.int8(NOT_MADE))
 
 
-def read_axes(store: Store) -> list[SweepAxis]:
+def read_axes(store: Store) -> list[FreeNumber]:
     """Axes in the order in which they were asked for; of a normal one only the kind is to be used.
 
     The scenario is not read again: it may need parts of the user's own.
@@ -87,7 +87,7 @@ def read_axes(store: Store) -> list[SweepAxis]:
     return [parse_axis(words, targets) for words in store.spec["over"]]
 
 
-def read_levels(store: Store, axes: list[SweepAxis]) -> tuple[Any, ...] | None:
+def read_levels(store: Store, axes: list[FreeNumber]) -> tuple[Any, ...] | None:
     """Return the levels of every axis of a grid; None of other designs."""
     if store.spec["sample"].strip() != "grid":
         return None

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from martensite.base import units
 from martensite.base.errors import DataError, UnknownNameError, require_known
 from martensite.base.status import Status
-from martensite.design.sweep.axes import Numbers
+from martensite.signals.sampling.sampled import Numbers
 
 NOT_MADE = -1
 """Stands for the status of a run whose chunk is not made yet."""

@@ -66,7 +66,7 @@ def with_column(record: Record, name: str, unit: str, values: Any) -> Record:
 def make_record(columns: Mapping[str, Any], name: str = "log") -> Record:
     """Return a record [SI] of columns of equal length, with a row every second."""
     rows = len(next(iter(columns.values())))
-    whole = {"time": np.arange(float(rows))} | columns
+    whole: dict[str, Any] = {"time": np.arange(float(rows)), **columns}
     made = {one: [float(x) for x in column] for one, column in whole.items()}
     return Record(name, made, {one: EXAMPLE_UNITS[one] for one in whole})
 

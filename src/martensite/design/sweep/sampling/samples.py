@@ -32,7 +32,8 @@ from numpy.typing import NDArray
 
 from martensite.base.errors import ParameterError
 from martensite.base.registry import Registry
-from martensite.design.sweep.axes import Numbers, SweepAxis
+from martensite.search.free_numbers import FreeNumber
+from martensite.signals.sampling.sampled import Numbers
 
 MOST_RUNS = 1_000_000_000
 
@@ -52,11 +53,11 @@ class AbstractDesign(ABC):
             raise ParameterError(f"A seed is 0 or above, but is {self.seed}.")
 
     @abstractmethod
-    def size(self, axes: Sequence[SweepAxis]) -> int:
+    def size(self, axes: Sequence[FreeNumber]) -> int:
         """Return the number of runs."""
 
     @abstractmethod
-    def values(self, axes: Sequence[SweepAxis], first: int, count: int) -> Numbers:
+    def values(self, axes: Sequence[FreeNumber], first: int, count: int) -> Numbers:
         """Return the numbers of some runs from `first` on, (count, axes), in SI."""
 
 
@@ -71,7 +72,7 @@ class AbstractSample(AbstractDesign):
                 f"`{self.registered_name}` needs how many runs, such as `{self.registered_name}:1024`."
             )
 
-    def size(self, axes: Sequence[SweepAxis]) -> int:
+    def size(self, axes: Sequence[FreeNumber]) -> int:
         """Return the requested number of samples."""
         return self.count or 0
 
@@ -79,7 +80,7 @@ class AbstractSample(AbstractDesign):
     def cube(self, width: int, first: int, count: int) -> Numbers:
         """Return the points in the unit cube, (count, width)."""
 
-    def values(self, axes: Sequence[SweepAxis], first: int, count: int) -> Numbers:
+    def values(self, axes: Sequence[FreeNumber], first: int, count: int) -> Numbers:
         """Return the quantiles of points in the unit cube."""
         points = self.cube(len(axes), first, count)
         return np.stack([one.quantile(points[:, k]) for k, one in enumerate(axes)], axis=1)
@@ -113,18 +114,18 @@ class Grid(AbstractDesign):
                 "levels behind each axis, such as `diameter=0.1..0.5 mm:9`."
             )
 
-    def shape(self, axes: Sequence[SweepAxis]) -> tuple[int, ...]:
+    def shape(self, axes: Sequence[FreeNumber]) -> tuple[int, ...]:
         """Return the levels of each axis."""
         return tuple(len(one.levels()) for one in axes)
 
-    def size(self, axes: Sequence[SweepAxis]) -> int:
+    def size(self, axes: Sequence[FreeNumber]) -> int:
         """Return the product of all levels."""
         found = math.prod(self.shape(axes))
         if found > MOST_RUNS:
             raise ParameterError(f"This grid has {found:,} runs; at most {MOST_RUNS:,} are allowed.")
         return found
 
-    def values(self, axes: Sequence[SweepAxis], first: int, count: int) -> Numbers:
+    def values(self, axes: Sequence[FreeNumber], first: int, count: int) -> Numbers:
         """Return the levels by their places on the grid."""
         places = np.unravel_index(np.arange(first, first + count), self.shape(axes))
         return np.stack([one.levels()[k] for one, k in zip(axes, places, strict=True)], axis=1)
@@ -205,7 +206,7 @@ def _begin_sequence(width: int, seed: int) -> Any:
 class Saltelli(AbstractSample):
     """N base points, and N (d + 2) runs of d axes."""
 
-    def size(self, axes: Sequence[SweepAxis]) -> int:
+    def size(self, axes: Sequence[FreeNumber]) -> int:
         """Return all runs of all blocks.
 
         Raises:
