@@ -21,7 +21,7 @@ from benchmarks.sections import Options, rows_of, section
 from martensite.fit.api import fit_logs
 from martensite.fit.experiment import Experiment
 from martensite.fit.problem import Problem, build_problem
-from martensite.scenario import datasets
+from martensite.logs import datasets
 from martensite.scenario.scenario import read_scenario
 from martensite.signals.records import Record
 

@@ -14,7 +14,8 @@ import typer.testing
 from hypothesis import settings
 
 from martensite.kernels.compiler import find_compiler
-from martensite.scenario import binary_files, container_files, netcdf
+from martensite.logs import binary_files, container_files
+from martensite.scenario import netcdf
 
 # measured data may lie in a folder `shared/data` beside the checkout; else such tests skip
 HERE = Path(__file__).resolve().parent

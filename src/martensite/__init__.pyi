@@ -22,6 +22,7 @@ from martensite.actuators.mechanisms.load_line import DeadWeight as DeadWeight
 from martensite.base.errors import InputError as InputError
 from martensite.base.errors import MartensiteError as MartensiteError
 from martensite.base.errors import SolveError as SolveError
+from martensite.logs.tables import read_table as read_table
 from martensite.physics import electrical as electrical
 from martensite.physics import laws as laws
 from martensite.physics import thermal as thermal
@@ -36,7 +37,6 @@ from martensite.scenario.running import run as run
 from martensite.scenario.saved_results import open_result as open_result
 from martensite.scenario.scenario import Scenario as Scenario
 from martensite.scenario.scenario import load as load
-from martensite.scenario.tables import read_table as read_table
 from martensite.show import figures as _plot
 from martensite.signals.constant import Constant as Constant
 from martensite.signals.records import Record as Record

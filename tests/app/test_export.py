@@ -12,10 +12,11 @@ from app_server import Bench
 from typer.testing import CliRunner
 
 from martensite.cli.app import app
-from martensite.scenario.csv_files import format_heading, write_csv
+from martensite.logs.record_text import format_heading
+from martensite.logs.tables import read_table
+from martensite.scenario.csv_files import write_csv
 from martensite.scenario.netcdf import read_labelled
 from martensite.scenario.scenario import load
-from martensite.scenario.tables import read_table
 
 FLOATS = "--runtime", "floats"
 OWN = ("created", "runtime", "accuracy", "step", "ripple", "heat", "work", "martensite_result")

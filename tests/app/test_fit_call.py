@@ -27,8 +27,8 @@ from martensite.fit.api import fit_logs as library_fit
 from martensite.fit.losses import LOSSES
 from martensite.fit.material_files import write_material
 from martensite.fit.solve import METHODS
+from martensite.logs.tables import read_table
 from martensite.scenario.scenario import read_scenario
-from martensite.scenario.tables import read_table
 
 COLUMNS = [
     {"at": 0, "name": "time", "unit": "s"},

@@ -15,7 +15,7 @@ from martensite.app.calls.logs import place_sample
 from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base.errors import InputError
-from martensite.scenario.datasets import describe_dataset
+from martensite.logs.datasets import describe_dataset
 
 LOG = "Time_s;T (C);F/N;remark\n0;20,5;1;=cmd()\n1;;2;\n2;21,5;3;+1+1\n"
 BAD = {

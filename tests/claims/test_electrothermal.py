@@ -14,10 +14,10 @@ import pytest
 from claim_checks import check_complete, check_decides, numbers_of, verdicts_of, with_verdict
 
 from martensite.base.errors import DataError
-from martensite.scenario import datasets
+from martensite.logs import datasets
+from martensite.logs.tables import read_table
 from martensite.scenario.citations import read_bibliography
 from martensite.scenario.scenario import load
-from martensite.scenario.tables import read_table
 from martensite.studies.base import Answer, load_study, study_names
 from martensite.studies.electrothermal import ElectrothermalStaircase, model, record, record_numbers
 from martensite.studies.electrothermal.model_numbers import KEPT, calibrate_numbers

@@ -10,10 +10,10 @@ import pytest
 
 from martensite.fit.api import fit_logs
 from martensite.kernels.compiler import find_compiler
+from martensite.logs import datasets
+from martensite.logs.tables import read_table
 from martensite.physics.materials.base import load_material
-from martensite.scenario import datasets
 from martensite.scenario.scenario import read_scenario
-from martensite.scenario.tables import read_table
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SCENARIO = """

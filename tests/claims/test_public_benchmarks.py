@@ -13,7 +13,7 @@ from martensite.identify.chains.best_linear import best_linear
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.estimate import Options, estimate_chain, refine_chain
 from martensite.identify.chains.scores import compute_rms
-from martensite.scenario import datasets
+from martensite.logs import datasets
 from martensite.signals.sampling.sampled import Sampled
 from martensite.studies.public_benchmarks import SKIP, read_silverbox, read_wiener_hammerstein
 

@@ -19,8 +19,8 @@ from fences import README, fences
 
 from martensite.base.errors import DataError, InputError
 from martensite.base.files import read_bounded
-from martensite.scenario import binary_files
-from martensite.scenario.binary_files import read_arrays
+from martensite.logs import binary_files
+from martensite.logs.binary_files import read_arrays
 
 pytestmark = pytest.mark.usefixtures("apart")
 

@@ -24,9 +24,9 @@ from martensite.base.files import replace_together, write_file
 from martensite.base.summary import Sentence, Summary
 from martensite.export.fmu import to_fmu
 from martensite.export.mujoco_render import _write_gif, _write_png
+from martensite.logs.sampled_files import write_sampled
 from martensite.scenario.csv_files import write_csv
 from martensite.scenario.model_files import write_model
-from martensite.scenario.sampled_files import write_sampled
 from martensite.show.pages import write_page
 from martensite.signals.sampling.sampled import Sampled
 

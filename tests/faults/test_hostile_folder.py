@@ -21,7 +21,7 @@ from martensite.app.worker_pool import Worker
 from martensite.base.child_python import python_command, python_environment
 from martensite.design.sweep.backends.dask_cluster import DaskCluster, _import_distributed, _open_client
 from martensite.design.sweep.backends.processes import _open_pool
-from martensite.scenario.binary_files import read_arrays
+from martensite.logs.binary_files import read_arrays
 
 TRACE = 'with open({!r}, "w") as file:\n    file.write("{}")\n'
 

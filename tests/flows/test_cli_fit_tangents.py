@@ -18,7 +18,7 @@ from typer.testing import CliRunner, Result
 from martensite.characterise.tangent_fit import fit_tangents
 from martensite.characterise.tangent_points import find_tangent_points
 from martensite.cli import app
-from martensite.scenario import datasets
+from martensite.logs import datasets
 from martensite.show.figures.laboratory import MOST_PANELS, plot_tangents
 
 SAMPLE = Bent()

@@ -19,9 +19,9 @@ from martensite.cli.commands.identify import ANCHOR, IdentifyOptions
 from martensite.identify.blocks.base import BLOCKS
 from martensite.identify.chains.estimate import INTERRUPTED, Options
 from martensite.identify.chains.stages import identify_stages
+from martensite.logs.sampled_files import read_sampled, write_sampled
 from martensite.scenario.identify_logs import choose_columns, guess_columns
 from martensite.scenario.model_files import read_model
-from martensite.scenario.sampled_files import read_sampled, write_sampled
 from martensite.show.summaries.identification import collect_warnings
 
 IDENTIFY = Command("identify")

@@ -13,8 +13,8 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from martensite.cli import app
+from martensite.logs.tables import read_table
 from martensite.physics.laws.base import LAWS
-from martensite.scenario.tables import read_table
 from martensite.simulate.paths import PATHS
 
 QUICK = ("--tolerance", "0.05")

@@ -13,10 +13,10 @@ import pytest
 
 from martensite.base.caches import cache_folder
 from martensite.base.errors import DataError, UnknownNameError
-from martensite.scenario import datasets
+from martensite.logs import datasets
+from martensite.logs.layout import read_headings
+from martensite.logs.tables import read_table
 from martensite.scenario.citations import list_entries
-from martensite.scenario.layout import read_headings
-from martensite.scenario.tables import read_table
 
 CONTENT = {"cycle_a.txt": b"20 0.04\n80 0.01\n", "cycle_b.txt": b"20 0.05\n80 0.02\n"}
 ENTRY = '[[files]]\nname = "{name}"\nupstream = "raw_{name}"\nsha256 = "{sha}"\n'

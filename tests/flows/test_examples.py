@@ -17,9 +17,9 @@ import pytest
 from martensite.base.errors import DataError
 from martensite.design.analysis.averaging import compare_averaging
 from martensite.fit.api import fit_logs
+from martensite.logs.tables import read_table
 from martensite.scenario.compare import compare_with_record
 from martensite.scenario.scenario import Scenario, load
-from martensite.scenario.tables import read_table
 from martensite.simulate.result import Result
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -22,9 +22,9 @@ from martensite.fit.fit_file import read_fit_file
 from martensite.fit.free_parameters import read_ranges
 from martensite.fit.logs import ALL, choose_held_out
 from martensite.fit.step_choice import choose_step, halve_step
+from martensite.logs.tables import read_table
 from martensite.scenario.compare import compare_with_record
 from martensite.scenario.scenario import Scenario, load, read_scenario
-from martensite.scenario.tables import read_table
 from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
 from martensite.signals.table import Table

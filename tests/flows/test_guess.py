@@ -3,8 +3,8 @@
 import pytest
 
 from martensite.fit.condition_tables import _find_words
-from martensite.scenario.heading_guess import SPELLINGS, guess_heading, usual_units
-from martensite.scenario.layout import CANONICAL, read_headings
+from martensite.logs.heading_guess import SPELLINGS, guess_heading, usual_units
+from martensite.logs.layout import CANONICAL, read_headings
 
 HEADINGS = {
     "T [degC]": ("temperature", "degC"),

@@ -21,10 +21,10 @@ from fault_trials import spoil_bytes
 from scipy.io import savemat
 
 from martensite.base.errors import DataError, InputError, MartensiteError
-from martensite.scenario.datasets import describe_dataset
-from martensite.scenario.lab_files import LabFile, read_lab_file
-from martensite.scenario.merged_files import merge_by_clock
-from martensite.scenario.tables import read_table
+from martensite.logs.datasets import describe_dataset
+from martensite.logs.lab_files import LabFile, read_lab_file
+from martensite.logs.merged_files import merge_by_clock
+from martensite.logs.tables import read_table
 
 FILES: dict[str, Any] = tomllib.loads((Path(__file__).parent / "lab_files.toml").read_text("utf-8"))
 

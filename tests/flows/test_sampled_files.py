@@ -17,7 +17,7 @@ import pytest
 from scipy.io import savemat
 
 from martensite.base.errors import DataError, InputError
-from martensite.scenario.sampled_files import read_sampled, write_sampled
+from martensite.logs.sampled_files import read_sampled, write_sampled
 from martensite.signals.sampling.sampled import Sampled
 
 TIMES = 0.02 * np.arange(50)

@@ -12,8 +12,8 @@ import pytest
 from builders import plain_system
 
 from martensite.base.errors import DataError, ParameterError
+from martensite.logs.tables import read_table
 from martensite.scenario.compare import compare_with_record
-from martensite.scenario.tables import read_table
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.signals.records import Record, table_waveform
 from martensite.simulate.api import simulate

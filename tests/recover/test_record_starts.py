@@ -25,8 +25,8 @@ from martensite.identify.chains.record_starts import shows_rest
 from martensite.identify.chains.scores import score_chain
 from martensite.identify.chains.stages import identify_stages
 from martensite.identify.chains.validation import validate_chain
+from martensite.logs.sampled_files import read_pieces, write_sampled
 from martensite.scenario.model_files import read_model, write_model
-from martensite.scenario.sampled_files import read_pieces, write_sampled
 from martensite.signals.sampling.sampled import Sampled
 
 FEW = Options(starts=6, refined=3, anchor=0.1, start="auto")

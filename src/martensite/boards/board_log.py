@@ -59,7 +59,7 @@ class BoardLog:
 
     def headings(self) -> list[str]:
         """Names with units; plain numbers that are no quantity, such as an alarm, have none, lest one be guessed."""
-        from martensite.scenario.layout import CANONICAL
+        from martensite.logs.layout import CANONICAL
 
         units = ["s", "1", "1", *(row["unit"] for row in self.firmware["telemetry"])]
         return [

@@ -75,7 +75,7 @@ def replay_log(scenario: Scenario, path: Path) -> Replay:
         DataError: the log cannot be read, or is too short.
         SolveError: the model fails.
     """
-    from martensite.scenario.lab_files import read_lab_file
+    from martensite.logs.lab_files import read_lab_file
 
     if scenario.bench is None:
         raise InputError("A replay needs the sensors of a loop, which this scenario has not.")

@@ -73,7 +73,7 @@ def fit_log_model(
 ) -> bool:
     """Make a model of logs and print its page; whether it predicts."""
     from martensite.fit.log_models import model_logs
-    from martensite.scenario.log_tables import parse_named
+    from martensite.logs.log_tables import parse_named
     from martensite.scenario.overrides import read_settings
     from martensite.show.pages import write_page
     from martensite.show.summaries.log_model import summarise_log_model
@@ -109,7 +109,7 @@ def fit_log_model(
 def write_records(model: LogModel, scenario: Path) -> list[Path]:
     """Write the records that the scenario follows beside it, where it needs columns that the logs do not hold."""
     from martensite.base.files import write_file
-    from martensite.scenario.csv_files import format_record
+    from martensite.logs.record_text import format_record
 
     written: list[Path] = []
     for record in model.chosen.proposal.rows:

@@ -20,12 +20,12 @@ from pathlib import Path
 from martensite.base import units
 from martensite.base.errors import DataError, InputError, UnitError, suggest_name
 from martensite.base.parameters import find_paths
+from martensite.logs.column_meanings import find_places
+from martensite.logs.layout import CANONICAL, IGNORED, QUANTITIES, Layout, find_quantity, list_quantities
+from martensite.logs.sheets import describe_unreadable, is_gap, is_number, read_sheet
+from martensite.logs.tables import TEXT, read_table
 from martensite.scenario.assemble import waveform_path
-from martensite.scenario.column_meanings import find_places
-from martensite.scenario.layout import CANONICAL, IGNORED, QUANTITIES, Layout, find_quantity, list_quantities
 from martensite.scenario.scenario import Scenario
-from martensite.scenario.sheets import describe_unreadable, is_gap, is_number, read_sheet
-from martensite.scenario.tables import TEXT, read_table
 from martensite.search.free_numbers import Target
 from martensite.signals.base import DRIVE
 from martensite.signals.records import Record

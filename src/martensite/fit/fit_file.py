@@ -27,8 +27,8 @@ from martensite.base.errors import DataError, ParameterError, UnitError
 from martensite.base.files import read_text_file, toml_document
 from martensite.fit.fit_task import FitSearch, FitTask
 from martensite.fit.logs import AUTO, Log
+from martensite.logs.tables import PREFIX
 from martensite.scenario.build import as_table, refuse_unknown
-from martensite.scenario.tables import PREFIX
 
 KEYS = (
     "title",

@@ -14,7 +14,7 @@ from typing import Any
 from martensite.base.confidence import EVERYTHING, Interval
 from martensite.fit.fit import HELD_OUT, TRAINING, ComparedOutput, Fit, list_compared
 from martensite.fit.fit_verdicts import format_error
-from martensite.scenario.datasets import dataset_names, describe_dataset
+from martensite.logs.datasets import dataset_names, describe_dataset
 from martensite.scenario.exact_text import exact_text, format_quantity, shown_range
 from martensite.search.free_numbers import FreeNumber
 from martensite.signals.records import Record

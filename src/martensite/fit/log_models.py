@@ -33,9 +33,9 @@ from martensite.fit.input_noise import FollowedNoise, find_input_noise
 from martensite.fit.logs import Source
 from martensite.fit.problem import Problem
 from martensite.fit.solve import solve_problem
+from martensite.logs.lab_files import LabFile
+from martensite.logs.log_tables import has_own_headings, read_log
 from martensite.scenario.exact_text import exact_text
-from martensite.scenario.lab_files import LabFile
-from martensite.scenario.log_tables import has_own_headings, read_log
 from martensite.scenario.overrides import change_document
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.signals.records import Record

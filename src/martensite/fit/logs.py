@@ -21,10 +21,10 @@ from typing import Any
 from martensite.base.errors import DataError, InputError, UnknownNameError
 from martensite.fit.experiment import ALL
 from martensite.fit.free_parameters import split_list
-from martensite.scenario.log_tables import read_log_table
+from martensite.logs.log_tables import read_log_table
+from martensite.logs.tables import ASSUMED_INTERVAL
 from martensite.scenario.recorded_waveforms import from_zero
 from martensite.scenario.scenario import Scenario, load, read_scenario
-from martensite.scenario.tables import ASSUMED_INTERVAL
 from martensite.search.quantity_text import list_names
 from martensite.signals.records import Record
 

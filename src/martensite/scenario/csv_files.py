@@ -1,8 +1,6 @@
 """Results as CSV: one row per sample, SI units in the headings, readable by `read_table`.
 
-Spreadsheets take a cell that begins with = + - @ for a formula. Names come from documents that
-others may have written, so a heading that begins so gets an apostrophe in front; numbers are
-written as they are, with all their digits.
+Headings are safe in a spreadsheet (`logs.record_text`); numbers are written with all their digits.
 
 Paths of material points are written in the units that people read; a table of several paths has a
 column `case`, explained by comments at the top.
@@ -11,7 +9,6 @@ column `case`, explained by comments at the top.
 from __future__ import annotations
 
 import csv
-import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -19,11 +16,10 @@ from typing import Any
 
 from martensite.base import units
 from martensite.base.files import replace_file, write_file
-from martensite.signals.records import Record
+from martensite.logs.record_text import format_heading
 from martensite.simulate.point import PointResult
 from martensite.simulate.result import Result
 
-FORMULA = ("=", "+", "-", "@", "\t", "\r")
 COLUMNS = {
     "time": ("s", "s"),
     "temperature": ("K", "degC"),
@@ -60,19 +56,6 @@ def list_columns(result: Result) -> list[tuple[str, str, Any]]:
     first = [(name, unit, [one for one in values for _ in range(samples)]) for name, (unit, values) in table.items()]
     times = ("time", "s", result.times.tolist() * len(variants))
     return [*first, times, *((name, result.unit(name), result[name].ravel().tolist()) for name in result.columns)]
-
-
-def format_heading(name: str, unit: str) -> str:
-    """Return a name with its unit, safe in a spreadsheet."""
-    text = f"{name} [{unit}]"
-    return f"'{text}" if text.startswith(FORMULA) else text
-
-
-def format_record(record: Record, names: Sequence[str]) -> str:
-    """Return the columns of a record as text with headings that `read_table` reads; missing samples are empty."""
-    rows = zip(*(record[name] for name in names), strict=True)
-    lines = [",".join("" if math.isnan(x) else f"{x:.10g}" for x in row) for row in rows]
-    return "\n".join([",".join(format_heading(name, record.units[name]) for name in names), *lines, ""])
 
 
 def write_points(results: Sequence[PointResult], path: Path) -> None:

@@ -14,11 +14,11 @@ from martensite.base.errors import InputError
 from martensite.identify.chains.estimate import Options
 from martensite.identify.ladder.climb import TIME_BOX, Keep, Watch, climb_ladder
 from martensite.identify.ladder.ladder_result import Ladder
-from martensite.scenario.binary_files import name_column, read_arrays
-from martensite.scenario.heading_guess import guess_heading
-from martensite.scenario.layout import list_quantities
-from martensite.scenario.log_tables import read_log_table
-from martensite.scenario.sampled_files import is_columnar, read_pieces
+from martensite.logs.binary_files import name_column, read_arrays
+from martensite.logs.heading_guess import guess_heading
+from martensite.logs.layout import list_quantities
+from martensite.logs.log_tables import read_log_table
+from martensite.logs.sampled_files import is_columnar, read_pieces
 from martensite.signals.sampling.sampled import Sampled
 
 DRIVING = (*list_quantities("drive"), "u", "input")

@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 
 from martensite.base.errors import DataError
 from martensite.kernels import floats
+from martensite.logs.log_tables import read_log_table
 from martensite.physics.laws.base import Fractions
 from martensite.scenario.laws import ConfiguredLaw, configure_laws
-from martensite.scenario.log_tables import read_log_table
 from martensite.signals.records import Record
 from martensite.simulate.compiled_law import AUSTENITE
 from martensite.simulate.path_layout import Choices, Guide

@@ -26,8 +26,8 @@ from martensite.actuators.assembly import OUTPUTS, PROFILES
 from martensite.base.errors import DataError, UnknownNameError
 from martensite.base.files import write_file
 from martensite.base.object_text import encode
+from martensite.logs.binary_files import read_apart
 from martensite.physics.materials.base import Material
-from martensite.scenario.binary_files import read_apart
 from martensite.simulate.alarms import Judged
 from martensite.simulate.restarts import PassState, Restart
 from martensite.simulate.result import Result, Variants

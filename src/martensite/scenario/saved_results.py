@@ -15,7 +15,8 @@ from martensite.base.errors import DataError
 from martensite.base.files import replace_file
 from martensite.base.lazy import import_extra
 from martensite.base.object_text import decode
-from martensite.scenario.csv_files import format_heading, list_columns, write_csv
+from martensite.logs.record_text import format_heading
+from martensite.scenario.csv_files import list_columns, write_csv
 from martensite.scenario.netcdf import (
     KEPT_RESULT,
     TIME,

@@ -164,7 +164,7 @@ def _list_rows(
     table: Mapping[str, Any], blocks: list[list[dict[str, Any]]], numbers: Mapping[str, Any], printed: Any
 ) -> Iterator[Row]:
     """Yield every claim or report: what the table says, words and numbers by name, printed ones, why there is none."""
-    from martensite.scenario.datasets import is_here
+    from martensite.logs.datasets import is_here
 
     for block in (block for block in blocks if block):
         for row in numbers[block[0]["each"]] if "each" in block[0] else ({},):

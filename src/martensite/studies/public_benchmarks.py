@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from martensite.scenario.datasets import describe_dataset, locate_file
+from martensite.logs.datasets import describe_dataset, locate_file
 from martensite.signals.sampling.sampled import Sampled
 
 if TYPE_CHECKING:

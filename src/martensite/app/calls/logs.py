@@ -25,13 +25,13 @@ from martensite.fit.column_matching import list_echoes, match_columns
 from martensite.fit.free_parameters import build_free_numbers
 from martensite.fit.losses import LOSSES
 from martensite.fit.solve import METHODS
+from martensite.logs.column_meanings import Meaning, guess_meanings
+from martensite.logs.datasets import locate_file
+from martensite.logs.heading_guess import usual_units
+from martensite.logs.lab_files import LabFile, choose_time, interpret_table, read_raw
+from martensite.logs.layout import CANONICAL
+from martensite.logs.raw_table import RawColumn, RawTable
 from martensite.scenario.assemble import waveform_path
-from martensite.scenario.column_meanings import Meaning, guess_meanings
-from martensite.scenario.datasets import locate_file
-from martensite.scenario.heading_guess import usual_units
-from martensite.scenario.lab_files import LabFile, choose_time, interpret_table, read_raw
-from martensite.scenario.layout import CANONICAL
-from martensite.scenario.raw_table import RawColumn, RawTable
 from martensite.scenario.scenario import Scenario
 from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record

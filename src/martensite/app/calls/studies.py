@@ -19,8 +19,8 @@ from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError
 from martensite.base.files import write_file
+from martensite.logs.datasets import describe_dataset, is_here
 from martensite.scenario.citations import list_entries, read_fields
-from martensite.scenario.datasets import describe_dataset, is_here
 from martensite.studies.base import DIGEST, AbstractStudy, Answer, load_studies, load_study
 
 

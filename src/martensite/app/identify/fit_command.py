@@ -13,7 +13,7 @@ from martensite.app.uploads import clean_name
 from martensite.fit.experiment import Experiment
 from martensite.fit.experiment_kinds.base import Proposal
 from martensite.fit.fit import Fit
-from martensite.scenario.csv_files import format_record
+from martensite.logs.record_text import format_record
 
 SCENARIO = "scenario.toml"
 

@@ -13,8 +13,8 @@ from martensite.base.errors import DataError, MartensiteError
 from martensite.base.formats import typeset_unit
 from martensite.fit.experiment_kinds.base import Proposal, RecognisedExperiment, propose_scenarios, recognise_experiment
 from martensite.fit.free_parameters import build_free_numbers, is_difference, read_ranges
-from martensite.scenario.lab_files import LabFile
-from martensite.scenario.raw_table import LeftOut
+from martensite.logs.lab_files import LabFile
+from martensite.logs.raw_table import LeftOut
 from martensite.scenario.scenario import read_scenario
 from martensite.search.free_numbers import SearchRange
 from martensite.search.quantity_text import join_phrases

@@ -22,11 +22,11 @@ from martensite.app.messages import BadMessageError, JsonTable, Request, require
 from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError
-from martensite.scenario.column_meanings import guess_meanings
-from martensite.scenario.lab_files import LabFile, interpret_table, read_raw
-from martensite.scenario.layout import IGNORED, read_headings
-from martensite.scenario.merged_files import merge_by_clock
-from martensite.scenario.tables import ASSUMED_INTERVAL
+from martensite.logs.column_meanings import guess_meanings
+from martensite.logs.lab_files import LabFile, interpret_table, read_raw
+from martensite.logs.layout import IGNORED, read_headings
+from martensite.logs.merged_files import merge_by_clock
+from martensite.logs.tables import ASSUMED_INTERVAL
 from martensite.signals.records import Record
 
 FEWEST_ROWS = 8

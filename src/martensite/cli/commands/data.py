@@ -30,7 +30,7 @@ def overview(ctx: typer.Context, json: Json = False) -> None:
 @data.command("list")
 def list_all(json: Json = False) -> None:
     """List the data sets, their licences, and which are on this machine."""
-    from martensite.scenario.datasets import dataset_names, describe_dataset
+    from martensite.logs.datasets import dataset_names, describe_dataset
     from martensite.show.terminal import print_summary
 
     found = [describe_dataset(name) for name in dataset_names()]
@@ -43,7 +43,7 @@ def list_all(json: Json = False) -> None:
 
 def _count_here(name: str) -> str:
     from martensite.base.errors import DataError
-    from martensite.scenario.datasets import describe_dataset, locate_file
+    from martensite.logs.datasets import describe_dataset, locate_file
 
     found = 0
     dataset = describe_dataset(name)
@@ -78,14 +78,14 @@ def show_data(
 
     Layout, units, clocks and columns are recognised; what is a guess is said, and --as corrects it.
     """
-    from martensite.scenario.datasets import dataset_names
+    from martensite.logs.datasets import dataset_names
 
     if len(names) == 1 and names[0] in dataset_names():
         _show_set(names[0], json)
         return
-    from martensite.scenario.lab_files import read_lab_file
-    from martensite.scenario.log_tables import parse_named
-    from martensite.scenario.merged_files import merge_by_clock
+    from martensite.logs.lab_files import read_lab_file
+    from martensite.logs.log_tables import parse_named
+    from martensite.logs.merged_files import merge_by_clock
     from martensite.show.summaries.lab_file import summarise_lab_files
 
     check_ending(save, (".csv",))
@@ -105,7 +105,7 @@ def show_data(
 
 def _show_set(name: str, json: bool) -> None:
     """A published data set: what it holds, what it is not, where it comes from, its files."""
-    from martensite.scenario.datasets import describe_dataset
+    from martensite.logs.datasets import describe_dataset
     from martensite.show.terminal import print_summary
 
     dataset = describe_dataset(name)
@@ -126,7 +126,7 @@ def fetch(
     json: Json = False,
 ) -> None:
     """Download a data set from its authors, and check every file against its SHA-256."""
-    from martensite.scenario import datasets
+    from martensite.logs import datasets
     from martensite.show.terminal import print_summary
 
     folder = datasets.fetch_dataset(name, force)

@@ -63,9 +63,9 @@ def law(
 ) -> None:
     """Drive laws along a path or a log: a summary, a figure, a table."""
     import_modules(modules)
+    from martensite.logs.log_tables import parse_named
     from martensite.scenario.csv_files import write_points
     from martensite.scenario.laws import configure_laws
-    from martensite.scenario.log_tables import parse_named
     from martensite.scenario.overrides import read_settings
     from martensite.show.figures.law_paths import plot_point
     from martensite.show.figures.style import write_figure

@@ -94,7 +94,7 @@ class RunOptions:
         Raises:
             InputError: an option has no effect.
         """
-        from martensite.scenario.log_tables import parse_named, read_log_table
+        from martensite.logs.log_tables import parse_named, read_log_table
         from martensite.scenario.overrides import read_settings
         from martensite.scenario.scenario import load
 
@@ -116,8 +116,8 @@ class RunOptions:
 
     def read_record(self, scenario: Scenario, log: Record | None) -> Record | None:
         """The record to compare with."""
-        from martensite.scenario.log_tables import parse_named, read_log_table
-        from martensite.scenario.tables import read_table
+        from martensite.logs.log_tables import parse_named, read_log_table
+        from martensite.logs.tables import read_table
 
         if self.no_compare:
             return None

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from martensite.scenario.layout import list_quantities
+from martensite.logs.layout import list_quantities
 from martensite.signals.records import Record
 
 DRIVES, DEFORMATIONS, LOADS = map(list_quantities, ("drive", "shape", "load"))

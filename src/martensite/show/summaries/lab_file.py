@@ -10,7 +10,7 @@ from typing import Any
 from martensite.base import units
 from martensite.base.formats import typeset_unit
 from martensite.base.summary import Block, BulletList, DataTable, Heading, Notice, Sentence, Summary
-from martensite.scenario.lab_files import LabFile, ReadColumn
+from martensite.logs.lab_files import LabFile, ReadColumn
 
 WIDEST = 14
 """Letters of a heading that are shown."""

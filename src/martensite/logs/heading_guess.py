@@ -1,7 +1,7 @@
 """Guess of the meaning of a column heading: a known name and its unit.
 
 `T [degC]`, `temp (C)`, `Time_s`, `F/N`, `U in V`, `strain %` are read alike. The strict reader
-(`martensite.scenario.tables`) does not guess; `martensite.scenario.lab_files` reports its guesses. A unit that a
+(`martensite.logs.tables`) does not guess; `martensite.logs.lab_files` reports its guesses. A unit that a
 heading does not name is not guessed here.
 """
 
@@ -13,7 +13,7 @@ from functools import lru_cache
 
 from martensite.base import units
 from martensite.base.errors import UnitError
-from martensite.scenario.layout import CANONICAL, CLOCK, IGNORED, find_quantity
+from martensite.logs.layout import CANONICAL, CLOCK, IGNORED, find_quantity
 from martensite.signals.base import DRIVE
 
 SPELLINGS = {

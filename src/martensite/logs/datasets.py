@@ -22,7 +22,7 @@ from urllib.request import urlopen
 from martensite.base.caches import cache_folder, require_cache
 from martensite.base.errors import DataError, require_known
 from martensite.base.files import MOST_LOG, make_folder, read_unpacked, write_file
-from martensite.scenario.layout import Layout
+from martensite.logs.layout import Layout
 
 VARIABLE = "MARTENSITE_DATA"
 TIMEOUT = 30.0

@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from martensite.base.errors import DataError, UnitError, suggest_name
-from martensite.scenario.heading_guess import find_listed, guess_heading
-from martensite.scenario.layout import CANONICAL, CLOCK, IGNORED, read_headings
-from martensite.scenario.raw_table import RawColumn, RawTable
-from martensite.scenario.table_times import is_part_of_clock
-from martensite.scenario.value_guess import ValueGuess, guess_columns, guess_unit, is_even_time
+from martensite.logs.heading_guess import find_listed, guess_heading
+from martensite.logs.layout import CANONICAL, CLOCK, IGNORED, read_headings
+from martensite.logs.raw_table import RawColumn, RawTable
+from martensite.logs.table_times import is_part_of_clock
+from martensite.logs.value_guess import ValueGuess, guess_columns, guess_unit, is_even_time
 
 IMPLIED = {"millis": "ms", "micros": "us", "milliseconds": "ms", "microseconds": "us", "seconds": "s"}
 """Heading -> unit of time that it is."""

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from martensite.base.errors import DataError
 from martensite.base.files import MOST_LOG, read_unpacked
-from martensite.scenario.layout import CLOCK, FileColumn, Layout
+from martensite.logs.layout import CLOCK, FileColumn, Layout
 
 GAPS = ("", "nan", "na", "n/a", "null")
 """Cells that a logger writes for a missing sample, in lower case."""

@@ -7,11 +7,11 @@ from pathlib import Path
 
 from martensite.base.errors import DataError, InputError
 from martensite.base.files import tell_once
-from martensite.scenario.container_files import KINDS
-from martensite.scenario.lab_files import LabFile, UntoldError, read_lab_file
-from martensite.scenario.layout import CANONICAL, Layout, read_headings
-from martensite.scenario.sheets import is_number, read_sheet
-from martensite.scenario.tables import PREFIX, read_table
+from martensite.logs.container_files import KINDS
+from martensite.logs.lab_files import LabFile, UntoldError, read_lab_file
+from martensite.logs.layout import CANONICAL, Layout, read_headings
+from martensite.logs.sheets import is_number, read_sheet
+from martensite.logs.tables import PREFIX, read_table
 from martensite.signals.records import Record
 
 

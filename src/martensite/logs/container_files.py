@@ -1,6 +1,6 @@
 """Tables in binary files: spreadsheets, MAT, Parquet, netCDF, TDMS (LabVIEW) and MCAP (robots).
 
-All but Parquet are read in a separate process (`scenario.binary_files.read_apart`), since a damaged file can crash its
+All but Parquet are read in a separate process (`logs.binary_files.read_apart`), since a damaged file can crash its
 reader.
 """
 
@@ -16,10 +16,10 @@ import numpy as np
 from martensite.base.errors import DataError
 from martensite.base.files import MOST_LOG, check_ordinary
 from martensite.base.lazy import import_extra
-from martensite.scenario.binary_files import Columns, read_apart, read_arrays
-from martensite.scenario.raw_table import RawTable, describe_arrays, find_table
-from martensite.scenario.sheets import describe_unreadable
-from martensite.scenario.tables import BINARY
+from martensite.logs.binary_files import Columns, read_apart, read_arrays
+from martensite.logs.raw_table import RawTable, describe_arrays, find_table
+from martensite.logs.sheets import describe_unreadable
+from martensite.logs.tables import BINARY
 
 EXTRAS = {
     ".xlsx": ("openpyxl", "excel", "openpyxl", "read_workbook"),

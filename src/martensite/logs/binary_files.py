@@ -21,8 +21,8 @@ from martensite.base.child_python import python_command, python_environment
 from martensite.base.errors import DataError
 from martensite.base.files import MOST_LOG, check_ordinary
 from martensite.base.lazy import import_extra
-from martensite.scenario.sheets import describe_unreadable
-from martensite.scenario.tables import BINARY, TEXT
+from martensite.logs.sheets import describe_unreadable
+from martensite.logs.tables import BINARY, TEXT
 
 LONGEST = 60.0
 """Time limit for reading a file in a separate process [s], without the allowance for its size."""

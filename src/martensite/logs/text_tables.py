@@ -10,10 +10,10 @@ from pathlib import Path
 
 from martensite.base.errors import DataError
 from martensite.base.files import MOST_LOG, read_unpacked
-from martensite.scenario.cells import find_kind, is_missing
-from martensite.scenario.raw_table import LOOKED_AT, RawTable, find_table
-from martensite.scenario.sheets import describe_unreadable
-from martensite.scenario.table_headings import SEPARATORS
+from martensite.logs.cells import find_kind, is_missing
+from martensite.logs.raw_table import LOOKED_AT, RawTable, find_table
+from martensite.logs.sheets import describe_unreadable
+from martensite.logs.table_headings import SEPARATORS
 
 NAMED = {"tab": "tabs", "semicolon": "semicolons", "comma": "commas", "pipe": "|", "whitespace": "blanks"}
 """Separator -> what it is called."""

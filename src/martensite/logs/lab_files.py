@@ -1,7 +1,7 @@
 """Files of laboratory instruments, read without being told what is in them.
 
-`read_lab_file` finds the table (`scenario.raw_table`), what its columns are by heading, unit and values
-(`scenario.heading_guess`, `scenario.value_guess`), and its times (`scenario.table_times`), and says so: format,
+`read_lab_file` finds the table (`logs.raw_table`), what its columns are by heading, unit and values
+(`logs.heading_guess`, `logs.value_guess`), and its times (`logs.table_times`), and says so: format,
 columns with their ranges, rows left out and why. What values do not make certain is marked in a note; what cannot be
 told is an error that says what to write. `named` corrects: a heading or the number of a column -> `stress[MPa]`, or
 `-` to pass it over.
@@ -19,16 +19,16 @@ import numpy as np
 from martensite.base import units
 from martensite.base.errors import DataError, ParameterError, suggest_name
 from martensite.base.files import write_file
-from martensite.scenario.cells import Numbers
-from martensite.scenario.column_meanings import Meaning, guess_meanings, write_unit
-from martensite.scenario.container_files import KINDS, read_container
-from martensite.scenario.csv_files import format_record
-from martensite.scenario.layout import CANONICAL, CLOCK, IGNORED, read_headings
-from martensite.scenario.raw_table import LeftOut, RawColumn, RawTable, count_rows
-from martensite.scenario.table_headings import SEPARATORS
-from martensite.scenario.table_times import TableTimes, build_times, find_interval, find_start
-from martensite.scenario.text_tables import read_text_table
-from martensite.scenario.value_guess import mend_fall
+from martensite.logs.cells import Numbers
+from martensite.logs.column_meanings import Meaning, guess_meanings, write_unit
+from martensite.logs.container_files import KINDS, read_container
+from martensite.logs.layout import CANONICAL, CLOCK, IGNORED, read_headings
+from martensite.logs.raw_table import LeftOut, RawColumn, RawTable, count_rows
+from martensite.logs.record_text import format_record
+from martensite.logs.table_headings import SEPARATORS
+from martensite.logs.table_times import TableTimes, build_times, find_interval, find_start
+from martensite.logs.text_tables import read_text_table
+from martensite.logs.value_guess import mend_fall
 from martensite.signals.records import Record
 
 

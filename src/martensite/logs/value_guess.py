@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from martensite.base.units import choose_readable_unit
-from martensite.scenario.cells import Numbers
-from martensite.scenario.layout import CANONICAL
+from martensite.logs.cells import Numbers
+from martensite.logs.layout import CANONICAL
 
 LARGEST_STRAIN = 0.12
 """Largest strain of a record in fractions; larger values are percent."""

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from martensite.base import units
 from martensite.base.errors import DataError, UnitError
-from martensite.scenario.cells import DAY, Numbers
-from martensite.scenario.heading_guess import find_listed
-from martensite.scenario.raw_table import LeftOut, RawColumn, RawTable, count_rows
+from martensite.logs.cells import DAY, Numbers
+from martensite.logs.heading_guess import find_listed
+from martensite.logs.raw_table import LeftOut, RawColumn, RawTable, count_rows
 
 WRAPS = {"a counter of 16 bits": 2.0**16, "a counter of 32 bits": 2.0**32}
 PARTS = {"": 1.0, " of milliseconds": 1e3, " of microseconds": 1e6}

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
-from martensite.scenario.cells import find_kind
-from martensite.scenario.heading_guess import find_listed
-from martensite.scenario.sheets import split_heading
+from martensite.logs.cells import find_kind
+from martensite.logs.heading_guess import find_listed
+from martensite.logs.sheets import split_heading
 
 SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", "pipe": "|", "whitespace": ""}
 COMMENT = "#%!;/"

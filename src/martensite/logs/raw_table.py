@@ -17,8 +17,8 @@ from pathlib import Path
 import numpy as np
 
 from martensite.base.errors import DataError
-from martensite.scenario.cells import Numbers, NumberStyle, find_kind, find_style, is_missing, read_cells
-from martensite.scenario.table_headings import SEPARATORS, Above, Row, collect_said, find_headings
+from martensite.logs.cells import Numbers, NumberStyle, find_kind, find_style, is_missing, read_cells
+from martensite.logs.table_headings import SEPARATORS, Above, Row, collect_said, find_headings
 
 LOOKED_AT = 400
 """Rows by which the layout is judged."""

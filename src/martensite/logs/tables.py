@@ -2,7 +2,7 @@
 
 Columns are separated by tab, semicolon, comma or blanks (the first of these found in the first row); numbers may have
 a decimal comma unless the comma separates. Lines that begin with `#` are comments. Headings carry the unit in
-brackets (see `martensite.scenario.layout`). Nothing is repaired: what cannot be read is an error that names row and
+brackets (see `martensite.logs.layout`). Nothing is repaired: what cannot be read is an error that names row and
 column, or, for a logger that writes other things between its rows, is left out and counted (`drop`). Samples that a
 logger missed are NaN where that is asked for (`gaps`), and an error otherwise.
 """
@@ -16,8 +16,8 @@ from pathlib import Path
 
 from martensite.base import units
 from martensite.base.errors import DataError, ParameterError, suggest_name
-from martensite.scenario.layout import CLOCK, IGNORED, FileColumn, Layout, read_headings
-from martensite.scenario.sheets import SEPARATORS, Sheet, can_parse, can_read, is_gap, is_number, read_sheet
+from martensite.logs.layout import CLOCK, IGNORED, FileColumn, Layout, read_headings
+from martensite.logs.sheets import SEPARATORS, Sheet, can_parse, can_read, is_gap, is_number, read_sheet
 from martensite.signals.records import Record, not_finite, out_of_order
 
 PREFIX = "data:"
@@ -60,7 +60,7 @@ def read_table(
         valid = suggest_name(separator, ("auto", *SEPARATORS))
         raise ParameterError(f"Argument `separator` is `{separator}`. {valid}")
     if str(source).lower().endswith(BINARY):
-        from martensite.scenario.sampled_files import read_array_table
+        from martensite.logs.sampled_files import read_array_table
 
         return read_array_table(Path(source), columns, interval, gaps)
     path, layout, name = _find_origin(source)
@@ -88,7 +88,7 @@ def read_table(
 
 def _find_origin(source: str | Path) -> tuple[Path, Layout, str]:
     if isinstance(source, str) and source.startswith(PREFIX):
-        from martensite.scenario import datasets
+        from martensite.logs import datasets
 
         key = source.removeprefix(PREFIX)
         return datasets.locate_file(key), datasets.describe_layout(key), key

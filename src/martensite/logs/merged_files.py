@@ -14,8 +14,8 @@ from dataclasses import replace
 import numpy as np
 
 from martensite.base.errors import DataError, InputError
-from martensite.scenario.cells import DAY, Numbers
-from martensite.scenario.lab_files import LabFile
+from martensite.logs.cells import DAY, Numbers
+from martensite.logs.lab_files import LabFile
 from martensite.signals.records import Record
 
 LEAST_CORRELATION = 0.8

@@ -15,8 +15,8 @@ from datetime import date
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.scenario.heading_guess import find_listed
-from martensite.scenario.sheets import GAPS
+from martensite.logs.heading_guess import find_listed
+from martensite.logs.sheets import GAPS
 
 Numbers = NDArray[np.float64]
 OVERFLOW = 9.9e36

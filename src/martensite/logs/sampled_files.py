@@ -2,7 +2,7 @@
 
 | ending | read as |
 |---|---|
-| .csv .txt .tsv .dat, `data:SET/FILE` | text with headings `name [unit]` (`scenario.tables`) |
+| .csv .txt .tsv .dat, `data:SET/FILE` | text with headings `name [unit]` (`logs.tables`) |
 | .parquet | table with column names like these headings; needs pyarrow |
 | .mat | variables by name, of version 5 (SciPy) or 7.3 (HDF5); no structs |
 | .nc | variables over time, with their attribute `units`; of several actuators, as `PORT.NAME` |
@@ -22,9 +22,9 @@ import numpy as np
 from martensite.base.errors import DataError, suggest_name
 from martensite.base.files import write_file
 from martensite.base.units import find_conversion
-from martensite.scenario.binary_files import Columns, head_column, name_column, read_arrays
-from martensite.scenario.layout import CANONICAL, CLOCK, IGNORED, read_headings
-from martensite.scenario.tables import ASSUMED_INTERVAL, BINARY, PREFIX
+from martensite.logs.binary_files import Columns, head_column, name_column, read_arrays
+from martensite.logs.layout import CANONICAL, CLOCK, IGNORED, read_headings
+from martensite.logs.tables import ASSUMED_INTERVAL, BINARY, PREFIX
 from martensite.signals.records import Record, out_of_order
 from martensite.signals.sampling.regular_grid import from_record, split_at_gaps
 from martensite.signals.sampling.sampled import Sampled
@@ -136,7 +136,7 @@ def write_sampled(record: Sampled, path: str | Path) -> None:
 
 def _read_text(path: str | Path, interval: float | None, named: Mapping[str, str] | None) -> Record:
     """Read a text table; `interval` applies only to tables without a time column."""
-    from martensite.scenario.log_tables import read_log_table
+    from martensite.logs.log_tables import read_log_table
 
     record = read_log_table(path, named=named)
     if record.interval is None:

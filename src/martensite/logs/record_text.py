@@ -1,0 +1,27 @@
+"""Records as text that `read_table` reads again.
+
+Spreadsheets take a cell that begins with = + - @ for a formula. Names come from documents that
+others may have written, so such a heading gets an apostrophe in front.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from martensite.signals.records import Record
+
+FORMULA = ("=", "+", "-", "@", "\t", "\r")
+
+
+def format_heading(name: str, unit: str) -> str:
+    """Return a name with its unit, safe in a spreadsheet."""
+    text = f"{name} [{unit}]"
+    return f"'{text}" if text.startswith(FORMULA) else text
+
+
+def format_record(record: Record, names: Sequence[str]) -> str:
+    """Return the columns of a record as text with headings that `read_table` reads; missing samples are empty."""
+    rows = zip(*(record[name] for name in names), strict=True)
+    lines = [",".join("" if math.isnan(x) else f"{x:.10g}" for x in row) for row in rows]
+    return "\n".join([",".join(format_heading(name, record.units[name]) for name in names), *lines, ""])
