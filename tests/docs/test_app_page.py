@@ -1,4 +1,4 @@
-"""The page on the web bench is true: its program runs, and its reference leaves no call out.
+"""The pages on the web bench are true: their programs run, and their reference leaves no call out.
 
 Source of truth: a bench that the program starts itself, and the table of the calls.
 """
@@ -17,8 +17,8 @@ from fences import ROOT, fences
 
 from martensite.app.routes import ROUTES
 
-PAGE = ROOT / "docs" / "howto" / "app.md"
-CELL, PROGRAM = [block.text for block in fences(PAGE) if block.language == "python"]
+PAGES = [ROOT / "docs" / "howto" / f"app-{name}.md" for name in ("sessions", "api")]
+CELL, PROGRAM = [block.text for page in PAGES for block in fences(page) if block.language == "python"]
 (SCENARIO,) = [
     block.text.partition("\n")[2]
     for block in fences(ROOT / "docs" / "tutorial.md")
