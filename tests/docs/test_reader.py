@@ -32,6 +32,8 @@ NOT_COPIED = ("make ", "pip ", "uv pip ", "martensite app")
 LEFT_OUT = "…"
 NUMBER = re.compile(r"[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 TAGS = re.compile(r":tags: \[([\w, -]+)\]\n")
+OPTIONS = re.compile(r"(:\w+: .*\n)*")
+"""Lines at the top of a cell that a reader does not see."""
 FILE = re.compile(r"(?:# |%%writefile )(\S+)\n(.*)", re.DOTALL)
 
 
@@ -107,7 +109,7 @@ def visible(block: Fence) -> str | None:
         return None
     tags = TAGS.match(block.text)
     hidden = tags is not None and any(tag in tags[1].split(", ") for tag in HIDDEN)
-    return "" if hidden else TAGS.sub("", block.text, count=1)
+    return "" if hidden else OPTIONS.sub("", block.text, count=1)
 
 
 def same(shown: str, found: str) -> bool:
