@@ -29,8 +29,6 @@ from martensite.scenario.bench import BenchSettings
 from martensite.scenario.guard import FromPlant
 from martensite.scenario.scenario import Run
 
-DRAWN = ("migaone", "wire-heating", "platform", "sommerfeld", "finger", "finger-calibration", "hammerstein-wiener")
-"""Studies whose figure is shown; the others need a record that may be absent."""
 PAGES = ("brinson", "elahinia", "lagoudas", "liang-rogers", "mas", "mas-hybrid", "mas-polycrystal", "tanaka")
 """Laws whose page lists their parameters."""
 SOURCES = {
@@ -61,10 +59,10 @@ SECTIONS: dict[str, Callable[[], str]] = {
     "units": parts.everyday_units,
     "commands": commands.all_commands,
     "bibliography": bibtex.bibliography,
-    **{f"figure-{name}": partial(parts.figure, name) for name in DRAWN},
-    **{f"figure-again-{name}": partial(sources.drawing, name) for name in REBUILT},
+    **{f"figure-{name}": partial(sources.drawing, name) for name in REBUILT},
     **{f"claims-{name}": partial(sources.claims, name) for name in REBUILT},
     **{f"source-{key}": partial(sources.entry, key) for key in SOURCES},
+    **{f"rebuilt-{key}": partial(sources.count_reproduced, studies) for key, studies in SOURCES.items()},
     **{f"cite-{key}": partial(sources.both_entries, key) for key in SOURCES},
     **{f"digest-{name}": partial(parts.digest, name) for name in REBUILT},
     **{f"law-{name}": partial(parts.parameters_of, LAWS[name]) for name in PAGES},

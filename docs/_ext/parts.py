@@ -51,6 +51,14 @@ PLURALS = {
     "fault": "Faults",
 }
 
+DIGEST_LABELS = {
+    "holds": "Reproduced",
+    "misprinted": "Misprints",
+    "contradicts_itself": "Contradictions",
+    "assumed": "Assumptions",
+    "use_instead": "Recommended values",
+}
+
 
 def table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A Markdown table."""
@@ -269,17 +277,29 @@ def figure(name: str) -> str:
     return f"![{found.title}](_figures/{name}.svg)"
 
 
+STUDY_PAGES = {
+    "migaone": "migaone",
+    "hammerstein-wiener": "hammerstein-wiener",
+    "platform": "platform",
+    "wire-heating": "sommerfeld",
+    "sommerfeld": "sommerfeld",
+    "finger": "finger",
+    "finger-calibration": "finger",
+}
+"""Studies whose claims are on a page about their source."""
+
+
 def all_studies() -> str:
-    """Digest, claims and reports of every study, with a warning of what is not as it was shipped."""
+    """Return counts, claims and reports of all studies, and warn of numbers that changed since they were shipped."""
     studies = [load_study(name) for name in study_names()]
     answers = {study: study.find_answer() for study in studies}
     return "\n".join([_tally(answers), *(_study(study, answer) for study, answer in answers.items())])
 
 
 def digest(name: str) -> str:
-    """The digest of a study, as it is shipped."""
+    """Return the digest of a study as a table."""
     answer = load_study(name).find_answer()
-    return "\n".join(f"{key.replace('_', ' ')}\n: {plain(text)}\n" for key, text in answer.digest.items())
+    return table(("", "result"), ((DIGEST_LABELS[key], plain(text)) for key, text in answer.digest.items())) + "\n"
 
 
 def _tally(answers: Mapping[AbstractStudy, Answer]) -> str:
@@ -294,28 +314,31 @@ def _tally(answers: Mapping[AbstractStudy, Answer]) -> str:
 
 def _study(found: AbstractStudy, answer: Answer) -> str:
     _warn_of_changes(found)
-    counted = ", ".join(f"{count} {name}" for name, count in answer.count_all().items() if count)
-    columns = ("claim", "published", "computed", "unit", "verdict", "why")
+    page = STUDY_PAGES.get(found.key)
+    told = f"Claims and verdicts: [page of this source](sources/{page}.md#claims-and-verdicts).\n" if page else None
     reports = [(plain(one.statement), _number(one.computed), one.unit, plain(one.why)) for one in answer.reports]
     return "\n".join(
         [
-            f"## `{found.key}`\n",
+            f"### `{found.key}`\n",
             f"{found.title}. Source: {', '.join(cited(key) for key in found.cites[:1])}.\n",
-            digest(found.key),
-            f"{counted}.\n",
-            table(columns, [_claim(claim) for claim in answer.claims]),
-            "\n<details><summary>Reports: computed here, printed nowhere</summary>\n",
-            table(("number", "computed", "unit", "why"), reports),
+            told or _claims_of(found, answer),
+            "\n<details><summary>Computed numbers without a printed counterpart</summary>\n",
+            table(("quantity", "computed", "unit", "comment"), reports),
             "</details>\n",
         ]
     )
+
+
+def _claims_of(found: AbstractStudy, answer: Answer) -> str:
+    columns = ("claim", "published", "computed", "unit", "verdict", "reason")
+    return digest(found.key) + "\n" + table(columns, map(_claim, answer.claims))
 
 
 def _warn_of_changes(found: AbstractStudy) -> None:
     """Compute a study, whose figure has left most of its runs, and compare it with what was shipped."""
     for sentence in find_changes(found, wandering=False) if isinstance(found, TableStudy) else ():
         _logger.warning(
-            "Study %s: %s `python -m martensite.studies.shipped_numbers` writes it anew.", found.key, sentence
+            "Study %s: %s Run `python -m martensite.studies.shipped_numbers` to update it.", found.key, sentence
         )
 
 

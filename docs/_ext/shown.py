@@ -1,8 +1,8 @@
 """Sphinx extension: cells are shown as a reader types them.
 
 A cell of commands (`!martensite …`) is shown as lines of a shell, one that writes a file
-(`%%writefile NAME`) as that file under its name. A figure that a cell draws is described, for who
-does not see it, by the heading above it.
+(`%%writefile NAME`) as that file under its name. A paragraph that begins with `Figure:` is the caption of
+the drawing directly above it, and its alternative text; without one, the heading above is.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import Any
 
 from docutils import nodes
 
+CAPTION = "Figure:"
 _FILE = re.compile(r"%%writefile (\S+)\n(.*)", re.DOTALL)
 _LEXERS = {"toml": "toml", "py": "python"}
 
@@ -40,8 +41,22 @@ def _show(app: Any, page: nodes.document) -> None:
         elif written is not None:
             block.replace_self(_captioned(*written, f"file-{number}"))
     for image in page.findall(nodes.image):
-        if _of_cell(image):
-            image["alt"] = f"Figure: {_heading(image)}"
+        caption = _find_caption(image)
+        if caption is not None:
+            caption["classes"].append("figure-caption")
+            image["alt"] = caption.astext()
+        elif _of_cell(image):
+            image["alt"] = f"{CAPTION} {_heading(image)}"
+
+
+def _find_caption(image: nodes.Node) -> nodes.paragraph | None:
+    """Return the paragraph after a drawing that begins with `Figure:`."""
+    for box in (image, *_above(image)):
+        following = box.next_node(descend=False, siblings=True)
+        if following is not None:
+            is_caption = isinstance(following, nodes.paragraph) and following.astext().startswith(CAPTION)
+            return following if is_caption else None
+    return None
 
 
 def _sources(page: nodes.document) -> Iterator[nodes.literal_block]:

@@ -7,7 +7,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -23,6 +24,13 @@ from martensite.studies.shipped_numbers import read_results
 from martensite.studies.tables import TableStudy
 
 CITATION = Path(__file__).parents[2] / "CITATION.cff"
+COMPARABLE = {
+    "reproduced": "",
+    "misprint": "misprinted",
+    "self-contradictory": "contradicted by another statement of the source",
+    "disagrees": "different without a printed reason",
+}
+"""Verdicts on printed numbers that can be compared, with words for those that are not reproduced."""
 _FIELD = re.compile(r"\{\{([a-z-]+): (.+?)\}\}")
 _POWER = re.compile(r"(\d)e([+-])0*(\d+)")
 _RAISED = str.maketrans("+-0123456789", "\N{SUPERSCRIPT PLUS SIGN}⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -45,8 +53,18 @@ def both_entries(key: str) -> str:
 
 
 def drawing(name: str) -> str:
-    """The figure of a study, for a page in a folder; on a narrow screen it scrolls."""
+    """Return the figure of a study, for a page in a folder; on a narrow screen it scrolls."""
     return _contained("drawing", figure(name).replace("(_figures", "(../_figures"))
+
+
+def count_reproduced(studies: Sequence[str]) -> str:
+    """Return a sentence with the counts of the verdicts on a source."""
+    count: Counter[str] = sum((Counter(find_answer(name)[1].count_all()) for name in studies), Counter[str]())
+    comparable = sum(count[verdict] for verdict in COMPARABLE)
+    if not comparable:
+        return f"**No printed number is comparable** ({count['not comparable']} were examined)."
+    others = ", ".join(f"{count[one]} {words}" for one, words in COMPARABLE.items() if words and count[one])
+    return f"**{count['reproduced']} of the {comparable} comparable printed numbers are reproduced**; the others: {others}."
 
 
 # -- what a study found ------------------------------------------------------------------

@@ -23,8 +23,8 @@ from martensite.studies.tables import printed_numbers
 FOLDER = ROOT / "docs" / "sources"
 PAGES = sorted(path for path in FOLDER.glob("*.md") if path.stem != "index")
 SECTIONS = [
-    *("What one gets here", "What was found", "Errata", "Numbers that are missing", "Beyond the paper"),
-    "Reproduce and cite",
+    *("Run it", "Claims and verdicts", "Misprints", "Contradictions", "Assumptions", "Recommended values"),
+    *("Beyond the paper", "Reproduce and cite"),
 ]
 FIELD = re.compile(r"\{\{([a-z-]+): .+?\}\}")
 PUBLIC = re.compile(r"(?:from|import) (page_setup|martensite as ms|math|numpy as np|matplotlib\.pyplot as plt)\b")
