@@ -1,4 +1,4 @@
-"""The benchmark page: MyST and drawings from its numbers, and from nothing else."""
+"""Write the benchmark section as MyST and drawings from its numbers alone."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from benchmarks.page_figures import FIGURES
-from benchmarks.page_words import ALT, CLOSING, COLUMNS, INTRODUCTION, PARTS, Words
+from benchmarks.page_words import ALT, CAPTIONS, CLOSING, COLUMNS, INTRODUCTION, PARTS, Words
 from benchmarks.report import Table, text_of
 
 FORMAT = 1
@@ -57,24 +57,24 @@ def conditions(numbers: Mapping[str, Any]) -> str:
     busy = max(part["load"] for part in parts)
     packages = ", ".join(f"{name} {number}" for name, number in found["packages"].items())
     lines = [
-        "## Where and when",
+        "### Conditions",
         "",
         f"- Processor: {found['processor']}, {found['cores']} cores; {found['system']}.",
         f"- C: {found['compiler']}, `{found['flags']}`.",
         f"- Versions: {packages}.",
-        f"- Made: {when}. Other work on the machine when a part began: {busy:.1f} of "
-        f"{found['cores']} cores or less.{unquiet(busy, found['cores'])}",
+        f"- Date: {when}. Other load at the start of a part: at most {busy:.1f} of "
+        f"{found['cores']} cores.{unquiet(busy, found['cores'])}",
     ]
     if numbers["options"].get("quick"):
-        lines.append("- A quick run: fewer engines, smaller batches, one error.")
+        lines.append("- Quick run: fewer engines, smaller batches, one error.")
     absent = [*numbers["missing"], *without(numbers["parts"])]
-    return "\n".join([*lines, "", "Not there:" if absent else "", *(f"- {one}" for one in absent)])
+    return "\n".join([*lines, "", "Not measured:" if absent else "", *(f"- {one}" for one in absent)])
 
 
 def unquiet(busy: float, cores: int) -> str:
     """A warning where the machine was not idle."""
     few = busy <= 0.25 * cores
-    return "" if few else " The machine was not quiet: ratios hold, but spreads are wide."
+    return "" if few else " The computer was not quiet: the ratios are valid, but the spreads are wide."
 
 
 def without(parts: Mapping[str, Any]) -> list[str]:
@@ -84,10 +84,10 @@ def without(parts: Mapping[str, Any]) -> list[str]:
 
 def section(words: Words, tables: Sequence[Table], files: Mapping[str, str]) -> str:
     """One part: its text, its drawings, its tables."""
-    pieces = [f"## {words.title}", words.text.strip()]
+    pieces = [f"### {words.title}", words.text.strip()]
     for name in words.figures:
         if f"{FOLDER}/{name}.svg" in files:
-            pieces.append(f"![{ALT[name]}]({FOLDER}/{name}.svg)")
+            pieces += [f"![{ALT[name]}]({FOLDER}/{name}.svg)", CAPTIONS[name]]
     for table in tables:
         pieces += [f"**{table.title}**", grid(table)]
         if table.note:

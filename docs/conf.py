@@ -39,7 +39,9 @@ extensions = [
     "sphinx.ext.mathjax",
     "from_declarations",
 ]
-exclude_patterns = ["_build", "jupyter_execute", "_static/**", "_ext/**", "_figures/**"]
+INCLUDED = ["reference/benchmarks.md", "reference/machines.md"]
+"""Generated sections of other pages."""
+exclude_patterns = ["_build", "jupyter_execute", "_static/**", "_ext/**", "_figures/**", *INCLUDED]
 
 # -- pages -------------------------------------------------------------------------------
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]

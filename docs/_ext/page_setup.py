@@ -17,7 +17,7 @@ EXAMPLES = CHECKOUT / "examples"
 
 def link_checkout() -> None:
     """Link the folders of the repository that commands name by their path in it."""
-    for name in ("examples", "studies"):
+    for name in ("examples", "src"):
         Path(name).symlink_to(CHECKOUT / name)
 
 
