@@ -16,25 +16,26 @@ from typing import Any
 from fault_experiments import EXPERIMENTS, LARGE, ROOT, can_mount, list_wanted
 from fault_trials import FINE, Outcome, Trial, count_trials, run_trials
 
-PAGE = ROOT / "docs/explanation/fault-laboratory.md"
+PAGE = ROOT / "docs/developer/fault-tests.md"
 RECORD = PAGE.with_suffix(".json")
 NEEDS_ROOT = ("full disks", "read-only folders", "read-only caches")
 HEAD = ("experiment", "what is broken", "trials", *Outcome)
 Named = list[list[Any]]
 """Trials by experiment and seed, each with an outcome where it is open."""
-INTRODUCTION = """# The laboratory of faults
+INTRODUCTION = """# Fault tests
 
-This page shows what the package does with wrong input, damaged files, killed processes, hostile folders and caches
-that other users may write. Each trial is an experiment with a seed: something sound is broken at random. Its outcome
-has one of these classes:
+This page shows how the package handles wrong input, damaged files, killed processes, hostile folders and caches that other users can
+write. Each trial is an experiment with a seed: it damages a valid input at random.
 
-- *answered*: complete, every number finite, and equal to an undisturbed run to the last bit where there is one;
-- *refused*: one sentence, exit code 2;
-- *failed*: a run was started and ended with a status and a sentence;
-- *left out*: sound, but more than 100 000 steps long.
-
-These outcomes are faults of the package: a traceback or a process that dies, a hang, a number that is not finite
-(*nan*), and a *silent loss*: something is missing or changed, or hostile code ran, and no message reports it.
+| outcome | meaning | fault of the package |
+| --- | --- | --- |
+| answered | complete, all values finite, equal to an undisturbed run to the last bit | no |
+| refused | one sentence, exit code 2 | no |
+| failed | a run started and ended with a status and a sentence | no |
+| left out | valid, but longer than 100 000 steps | no |
+| traceback, dead process, hang | – | yes |
+| nan | a value is not finite | yes |
+| silent loss | data are missing or changed, or hostile code ran, without a message | yes |
 
 ```sh
 python tests/fault_experiments.py scenarios 17        # one trial, with its messages
@@ -43,8 +44,8 @@ cd tests && python -m laboratory faults --share 0.02  # the same with 2 % of the
 ```
 
 The test `tests/faults/test_fault_record.py` runs the open and the closed trials of this page again: an open trial must
-still fail, and a closed trial must pass. Disks are mounted for the trial, which needs root. Exported code is compiled
-by gcc with the sanitizers of addresses and of undefined behaviour.
+still fail, and a closed trial must pass. Trials with full disks mount a disk, which needs root. gcc compiles exported
+code with the address and undefined-behaviour sanitizers.
 """
 
 
@@ -87,7 +88,7 @@ class FaultRecord:
         once = [f"- `{name} {seed}`: {outcome}" for name, seed, outcome in self.unsteady] or ["No trial is unsteady."]
         closed = [f"- `{name} {seed}`" for name, seed in self.closed] or ["No trial was open in an earlier run."]
         parts = ["## Open", "", "Failed, and failed again when repeated:", "", *found, ""]
-        parts += ["## Unsteady", "", "Failed, and passed when repeated; the machine may have been busy:", "", *once, ""]
+        parts += ["## Unsteady", "", "Failed, and passed when repeated; the computer may have been busy:", "", *once, ""]
         parts += ["## Closed", "", "Open in an earlier run, and closed since:", "", *closed]
         return "\n".join([INTRODUCTION, begin, "", *lines, "", *parts, ""])
 

@@ -29,7 +29,7 @@ from laboratory.measure_trials import (
 )
 from laboratory.structures import ROOT, STRUCTURES
 
-RECORD = ROOT / "docs/explanation/laboratory-measures.json"
+RECORD = ROOT / "docs/developer/accuracy-measures.json"
 MADE = ROOT / "build/laboratory/measures.jsonl"
 """Trials of a run so far, so that it can go on."""
 SELDOM = (20_000, 20, 25)
@@ -44,26 +44,26 @@ MOST = 1e9
 TEXT = """
 ## Measures and alarms
 
-This part compares the numbers that users read with a reference: `max`, `min`, `stroke`, `change`, `mean`, `integral`,
+This part compares the measures that users read with a reference: `max`, `min`, `stroke`, `change`, `mean`, `integral`,
 `rms`, `energy`, values at a time and at the end, rise, fall, reach and peak times, and alarms.
 
-- Structures: {structures}, with every law, element, mechanism, source and model of cooling, among them fibres, inertia,
+- Structures: {structures}, with every law, element, mechanism, source and cooling model, including fibres, inertia,
   R-phase, return points, compression and wear.
 - Drives: steps, short pulses in long runs, slow and fast PWM, slow and fast sines, three tones, triangles and tables.
 - Tolerances: 1e-3, 1e-4 and 1e-5. One run in five continues from a restart.
 - Reference: the same run at a tolerance of 1e-7, or of a hundredth of the tolerance for systems with inertia. The
   reference is read from its accepted steps and from 10⁴ stored samples (10⁵ in one scenario of twenty). The true error
-  is the larger difference. The difference from samples is lessened by what their distance explains. Samples are left
-  out if a drive has fewer than a hundred in a period.
+  is the larger difference. The difference from samples is reduced by the part that the sampling interval explains.
+  Samples are not used if a drive has fewer than a hundred per period.
 
-A scenario compares 12 measures, drawn at random. *Claimed* is the bound that `Result.bound` returns. *Not estimated*
-means that it returns no bound, for example for an event that may not occur. The worst value of an alarm is compared
+Each scenario compares 12 random measures. *Claimed* is the bound that `Result.bound` returns. *Not estimated*
+means that `Result.bound` returns no bound, for example for an event that may not occur. The worst value of an alarm is compared
 with the bound of the extreme value. Times of an alarm are compared with their change if the limit is off by that bound,
 or, in trials that were repeated, by the bound of the value at that time.
-Closed loops have no bound, and are compared elsewhere.
+Closed loops have no bound; other tests compare them.
 
-The command `python -m laboratory measures`, in the folder `tests` of a checkout, makes the trials and writes the
-tables. It goes on where it was interrupted. A trial may take {budget:g} s of CPU time.
+The command `python -m laboratory measures`, in the folder `tests` of a checkout, runs the trials and writes the
+tables. It resumes after an interruption. A trial can take {budget:g} s of CPU time.
 
 """
 DROPPED = """Scenarios without a comparison, by structure. A scenario that *left the envelope* ended at a limit of the
