@@ -75,7 +75,7 @@ SECTIONS: dict[str, Callable[[], str]] = {
     "environment": lambda: parts.parameters_of(Environment),
     "limits": lambda: parts.parameters_of(ElementLimits),
     "wear": lambda: parts.parameters_of(Wear),
-    "public-names": parts.public_names,
+    **{f"api-{name}": partial(parts.api_page, name) for name in parts.list_api()},
     "app-addresses": bench.addresses,
     "app-calls": bench.calls,
 }

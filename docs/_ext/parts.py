@@ -122,42 +122,68 @@ def parameters_of(cls: type[Parametrised]) -> str:
     return _parameters(catalogue.describe_class("", cls)["parameters"])
 
 
-def public_names() -> str:
-    """What `import martensite` offers: the names at the top, then a section per package."""
-    inner = [n for n in dir(martensite) if isinstance(getattr(martensite, n), ModuleType)]
-    known: list[Any] = []
-    sections = [_section("martensite", [n for n in dir(martensite) if n not in inner], known)]
+TOP = "martensite"
+
+
+@cache
+def list_api() -> dict[str, list[str]]:
+    """Return the public names of every namespace, `martensite` first."""
+    inner = [name for name in dir(martensite) if isinstance(getattr(martensite, name), ModuleType)]
+    names = {TOP: [name for name in dir(martensite) if name not in inner]}
     for name in inner:
         package = getattr(martensite, name)
-        names = [n for n in dir(package) if not n.startswith("_") and n in _offered(package)]
-        words = (inspect.getdoc(package) or "").partition("\n")[0]
-        sections += [f"## ms.{name}\n\n{plain(words)}\n", _section(package.__name__, names, known)]
-    return "\n".join(sections)
+        offered = getattr(package, "__all__", None) or dir(package)
+        names[name] = [one for one in dir(package) if not one.startswith("_") and one in offered]
+    return names
 
 
-def _offered(package: ModuleType) -> Iterable[str]:
-    """Names that a package promises; `testing` lists them itself."""
-    return getattr(package, "__all__", None) or dir(package)
-
-
-def _section(home: str, names: Iterable[str], known: list[Any]) -> str:
-    """Directives for the names of a package; what is `known` from another is indexed there."""
+def api_page(namespace: str) -> str:
+    """Return a table and the full descriptions of the names of a namespace."""
+    home = TOP if namespace == TOP else getattr(martensite, namespace).__name__
     package = import_module(home)
-    lines: list[str] = []
-    for name in names:
-        found = getattr(package, name)
-        if inspect.isclass(found):
-            lines.append(f".. autoclass:: {home}.{name}")
-            if any(found is one for one in known):
-                lines.append("   :no-index:")
-            known.append(found)
-            if not issubclass(found, Parametrised | BaseException | tuple):
-                lines.append("   :members:")
-        elif inspect.isfunction(found):
-            lines.append(f".. autofunction:: {home}.{name}")
-        else:
-            lines += [f".. py:data:: {name}", ""]
-    return "```{eval-rst}\n" + "\n".join(lines) + "\n```\n"
+    found = {name: getattr(package, name) for name in list_api()[namespace]}
+    rows = [(_refer_to(home, name, one), _kind_of(one), plain(_first_sentence(one))) for name, one in found.items()]
+    lines = [line for name, one in found.items() for line in _directive(home, name, one)]
+    return table(("name", "kind", "summary"), rows) + "\n```{eval-rst}\n" + "\n".join(lines) + "\n```\n"
+
+
+def _first_home(found: Any, name: str) -> str:
+    """Return the first namespace that offers a class."""
+    for namespace, names in list_api().items():
+        package = martensite if namespace == TOP else getattr(martensite, namespace)
+        if name in names and getattr(package, name) is found:
+            return package.__name__
+    raise LookupError(name)
+
+
+def _refer_to(home: str, name: str, found: Any) -> str:
+    owner = _first_home(found, name) if inspect.isclass(found) else home
+    return f"{{py:obj}}`{name} <{owner}.{name}>`"
+
+
+def _kind_of(found: Any) -> str:
+    if inspect.isclass(found):
+        return "exception" if issubclass(found, BaseException) else "class"
+    return "function" if inspect.isfunction(found) else "data"
+
+
+def _first_sentence(found: Any) -> str:
+    if _kind_of(found) == "data":
+        return f"Registry of parts of kind `{found.kind}`." if isinstance(found, Registry) else type(found).__name__
+    paragraph = " ".join((inspect.getdoc(found) or "").partition("\n\n")[0].split())
+    return re.split(r"(?<=[.:])\s", paragraph, maxsplit=1)[0].rstrip(":")
+
+
+def _directive(home: str, name: str, found: Any) -> list[str]:
+    """Return the directive for a name; a class is indexed in its first namespace only."""
+    if not inspect.isclass(found):
+        return [f".. autofunction:: {home}.{name}"] if inspect.isfunction(found) else [f".. py:data:: {home}.{name}", ""]
+    lines = [f".. autoclass:: {home}.{name}"]
+    if _first_home(found, name) != home:
+        lines.append("   :no-index:")
+    if not issubclass(found, Parametrised | BaseException | tuple):
+        lines.append("   :members:")
+    return lines
 
 
 def _parameter(entry: catalogue.EntryDescription) -> tuple[str, ...]:
