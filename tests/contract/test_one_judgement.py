@@ -108,9 +108,9 @@ def test_check_judges_pulses_and_not_their_peak(file: Path) -> None:
     pulses = 'drive.waveform={kind="pwm", high="1.5 A", frequency="1 Hz", duty=0.075}'
     result = ms.load(file, {"drive.waveform": {"kind": "pwm", "high": "1.5 A", "frequency": "1 Hz", "duty": 0.075}})
     assert max(result.run()["hottest"]) < 413.15
-    assert "The scenario is sound" in CHECK.fine(str(file), "--set", pulses)
+    assert "All limits are kept." in CHECK.fine(str(file), "--set", pulses)
     held = CHECK(str(file), "--set", "drive.waveform.level=1.5 A").stdout.splitlines()
-    assert held[1].startswith("Warning: temperature reaches") and not any("sound" in line for line in held)
+    assert "LIMIT EXCEEDED: temperature reaches" in held[0] and not any("valid" in line for line in held)
 
 
 LOOPS = [
@@ -139,8 +139,8 @@ def test_run_and_check_agree_about_a_loop(
 
 def test_a_run_that_takes_too_long_is_reported_as_not_judged(monkeypatch: pytest.MonkeyPatch, c_compiler: str) -> None:
     monkeypatch.setattr("martensite.cli.commands.check.TRIED", 0.0)
-    verdict = CHECK.fine(str(EXAMPLE_LOOP)).splitlines()[1]
-    assert verdict.startswith("The loop is sound. The limits were not judged: the run takes more than 0 s")
+    verdict = CHECK.fine(str(EXAMPLE_LOOP)).splitlines()[0]
+    assert "the loop passes all tests. Limits not checked: the run takes more than 0 s" in verdict
     assert "CPU time was spent" in RUN(str(EXAMPLE_LOOP), "--no-figure", "--budget", "1 us").output
 
 
@@ -156,8 +156,8 @@ def test_a_budget_changes_nothing_in_a_run_in_periods(runtime: str, c_compiler: 
 def test_check_agrees_with_the_scenario_that_wire_saves(tmp_path: Path) -> None:
     file = tmp_path / "w.toml"
     words = ("--diameter", "0.15 mm", "--length", "20 cm", "--supply", "6 V")
-    assert ONE_WIRE.fine(*words, "--save", str(file)).startswith("Does: ")
-    assert "The scenario is sound" in CHECK.fine(str(file))
+    assert ONE_WIRE.fine(*words, "--save", str(file)).startswith("Flexinol 0.15 mm")
+    assert "All limits are kept." in CHECK.fine(str(file))
     assert RUN.report(str(file), "--no-figure", "--out", str(tmp_path / "w.nc"))["warnings"] == []
 
 
@@ -234,8 +234,8 @@ def test_the_supply_that_a_verdict_names_does() -> None:
     line = ONE_WIRE(*words).stdout.splitlines()[0]
     assert line.startswith("Does not do: ") and "0.11 % less" in line
     pulse, supply = line.split('--pulse "')[1].split('"')[0], line.split('--supply "')[1].split('"')[0]
-    assert ONE_WIRE.fine(*words, "--pulse", pulse).startswith("Does: ")
-    assert ONE_WIRE.fine(*words[:5], supply, *words[6:]).startswith("Does: ")
+    assert ONE_WIRE.fine(*words, "--pulse", pulse).startswith("Flexinol 0.15 mm")
+    assert ONE_WIRE.fine(*words[:5], supply, *words[6:]).startswith("Flexinol 0.15 mm")
 
 
 def test_holding_needs_no_more_than_contracting() -> None:

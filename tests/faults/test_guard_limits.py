@@ -72,7 +72,7 @@ def test_a_limit_that_the_material_knows_is_taken() -> None:
     """Without it this loop went on to 168 °C with no alarm."""
     scenario = change_guarded()
     (row,) = (collect_guard(scenario) or {})["checks"]
-    assert row["trips"] == "overheat: heat 140 degC"
+    assert row["trips"] == "overheat: heat 140 °C"
     assert row["from"] == "element.limits.temperature_limit, assumed, flexinol-90"
     result = scenario.run()
     assert 1.0 in result["alarm"]
@@ -86,7 +86,7 @@ def test_a_check_may_read_what_an_observer_believes() -> None:
     believed = {"kind": "overheat", "reading": "estimated.temperature"}
     found = collect_guard(load(EXAMPLES / "closed_loop_sensorless.toml", {"supervisor.checks.believed": believed}))
     rows = {row["check"]: (row["trips"], row["then"]) for row in (found or {})["checks"]}
-    assert rows["believed"] == ("overheat: estimated.temperature 140 degC", "cuts drive for good")
+    assert rows["believed"] == ("overheat: estimated.temperature 140 °C", "switches drive off permanently")
     assert rows["bound_drive"][1] == "limits drive"
 
 

@@ -91,7 +91,7 @@ def test_run_prints_a_summary_and_writes_data_and_figure(folder: Path) -> None:
     printed = fine("run", "wire.toml")
     assert "Lifting 400 g" in printed
     assert "wire temperature" in printed
-    assert "22 degC" in printed
+    assert "limit 140 °C" in printed
     assert names(folder) == {"wire.toml", "wire.nc", "wire.png"}
     assert (folder / "wire.png").read_bytes()[:4] == b"\x89PNG"
     assert (folder / "wire.nc").read_bytes()[1:4] == b"HDF"
@@ -276,7 +276,7 @@ def test_check_reports_cautions_and_writes_nothing(folder: Path) -> None:
     assert any("Theta > 0" in caution for caution in report["cautions"])
     assert "element.law.A_s" in report["doubtful"]
     assert report["steps"] >= 100
-    assert "The scenario is sound" in fine("check", "wire.toml", *COOL)
+    assert ": valid. All limits are kept." in fine("check", "wire.toml", *COOL)
     assert "cannot be converted" in refused("check", "wire.toml", "--set", "run.duration=1 m")
     assert names(folder) == {"wire.toml"}
 

@@ -15,7 +15,7 @@ STEADY = Command("steady")
 
 def test_a_rest_says_where_it_is_and_what_is_neutral() -> None:
     text = STEADY.fine(WIRE, "--drive", "1.2 V")
-    assert "54.9082 degC" in text and "from the cold" in text and "4 directions are neutral" in text
+    assert "54.91  °C" in text and "from the cold" in text and "Neutral directions: 4" in text
     hot, cold = (
         STEADY.report(WIRE, "--drive", "1.5 V", *more, "--json") for more in (("--from", "hot", "--high", "4 V"), ())
     )

@@ -189,7 +189,7 @@ def test_what_cannot_be_stops(changes: dict[str, Any], word: str) -> None:
         changes = {"drive.waveform": {"kind": "constant", "level": "60 V"}}
     found = switched(**changes).run()
     assert found.status is Status.OUT_OF_ENVELOPE
-    assert f"the {word} came to" in found.warnings[0]
+    assert f"the {word} reached" in found.warnings[0]
     assert max(found["hottest"]) <= 1583.15
     assert len(found.times) == len(found["temperature"]) < 1001
 

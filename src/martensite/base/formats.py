@@ -23,6 +23,22 @@ def write_quantity(value: float, unit: str, digits: int = 6) -> str:
     return number if shown == "1" else f"{number} {shown}"
 
 
+def show_quantity(value: float, unit: str, digits: int = 4, shown: str = "") -> str:
+    """Return a quantity in SI as screens show it: a few digits and a typeset unit, such as `93.94 °C`.
+
+    Args:
+        value: number in the SI `unit`.
+        unit: SI unit.
+        digits: significant digits.
+        shown: unit to convert to; by default the readable one.
+    """
+    if math.isinf(value):
+        return "none"
+    shown = shown or units.choose_readable_unit(unit)
+    number = f"{units.from_si(value, shown, unit):.{digits}g}"
+    return f"{number} {typeset_unit(shown)}".rstrip()
+
+
 def write_difference(value: float, unit: str, digits: int = 4) -> str:
     """Return a difference of two quantities given in the SI `unit`, in a readable one."""
     shown, factor = choose_difference_unit(unit)

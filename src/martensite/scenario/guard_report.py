@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.elements.limits import MELTING
 from martensite.base.errors import InputError
-from martensite.base.formats import write_quantity
+from martensite.base.formats import show_quantity
 from martensite.base.summary import Block, DataTable, Sentence
 from martensite.base.units import OF_READINGS
 from martensite.control.checks.base import AbstractCheck
@@ -57,23 +57,26 @@ def describe_guard(found: Mapping[str, Any]) -> Iterator[Block]:
     """Yield the report of the guard as a table, and a sentence for every drive."""
     if found["checks"]:
         rows = [(one["check"], one["trips"], one["from"], one["then"]) for one in found["checks"]]
-        yield DataTable(("check", "trips when", "limit from", "then it"), rows)
+        yield DataTable(("check", "trips at", "source of the limit", "action"), rows)
     for one in found["worst"]:
         free, guarded = (_write_temperature(one[name]) for name in ("free", "guarded"))
         if not one["check"]:
             words = (
-                f"No check bounds the temperature of the element of `{one['drive']}`: its full signal leads to {free}."
+                f"No check limits the temperature of the element of `{one['drive']}`. "
+                f"Its full command heats the element to {free}."
             )
             yield Sentence(words, "caution" if one["free"] > one["limit"] + KELVIN else "")
             continue
-        words = f"Whatever is wanted, the element of `{one['drive']}` stays below {guarded} by `{one['check']}`"
-        words += f", as far as `{one['trusts']}` is right" if one["trusts"] else ""
-        words += f", in surroundings as they are given; without a guard a full signal leads to {free}."
+        trusted = f" if `{one['trusts']}` is correct" if one["trusts"] else ""
+        words = (
+            f"The guard `{one['check']}` keeps the element of `{one['drive']}` below {guarded}{trusted}, at the "
+            f"ambient conditions of this file. Without the guard, the full command would heat it to {free}."
+        )
         yield Sentence(words, "caution" if one["trusts"] or one["guarded"] > one["limit"] + KELVIN else "")
 
 
 def _write_temperature(kelvin: float) -> str:
-    return "melting" if kelvin > MELTING else write_quantity(kelvin, "K", 4)
+    return "its melting point" if kelvin > MELTING else show_quantity(kelvin, "K")
 
 
 def _collect_check(scenario: Scenario, bench: Bench, name: str, check: AbstractCheck) -> dict[str, Any]:
@@ -85,7 +88,7 @@ def _collect_check(scenario: Scenario, bench: Bench, name: str, check: AbstractC
     return {
         "check": name,
         "kind": check.registered_name,
-        "trips": f"{check.registered_name}: {reading} {write_quantity(limit, unit)}",
+        "trips": f"{check.registered_name}: {reading} {show_quantity(limit, unit)}",
         "from": _find_origin(scenario, f"{SUPERVISOR}.checks.{name}.{key}", limit),
         "then": _tell_answer(bench, check),
     }
@@ -98,8 +101,8 @@ def _tell_answer(bench: Bench, check: AbstractCheck) -> str:
     if isinstance(check, ThermalBound) and guard.answer == "limit":
         return f"limits {check.drive}"
     if guard.answer == "resume":
-        return f"cuts {drives} until all is well"
-    return f"cuts {drives} for good"
+        return f"switches {drives} off until all checks pass"
+    return f"switches {drives} off permanently"
 
 
 def _find_origin(scenario: Scenario, path: str, limit: float) -> str:

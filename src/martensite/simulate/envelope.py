@@ -14,6 +14,7 @@ import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base import units
+from martensite.base.formats import typeset_unit
 from martensite.simulate.compiled import ENVELOPE
 from martensite.simulate.marching import Exit, Row, RunLimits
 from martensite.simulate.track import Track
@@ -22,9 +23,9 @@ STOPS = ("temperature_stop", "stress_stop", "strain_stop")
 """Numbers of an element that bound it more tightly."""
 WORDS = {"hottest": "temperature", "stress": "stress", "strain": "strain"}
 BEYOND = {
-    "hottest": "where NiTi melts, unless `temperature_stop` is lower",
-    "stress": "what no NiTi wire bears, unless `stress_stop` is lower",
-    "strain": "what no straight wire bears, unless `strain_stop` is lower",
+    "hottest": "the melting point of NiTi or `temperature_stop`",
+    "stress": "the strength of NiTi or `stress_stop`",
+    "strain": "the fracture strain of a straight wire or `strain_stop`",
 }
 
 
@@ -91,6 +92,7 @@ def describe_bound(system: AbstractSystem, place: int, value: float) -> str:
     shown = units.of_column(name, unit)
     where = f" of `{port}`" if len(ports) > 1 else ""
     reason = "absolute zero" if name == "hottest" and value <= 0.0 else BEYOND[name]
-    limit = f"the limit of {units.from_si(bound, shown, unit):.5g} {shown}"
-    came = limit if value == bound else f"{units.from_si(value, shown, unit):.5g} {shown}, beyond {limit}"
-    return f"the {WORDS[name]}{where} came to {came}, {reason}."
+    limit = f"the limit of {units.from_si(bound, shown, unit):.5g} {typeset_unit(shown)}"
+    excess = f"{units.from_si(value, shown, unit):.5g} {typeset_unit(shown)}"
+    reached = limit if value == bound else f"{excess}, beyond {limit}"
+    return f"the {WORDS[name]}{where} reached {reached} ({reason})."

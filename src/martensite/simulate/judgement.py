@@ -22,6 +22,14 @@ if TYPE_CHECKING:
 
 LIMITS = ("temperature", "stress", "strain", "supply", "rig")
 """Kinds of alarms that exceed a limit; others, such as slack, are cautions."""
+REMEDIES = {
+    "temperature": "To lower the temperature, reduce the drive or its duration, or improve the cooling.",
+    "stress": "To lower the stress, reduce the load or use a thicker element.",
+    "strain": "To lower the strain, reduce the load or the stroke, or use a longer element.",
+    "supply": "To stay within the source, lower the command or raise the limit of the source.",
+    "rig": "To stay within the supply, lower the commands or raise its `current_limit`.",
+}
+"""Remedies by kind of limit."""
 SHOWN = {"K": "degC", "Pa": "MPa", "1": "%"}
 """Units in which limits are read, by SI unit."""
 
@@ -50,10 +58,14 @@ class Judgement:
         """Return one sentence: all limits are kept, or each exceeded limit with the value and the limit."""
         if self.kept:
             return "All limits are kept."
-        words = [self.outside] if self.outside else []
+        words = [f"STOPPED. {self.outside}"] if self.outside else []
         if self.alarms:
-            words.append(f"Warning: {'; '.join(dict.fromkeys(map(describe_excess, self.alarms)))}.")
+            words.append(f"LIMIT EXCEEDED: {'; '.join(dict.fromkeys(map(describe_excess, self.alarms)))}.")
         return " ".join(words)
+
+    def list_remedies(self) -> list[str]:
+        """Return one sentence for each exceeded limit that names what brings the value below it."""
+        return [REMEDIES[kind] for kind in dict.fromkeys(alarm.kind for alarm in self.alarms)]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the judgement, ready for JSON."""

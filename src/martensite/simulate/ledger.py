@@ -40,13 +40,15 @@ LEAST_WORK = 1e-12
 """Work [J] below which there is nothing to balance."""
 ROUNDING, NONE = 1e-12, "0 J"
 """Fraction of an energy that counts as zero, and the text shown for it."""
+RESIDUAL_SHOWN = 1e-12
+"""Smallest residual that is shown; a smaller one is rounding."""
 WORDS = {
-    "springs": "into springs",
-    "gravity": "into weight",
-    "kinetic": "into motion",
-    "magnetic": "into a winding",
+    "springs": "stored in springs",
+    "gravity": "potential energy",
+    "kinetic": "kinetic energy",
+    "magnetic": "stored in a winding",
     "dissipated": "dissipated",
-    "outside": "given to the outside",
+    "outside": "delivered to the outside",
 }
 """Sinks and stores of work, in words."""
 
@@ -150,7 +152,7 @@ class HeatBalance:
         held = (_tell_energy(x, most) for x in (self.stored, self.sensible, self.latent))
         stored, sensible, latent = held
         return (
-            f"heat: {self.put_in:.4g} J put in, {self.lost:.4g} J to the surroundings, "
+            f"Heat: {self.put_in:.4g} J input, {self.lost:.4g} J lost to the ambient, "
             f"{stored} stored ({sensible} sensible, {latent} latent); "
             f"{_describe_residual(self.residual)}"
         )
@@ -202,9 +204,9 @@ class WorkBalance:
         told = {name: _tell_energy(getattr(self, name), most) for name in vars(self)}
         where = [f"{told[name]} {words}" for name, words in WORDS.items() if told[name] != NONE]
         within = [] if self.elastic is None else [f"{told['elastic']} elastic in the elements"]
-        parts = ", ".join([f"{told['work']} by the elements", *where])
+        parts = ", ".join([f"{told['work']} done by the elements", *where])
         beside = ", ".join([f"{most:.3g} J exchanged", *within])
-        return f"work: {parts}; {beside}; {_describe_residual(self.residual)}"
+        return f"Work: {parts}; {beside}; {_describe_residual(self.residual)}"
 
     def as_dict(self) -> dict[str, float | None]:
         """Return all its numbers, by name."""
@@ -231,4 +233,6 @@ def _tell_energy(value: float | None, most: float) -> str:
 
 
 def _describe_residual(residual: float | None) -> str:
-    return "nothing to balance" if residual is None else f"{residual:.1e} of it not accounted for"
+    if residual is None:
+        return "no energy to balance"
+    return f"residual {residual:.1e}" if residual > RESIDUAL_SHOWN else f"residual below {RESIDUAL_SHOWN:.0e}"

@@ -16,15 +16,16 @@ import numpy as np
 from martensite.actuators.assembly import PROFILES
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import SolveError, UnknownNameError
-from martensite.base.formats import write_quantity
+from martensite.base.formats import show_quantity
 from martensite.base.services import import_service
 from martensite.base.status import Status
-from martensite.base.summary import DataTable, Sentence, Summary
+from martensite.base.summary import Sentence, Summary
 from martensite.simulate.alarms import Alarm, Judged
 from martensite.simulate.ledger import HeatBalance, WorkBalance
 from martensite.simulate.measures.base import measure_samples, parse_measure
 from martensite.simulate.measures.run_table import find_extremes, tabulate_track
 from martensite.simulate.provenance import NOT_TRIED, tell_conformance
+from martensite.simulate.range_table import tabulate_ranges
 from martensite.simulate.restarts import Restart, name_state
 from martensite.simulate.tracing import AbstractTrace
 from martensite.simulate.track import Track
@@ -219,11 +220,9 @@ class Result:
 
     def summary(self) -> Summary:
         """Summarise the run: ranges of all columns, balances, remarks and warnings."""
-        rows = [(self.outputs[name].long_name, *self._write_ends(name)) for name in self.outputs]
         told = [Sentence(one) for one in (self.start, *self.balances(), *self.remarks()) if one]
         warned = [Sentence(one, "caution") for one in self.warnings]
-        table = DataTable(("quantity", "lowest", "highest"), rows, right=(1, 2))
-        return Summary("", [table, *told, *warned], self._collect_numbers(), self._lead())
+        return Summary("", [tabulate_ranges(self), *told, *warned], self._collect_numbers(), self._lead())
 
     def _collect_numbers(self) -> dict[str, Any]:
         """Everything but the columns, by name in SI."""
@@ -277,9 +276,6 @@ class Result:
 
     def _repr_html_(self) -> str:
         return import_service("render_html")(self.summary())
-
-    def _write_ends(self, name: str) -> list[str]:
-        return [write_quantity(end, self.unit(name)) for end in self.find_range(name)]
 
     def find_range(self, name: str) -> tuple[float, float]:
         """Return the lowest and the highest value of a column in the run, over all variants."""
@@ -425,11 +421,11 @@ class Result:
         """Return one line with the end, the steps and the accuracy of the run."""
         if self.variants is not None:
             return self._describe_variants(self.variants)
-        accuracy = "not estimated" if self.accuracy is None else f"{self.accuracy:.1e} of range"
-        where = {"C": " in C", "": ""}.get(self.runtime, f" on {self.runtime}")
-        begin = f"from {self.times[0]:.6g} to " if self.times[0] else ""
+        error = "not estimated" if self.accuracy is None else f"at most {self.accuracy:.1e} of each range"
+        where = f", runtime {self.runtime}" if self.runtime else ""
+        begin = f"{self.times[0]:.6g} s to " if self.times[0] else ""
         steps = f"{self.steps} steps of at most {self.step:.3g} s{where}"
-        return f"{begin}{self.times[-1]:.6g} s in {steps}, accuracy {accuracy}"
+        return f"Run: {begin}{self.times[-1]:.6g} s in {steps}; numerical error: {error}"
 
     @property
     def conformance(self) -> dict[str, str]:
@@ -454,10 +450,10 @@ class Result:
         if variants.accuracy is not None:
             bounds = variants.accuracy.tolist()
         known = [one for one in bounds if not math.isnan(one)]
-        accuracy = f"{max(known):.1e} of range at worst" if known else "not estimated"
+        error = f"at most {max(known):.1e} of each range" if known else "not estimated"
         return (
-            f"{len(variants)} variants of {self.times[-1]:.6g} s, which differ in "
-            f"{', '.join(variants.over)}: {variants.count_endings()}; accuracy {accuracy}"
+            f"{len(variants)} variants of {self.times[-1]:.6g} s over "
+            f"{', '.join(variants.over)}: {variants.count_endings()}; numerical error: {error}"
         )
 
     def balances(self) -> list[str]:
@@ -467,7 +463,7 @@ class Result:
 
     def _line(self, name: str) -> str:
         """From where to where a column goes, in a readable unit."""
-        low, high = (write_quantity(end, self.unit(name), 4) for end in self.find_range(name))
+        low, high = (show_quantity(end, self.unit(name)) for end in self.find_range(name))
         number, _, unit = low.partition(" ")
         same = unit and high.endswith(f" {unit}")
         return f"{self.outputs[name].long_name} {number if same else low} to {high}"

@@ -272,7 +272,7 @@ export function describeExit(scenario: Scenario, exit: NonNullable<RunCore["exit
   const shown = (x: number): string => `${formatGeneral(x * bound.factor + bound.offset, 5)} ${bound.shown}`;
   const reason = bound.name === "hottest" && exit.value <= 0 ? "absolute zero" : bound.reason;
   const limit = exit.value > 0 ? exit.high : exit.low;
-  return `The run stopped at t = ${formatGeneral(exit.time, 6)} s: the ${bound.words} came to ${shown(exit.value)}, beyond ${shown(limit)}, ${reason}.`;
+  return `The run stopped at t = ${formatGeneral(exit.time, 6)} s: the ${bound.words} reached ${shown(exit.value)}, beyond ${shown(limit)} (${reason}).`;
 }
 
 /** Sentences on heat and work that are not accounted for; see `martensite/simulate/ledger.py`. */

@@ -16,6 +16,7 @@ from martensite.app.static_site.run_module import RunSource, describe_layout
 from martensite.app.views.page import describe_page
 from martensite.base import units
 from martensite.base.errors import MartensiteError
+from martensite.base.formats import typeset_unit
 from martensite.base.status import Status
 from martensite.scenario.scenario import Scenario
 from martensite.simulate.compiled import CompiledMarch, compile_march
@@ -174,6 +175,7 @@ def _list_bounds(scenario: Scenario, compiled: CompiledMarch) -> Sequence[Any]:
         unit = system.outputs()[system.label(port, name)].unit
         how = _describe_unit(name, unit)
         del how["unit"]
+        how["shown"] = typeset_unit(how["shown"])
         found.append(
             {
                 "output": place,

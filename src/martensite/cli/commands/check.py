@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -41,11 +42,11 @@ ROUNDING = 1e-9
 @app.command("check", rich_help_panel="Simulate")
 @spread_options
 def check(source: ScenarioSource, answer: AnswerOptions) -> None:
-    """Judge a scenario: its limits, its drives and its loop.
+    """Check a scenario: limits, drives and control loop.
 
-    The scenario is run as it is, for at most 5 s of CPU time, and judged by the limits that `run` uses. A loop is also
-    tested for sign, reach, pace and margins; the figure shows its Bode and Nyquist plots. Exits with 1 if a limit is
-    exceeded or a loop is not sound.
+    The command runs the scenario for at most 5 s of CPU time and applies the limits of `run`. It also tests a loop for
+    sign, range, sample time and margins. The figure shows Bode and Nyquist plots. The exit code is 1 if a limit is
+    exceeded or the loop has a fault.
     """
     from martensite.show.summaries.loop import check_scenario_loop, describe_loops, describe_verdict
     from martensite.simulate.judgement import judge_run
@@ -62,7 +63,8 @@ def check(source: ScenarioSource, answer: AnswerOptions) -> None:
 
         report["guard"] = collect_guard(loaded)
     loops = None if loaded.bench is None or report["follows"] else check_scenario_loop(loaded, loaded.bench)
-    verdict = describe_verdict(loops, judged, unjudged)
+    found = describe_verdict(loops, judged, unjudged)
+    verdict = replace(found, text=f"{loaded.title}: {found.text}")
     blocks = [
         verdict,
         *(() if tried is None or judged is None else _describe_run(tried, judged, loops)),
@@ -70,7 +72,7 @@ def check(source: ScenarioSource, answer: AnswerOptions) -> None:
         *(() if loops is None else describe_loops(loops)),
     ]
     data = report if loops is None else report | {"loops": loops.to_dict()}
-    outputs.answer(Summary(loaded.title, blocks, data), answer.json, draw=_find_figure(loaded, outputs))
+    outputs.answer(Summary("", blocks, data), answer.json, draw=_find_figure(loaded, outputs))
     if verdict.tone == "bad":
         raise typer.Exit(1)
 
@@ -78,23 +80,23 @@ def check(source: ScenarioSource, answer: AnswerOptions) -> None:
 def _try_run(scenario: Scenario) -> tuple[Result | None, str]:
     """Return the run of a scenario, or None with the reason why there is none and the remedy."""
     if scenario.follows:
-        return None, "the scenario follows a log. Use `run --log`, or `fit`"
+        return None, "the scenario follows a log. Use `martensite run --log FILE` or `martensite fit`"
     try:
         return scenario.run(budget=TRIED), ""
     except BudgetError:
-        return None, f"the run takes more than {TRIED:.3g} s of CPU time. Use `run`"
+        return None, f"the run takes more than {TRIED:.3g} s of CPU time. Use `martensite run`"
 
 
 def _describe_run(tried: Result, judged: Judgement, loops: LoopReport | None) -> Iterator[Block]:
     """Return the warnings of a run that neither its verdict nor the tests of its loops give, and its extremes."""
-    from martensite.show.summaries.run import list_peaks
+    from martensite.show.summaries.run import write_key_numbers
 
+    yield Sentence(write_key_numbers(tried))
     told = {judged.outside, *(alarm.sentence for alarm in judged.alarms)}
     told |= set() if loops is None else {f"Warning: {one.sentence} {one.remedy}" for one in loops.findings}
     yield from (Sentence(words, "caution") for words in tried.warnings if words not in told)
-    peaks = [f"{name} {value}" for name, value in list_peaks(tried)]
-    if peaks:
-        yield Sentence(f"Its run of {tried.times[-1]:.6g} s: {', '.join(peaks)}.")
+    yield from map(Sentence, judged.list_remedies())
+    yield Sentence(f"Run: {tried.times[-1]:.6g} s in {tried.steps} steps.")
 
 
 def _find_figure(scenario: Scenario, outputs: Outputs) -> Callable[[], Figure] | None:
@@ -102,7 +104,9 @@ def _find_figure(scenario: Scenario, outputs: Outputs) -> Callable[[], Figure] |
     if outputs.figure is None:
         return None
     if scenario.bench is None:
-        raise InputError("There is no loop to draw margins of: a scenario needs a [controller] for that.")
+        raise InputError(
+            "The figure shows loop margins, but the scenario has no loop. Add a [controller] or omit `--figure`."
+        )
     from martensite.show.figures.margins import plot_scenario_margins
 
     return lambda: plot_scenario_margins(scenario)
@@ -111,10 +115,11 @@ def _find_figure(scenario: Scenario, outputs: Outputs) -> Callable[[], Figure] |
 def _describe_report(report: dict[str, Any]) -> Iterator[Block]:
     yield from (Sentence(f"Caution: {caution}", "caution") for caution in report["cautions"])
     if report["doubtful"]:
-        names = ", ".join(report["doubtful"])
-        told = f"Assumed or recalled numbers of {report['material']}: {names}"
-        yield Sentence(told, "caution")
-    yield from (Sentence(f"Controller of {name}, {words}") for name, words in report["controllers"].items())
+        names = ", ".join(dict.fromkeys(path.rpartition(".")[2] for path in report["doubtful"]))
+        count = len(report["doubtful"])
+        values = "1 value is" if count == 1 else f"{count} values are"
+        yield Sentence(f"{report['material']}: {values} assumed or recalled, not measured: {names}.", "caution")
+    yield from (Sentence(f"Controller of {name}, {words}.") for name, words in report["controllers"].items())
     if report["follows"]:
         followed = ", ".join(f"`{drive}` column `{column}`" for drive, column in report["follows"].items())
         yield Sentence(f"Follows a log: {followed}.")
@@ -123,17 +128,6 @@ def _describe_report(report: dict[str, Any]) -> Iterator[Block]:
         from martensite.scenario.guard_report import describe_guard
 
         yield from describe_guard(report["guard"])
-    yield Sentence(f"Run: {_tell_steps(report)}")
-
-
-def _tell_steps(report: dict[str, Any]) -> str:
-    begin = f"{report['duration']:.6g} s"
-    if report["period"] is not None:
-        return f"{begin} in {report['steps']} periods of {report['period']:.3g} s."
-    return (
-        f"{begin}, first step {report['first_step']:.3g} s (at least {report['steps']} steps), "
-        f"tolerance {report['tolerance']:.3g}."
-    )
 
 
 def _collect_report(scenario: Scenario) -> dict[str, Any]:

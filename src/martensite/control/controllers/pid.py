@@ -128,7 +128,7 @@ class PidLaw(SignalLimits):
 
     def describe(self, gains: Gains, period: float, sampled: bool = False) -> str:
         """Return the anti-windup and filter, in words."""
-        said = "conditional integration (the integral waits at a limit)"
+        said = "conditional integration"
         if self.anti_windup == "back-calculation":
             unit = period if sampled else 1.0
             time = max(self.tracking or unit * integral_time(floats, gains), period)

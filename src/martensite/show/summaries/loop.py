@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from martensite.base.formats import write_quantity
+from martensite.base.formats import show_quantity
 from martensite.base.summary import Block, DataTable, Sentence
 
 if TYPE_CHECKING:
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from martensite.simulate.judgement import Judgement
 
 LOOP_VERDICTS = {
-    "sound": "The loop is sound.",
-    "not all tested": "The loop has no fault, but some tests were not possible.",
+    "sound": "the loop passes all tests",
+    "not all tested": "the loop has no known fault, but some tests were not possible",
 }
 HEADINGS = ("branch", "reading", "signal", "gain margin", "phase margin", "delay margin", "M_s")
 
@@ -49,23 +49,23 @@ def describe_verdict(loops: LoopReport | None, judged: Judgement | None, unjudge
         unjudged: reason why there was no run, with the remedy.
     """
     count = 0 if loops is None else sum(one.fault for one in loops.findings)
-    tested = f"The loop is not sound: {count} {'fault' if count == 1 else 'faults'}."
-    if not count:
-        tested = "" if loops is None else LOOP_VERDICTS[loops.verdict]
+    tested = "valid" if loops is None else f"valid, {LOOP_VERDICTS.get(loops.verdict, '')}"
+    if count:
+        tested = f"the loop has {count} {'fault' if count == 1 else 'faults'}"
     if judged is None:
-        limits = f"{'The limits were not' if tested else 'Not'} judged: {unjudged}."
-    elif judged.kept:
-        limits = "The run keeps all limits." if tested else "The scenario is sound: its run keeps all limits."
+        limits = f"Limits not checked: {unjudged}."
     else:
-        limits = judged.verdict
+        limits = "All limits are kept." if judged.kept else judged.verdict
     bad = count > 0 or (judged is not None and not judged.kept)
-    return Sentence(f"{tested} {limits}".strip(), "bad" if bad else "caution" if judged is None else "")
+    words = limits if judged is not None and not judged.kept and not count else f"{tested}. {limits}"
+    return Sentence(words, "bad" if bad else "caution" if judged is None else "good")
 
 
 def describe_loops(report: LoopReport) -> Iterator[Block]:
     """Return findings, margins, and the tests that were not made with the reasons."""
     yield from (Sentence(str(one), "bad" if one.fault else "caution") for one in report.findings)
     if report.margins:
+        yield Sentence(_summarise_margins(report.margins))
         several = len({row["drive"] for row in report.margins}) > 1
         cells = [_list_cells(row, f"{row['drive']}, " * several) for row in report.margins]
         yield DataTable(HEADINGS, cells, right=tuple(range(1, len(HEADINGS))))
@@ -74,14 +74,29 @@ def describe_loops(report: LoopReport) -> Iterator[Block]:
         yield Sentence(f"Not tested: {names}: {why}.")
 
 
+def _summarise_margins(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return the number of stable operating points and the worst margins."""
+    stable = [row for row in rows if row["stable"]]
+    if len(stable) < len(rows):
+        return f"Unstable at {len(rows) - len(stable)} of {len(rows)} operating points."
+    worst = (
+        ("gain", min(row["gain"] for row in rows), "{:.3g}"),
+        ("phase", math.degrees(min(row["phase"] for row in rows)), "{:.0f}°"),
+        ("delay", min(row["delay"] for row in rows), "{:.3g} s"),
+        ("sensitivity peak M_s", max(row["sensitivity"] for row in rows), "{:.2f}"),
+    )
+    shown = ", ".join(f"{name} {form.format(value)}" for name, value, form in worst if math.isfinite(value))
+    return f"Stable at all {len(rows)} operating points. Worst margins: {shown}."
+
+
 def _list_cells(row: Mapping[str, Any], drive: str) -> tuple[str, ...]:
     phase, delay = row["phase"], row["delay"]
     return (
         drive + row["branch"],
-        write_quantity(row["reading"], row["unit"], 3),
+        show_quantity(row["reading"], row["unit"], 3),
         f"{row['signal']:.3g}",
         "unstable" if not row["stable"] else f"{row['gain']:.3g}" if math.isfinite(row["gain"]) else "none",
         f"{math.degrees(phase):.0f}°" if math.isfinite(phase) else "none",
-        write_quantity(delay, "s", 3),
+        show_quantity(delay, "s", 3),
         f"{row['sensitivity']:.2f}",
     )

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from martensite.base.formats import typeset_unit, write_difference, write_quantity
+from martensite.base.formats import show_quantity, write_difference
 from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
 from martensite.control.loop.names import describe_controllers
 from martensite.simulate.curve_rows import add_step_rows
+from martensite.simulate.judgement import judge_run
 from martensite.simulate.measures.base import parse_measure
 from martensite.simulate.path_stages import PathStage, list_stages, residual_strain
 
@@ -19,7 +21,6 @@ if TYPE_CHECKING:
     from martensite.scenario.law_logs import LawComparison
     from martensite.scenario.laws import ConfiguredLaw
     from martensite.scenario.scenario import Scenario
-    from martensite.simulate.judgement import Judgement
     from martensite.simulate.point import PointResult
     from martensite.simulate.result import Result
 
@@ -51,15 +52,20 @@ def summarise_run(
     warned = len(result.warnings)
     told, warnings = own.blocks[: len(own.blocks) - warned], own.blocks[len(own.blocks) - warned :]
     guard = _collect_guard(scenario)
+    verdict = describe_run(scenario.title, result)
     blocks = [
+        verdict,
+        Sentence(write_key_numbers(result)),
         *told,
+        Sentence(f"{own.lead}."),
         *([tabulate_measures(measured)] if measured else []),
         *_describe_agreements(result, agreements),
         *_describe_averaging(averaging),
-        *(Sentence(f"controller of {drive}, {words}") for drive, words in controllers.items()),
+        *(Sentence(f"Controller of {drive}, {words}.") for drive, words in controllers.items()),
         *(Sentence(f"Caution: {caution}", "caution") for caution in scenario.cautions),
         *guard.blocks,
         *warnings,
+        *(Sentence(words) for words in judge_run(result).list_remedies()),
         Heading("Key results", detail=True),
         tabulate_key_results(result),
     ]
@@ -72,8 +78,27 @@ def summarise_run(
         "noise_seed": result.seed,
         **guard.data,
     }
+    return Summary("", blocks, data)
+
+
+def describe_run(title: str, result: Result) -> Sentence:
+    """Return the verdict on a run: all limits kept, the exceeded limits, or where it stopped."""
+    judged = judge_run(result)
+    stopped = next((words for words in result.warnings if words.startswith("The run stopped")), "")
+    if judged.kept and result.status.failed:
+        return Sentence(f"{title}: FAILED. {stopped or result.status.sentence}", "bad")
+    if not judged.kept:
+        return Sentence(f"{title}: {judged.verdict}", "bad")
+    count = len(result.warnings)
+    noted = f" ({count} {'warning' if count == 1 else 'warnings'} below)" if count else ""
+    return Sentence(f"{title}: OK, all limits kept{noted}.", "caution" if count else "good")
+
+
+def write_key_numbers(result: Result) -> str:
+    """Return stroke and peaks of a run in one line, temperature and stress with their limits."""
     stroke = write_difference(result.stroke, result.unit(result.coordinate))
-    return Summary(scenario.title, blocks, data, f"{own.lead}; stroke {stroke}")
+    parts = [f"Stroke {stroke}", *(f"{name} {value}" for name, value in list_peaks(result, limits=True))]
+    return ", ".join(parts) + "."
 
 
 class MeasuredNumber(NamedTuple):
@@ -103,13 +128,8 @@ def measure_run(result: Result, words: str) -> MeasuredNumber:
 
 def tabulate_measures(measured: Sequence[MeasuredNumber]) -> DataTable:
     """Return a table of measures with bounds on their errors."""
-    rows = [(one.words, write_quantity(one.value, one.unit), one.write_bound()) for one in measured]
+    rows = [(one.words, show_quantity(one.value, one.unit, 6), one.write_bound()) for one in measured]
     return DataTable(("measure", "value", "error"), rows, right=(1, 2))
-
-
-def tell_limits(found: Judgement) -> Sentence:
-    """Which limits are exceeded, in one line."""
-    return Sentence(found.verdict, "" if found.kept else "bad")
 
 
 def _collect_guard(scenario: Scenario) -> Summary:
@@ -138,15 +158,23 @@ def _list_strokes(result: Result) -> Iterator[tuple[str, str]]:
             yield words.format(output.long_name), size
 
 
-def list_peaks(result: Result) -> Iterator[tuple[str, str]]:
-    """Yield the highest temperature, stress and force of all elements, and the lowest martensite fraction."""
-    ports = list(result.system.actuators())
-    for name, words, choose in PEAKS if ports else ():
-        columns = [result.system.label(port, name) for port in ports]
-        value = choose(choose(result.find_range(column)) for column in columns)
-        value = value if abs(value) > NOTHING else 0.0
-        number, _, unit = write_quantity(value, result.unit(columns[0]), 4).partition(" ")
-        yield words, f"{number} {typeset_unit(unit)}".strip()
+def list_peaks(result: Result, limits: bool = False) -> Iterator[tuple[str, str]]:
+    """Yield the highest temperature, stress and force of all elements, and the lowest martensite fraction.
+
+    Args:
+        result: single run.
+        limits: True to add the limits of temperature and stress.
+    """
+    actuators = result.system.actuators()
+    for name, words, choose in PEAKS if actuators else ():
+        columns = {result.system.label(port, name): one for port, one in actuators.items()}
+        ends = {column: choose(result.find_range(column)) for column in columns}
+        column = choose(ends, key=ends.__getitem__)
+        value = ends[column] if abs(ends[column]) > NOTHING else 0.0
+        limit = getattr(columns[column].element.limits, f"{words.partition(' ')[2]}_limit", math.inf)
+        known = limits and math.isfinite(limit)
+        shown = f" (limit {show_quantity(limit, result.unit(column))})" if known else ""
+        yield words, show_quantity(value, result.unit(column)) + shown
 
 
 def _list_energies(result: Result) -> Iterator[tuple[str, str]]:
@@ -191,8 +219,8 @@ def _describe_averaging(found: Averaging | None) -> Iterator[Block]:
     ]
     yield DataTable(AVERAGED, rows, right=(1, 2))
     yield Sentence(
-        f"pulses of {found.frequency:.6g} Hz make the temperature ripple by up to "
-        f"{found.ripple:.3g} K (estimate {found.estimate:.3g} K)"
+        f"Pulses of {found.frequency:.6g} Hz cause a temperature ripple of up to "
+        f"{found.ripple:.3g} K (estimate {found.estimate:.3g} K)."
     )
 
 
@@ -216,7 +244,7 @@ def summarise_laws(path: str, dressed: Sequence[ConfiguredLaw], results: Sequenc
 
 
 def _describe_law(path: str, one: ConfiguredLaw, own: Sequence[PointResult]) -> Iterator[Block]:
-    source = "" if one.material is None else f", numbers of {one.material.name}"
+    source = "" if one.material is None else f", material {one.material.name}"
     yield Heading(f"{one.law.registered_name} on the path {path}{source}")
     rows = [row for result in own for row in _list_rows(result)]
     yield DataTable(COLUMNS, rows, right=(2, 4, 5, 6, 7, 8))
@@ -253,7 +281,7 @@ def _describe_leg(stage: PathStage) -> dict[str, Any]:
 
 
 def _tell_rest(result: PointResult) -> str:
-    accuracy = "" if result.accuracy is None else f", accuracy {result.accuracy:.1e} of range"
+    accuracy = "" if result.accuracy is None else f", error at most {result.accuracy:.1e} of each range"
     return (
         f"{result.label}: residual strain {100.0 * residual_strain(result):.3f} %, work "
         f"{result.work / 1e6:.3f} MJ/m³ ({result.steps:,} steps{accuracy})"
@@ -277,7 +305,7 @@ def _write_spot(stage: PathStage, i: int) -> str:
         return ""
     spot, parts = stage.spots[i], list[str]()
     if "temperature" in stage.varies:
-        parts.append(f"{spot.temperature - 273.15:.1f} degC")
+        parts.append(f"{spot.temperature - 273.15:.1f} °C")
     if "stress" in stage.varies:
         parts.append(f"{spot.stress / 1e6:.1f} MPa")
     return ", ".join(parts)
@@ -297,8 +325,8 @@ def summarise_law_logs(comparisons: Sequence[LawComparison]) -> Summary:
     ]
     cautions = dict.fromkeys(words for one in data for words in one["cautions"])
     blocks: list[Block] = [
-        DataTable(("law", "numbers of", "log", "compared", "RMS", "largest", "strain shifted"), rows, right=(4, 5, 6)),
-        Sentence("Differences are shares of the recorded range; where strain is zero is a matter of the log."),
+        DataTable(("law", "material", "log", "compared", "RMS", "largest", "strain offset"), rows, right=(4, 5, 6)),
+        Sentence("Differences are percentages of the recorded range. Strain offsets were fitted to each log."),
         *(Sentence(f"Caution: {words}", "caution") for words in cautions),
     ]
-    return Summary("Laws beside a log", blocks, {"laws": data})
+    return Summary("Laws compared with a log", blocks, {"laws": data})

@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from martensite.base.formats import write_quantity
+from martensite.actuators.mechanisms.base import Output
+from martensite.base import units
+from martensite.base.formats import show_quantity, typeset_unit
 from martensite.base.summary import Block, DataTable, Sentence, Summary
 from martensite.control.loop.switched_cycles import SwitchedCycle
-from martensite.show.summaries.run import tell_limits
+from martensite.simulate.judgement import Judgement
 from martensite.simulate.steady.curves import FoldCurve
 from martensite.simulate.steady.cycles import PeriodicOrbit
 from martensite.simulate.steady.equilibria import SteadyState
@@ -28,23 +30,23 @@ PROFILE = "["
 
 def write_speed(speed: float, unit: str) -> str:
     """Return the speed of a rotor [rad/s] in a unit."""
-    return f"{convert_speed(speed, unit):.6g} {unit}"
+    return f"{convert_speed(speed, unit):.4g} {unit}"
 
 
 def summarise_rest(found: SteadyState, title: str) -> Summary:
     """Return everything about an equilibrium."""
-    shown = {name: one for name, one in found.system.outputs().items() if PROFILE not in name}
-    rows = [(name, write_quantity(found.outputs[name], one.unit)) for name, one in shown.items()]
+    shown = _choose_outputs(found)
+    rows = [_write_row(name, one, found.outputs[name]) for name, one in shown.items()]
     held = ", ".join(
-        f"{one.name} = {write_quantity(found.signals[one.name], one.unit)}" for one in found.system.drives()
+        f"{one.name} = {show_quantity(found.signals[one.name], one.unit)}" for one in found.system.drives()
     )
-    slowest = f", the slowest within {found.time_constant:.3g} s" if 0.0 < found.time_constant < np.inf else ""
+    slowest = f", slowest time constant {found.time_constant:.3g} s" if 0.0 < found.time_constant < np.inf else ""
+    words = f"steady state at {held}, {_NAMES[found.start]}: {'stable' if found.stable else 'UNSTABLE'}{slowest}"
     blocks = [
-        tell_limits(found.judgement),
-        Sentence(f"{title}: at rest under {held}, {_NAMES[found.start]}."),
-        Sentence(f"Stable: small changes die out{slowest}." if found.stable else "Unstable: a small change grows."),
-        DataTable(("output", "at rest"), rows, right=(1,)),
+        _describe_verdict(title, words, found.judgement, found.stable),
+        DataTable(("quantity", "value", "unit", "column"), rows, right=(1,)),
         *_tell_neutral(found.stability),
+        *map(Sentence, found.judgement.list_remedies()),
     ]
     numbers = {
         "kind": "rest",
@@ -59,7 +61,27 @@ def summarise_rest(found: SteadyState, title: str) -> Summary:
     return Summary("", blocks, numbers)
 
 
-_NAMES = {"cold": "come to from the cold", "hot": "come to from the hot", "state": "come to from another rest"}
+_NAMES = {
+    "cold": "reached from the cold state",
+    "hot": "reached from the hot state",
+    "state": "reached from another steady state",
+}
+
+
+def _describe_verdict(title: str, words: str, judged: Judgement, stable: bool) -> Sentence:
+    limits = "All limits are kept." if judged.kept else judged.verdict
+    return Sentence(f"{title}: {words}. {limits}", "bad" if not judged.kept else "good" if stable else "caution")
+
+
+def _choose_outputs(found: SteadyState | PeriodicOrbit) -> dict[str, Output]:
+    """Return the outputs of all elements but not of single cells."""
+    return {name: one for name, one in found.system.outputs().items() if PROFILE not in name}
+
+
+def _write_row(name: str, output: Output, *values: float) -> tuple[str, ...]:
+    shown = units.of_column(name, output.unit)
+    numbers = (show_quantity(one, output.unit, 4, shown).partition(" ")[0] for one in values)
+    return (output.long_name, *numbers, typeset_unit(shown), name)
 
 
 def _tell_neutral(found: Stability) -> list[Block]:
@@ -68,30 +90,27 @@ def _tell_neutral(found: Stability) -> list[Block]:
         return []
     return [
         Sentence(
-            f"{found.neutral} directions are neutral: what is remembered and not overwritten, or only counts up, stays "
-            "as it is after a change."
+            f"Neutral directions: {found.neutral}. They belong to hysteresis memory and counters, which keep a changed "
+            "value after a disturbance."
         )
     ]
 
 
 def summarise_cycle(found: PeriodicOrbit, title: str) -> Summary:
     """Return everything about a limit cycle."""
-    shown = {name: one for name, one in found.system.outputs().items() if PROFILE not in name}
+    shown = _choose_outputs(found)
     rows = [
-        (name, *(write_quantity(float(f(found.outputs[name])), one.unit) for f in (np.min, np.max)))
-        for name, one in shown.items()
+        _write_row(name, one, *(float(f(found.outputs[name])) for f in (np.min, np.max))) for name, one in shown.items()
     ]
     switched = isinstance(found, SwitchedCycle)
-    on = f", of which it is on for {found.on_time:.6g} s" if isinstance(found, SwitchedCycle) else ""
+    on = f", switched on for {found.on_time:.4g} s" if isinstance(found, SwitchedCycle) else ""
+    words = f"limit cycle of {found.period:.6g} s{on}: {'stable' if found.stable else 'UNSTABLE'}"
     blocks = [
-        tell_limits(found.judgement),
-        Sentence(f"{title}: repeats itself after {found.period:.6g} s{on}."),
-        Sentence(
-            f"{'Stable' if found.stable else 'Unstable'}: of a small change at most "
-            f"{100.0 * found.stability.largest:.3g} % are left after a period."
-        ),
-        DataTable(("output", "lowest", "highest"), rows, right=(1, 2)),
+        _describe_verdict(title, words, found.judgement, found.stable),
+        Sentence(f"After one period, at most {100.0 * found.stability.largest:.3g} % of a small disturbance remain."),
+        DataTable(("quantity", "min", "max", "unit", "column"), rows, right=(1, 2)),
         *_tell_neutral(found.stability),
+        *map(Sentence, found.judgement.list_remedies()),
     ]
     numbers: dict[str, Any] = {
         "kind": "switched cycle" if switched else "cycle",
@@ -117,19 +136,19 @@ def summarise_response(
     places = _choose_points(found)
     rows = [
         (
-            write_quantity(float(found.parameter[k]), unit),
+            show_quantity(float(found.parameter[k]), unit),
             write_speed(float(found.speed[k]), speed),
-            write_quantity(float(found.amplitude[name][k]), found.units[name], 4),
+            show_quantity(float(found.amplitude[name][k]), found.units[name]),
             "fold" if found.fold[k] else "stable" if found.stable[k] else "unstable",
         )
         for k in places
     ]
+    folds = int(found.fold.sum())
+    jumps = "The rotor jumps at the folds." if folds else "No jump was found."
     blocks: list[Block] = [
-        DataTable((found.varied.name, "speed of the rotor", f"amplitude of {name}", ""), rows, right=(0, 1, 2)),
-        Sentence(
-            f"{title}: {len(found.parameter)} points, {int(found.fold.sum())} folds. A run jumps where a stable piece "
-            "ends; another curve that is not connected to this one is not found."
-        ),
+        Sentence(f"{title}: response curve of {len(found.parameter)} points with {folds} folds. {jumps}"),
+        DataTable((found.varied.name, "rotor speed", f"amplitude of {name}", "stability"), rows, right=(0, 1, 2)),
+        Sentence("Curves that are not connected to this one are not found."),
     ]
     for one in boundaries:
         blocks += _tell_boundary(one)
@@ -149,7 +168,7 @@ def _choose_points(found: ResponseCurve) -> list[int]:
 def _tell_boundary(one: FoldCurve) -> list[Block]:
     spread = sorted({*np.round(np.linspace(0, len(one.first) - 1, SHOWN // 2)).astype(int).tolist()})
     rows = [
-        (write_quantity(float(one.second[k]), one.units[1]), write_quantity(float(one.first[k]), one.units[0]))
+        (show_quantity(float(one.second[k]), one.units[1]), show_quantity(float(one.first[k]), one.units[0]))
         for k in spread
     ]
     return [DataTable((one.names[1], f"fold of {one.names[0]}"), rows, right=(0, 1))]
