@@ -215,7 +215,7 @@ def test_ranking_puts_the_robust_first_and_the_frugal_before_others() -> None:
         ({"rate": 1.0}, "0.51 mm", "too slow: "),
         ({"supply": 0.5}, "0.10 mm", "the supply of 0.5 V drives at most"),
         ({"current_limit": 0.05}, "0.10 mm", "and 0.05 A drives at most 0.05 A"),
-        ({"ambient": 353.15}, "0.10 mm", "never returns: at 80 °C it is above M_s = 58.3 °C"),
+        ({"ambient": 353.15}, "0.10 mm", "does not return: the ambient of 80 °C is above M_s = 58.3 °C"),
         ({"ambient": 273.15 + 52.0}, "0.10 mm", "does not return: more than 2 %"),
     ],
 )
@@ -244,7 +244,7 @@ def test_limits_are_warned_of_and_life_is_claimed_only_where_a_source_does() -> 
     assert "nitinolactuators.com" in usual.life
     assert "not the maker's datasheet" in usual.life
     assert high.statics.hot_stress > 172.4e6
-    assert high.life == "no figure in the datasheets at hand"
+    assert high.life == "no value in the available datasheets"
     bold = judge_candidate(asked(force=1.0, stress=300e6, limits="ignore"), THIN, "90")
     for inside in (high.reasons, bold.warnings):
         assert any("above the maker's 172 MPa for repeated use" in text for text in inside)

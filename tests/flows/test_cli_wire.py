@@ -81,8 +81,8 @@ def test_what_does_not_work_is_said(change: dict[str, float | str], fault: str) 
 
 def test_the_command(tmp_path: Path) -> None:
     text = WIRE.fine(*USUAL, "--current-limit", "2 A", "--figure", str(tmp_path / "circuit.svg"))
-    assert "Flexinol 0.10 mm, 90 °C, 100 mm, 12.6 ohm" in text
-    assert "drives 8 of them at once" in text
+    assert "Flexinol 0.10 mm, 90 °C, 100 mm, 12.6 Ω" in text
+    assert "drives 8 in parallel" in text
     assert (tmp_path / "circuit.svg").read_text(encoding="utf-8").startswith("<?xml")
     wet = WIRE(*USUAL, "--cooling", "water", "--json")
     found = json.loads(wet.stdout)
@@ -148,7 +148,7 @@ def test_stroke_starts_where_the_coil_is_held() -> None:
 def test_the_coil_that_is_saved_runs(tmp_path: Path) -> None:
     file, figure = tmp_path / "bag.toml", tmp_path / "bag.svg"
     text = WIRE.fine(*BAG, "--pulse", "5 s", "--save", str(file), "--figure", str(figure))
-    assert "50 turns of 4.28 mm between centres" in text and figure.is_file()
+    assert "50 turns of 4.28 mm mean diameter" in text and figure.is_file()
     found, run = rate_wire(CoilInHand(**COIL)), load(file).run()  # type: ignore[arg-type]
     assert max(run["position"]) == pytest.approx(found.stroke, rel=0.02)
     assert max(run["resistance"]) == pytest.approx(3.0)

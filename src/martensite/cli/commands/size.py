@@ -74,16 +74,18 @@ def size(
         from martensite.physics.materials.wires import load_wires
 
         sizing = size_wire(request, progress=progress)
-    from martensite.show.summaries.sizing import summarise_sizing
+    from martensite.show.summaries.sizing import summarise_sizing, write_count
 
     best = _choose_candidate(sizing, pick)
     if best is None:
         Outputs(None, None).answer(summarise_sizing(sizing, best, every=every), json)
         raise SolveError("No wire meets the request" + ("." if out is None else f", so `{out}` was not written."))
     picked = sizing.candidates[best]
-    reasons = "" if picked.feasible else f" does not meet the request: {picked.reasons[0]}"
+    verdict = write_count(sizing)
+    if not picked.feasible:
+        verdict = f"Wire {best + 1} does not meet the request: {picked.reasons[0]}"
     refused = outputs.answer_verdict(
-        Verdict(not picked.feasible, f"Wire {best + 1}{reasons or ' meets the request'}"),
+        Verdict(not picked.feasible, verdict),
         summarise_sizing(sizing, best, every=every),
         options,
         lambda: format_scenario(sizing.request, picked, load_wires()),

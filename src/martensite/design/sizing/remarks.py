@@ -26,32 +26,32 @@ if TYPE_CHECKING:
 
 COLD_MARGIN = 10.0
 """Margin of M_f above the ambient [K] below which the return is called slow and uncertain."""
-UNKNOWN_LIFE = "no figure in the datasheets at hand"
+UNKNOWN_LIFE = "no value in the available datasheets"
 KNOWN_LIFE = (
-    "within 25 ksi (172 MPa), which nitinolactuators.com names as design limit for a million "
-    "cycles: a secondary page, not the maker's datasheet"
+    "within 25 ksi (172 MPa), the design limit for a million cycles on nitinolactuators.com (a secondary source, not "
+    "the maker's datasheet)"
 )
 UNTOLD_LIFE = (
-    "For the strain no source names a number of cycles, so the maker's largest is kept. This is no prediction, and "
-    "nothing is known here beyond a million cycles"
+    "No source gives a number of cycles for a strain, so the maker's maximum strain applies. This is no prediction: "
+    "no data are available beyond a million cycles"
 )
 COIL_DOUBT = (
-    "Numbers are those of straight trained wire: a coil that was wound and annealed has temperatures of its own, and "
-    "its section is taken as one."
+    "The values are those of straight trained wire. A coil that was wound and annealed has other transformation "
+    "temperatures, and its stress is averaged over the cross-section."
 )
 
 
 def describe_life(stress: float, element: str = "wire", asked: float = math.inf) -> str:
     """Return the published statement on the life at a stress [Pa], and on the requested cycles."""
     if math.isfinite(asked):
-        return f"{asked:,.0f} cycles are asked for; the stress is {KNOWN_LIFE}. {UNTOLD_LIFE}"
+        return f"{asked:,.0f} cycles requested; the stress is {KNOWN_LIFE}. {UNTOLD_LIFE}"
     if element == "coil":
         return f"{UNKNOWN_LIFE} for coils"
     return KNOWN_LIFE if stress <= LIFE_STRESS else UNKNOWN_LIFE
 
 
 def list_static_reasons(request: WireRequest, static: Statics) -> Iterator[str]:
-    """Why a candidate need not be simulated."""
+    """Yield the reasons for which a candidate is rejected without a simulation."""
     strand, cold = static.strand, static.cold_stress
     if request.limits == "keep":
         yield from _list_exceeded(static)
@@ -60,15 +60,15 @@ def list_static_reasons(request: WireRequest, static: Statics) -> Iterator[str]:
     start = strand.shifted("M_s", cold)
     if request.ambient >= start:
         yield (
-            f"never returns: at {_format_celsius(request.ambient)} it is above M_s = "
-            f"{_format_celsius(start)} under {_format_megapascal(cold)}"
+            f"does not return: the ambient of {_format_celsius(request.ambient)} is above M_s = "
+            f"{_format_celsius(start)} at {_format_megapascal(cold)}"
         )
 
 
 def list_reasons(
     request: WireRequest, static: Statics, wiring: Wiring | None, cycle: PulseCycle | None, limits: Mapping[str, float]
 ) -> Iterator[str]:
-    """Why a simulated candidate does not do."""
+    """Yield the reasons for the rejection of a simulated candidate."""
     if wiring is not None and cycle is None:
         yield _describe_supply(request, static, wiring)
     if wiring is None or cycle is None:
@@ -79,7 +79,7 @@ def list_reasons(
         )
     elif not cycle.keeps(request.period):
         spent = cycle.current > 0.999 * wiring.most(request)
-        excuse = ", at all that the supply drives" if spent else ""
+        excuse = ", at the largest current of the supply" if spent else ""
         yield (
             f"too slow: {cycle.heating:.2g} s of heating and {cycle.cooling:.3g} s of cooling in a "
             f"period of {request.period:.3g} s{excuse}"
@@ -107,7 +107,7 @@ def _describe_supply(request: WireRequest, static: Statics, wiring: Wiring) -> s
         limit += f" and {request.current_limit:.4g} A"
     return (
         f"the supply of {limit} drives at most {most:.3g} A through a strand of "
-        f"{static.strand.resistance:.3g} ohm ({wiring.kind}): too little for the stroke"
+        f"{static.strand.resistance:.3g} Ω ({wiring.kind}), which is not enough for the stroke"
     )
 
 
@@ -120,17 +120,16 @@ def list_warnings(
         yield from _list_exceeded(static)
     if static.strain < request.strain and request.element == "wire":
         yield (
-            f"{100.0 * static.strain:.2f} % strain is used, not {100.0 * request.strain:.2f} %: "
-            "the wire gives no more under this load"
+            f"strain is {100.0 * static.strain:.2f} % instead of {100.0 * request.strain:.2f} %: "
+            "the wire recovers no more under this load"
         )
     limit = limits["temperature_limit"]
     if request.limits == "ignore" and cycle is not None:
         yield from (describe_excess(alarm) for alarm in cycle.exceeded if alarm.kind == "temperature")
     if cycle is not None and cycle.current > overheating:
         yield (
-            f"the pulse current is above the {overheating:.3g} A per strand that in the long run "
-            f"bring the wire to its limit of {_format_celsius(limit)}: a pulse that "
-            "does not end overheats it"
+            f"the pulse current is above the continuous rating of {overheating:.3g} A per strand: end every pulse in "
+            f"time, or the wire exceeds {_format_celsius(limit)}"
         )
 
 
@@ -140,14 +139,13 @@ def _warn_of_cold(request: WireRequest, static: Statics) -> Iterator[str]:
     under = f"M_f = {_format_celsius(finish)} under {_format_megapascal(static.cold_stress)}"
     if request.ambient >= finish:
         yield (
-            f"the ambient of {_format_celsius(request.ambient)} is above {under}: the wire never "
-            "cools far enough to return wholly"
+            f"the ambient of {_format_celsius(request.ambient)} is above {under}: the wire does not return completely"
         )
     elif request.ambient > finish - COLD_MARGIN:
         yield (
             f"the ambient of {_format_celsius(request.ambient)} is only "
-            f"{finish - request.ambient:.1f} K below {under}: the return is slow, and a warmer day "
-            "stops it"
+            f"{finish - request.ambient:.1f} K below {under}: the return is slow and stops on a "
+            "warmer day"
         )
 
 
@@ -186,7 +184,7 @@ def list_margins(request: WireRequest, found: Candidate) -> list[Margin]:
     return [
         Margin("stress", static.hot_stress, request.stress, "Pa", "MPa"),
         Margin("strain", static.strain, request.strain, "1", "%", chosen=True),
-        Margin("strain of what the wire gives", static.strain, static.reachable, "1", "%", chosen=True),
+        Margin("strain of the recoverable strain", static.strain, static.reachable, "1", "%", chosen=True),
         *_list_cycle_margins(request, found),
         Margin("strands", float(static.count), request.strands, "1", "1"),
     ]

@@ -82,11 +82,13 @@ class WireRatings:
         """Why it does not work so; empty if it does."""
         found = [self.contradiction] if self.contradiction else []
         if self.cycle is None:
-            found.append(f"no current contracts it in {self.wire.pulse:.3g} s")
+            found.append(f"no current contracts the wire in {self.wire.pulse:.3g} s; use a longer pulse")
         elif not self.drivable:
             found.append(self._describe_supply(self.cycle.current))
         if not self.returns or (self.cycle is not None and self.cycle.cooling is None):
-            found.append("it does not come back at this ambient under this load when cold")
+            found.append(
+                "the wire does not return at this ambient temperature and cold load; use a colder ambient or more load"
+            )
         stress, limit = self.hot_stress / 1e6, self.stress_limit / 1e6
         if stress > limit:
             found.append(f"{stress:.4g} MPa is above the maker's {limit:.4g} MPa for repeated use")
@@ -94,7 +96,7 @@ class WireRatings:
         found += [describe_excess(alarm) for alarm in alarms if alarm.kind != "stress"]
         if self.drawn is not None and self.drawn.strain > self.strain_limit:
             strains = f"{100.0 * self.drawn.strain:.3g} % strain, above the maker's {100.0 * self.strain_limit:.3g} %"
-            found.append(f"drawn out to {1e3 * self.drawn.length:.4g} mm it has {strains}")
+            found.append(f"stretched to {1e3 * self.drawn.length:.4g} mm the coil has {strains}")
         return tuple(found)
 
     def _describe_supply(self, needed: float) -> str:
@@ -120,8 +122,8 @@ class WireRatings:
             return ()
         needed = "" if self.cycle is None else f", here of at least {self.cycle.current * self.strand.resistance:.3g} V"
         return (
-            f"{self.wire.supply:.4g} V can kill: bare wire above {TOUCHABLE:.0f} V must not be touched, and no wire "
-            f"belongs on the mains; use an isolated low-voltage supply{needed}",
+            f"{self.wire.supply:.4g} V can kill. Do not touch bare wire above {TOUCHABLE:.0f} V and do not connect a wire "
+            f"to the mains; use an isolated low-voltage supply{needed}",
         )
 
     @property

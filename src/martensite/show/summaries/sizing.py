@@ -1,4 +1,4 @@
-"""Wires for a request: a table of them, one of them in words; and the model beside the maker's table."""
+"""Candidate wires for a request: a table, one wire in detail; and the model compared with the maker's table."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from martensite.base.formats import write_percent
+from martensite.base.formats import show_quantity, write_percent
 from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
 from martensite.design.sizing.candidates import Candidate, Sizing
 from martensite.design.sizing.catalogue_check import CheckRow, RatioSpread, summarise_ratios
@@ -16,7 +16,7 @@ from martensite.design.sizing.request import WireRequest
 from martensite.physics.materials.base import DOUBTFUL, MaterialNumber, load_material
 
 NEAREST = 5
-"""Wires that do not do and are shown if none does."""
+"""Rejected wires that are shown if no wire meets the request."""
 COLUMNS = (
     "",
     "wire\nmm",
@@ -38,7 +38,7 @@ COIL_COLUMNS = (*COLUMNS[:2], *_SHAPE, *COLUMNS[5:7], *COLUMNS[9:])
 CHECKED = (
     "wire\nmm",
     "alloy\n°C",
-    "1 s pulse\nmA",
+    "model\nmA",
     "table\nmA",
     "ratio",
     "cools\ns",
@@ -47,13 +47,19 @@ CHECKED = (
     "lost\nin 1 s",
     "I²R t\n/stored",
 )
-DOUBT = "No number is fitted to a size. ! recalled: the original was not seen"
+DOUBT = "No parameter is fitted to a size. ! marks recalled values, whose original was not seen."
 
 
 def summarise_sizing(sizing: Sizing, chosen: int | None, *, every: bool = False) -> Summary:
-    """Everything about wires for a request, one described by its place; with `every` also those that do not do."""
+    """Return everything about wires for a request.
+
+    Args:
+        sizing: candidates, best first.
+        chosen: place of the candidate to describe; None for no description.
+        every: True to list rejected candidates as well.
+    """
     request = sizing.request
-    one = [] if chosen is None else _describe_one(request, sizing.candidates[chosen])
+    one = [] if chosen is None else _describe_one(request, chosen + 1, sizing.candidates[chosen])
     data = {
         "request": {name: getattr(request, name) for name in request.declarations},
         "chosen": None if chosen is None else chosen + 1,
@@ -69,34 +75,48 @@ def _describe_candidates(sizing: Sizing, chosen: int | None, every: bool) -> Ite
     shown = numbered if every else good or numbered[:NEAREST]
     if chosen is not None and chosen not in [i for i, _ in shown]:
         shown.append(numbered[chosen])
-    rows = [list_cells(i + 1, found) for i, found in shown]
-    columns = choose_columns(sizing.request)
-    yield DataTable(columns, rows, right=(0, *range(4, len(columns) - 1)))
+    columns = choose_columns(sizing.request)[:-1]
+    rows = [_mark_row(list_cells(i + 1, found)[:-1], found) for i, found in shown]
+    if not good:
+        yield Sentence("No wire meets the request. The nearest candidates:", "bad")
+    yield DataTable(columns, rows, right=(0, *range(4, len(columns))))
     for i, found in shown:
         if not found.feasible:
-            yield Sentence(f"{i + 1} does not: {found.reasons[0]}.")
+            yield Sentence(f"Wire {i + 1} rejected: {found.reasons[0]}.")
     if not good:
-        yield Sentence("No wire meets the request; the nearest come first.", "caution")
-        yield from (Sentence(f"What would fit: {change}.") for change in sizing.changes)
+        yield from (Sentence(f"Change that fits: {change}.") for change in sizing.changes)
         if not sizing.changes:
-            yield Sentence("More strands, a lower rate or a higher voltage would not help; ask for less.")
+            yield Sentence("More strands, a lower rate or a higher voltage do not help. Reduce force or stroke.")
     if sizing.request.limits == "ignore":
-        yield Sentence("The limits of the material are ignored, as asked.", "caution")
-    robust = sum(not found.frail for _, found in good)
+        yield Sentence("The limits of the material are ignored (--no-limits).", "caution")
     if good:
-        some = "The first" if robust == 1 else f"The first {robust}" if robust else "None of them"
-        who = "All of them" if robust == len(good) else some
-        slow = ", with half of the heat loss," if sizing.request.element == "coil" else ""
-        yield Sentence(f"{who} would also return on a day 10 K warmer{slow} and carry 20 % more load.")
+        slow = ", half of the heat loss" if sizing.request.element == "coil" else ""
+        yield Sentence(f"* also works at +10 K ambient{slow} and +20 % load.")
     left = len(numbered) - len(shown)
     if left:
-        yield Sentence(f"{left} more do not do; --all shows them with the reason.")
+        yield Sentence(f"{left} candidates rejected: --all lists them with the reasons.")
 
 
-def _describe_one(request: WireRequest, found: Candidate) -> Iterator[Block]:
-    yield Heading(write_headline(found))
+def _mark_row(cells: Sequence[str], found: Candidate) -> tuple[str, ...]:
+    """Mark a robust candidate by an asterisk."""
+    return (cells[0] + ("*" if found.feasible and not found.frail else " "), *cells[1:])
+
+
+def write_count(sizing: Sizing) -> str:
+    """Return how many candidates meet the request, and the request."""
+    request = sizing.request
+    good = sum(found.feasible for found in sizing.candidates)
+    asked = (
+        f"{request.force:.4g} N, {1e3 * request.stroke:.4g} mm, {request.rate:.4g} Hz at {request.supply:.4g} V, "
+        f"{show_quantity(request.ambient, 'K')}"
+    )
+    return f"{good} of {len(sizing.candidates)} {request.element}s meet {asked}"
+
+
+def _describe_one(request: WireRequest, number: int, found: Candidate) -> Iterator[Block]:
+    yield Heading(f"Wire {number}: {write_headline(found)}")
     yield from map(Sentence, list_sentences(request, found))
-    yield from (Sentence(f"Not met: {reason}.", "bad") for reason in found.reasons)
+    yield from (Sentence(f"Limit not met: {reason}.", "bad") for reason in found.reasons)
     yield from (Sentence(f"Warning: {warning}.", "caution") for warning in (*found.warnings, *found.frail))
     yield from (Sentence(line, "caution") for line in list_doubts(found))
 
@@ -120,7 +140,7 @@ def list_cells(number: int, found: Candidate) -> tuple[str, ...]:
         times = (f"{cycle.heating:.2g}", write_seconds(cycle.cooling))
     wiring = "" if found.wiring is None or static.count == 1 else f" {found.wiring.kind}"
     coil = static.strand.describe_shape(static.cold_stress, static.hot_stress)
-    verdict = "does" if found.feasible else "no"
+    verdict = "yes" if found.feasible else "no"
     wire, strands = strip_unit(found.size.name), f"{static.count}{wiring}"
     if coil is not None:
         lengths = f"{1e3 * coil['hot_length']:.3g}..{1e3 * coil['cold_length']:.3g}"
@@ -146,17 +166,17 @@ def write_headline(found: Candidate) -> str:
     static = found.statics
     each = "" if static.count == 1 else " each"
     if (coil := static.strand.describe_shape(static.cold_stress, static.hot_stress)) is not None:
-        many = "" if static.count == 1 else f"{static.count} coils side by side of "
+        many = "" if static.count == 1 else f"{static.count} parallel coils of "
         return (
             f"{many}Flexinol {found.size.name}, {found.alloy} °C: {describe_coil(coil)}; "
-            f"{static.strand.resistance:.3g} ohm{each}."
+            f"{static.strand.resistance:.3g} Ω{each}."
         )
     many = "" if static.count == 1 else f"{static.count} strands of "
     return (
         f"{many}Flexinol {found.size.name}, {found.alloy} °C, "
         f"{1e3 * static.strand.length:.1f} mm{each}: {write_percent(static.strain, 2)} strain over "
         f"the stroke (at most {write_percent(static.reachable, 2)}), "
-        f"{static.strand.resistance:.3g} ohm{each}."
+        f"{static.strand.resistance:.3g} Ω{each}."
     )
 
 
@@ -164,14 +184,14 @@ def describe_coil(coil: Mapping[str, float]) -> str:
     """Turns, diameters and lengths of a coil."""
     mm = {name: f"{1e3 * value:.4g}" for name, value in coil.items()}
     return (
-        f"{coil['turns']:.4g} turns of {mm['mean_diameter']} mm between centres ({mm['outer_diameter']} mm over all), "
-        f"{mm['solid_length']} mm when closed; under load {mm['hot_length']} mm hot and {mm['cold_length']} mm cold, "
+        f"{coil['turns']:.4g} turns of {mm['mean_diameter']} mm mean diameter ({mm['outer_diameter']} mm outer), "
+        f"{mm['solid_length']} mm solid length; under load {mm['hot_length']} mm hot and {mm['cold_length']} mm cold, "
         f"{coil['hot_rate'] / 1e3:.3g} and {coil['cold_rate'] / 1e3:.3g} N/mm"
     )
 
 
 def list_sentences(request: WireRequest, found: Candidate) -> Iterator[str]:
-    """Return, margins, pulse, temperatures, life, and what the maker's table says."""
+    """Yield return element, margins, pulse, temperatures, life, and the values of the maker's table."""
     yield _tell_return(request, found)
     yield _tell_margins(request, found)
     if found.cycle is not None:
@@ -184,12 +204,11 @@ def _tell_return(request: WireRequest, found: Candidate) -> str:
     static = found.statics
     if static.stiffness > 0.0:
         return (
-            f"Return spring: preload {static.preload:.4g} N, rate {static.stiffness / 1e3:.4g} "
-            f"N/mm; at the end of the stroke the wire pulls {static.work_force:.4g} N, "
-            f"{request.force:.4g} N of it for the load."
+            f"Return spring: preload {static.preload:.4g} N, rate {static.stiffness / 1e3:.4g} N/mm. At the end of the "
+            f"stroke the wire pulls {static.work_force:.4g} N, including {request.force:.4g} N for the load."
         )
-    extra = f", of which {static.extra:.4g} N only stretch the wire" if static.extra > 0.0 else ""
-    return f"Return by a weight of {static.preload:.4g} N{extra}."
+    extra = f", including {static.extra:.4g} N that only stretch the wire" if static.extra > 0.0 else ""
+    return f"Return weight: {static.preload:.4g} N{extra}."
 
 
 def _tell_margins(request: WireRequest, found: Candidate) -> str:
@@ -210,29 +229,27 @@ def _tell_pulse(request: WireRequest, found: Candidate, cycle: PulseCycle) -> li
     each = f" ({cycle.current:.3g} A each)" if static.count > 1 else ""
     running = ""
     if cycle.running is not None:
-        running = f" in the first cycle, {cycle.running - 273.15:.0f} °C when it is repeated"
+        running = f" in the first cycle, {cycle.running - 273.15:.0f} °C in repeated cycles"
     cooling = write_seconds(cycle.cooling) + ("" if cycle.cooling is None else " s")
     duty = (drive.voltage / request.supply) ** 2
     lines = [
         f"Pulse: {drive.current:.3g} A{each} at {drive.voltage:.3g} V, {drive.power:.3g} W for "
-        f"{cycle.heating:.3g} s, {drive.energy:.3g} J per cycle; switched straight from "
-        f"{request.supply:.4g} V it is a PWM of {write_percent(duty)} duty with peaks of "
-        f"{drive.current * request.supply / drive.voltage:.3g} A.",
-        f"Up to {cycle.hottest - 273.15:.0f} °C{running}; cooling {cooling}; in the "
-        f"long run {found.overheating_current:.3g} A per strand bring the wire to its limit of "
+        f"{cycle.heating:.3g} s, {drive.energy:.3g} J per cycle. From {request.supply:.4g} V: PWM with "
+        f"{write_percent(duty)} duty cycle and peaks of {drive.current * request.supply / drive.voltage:.3g} A.",
+        f"Temperature: up to {cycle.hottest - 273.15:.0f} °C{running}. Cooling time: {cooling}. Continuous rating: "
+        f"{found.overheating_current:.3g} A per strand, which heats the wire to its limit of "
         f"{found.temperature_limit - 273.15:.4g} °C.",
     ]
     if cycle.fastest is not None:
-        asked = f"{request.rate:.4g} Hz are asked for"
-        lines.append(f"Fastest cycle with this pulse: {cycle.fastest:.3g} Hz; {asked}.")
+        lines.append(f"Maximum rate with this pulse: {cycle.fastest:.3g} Hz (requested: {request.rate:.4g} Hz).")
     return lines
 
 
 def _tell_catalogue(found: Candidate) -> str:
     cooling = found.size.cooling_70 if found.alloy == "70" else found.size.cooling_90
     return (
-        f"The maker's table for this size: {_write_cell(found.size.current)} for contraction in "
-        f"1 s, {_write_cell(cooling)} of cooling, under its own conditions."
+        f"Maker's table for this size: {_write_cell(found.size.current)} for contraction in 1 s, "
+        f"cooling time {_write_cell(cooling)}, under the maker's conditions."
     )
 
 
@@ -241,13 +258,13 @@ def _write_cell(cell: MaterialNumber) -> str:
 
 
 def list_doubts(found: Candidate) -> list[str]:
-    """Which numbers behind it are assumed or recalled."""
+    """Return sentences that name the assumed or recalled values of a candidate."""
     name = f"flexinol-{found.alloy}"
     numbers = load_material(name).values.items()
     doubtful = [key for key, number in numbers if number.kind in DOUBTFUL]
-    lines = [f"Assumed or recalled numbers of {name}: {', '.join(doubtful)}."]
+    lines = [f"Assumed or recalled values of {name}: {', '.join(doubtful)}."]
     if found.recalled:
-        lines.insert(0, f"Recalled or interpolated cells of the catalogue: {', '.join(found.recalled)}.")
+        lines.insert(0, f"Recalled or interpolated values of the catalogue: {', '.join(found.recalled)}.")
     return lines
 
 
@@ -265,8 +282,8 @@ def summarise_check(rows: Sequence[CheckRow], stress: float, ambient: float) -> 
 def write_conditions(stress: float, ambient: float) -> str:
     """Under which conditions [Pa, K] the model is set beside the table."""
     return (
-        f"The model beside the maker's table: a weight of {stress / 1e6:.4g} MPa, still air of "
-        f"{ambient - 273.15:.4g} °C, vertical wire, the last 0.5 % of deformation not counted."
+        f"Model compared with the maker's table: load {stress / 1e6:.4g} MPa, still air at "
+        f"{ambient - 273.15:.4g} °C, vertical wire, cooling until 0.5 % of the stroke is left."
     )
 
 
