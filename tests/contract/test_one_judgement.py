@@ -141,7 +141,7 @@ def test_a_run_that_takes_too_long_is_reported_as_not_judged(monkeypatch: pytest
     monkeypatch.setattr("martensite.cli.commands.check.TRIED", 0.0)
     verdict = CHECK.fine(str(EXAMPLE_LOOP)).splitlines()[0]
     assert "the loop passes all tests. Limits not checked: the run takes more than 0 s" in verdict
-    assert "CPU time was spent" in RUN(str(EXAMPLE_LOOP), "--no-figure", "--budget", "1 us").output
+    assert "CPU time was spent" in RUN(str(EXAMPLE_LOOP), "--no-figure", "--time-box", "1 us").output
 
 
 @pytest.mark.parametrize("runtime", ["floats", "c"])
@@ -156,7 +156,7 @@ def test_a_budget_changes_nothing_in_a_run_in_periods(runtime: str, c_compiler: 
 def test_check_agrees_with_the_scenario_that_wire_saves(tmp_path: Path) -> None:
     file = tmp_path / "w.toml"
     words = ("--diameter", "0.15 mm", "--length", "20 cm", "--supply", "6 V")
-    assert ONE_WIRE.fine(*words, "--save", str(file)).startswith("Flexinol 0.15 mm")
+    assert ONE_WIRE.fine(*words, "--out", str(file)).startswith("Flexinol 0.15 mm")
     assert "All limits are kept." in CHECK.fine(str(file))
     assert RUN.report(str(file), "--no-figure", "--out", str(tmp_path / "w.nc"))["warnings"] == []
 

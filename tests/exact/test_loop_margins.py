@@ -120,7 +120,7 @@ def test_noise_moves_the_signal_as_a_long_linear_run_says() -> None:
 def test_a_schedule_has_the_same_sensitivity_at_all_points_and_follows_better(tmp_path: Path) -> None:
     """Found again with the scheduled controller on the bench; written, it is read as it was."""
     saved = tmp_path / "scheduled.toml"
-    words = "--method", "schedule", "--sensitivity", "1.3", "--save", str(saved)
+    words = "--method", "schedule", "--sensitivity", "1.3", "--out", str(saved)
     found = Command("tune").report(str(EXAMPLE), *words)
     assert [one["branch"] for one in found["points"]] == ["heating"] * 4 + ["cooling"] * 4
     np.testing.assert_allclose([one["sensitivity"] for one in found["points"]], 1.3, rtol=2e-3)

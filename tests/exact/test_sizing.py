@@ -233,7 +233,7 @@ def test_a_close_ambient_is_warned_of() -> None:
         found = judge_candidate(asked(ambient=ambient), THIN, "70")
         return [text for text in found.warnings if "M_f" in text]
 
-    assert "the wire never cools far enough" in cold(finish + 0.1)[0]
+    assert "the wire does not return completely" in cold(finish + 0.1)[0]
     assert "is only 0.1 K below M_f = 28.3 °C under 69 MPa" in cold(finish - 0.1)[0]
     assert cold(finish - 9.9)
     assert not cold(finish - 10.1)

@@ -63,7 +63,7 @@ def test_a_design_goes_on_from_the_best_so_far(folder: Path, monkeypatch: pytest
     assert 0.08e-3 <= diameter[0] <= 0.14e-3
     assert diameter[0] != diameter[1]
     interrupt(
-        Command("design"), martensite.cli.commands.design, monkeypatch, "bundle.toml", *quick, "--save", "found.toml"
+        Command("design"), martensite.cli.commands.design, monkeypatch, "bundle.toml", *quick, "--out", "found.toml"
     )
     assert Path("found.toml").read_text(encoding="utf-8") == text
 

@@ -38,7 +38,7 @@ def test_one_screen_says_what_was_understood() -> None:
 
 
 def test_columns_are_corrected_and_the_table_is_saved(folder: Path) -> None:
-    given = ("loop.csv", "--as", "Load level=stress[MPa]", "--save", "clean.csv")
+    given = ("loop.csv", "--as", "Load level=stress[MPa]", "--out", "clean.csv")
     SHOW.fine(*given)
     assert "--force" in SHOW.refused(*given)
     record = read_table(folder / "clean.csv")
@@ -52,7 +52,7 @@ def test_what_cannot_be_told_is_a_sentence_that_says_what_to_write() -> None:
     assert "--as 1=stress[MPa]" in SHOW.refused("plain.txt")
     assert "does not say which column" in SHOW.refused("plain.txt", "--as", "stress")
     assert "There is no file" in SHOW.refused("absent.txt")
-    assert "join them by --merge" in SHOW.refused("loop.csv", "loop.csv", "--save", "a.csv")
+    assert "join them by --merge" in SHOW.refused("loop.csv", "loop.csv", "--out", "a.csv")
     assert "there is one file only" in SHOW.refused("loop.csv", "--merge")
     assert "has no times" in SHOW.refused("loop.csv", "loop.csv", "--merge")
 

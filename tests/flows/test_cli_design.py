@@ -31,7 +31,7 @@ def scenario(tmp_path: Path) -> Path:
 
 def test_the_scenario_that_is_saved_does_what_is_shown(scenario: Path) -> None:
     saved, figure = scenario.with_name("found.toml"), scenario.with_name("found.svg")
-    files = "--save", str(saved), "--figure", str(figure)
+    files = "--out", str(saved), "--figure", str(figure)
     shown = DESIGN.report(str(scenario), *FREE, *POWER, *LIMITS, *QUICK, *files, "--no-limits")
     again = load(saved)
     run = again.run()
@@ -50,7 +50,7 @@ def test_the_scenario_that_is_saved_does_what_is_shown(scenario: Path) -> None:
 def test_a_design_that_misses_a_limit_is_not_saved_unless_forced(scenario: Path) -> None:
     """The truth: the scenario that is saved by force, run again, against the limits that the first line names."""
     saved = scenario.with_name("found.toml")
-    words = str(scenario), *POWER, "--subject", "stroke >= 50 mm", *QUICK, "--save", str(saved)
+    words = str(scenario), *POWER, "--subject", "stroke >= 50 mm", *QUICK, "--out", str(saved)
     done = DESIGN(*words)
     assert done.exit_code == 1
     first = done.stdout.splitlines()[0]
@@ -95,7 +95,7 @@ def test_it_is_shown_in_words_beside_a_grid(scenario: Path) -> None:
         ((*FREE, "--life", "120 %"), "margin of life"),
         ((*FREE, "--case", "environment.temperature"), "is no case"),
         ((*FREE, "--case", "drive.peak=3 W"), "level of a waveform"),
-        ((*FREE, "--save", "found.json"), "must end in .toml"),
+        ((*FREE, "--out", "found.json"), "must end in .toml"),
     ],
 )
 def test_it_refuses(scenario: Path, words: tuple[str, ...], sentence: str) -> None:

@@ -68,7 +68,7 @@ def test_columns_of_which_there_is_no_choice_need_not_be_named() -> None:
 
 
 def test_a_log_alone_is_enough() -> None:
-    text = IDENTIFY.fine("pulses.csv", "--unit", "duty=%", "--save", "model.json", "--report", "page.md")
+    text = IDENTIFY.fine("pulses.csv", "--unit", "duty=%", "--out", "model.json", "--report", "page.md")
     assert "Input `duty`, output `position`: by their names, of `duty`, `temperature`, `position`" in text
     assert "predicts: fit" in text
     assert "chosen" in text
@@ -111,7 +111,7 @@ def test_json_holds_what_python_finds() -> None:
 
 
 def test_stages_in_series_are_saved_and_drawn(folder: Path) -> None:
-    wanted = ("--save", "model.json", "--figure", "model.svg")
+    wanted = ("--out", "model.json", "--figure", "model.svg")
     text = IDENTIFY.fine("pulses.csv", *TWO, "--other", "ramps.csv", *wanted)
     assert "Stage 2: `temperature` -> `position`: poly(1)" in text
     assert "series" in text
@@ -171,7 +171,7 @@ def test_an_interrupted_search_exits_with_1(monkeypatch: pytest.MonkeyPatch) -> 
         (("pulses.csv", *ONE, "--unit", "duty"), "write `COLUMN=UNIT`"),
         (("pulses.csv", *ONE, "--unit", "temperature=mm"), "cannot be converted"),
         (("pulses.csv", *ONE, "--skip", "1000 s"), "no known samples that count"),
-        (("pulses.csv", *ONE, "--save", "model.txt"), "must end in .json"),
+        (("pulses.csv", *ONE, "--out", "model.txt"), "must end in .json"),
     ],
 )
 def test_bad_input(arguments: tuple[str, ...], words: str) -> None:

@@ -72,7 +72,7 @@ def test_a_figure_of_indices_is_written(store: Path, tmp_path: Path) -> None:
 
 def test_a_front_is_shown_told_and_saved(store: Path, tmp_path: Path) -> None:
     saved, figure = tmp_path / "front.csv", tmp_path / "front.svg"
-    files = "--save", str(saved), "--figure", str(figure)
+    files = "--out", str(saved), "--figure", str(figure)
     told = PARETO.report(str(store), *GOALS, *files)
     found = read_sweep(store)
     front = find_pareto_front(found, ["energy"], ["stroke"])
@@ -108,7 +108,7 @@ def test_a_sweep_draws_what_it_found(scenario: Path, tmp_path: Path) -> None:
         (PARETO, (), "--minimise"),
         (PARETO, ("--maximise", "strok"), "Did you mean `stroke`"),
         (PARETO, ("--maximise", "stroke", "--minimise", "stroke"), "a goal twice"),
-        (PARETO, ("--maximise", "stroke", "--save", "x.json"), "must end in .csv"),
+        (PARETO, ("--maximise", "stroke", "--out", "x.json"), "must end in .csv"),
     ],
 )
 def test_they_refuse(store: Path, command: Command, words: tuple[str, ...], sentence: str) -> None:

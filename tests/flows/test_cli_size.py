@@ -41,7 +41,7 @@ def test_table_words_and_a_scenario_that_runs(folder: Path) -> None:
     assert "Return spring: preload 0.5594 N" in text
     assert "Recalled or interpolated values of the catalogue: diameter, resistance." in text
     assert "Assumed or recalled values of flexinol-90:" in text
-    assert "--all shows them" in text
+    assert "--all lists them" in text
     assert "wrote wire.toml" in text
     run = RUN.report("wire.toml", "--no-figure")
     assert run["stroke"] == pytest.approx(3e-3, rel=0.05)

@@ -58,7 +58,7 @@ def tuned(*words: object) -> Any:
 def test_rules_are_saved_as_they_are_shown(scenario: Path, c_compiler: str) -> None:
     saved, figure = scenario.with_name("tuned.toml"), scenario.with_name("tuned.svg")
     how = "--method", "rules", "--rule", "cohen-coon", "--form", "pi", "--level", "4 mm"
-    found = tuned(scenario, *how, "--save", saved, "--figure", figure, "--json", "--save-anyway")
+    found = tuned(scenario, *how, "--out", saved, "--figure", figure, "--json", "--save-anyway")
     assert found.exit_code == 0, found.output
     shown = json.loads(found.stdout)
     again = load(saved).bench
@@ -108,7 +108,7 @@ def run_errors(path: Path, overrides: dict[str, Any]) -> float:
 def test_a_worse_result_is_not_saved_unless_forced(scenario: Path, method: str, c_compiler: str) -> None:
     """The truth: runs of the scenario before, and of the one that is saved by force."""
     saved = scenario.with_name("tuned.toml")
-    how = "--method", method, *(("--sensitivity", "1.01") if method == "schedule" else ()), *WEAK, "--save", saved
+    how = "--method", method, *(("--sensitivity", "1.01") if method == "schedule" else ()), *WEAK, "--out", saved
     found = tuned(scenario, *how)
     assert found.exit_code == 1, found.output
     assert not saved.exists()
@@ -128,11 +128,11 @@ def test_a_worse_result_is_not_saved_unless_forced(scenario: Path, method: str, 
 def test_what_check_finds_in_the_tuned_loop_decides_as_well(tmp_path: Path, c_compiler: str) -> None:
     """Relay gains on the example are quicker, but `check` finds that the loop swings: both commands say so."""
     saved = tmp_path / "tuned.toml"
-    found = tuned(EXAMPLES / "closed_loop.toml", "--method", "relay", "--save", saved)
+    found = tuned(EXAMPLES / "closed_loop.toml", "--method", "relay", "--out", saved)
     assert found.exit_code == 1
     assert "Worse than before: the loop is no longer sound (rms 0.43" in found.stdout.splitlines()[0]
     assert not saved.exists()
-    assert tuned(EXAMPLES / "closed_loop.toml", "--method", "relay", "--save", saved, "--save-anyway").exit_code == 0
+    assert tuned(EXAMPLES / "closed_loop.toml", "--method", "relay", "--out", saved, "--save-anyway").exit_code == 0
     checked = CliRunner().invoke(app, ["check", str(saved)])
     assert checked.exit_code == 1
     for one in ("heating: it is unstable at 3 of 3 points", "cooling: it is unstable at 3 of 3 points"):
@@ -174,7 +174,7 @@ def test_in_python_a_worse_result_says_so_and_is_not_saved(scenario: Path, tmp_p
         (("--loop", "heater"), "No loop `heater`"),
         (("--duration", "0 s"), "must be above 0 s"),
         (("--level", "4 kg", "--method", "rules"), "cannot be converted"),
-        (("--save", "tuned.nc"), "must end in .toml"),
+        (("--out", "tuned.nc"), "must end in .toml"),
     ],
 )
 def test_what_is_refused(scenario: Path, words: tuple[str, ...], said: str) -> None:

@@ -70,7 +70,7 @@ def test_sizes_stand_beside_the_table() -> None:
     [
         ({"supply": 1.0}, "the supply drives"),
         ({"current_limit": 0.1}, "the supply drives 0.1 A"),
-        ({"alloy": "70", "ambient": 330.0}, "does not come back"),
+        ({"alloy": "70", "ambient": 330.0}, "does not return"),
         ({"load": 3.0}, "above the maker's 172 MPa"),
     ],
 )
@@ -147,7 +147,7 @@ def test_stroke_starts_where_the_coil_is_held() -> None:
 
 def test_the_coil_that_is_saved_runs(tmp_path: Path) -> None:
     file, figure = tmp_path / "bag.toml", tmp_path / "bag.svg"
-    text = WIRE.fine(*BAG, "--pulse", "5 s", "--save", str(file), "--figure", str(figure))
+    text = WIRE.fine(*BAG, "--pulse", "5 s", "--out", str(file), "--figure", str(figure))
     assert "50 turns of 4.28 mm mean diameter" in text and figure.is_file()
     found, run = rate_wire(CoilInHand(**COIL)), load(file).run()  # type: ignore[arg-type]
     assert max(run["position"]) == pytest.approx(found.stroke, rel=0.02)
@@ -156,7 +156,7 @@ def test_the_coil_that_is_saved_runs(tmp_path: Path) -> None:
 
 def test_the_stop_of_a_saved_coil_is_in_the_coil_or_named_as_missing(tmp_path: Path) -> None:
     file = tmp_path / "bag.toml"
-    WIRE(*BAG, "--pulse", "5 s", "--stretched", "100 mm", "--save", str(file))
+    WIRE(*BAG, "--pulse", "5 s", "--stretched", "100 mm", "--out", str(file))
     (coil,) = (one.element for one in load(file).system.actuators().values())
     assert coil.turns * coil.diameter == pytest.approx(0.025)  # type: ignore[attr-defined]
     assert "# It closes at 25 mm" in file.read_text() and "holds it at 100 mm" in file.read_text()
@@ -197,5 +197,5 @@ def test_options_of_a_coil_need_one() -> None:
 
 
 def test_measured_ohms_are_those_of_the_file(tmp_path: Path) -> None:
-    WIRE.fine(*USUAL, "--resistance", "10 ohm", "--save", str(tmp_path / "wire.toml"))
+    WIRE.fine(*USUAL, "--resistance", "10 ohm", "--out", str(tmp_path / "wire.toml"))
     assert load(tmp_path / "wire.toml").run()["resistance"][0] == pytest.approx(10.0)

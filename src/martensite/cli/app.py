@@ -56,7 +56,7 @@ def read_options(
     ] = False,
     debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error (with any command).")] = False,
 ) -> None:
-    """Simulate shape-memory-alloy actuators, and reproduce published results.
+    """Simulate, identify and control shape-memory-alloy actuators.
 
-    Exit codes: 0 success, 1 a run was started and failed, 2 bad input, 130 interrupted.
+    Exit codes: 0 success, 1 computation failed or negative answer, 2 bad input, 130 interrupted.
     """

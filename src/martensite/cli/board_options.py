@@ -22,7 +22,9 @@ if TYPE_CHECKING:
     from martensite.boards.board_log import BoardLog
     from martensite.boards.session import Session
 
-ProjectFolder = Annotated[Path, typer.Argument(metavar="PROJECT", help="A folder that `export firmware` wrote.")]
+ProjectFolder = Annotated[
+    Path, typer.Argument(metavar="PROJECT", help="Folder written by `martensite export firmware`.")
+]
 SHOWN = 4
 """Numbers beside a progress bar."""
 
@@ -32,14 +34,14 @@ class BoardSource:
     """A board: its project, and where it is."""
 
     project: ProjectFolder
-    port: Annotated[str, Option(help="Serial port such as /dev/ttyACM0 or COM3, or emulator.")] = "emulator"
+    port: Annotated[str, Option(help="Serial port, e.g. /dev/ttyACM0 or COM3, or the word emulator.")] = "emulator"
 
 
 @dataclass(frozen=True)
 class LogOptions:
     """Log file and figure of a run."""
 
-    out: Annotated[Path | None, Option(help="Log to write: .csv, .parquet or .mcap.")] = None
+    out: Annotated[Path | None, Option(help="Log file to write: .csv, .parquet or .mcap.")] = None
     figure: FigureFile = None
     force: Force = False
     json: Json = False
@@ -51,7 +53,12 @@ class LogOptions:
 
 
 Armed = Annotated[
-    Text, Option("--arm", metavar="ARM", help="Without the word ARM nothing is heated: a dry run says what would be.")
+    Text,
+    Option(
+        "--arm",
+        metavar="ARM",
+        help=("Permission to heat: the word ARM. Without it the command is a dry run, which heats nothing."),
+    ),
 ]
 
 

@@ -30,12 +30,14 @@ class ModelOptions:
         Text,
         Option(
             metavar="KIND",
-            help="Without --scenario: stroke, blocked-force, heating, resistance, isobaric, isothermal or cooling "
-            "[default: by the columns].",
+            help=(
+                "Experiment if there is no --scenario: stroke, blocked-force, heating, resistance, isobaric, "
+                "isothermal or cooling [default: recognised from the columns]."
+            ),
         ),
     ] = None
     save_scenario: Annotated[
-        Path | None, Option(metavar="FILE", help="Where the proposed scenario is kept, with the numbers found: .toml.")
+        Path | None, Option(metavar="FILE", help="Proposed scenario with the fitted parameters to write: .toml.")
     ] = None
 
     def refuse_beside_scenario(self) -> None:

@@ -19,19 +19,19 @@ if TYPE_CHECKING:
     from martensite.export.c_core import CCore
     from martensite.export.ports.kernel import PortKernel
 
-Port = Annotated[Text, Option("--port", help="Where the element stands, if the scenario has several.")]
+Port = Annotated[Text, Option("--port", help="Place of the element in the scenario; needed if there are several.")]
 
 
 @dataclass(frozen=True)
 class MaterialOptions:
     """Which material is written, and where."""
 
-    out: Annotated[Path, Option(metavar="FOLDER", help="Where to write.")] = Path()
-    name: Annotated[Text, Option(help="Name of the material and the files [default: SCENARIO].")] = None
+    out: Annotated[Path, Option(metavar="FOLDER", help="Output folder.")] = Path()
+    name: Annotated[Text, Option(help="Name of the material and prefix of file names [default: SCENARIO].")] = None
     port: Port = None
-    preload: Annotated[Text, Option(help="Stress at zero strain, at the start [default: 0 MPa].")] = None
+    preload: Annotated[Text, Option(help='Initial stress at zero strain, e.g. "50 MPa" [default: 0 MPa].')] = None
     slack: Annotated[
-        bool, Option("--slack", help="It goes slack as a wire, instead of carrying compression as a bar.")
+        bool, Option("--slack", help="Let the wire go slack under compression, instead of a bar that carries it.")
     ] = False
     force: Force = False
     json: Json = False

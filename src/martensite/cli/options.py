@@ -19,30 +19,29 @@ if TYPE_CHECKING:
 Text = str | None
 Texts = list[str] | None
 Json = Annotated[bool, Option("--json", help="Print JSON instead of text.")]
-ScenarioFile = Annotated[Path, Argument(metavar="SCENARIO", help="A scenario file (TOML).")]
+ScenarioFile = Annotated[Path, Argument(metavar="SCENARIO", help="Scenario file (.toml).")]
 NamedColumns = Annotated[
     list[str] | None,
-    Option("--as", metavar="COL=QUANTITY[UNIT]", help="What a column is, by heading or number: 2=stress[MPa], 3=-."),
+    Option(
+        "--as",
+        metavar="COL=QUANTITY[UNIT]",
+        help=("Meaning of a column by heading or number, e.g. 2=stress[MPa], or 3=- to ignore it; repeatable."),
+    ),
 ]
 Settings = Annotated[
     Texts,
     Option(
         "--set",
         metavar="PATH=VALUE",
-        help='Change a value of the scenario, e.g. --set element.diameter="0.25 mm"; repeatable.',
+        help='Change of a value of the scenario, e.g. element.diameter="0.25 mm"; repeatable.',
     ),
 ]
 Imports = Annotated[
-    Texts,
-    Option(
-        "--import",
-        metavar="MODULE",
-        help="Import a module, or a .py file, that registers parts of your own; repeatable.",
-    ),
+    Texts, Option("--import", metavar="MODULE", help="Module or .py file that registers parts of your own; repeatable.")
 ]
-Force = Annotated[bool, Option("--force", help="Replace existing files.")]
+Force = Annotated[bool, Option("--force", help="Overwrite existing files.")]
 SaveAnyway = Annotated[
-    bool, Option("--save-anyway", help="Save an answer that is worse than before or exceeds a limit.")
+    bool, Option("--save-anyway", help="Write the result even if it is worse than before or exceeds a limit.")
 ]
 FigureFile = Annotated[Path | None, Option(help="Figure to write: .png, .svg or .pdf.")]
 

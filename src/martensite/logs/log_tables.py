@@ -82,7 +82,7 @@ def read_log(
             raise
         raise refused from None
     if refused is not None and has_own_headings(Path(source)):
-        raise DataError(f"{refused} `martensite data show {found.path.name} --save clean.csv` leaves it out.")
+        raise DataError(f"{refused} `martensite data show {found.path.name} --out clean.csv` leaves it out.")
     if interval is not None and not found.has_time:
         found = found.with_interval(interval)
     return found.record, found

@@ -44,9 +44,9 @@ ROUNDING = 1e-9
 def check(source: ScenarioSource, answer: AnswerOptions) -> None:
     """Check a scenario: limits, drives and control loop.
 
-    The command runs the scenario for at most 5 s of CPU time and applies the limits of `run`. It also tests a loop for
-    sign, range, sample time and margins. The figure shows Bode and Nyquist plots. The exit code is 1 if a limit is
-    exceeded or the loop has a fault.
+    The command runs the scenario for at most 5 s of CPU time and applies the limits of `run`. It also tests a loop
+    for sign, range, sample time and margins. The figure shows Bode and Nyquist plots. The exit code is 1 if a limit
+    is exceeded or the loop has a fault.
     """
     from martensite.show.summaries.loop import check_scenario_loop, describe_loops, describe_verdict
     from martensite.simulate.judgement import judge_run
@@ -156,7 +156,9 @@ def _collect_report(scenario: Scenario) -> dict[str, Any]:
 
 @app.command("params", rich_help_panel="Look up")
 def params(
-    name: Annotated[str, typer.Argument(metavar="NAME|SCENARIO", help="A part, or a scenario file.")],
+    name: Annotated[
+        str, typer.Argument(metavar="NAME|SCENARIO", help="Name of a part, e.g. brinson, or scenario file (.toml).")
+    ],
     settings: Settings = None,
     json: Json = False,
     modules: Imports = None,

@@ -18,14 +18,17 @@ if TYPE_CHECKING:
 
 @app.command("conform", rich_help_panel="Look up")
 def conform(
-    target: Annotated[str, typer.Argument(metavar="FILE|NAME", help="A .py or .toml file, or a name, e.g. wire.")],
+    target: Annotated[
+        str, typer.Argument(metavar="FILE|NAME", help="Python file, material file (.toml), or name, e.g. wire.")
+    ],
     json: Json = False,
     modules: Imports = None,
 ) -> None:
-    """Try whether parts, kinds of experiment, studies, commands and exporters keep what they promise.
+    """Test parts, studies, commands and exporters against their contracts.
 
-    A law, for example, must not depend on how a path is cut into steps. Parts are made of the typical values of their
-    declarations, once for every choice of an option. Ends with 1 if a check fails.
+    A law, for example, must not depend on the number of steps of a path. Kinds of experiment can be tested as
+    well. Each part is built from the typical values of its declaration, once for every choice of an option. The
+    exit code is 1 if a check fails.
     """
     import_modules([*(modules or []), *([target] if target.endswith(".py") else [])])
     from martensite.show.terminal import print_summary

@@ -15,21 +15,21 @@ from martensite.cli.app import app
 from martensite.cli.options import Force, Json, NamedColumns, Texts, read_quantity, refuse_idle
 from martensite.cli.outputs import Outputs, check_absent, check_ending, check_folder
 
-data = typer.Typer(help="Show files of instruments; published measurements.")
+data = typer.Typer(help="Measured files and published data sets: list, show, fetch.")
 
 app.add_typer(data, name="data", invoke_without_command=True, rich_help_panel="Look up")
 
 
 @data.callback()
 def overview(ctx: typer.Context, json: Json = False) -> None:
-    """Show files of instruments; published measurements."""
+    """Show measured files, list and download published data sets."""
     if ctx.invoked_subcommand is None:
         list_all(json)
 
 
 @data.command("list")
 def list_all(json: Json = False) -> None:
-    """List the data sets, their licences, and which are on this machine."""
+    """List the data sets with their licences and local state."""
     from martensite.logs.datasets import dataset_names, describe_dataset
     from martensite.show.terminal import print_summary
 
@@ -63,20 +63,27 @@ def _count_here(name: str) -> str:
 def show_data(
     names: Annotated[
         list[str],
-        Argument(metavar="FILE...", help="Files of instruments, of any layout; or the name of one published data set."),
+        Argument(metavar="FILE...", help="Files of instruments in any layout, or the name of one published data set."),
     ],
     named: NamedColumns = None,
-    merge: Annotated[bool, Option("--merge", help="Join the files on the clock of the first.")] = False,
+    merge: Annotated[bool, Option("--merge", help="Join the files on the clock of the first file.")] = False,
     offset: Annotated[
-        Texts, Option(metavar="TIME", help="Zero of each further file on the clock of the first, if it is known.")
+        Texts,
+        Option(
+            metavar="TIME",
+            help=(
+                'Start of each further file on the clock of the first file, e.g. "1.5 s" [default: found from '
+                "the data]."
+            ),
+        ),
     ] = None,
-    save: Annotated[Path | None, Option(metavar="CSV", help="Write the understood table, in SI: .csv.")] = None,
+    out: Annotated[Path | None, Option(metavar="CSV", help="Table to write in SI units: .csv.")] = None,
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Show what files of instruments hold and how they are understood, or what a data set is.
+    """Show the contents of measured files or of a data set.
 
-    Layout, units, clocks and columns are recognised; what is a guess is said, and --as corrects it.
+    Layout, units, clocks and columns are recognised. Guesses are marked, and --as corrects them.
     """
     from martensite.logs.datasets import dataset_names
 
@@ -88,19 +95,19 @@ def show_data(
     from martensite.logs.merged_files import merge_by_clock
     from martensite.show.summaries.lab_file import summarise_lab_files
 
-    check_ending(save, (".csv",))
+    check_ending(out, (".csv",))
     refuse_idle("--merge", merge and len(names) < 2, "there is one file only")
     refuse_idle("--offset", bool(offset) and not merge, "files are joined by --merge only")
-    if save is not None:
-        check_folder(save)
-        check_absent(save, force)
+    if out is not None:
+        check_folder(out)
+        check_absent(out, force)
     found = [read_lab_file(name, parse_named(named or ())) for name in names]
     if merge:
         offsets = [read_quantity("offset", text, "s") or 0.0 for text in offset or ()]
         found = [merge_by_clock(found, offsets or None)]
-    if save is not None and len(found) > 1:
-        raise InputError(f"`{save}` takes one table, but there are {len(found)} files; join them by --merge.")
-    Outputs(save, None).answer(summarise_lab_files(found), json, found[0].to_csv)
+    if out is not None and len(found) > 1:
+        raise InputError(f"`{out}` takes one table, but there are {len(found)} files; join them by --merge.")
+    Outputs(out, None).answer(summarise_lab_files(found), json, found[0].to_csv)
 
 
 def _show_set(name: str, json: bool) -> None:
@@ -121,12 +128,12 @@ def _show_set(name: str, json: bool) -> None:
 
 @data.command("fetch")
 def fetch(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="A data set.")],
-    force: Annotated[bool, typer.Option("--force", help="Download what is there, too.")] = False,
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of a data set, see `martensite data list`.")],
+    force: Annotated[bool, typer.Option("--force", help="Download files again that already exist.")] = False,
     json: Json = False,
 ) -> None:
-    """Download a data set from its authors, and check every file against its SHA-256."""
-    from martensite.logs import datasets
+    """Download a data set from its authors and verify its SHA-256."""
+    from martensite.scenario import datasets
     from martensite.show.terminal import print_summary
 
     folder = datasets.fetch_dataset(name, force)

@@ -33,17 +33,17 @@ class DesignOptions:
         Texts,
         Option(
             metavar="PATH=LOW..HIGH",
-            help='What may change, e.g. --free "element.diameter=0.05..0.5 mm" or '
-            '--free "drive.peak=1..5 W"; repeatable.',
+            help=(
+                'Free parameter with bounds, e.g. "element.diameter=0.05..0.5 mm" or "drive.peak=1..5 W"; repeatable.'
+            ),
         ),
     ] = None
-    minimise: Annotated[Text, Option(help='What shall be least, e.g. "max(stress)" [default: energy].')] = None
-    maximise: Annotated[Text, Option(help='What shall be most, e.g. "stroke".')] = None
+    minimise: Annotated[Text, Option(help='Measure to minimise, e.g. "max(stress)" [default: energy].')] = None
+    maximise: Annotated[Text, Option(help="Measure to maximise, e.g. stroke.")] = None
     subject: Annotated[
-        Texts,
-        Option(metavar="MEASURE<=LIMIT", help='What must hold, e.g. --subject "max(stress) <= 200 MPa"; repeatable.'),
+        Texts, Option(metavar="MEASURE<=LIMIT", help='Constraint, e.g. "max(stress) <= 200 MPa"; repeatable.')
     ] = None
-    life: Annotated[Text, Option(help="What is to be left of the limits that the elements declare [default: 0 %].")] = (
+    life: Annotated[Text, Option(help='Safety margin to the limits of the elements, e.g. "20 %" [default: 0 %].')] = (
         None
     )
     no_limits: Annotated[bool, Option("--no-limits", help="Ignore the limits that the elements declare.")] = False
@@ -51,15 +51,18 @@ class DesignOptions:
         Texts,
         Option(
             metavar="PATH=VALUE",
-            help='Another case in which it must hold, e.g. --case "environment.temperature=35 degC"; repeatable.',
+            help=(
+                'Further operating case in which the constraints must hold, e.g. "environment.temperature=35 '
+                'degC"; repeatable.'
+            ),
         ),
     ] = None
-    grid: Annotated[int | None, Option(help="Compare with all designs of a grid of so many points along a number.")] = (
-        None
-    )
-    sample: Annotated[int, Option(help="Designs of the first sample, a power of 2.")] = 64
-    descents: Annotated[int, Option(help="Designs from which it is descended.")] = 3
-    seed: Annotated[int, Option(help="Of the sample.")] = 0
+    grid: Annotated[
+        int | None, Option(help="Points of each free parameter for a comparison with a full grid, e.g. 9.")
+    ] = None
+    sample: Annotated[int, Option(help="Number of designs in the first sample, a power of 2.")] = 64
+    descents: Annotated[int, Option(help="Number of designs from which a gradient descent starts.")] = 3
+    seed: Annotated[int, Option(help="Seed of the first sample.")] = 0
 
     def check(self) -> None:
         """Raise `InputError` for a number out of range, or an option without effect."""
@@ -132,19 +135,18 @@ def design(
     source: ScenarioSource,
     options: DesignOptions,
     answer: JudgedOptions,
-    save: Annotated[Path | None, Option(help="Scenario with the numbers found to write: .toml.")] = None,
+    out: Annotated[Path | None, Option(help="Scenario with the optimised parameters to write: .toml.")] = None,
 ) -> None:
-    """Find numbers for which a goal is best and limits are kept.
+    """Optimise parameters of a scenario within limits.
 
-    Goal and limits are measures of its run, such as stroke, rise-time, energy, max(stress) or
-    at(position, time=2 s). The search follows derivatives through the simulation. If no design keeps
-    all limits, the command exits with 1 and saves the nearest one only with --save-anyway. Limits that the
-    elements declare are kept without being asked for. The design is judged by the limits that `run` uses.
+    Goal and constraints are measures of the run, such as stroke, rise-time, energy, max(stress) or at(position,
+    time=2 s). The search uses derivatives of the simulation. The limits of the elements always apply, as in `run`.
+    If no design keeps all limits, the exit code is 1, and --save-anyway writes the nearest design.
     """
-    outputs = answer.check_files(save, ".toml")
+    outputs = answer.check_files(out, ".toml")
     options.check()
     loaded = source.load()
-    found = options.search(loaded, name_interrupted(save, source.file), saved=save is not None)
+    found = options.search(loaded, name_interrupted(out, source.file), saved=out is not None)
     from martensite.show.figures.design import plot_design
     from martensite.show.summaries.design import describe_verdict, summarise_design
 
@@ -186,7 +188,7 @@ def require_written(scenario: Scenario, free: Sequence[str]) -> None:
         if last == PEAK and isinstance(_find_waveform(scenario, f"{before}.").get("file"), str):
             raise InputError(
                 f"`{name}` is the peak of a waveform in a file of its own, so no scenario can be "
-                "written with another; leave out --save."
+                "written with another; leave out --out."
             )
 
 

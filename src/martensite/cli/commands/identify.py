@@ -42,52 +42,60 @@ ANCHOR = 0.1
 class IdentifyOptions:
     """Inputs, outputs and options of an identification."""
 
-    inputs: Annotated[Texts, Option("--input", metavar="COLUMN", help="Column that goes in; repeatable.")] = None
-    output: Annotated[Text, Option(metavar="COLUMN", help="Column that comes out at the end; several with commas.")] = (
-        None
-    )
+    inputs: Annotated[Texts, Option("--input", metavar="COLUMN", help="Input column, e.g. voltage; repeatable.")] = None
+    output: Annotated[
+        Text, Option(metavar="COLUMN", help="Output column, e.g. position; several separated by commas.")
+    ] = None
     stage: Annotated[
         Texts,
         Option(
             metavar="BLOCKS[->COLUMN]",
-            help='Blocks in series, e.g. --stage "poly2 | oe(3,3,1) | pwl10". Repeated, each stage goes on from the '
-            "measured column that the one before names.",
+            help=(
+                'Blocks in series, e.g. "poly2 | oe(3,3,1) | pwl10". If repeated, each stage starts at the '
+                "measured column that the stage before names."
+            ),
         ),
     ] = None
     validate: Annotated[
-        Texts, Option(metavar="LOG", help="Log of another cadence, to choose a structure by or to score; repeatable.")
+        Texts,
+        Option(metavar="LOG", help="Validation log, with another time scale, that selects the structure; repeatable."),
     ] = None
-    other: Annotated[Texts, Option(metavar="LOG", help="Log that is only scored; repeatable.")] = None
-    interval: Annotated[Text, Option(help='Sample time to fit at, e.g. "20 ms" [default: that of the log].')] = None
+    other: Annotated[Texts, Option(metavar="LOG", help="Test log that is only scored; repeatable.")] = None
+    interval: Annotated[
+        Text, Option(help='Sample time of the model, e.g. "20 ms" [default: sample time of the log].')
+    ] = None
     unit: Annotated[
         Texts, Option(metavar="COLUMN=UNIT", help='Unit of a column in the model, e.g. "duty=%"; repeatable.')
     ] = None
-    starts: Annotated[int, Option(min=1, help="Searches from different starts.")] = 12
-    seed: Annotated[int, Option(min=0, help="Of the random starts.")] = 0
-    skip: Annotated[Text, Option(help='Time at the start of every log that does not count, e.g. "2 s".')] = None
+    starts: Annotated[int, Option(min=1, help="Number of searches from random starting points.")] = 12
+    seed: Annotated[int, Option(min=0, help="Seed of the random starting points.")] = 0
+    skip: Annotated[Text, Option(help='Time at the start of every log that is ignored, e.g. "2 s".')] = None
     initial: Annotated[
         str,
         Option(
-            help="State at the first row: rest, zero, estimate, or auto, which tests whether a log begins at rest and "
-            "estimates the state of those that do not."
+            help=(
+                "Initial state: rest, zero, estimate, or auto (test each log for a start at rest, and estimate "
+                "otherwise)."
+            )
         ),
     ] = "auto"
     anchor: Annotated[
         float | None,
         Option(
             min=0.0,
-            help="Weight of the rest before the input first changes, as a share of all rows "
-            "[default: 0.1 for logs that begin at rest, else 0].",
+            help=(
+                "Weight of the rows before the input first changes, 0 to 1 [default: 0.1 for logs that start at "
+                "rest, otherwise 0]."
+            ),
         ),
     ] = None
     time_box: Annotated[
-        Text, Option(metavar="TIME", help='Processor time that finding a structure may take [default: "120 s"].')
+        Text, Option(metavar="TIME", help='CPU time of the structure search, e.g. "60 s" [default: "120 s"].')
     ] = None
     ridge: Annotated[
         float | None,
         Option(
-            min=0.0,
-            help="Pull of free numbers to their start, e.g. 1e-6 [default: chosen where logs are short, else 0].",
+            min=0.0, help=("Ridge penalty of free parameters, e.g. 1e-6 [default: chosen for short logs, otherwise 0].")
         ),
     ] = None
     named: NamedColumns = None
@@ -188,30 +196,30 @@ def identify(
         list[str],
         Argument(
             metavar="LOG...",
-            help="Logs to fit, all at once: text with headings such as `position [mm]`, .parquet, "
-            ".mat or .nc; or data:SET/FILE.",
+            help=(
+                "Logs to fit together: text with headings such as `position [mm]`, .parquet, .mat or .nc; or "
+                "data:SET/FILE."
+            ),
         ),
     ],
     options: IdentifyOptions,
     answer: AnswerOptions,
-    save: Annotated[Path | None, Option(metavar="MODEL", help="Model file to write: .json.")] = None,
+    out: Annotated[Path | None, Option(metavar="MODEL", help="Model file to write: .json.")] = None,
     report: Annotated[Path | None, Option(metavar="PAGE", help="Report to write: .html or .md.")] = None,
     modules: Imports = None,
 ) -> None:
-    """Find a model of blocks that repeats logs in free run.
+    """Identify a black-box model that predicts logs in free run.
 
-    With a log alone, columns are chosen by their names, rest, delay, order and linearity are tested, and structures
-    are tried from linear to hysteresis, feedback and nonlinear state space. One is kept if it predicts blocks that
-    it was not fitted to better than the one before by more than chance; the last fifth of the log judges the
-    result. --validate gives logs to choose by, --other logs to judge on instead. Logs of another regime than the
-    first are set apart.
-    With --stage the structure is given; --input and --output may then be left out where the log leaves no choice.
-    Blocks: see `martensite list block`. All scores are of free runs: no measured output is fed back.
-    Exit code 1: nothing was found that predicts, or the log cannot tell. Ctrl-C keeps the best so far; the exit
-    code is 130 then.
+    Columns are chosen by their names. The command tests initial rest, delay, order and linearity, and then tries
+    structures from linear models to hysteresis, feedback and nonlinear state space. It keeps a structure if held-
+    out blocks are predicted significantly better than by the structure before. The last fifth of the log tests the
+    result, or the logs of --other. With --stage you give the structure; --input and --output are then optional if
+    the log leaves no choice. Blocks: see `martensite list block`. All scores are of free runs, without feedback of
+    measured outputs. The exit code is 1 if no structure predicts the log. Ctrl-C keeps the best model and gives
+    exit code 130.
     """
     import_modules(modules)
-    outputs = answer.check_files(save, ".json")
+    outputs = answer.check_files(out, ".json")
     if report is not None:
         check_ending(report, REPORTS)
         check_folder(report)
@@ -304,7 +312,7 @@ def _save_best(best: Sequence[LadderTrial], path: Path | None) -> str:
         return ""
     said = f"Interrupted; the best so far is `{one.structure}`, fit {one.held.fit:.1f} % on the blocks held out"
     if path is None:
-        return f"{said}; --save would have kept it."
+        return f"{said}; use --out to keep it."
     write_model(one.chain, path)
     return f"{said}, saved in `{path}`."
 

@@ -23,45 +23,62 @@ RATES = {"temperature": "K/s", "stress": "Pa/s", "strain": "1/s"}
 @app.command("law", rich_help_panel="Simulate")
 @spread_options
 def law(
-    names: Annotated[list[str], Argument(metavar="NAME...", help="Laws; several are drawn side by side.")],
+    names: Annotated[
+        list[str], Argument(metavar="NAME...", help="Constitutive laws, e.g. brinson; several are drawn in one figure.")
+    ],
     answer: AnswerOptions,
     path: Annotated[
         Text,
         Option(
-            help="superelastic, tension, isobaric, free-recovery, shape-memory, constrained-recovery, or minor-loops "
-            "[default: superelastic]."
+            help=(
+                "Loading path: superelastic, tension, isobaric, free-recovery, shape-memory, "
+                "constrained-recovery, or minor-loops [default: superelastic]."
+            )
         ),
     ] = None,
     log: Annotated[
         Texts,
-        Option(metavar="LOG", help="Follow a log instead: strain, stress, temperature; --stress, --at what it lacks."),
+        Option(
+            metavar="LOG",
+            help=(
+                "Log with strain, stress and temperature that replaces the path; --stress and --at replace "
+                "missing columns."
+            ),
+        ),
     ] = None,
     named: NamedColumns = None,
     material: Annotated[
-        Text, Option(metavar="NAME|FILE", help="Whose numbers [default: the first that has all of them].")
+        Text,
+        Option(
+            metavar="NAME|FILE", help="Material, e.g. flexinol-90 [default: the first material with all parameters]."
+        ),
     ] = None,
     settings: Annotated[
         Texts,
         Option(
             "--set",
             metavar="PARAMETER=VALUE",
-            help='Set a number or a word of the laws, e.g. --set A_f="60 degC"; LAW.PARAMETER '
-            "for one of several; repeatable.",
+            help=(
+                'Value of a parameter or option of the laws, e.g. A_f="60 degC", or LAW.PARAMETER=VALUE for one '
+                "law; repeatable."
+            ),
         ),
     ] = None,
-    at: Annotated[Text, Option(help='Temperatures of the path, such as "40 degC, 60 degC".')] = None,
-    stress: Annotated[Text, Option(help='Stresses of the path, such as "100 MPa, 200 MPa".')] = None,
-    strain: Annotated[Text, Option(help='Largest strain of the path, such as "5 %".')] = None,
+    at: Annotated[Text, Option(help='Temperatures of the path, e.g. "40 degC, 60 degC".')] = None,
+    stress: Annotated[Text, Option(help='Stresses of the path, e.g. "100 MPa, 200 MPa".')] = None,
+    strain: Annotated[Text, Option(help='Maximum strain of the path, e.g. "5 %".')] = None,
     start: Annotated[
-        Text, Option("--from", help="austenite, martensite, or twinned [default: the path's own].")
+        Text, Option("--from", help="Initial phase: austenite, martensite, or twinned [default: that of the path].")
     ] = None,
-    rate: Annotated[Text, Option(help='How fast, such as "1 K/s, 10 MPa/s, 0.1 %/s", for laws with rates.')] = None,
-    tolerance: Annotated[float, Option(help="Accepted change on halving the steps, as a share of range.")] = 1e-3,
-    runtime: Annotated[str, Option(help="floats, or c.")] = "floats",
+    rate: Annotated[
+        Text, Option(help='Rates of the path for rate-dependent laws, e.g. "1 K/s, 10 MPa/s, 0.1 %/s".')
+    ] = None,
+    tolerance: Annotated[float, Option(help="Tolerance relative to the range of each quantity, e.g. 1e-4.")] = 1e-3,
+    runtime: Annotated[str, Option(help="Runtime: floats or c.")] = "floats",
     out: Annotated[Path | None, Option(help="Table to write: .csv.")] = None,
     modules: Imports = None,
 ) -> None:
-    """Drive laws along a path or a log: a summary, a figure, a table."""
+    """Simulate constitutive laws along a path or a log."""
     import_modules(modules)
     from martensite.logs.log_tables import parse_named
     from martensite.scenario.csv_files import write_points

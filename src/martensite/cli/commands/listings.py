@@ -36,16 +36,19 @@ def complete_name(ctx: typer.Context, incomplete: str) -> list[str]:
 
 @app.command("list", rich_help_panel="Look up")
 def list_parts(
-    kind: Annotated[Text, Argument(metavar="[KIND]", help="A kind of parts.", autocompletion=complete_kind)] = None,
+    kind: Annotated[
+        Text, Argument(metavar="[KIND]", help="Kind of part, e.g. law.", autocompletion=complete_kind)
+    ] = None,
     name: Annotated[
-        Text, Argument(metavar="[NAME]", help="One of them, in detail.", autocompletion=complete_name)
+        Text,
+        Argument(metavar="[NAME]", help="Name of the part to describe, e.g. brinson.", autocompletion=complete_name),
     ] = None,
     json: Json = False,
     modules: Imports = None,
 ) -> None:
-    """List the kinds of parts, the parts of a kind, or describe one.
+    """List kinds of parts, the parts of a kind, or one part.
 
-    For example `martensite list law`, and `martensite list law brinson`.
+    Examples: `martensite list law` and `martensite list law brinson`.
     """
     import_modules(modules)
     if kind is None:
@@ -86,7 +89,10 @@ def _write_block(block: type[AbstractBlock]) -> str:
 
 @app.command("materials", rich_help_panel="Look up")
 def materials(
-    name: Annotated[Text, Argument(metavar="[NAME|FILE]", help="One of them, in detail.")] = None, json: Json = False
+    name: Annotated[
+        Text, Argument(metavar="[NAME|FILE]", help="Name of the material to show, e.g. flexinol-90.")
+    ] = None,
+    json: Json = False,
 ) -> None:
     """List the materials, or show one with all sources."""
     from martensite.physics.materials.base import load_material, material_names
@@ -102,12 +108,12 @@ def materials(
 
 @app.command("cite", rich_help_panel="Look up")
 def cite(
-    name: Annotated[str, typer.Argument(metavar="SCENARIO|STUDY", help="A scenario file, or a study's name.")],
+    name: Annotated[str, typer.Argument(metavar="SCENARIO|STUDY", help="Scenario file, or name of a study.")],
     settings: Settings = None,
     json: Json = False,
     modules: Imports = None,
 ) -> None:
-    """Print BibTeX of what a scenario or a study rests on."""
+    """Print BibTeX entries for a scenario or a study."""
     import_modules(modules)
     from martensite.scenario import citations
     from martensite.show.terminal import print_json
@@ -129,16 +135,16 @@ def cite(
 @app.command("describe", rich_help_panel="Look up")
 def describe(
     scenario: Annotated[
-        Path | None, Argument(metavar="[SCENARIO]", help="A scenario file, section by section.")
+        Path | None, Argument(metavar="[SCENARIO]", help="Scenario file to describe section by section.")
     ] = None,
     settings: Settings = None,
     json: Json = False,
     modules: Imports = None,
 ) -> None:
-    """Say what is declared of all parts, and of a scenario.
+    """Describe the parameters of all parts, or of a scenario.
 
-    With --json it is one document with unit, bounds, default, typical value and meaning of every
-    entry, of which other programs can build forms, as the web bench does.
+    With --json the output is one document with unit, bounds, default, typical value and meaning of every entry.
+    Other programs can build forms from it, as the web bench does.
     """
     import_modules(modules)
     from martensite.scenario.catalogue import describe_parts

@@ -45,46 +45,53 @@ ROUNDING = 1e-12
 class RunOptions:
     """Options of a run, and the record of the comparison."""
 
-    compare: Annotated[Text, Option(metavar="FILE", help="A record to compare with [default: the scenario's own].")] = (
-        None
-    )
+    compare: Annotated[
+        Text, Option(metavar="FILE", help="Record to compare with [default: the record of the scenario].")
+    ] = None
     log: Annotated[
-        Text, Option(metavar="FILE", help="The log that the scenario follows; it is compared with as well.")
+        Text, Option(metavar="FILE", help="Log that drives the scenario, and that the run is compared with.")
     ] = None
     named: NamedColumns = None
-    no_compare: Annotated[bool, Option("--no-compare", help="Compare with nothing.")] = False
-    tolerance: Annotated[float | None, Option(help="Replaces the tolerance of the scenario.")] = None
+    no_compare: Annotated[bool, Option("--no-compare", help="Skip the comparison.")] = False
+    tolerance: Annotated[
+        float | None,
+        Option(help=("Tolerance relative to the range of each quantity, e.g. 1e-5 [default: that of the scenario].")),
+    ] = None
     seed: Annotated[
-        int | None,
-        Option(min=0, help="Seed of the sensor noise [default: `run.seed` of the scenario, 0 if not given]."),
+        int | None, Option(min=0, help="Seed of the sensor noise [default: `run.seed` of the scenario, or 0].")
     ] = None
     runtime: Annotated[
         Text,
-        Option(help="auto, floats or c [default: auto, what is done first; on a bench c, if there is a compiler]."),
+        Option(
+            help=(
+                "Runtime: auto, floats or c [default: auto, the first to finish; for loops c if there is a compiler]."
+            )
+        ),
     ] = None
     begin: Annotated[
         Text,
         Option(
-            "--from",
-            metavar="FILE",
-            help="Go on from a run of the same system, at its own time; needs a state kept there.",
+            "--from", metavar="FILE", help="Result file of the same system from whose stored state the run continues."
         ),
     ] = None
-    at: Annotated[Text, Option(metavar="TIME", help='When, e.g. "12.3 s" [default: at its end].')] = None
+    at: Annotated[Text, Option(metavar="TIME", help='Time of the stored state, e.g. "12.3 s" [default: its end].')] = (
+        None
+    )
     measure: Annotated[
         list[str] | None,
         Option(
             metavar="MEASURE",
-            help='Measure to print with a bound on its error, e.g. "max(temperature)" or energy; repeatable.',
+            help='Measure to print with its error bound, e.g. "max(temperature)" or energy; repeatable.',
         ),
     ] = None
-    budget: Annotated[Text, Option(metavar="TIME", help='Give up after so much CPU time, e.g. "30 s".')] = None
+    time_box: Annotated[Text, Option(metavar="TIME", help='Limit of CPU time, e.g. "30 s".')] = None
     carrier: Annotated[
         Text,
         Option(
             metavar="FREQUENCY",
-            help='Make every pulse of a switched drive at this frequency ("100 Hz") as well, '
-            "and say what the averaged run leaves out.",
+            help=(
+                'PWM frequency, e.g. "100 Hz", of a second run with every pulse, which shows the error of the average.'
+            ),
         ),
     ] = None
 
@@ -131,7 +138,7 @@ class RunOptions:
 
     def run(self, scenario: Scenario, *, quiet: bool) -> Result:
         """The run, which shows how far it is unless it shall be quiet."""
-        most = read_quantity("budget", self.budget, "s")
+        most = read_quantity("time-box", self.time_box, "s")
         if scenario.bench is not None:
             with show_spinner(f"simulating {scenario.title}"):
                 return scenario.run(runtime=self.runtime, budget=most)
@@ -145,22 +152,23 @@ def run(
     scenario: ScenarioFile,
     options: RunOptions,
     settings: Settings = None,
-    out: Annotated[Path | None, Option(help="netCDF file to write [default: ./SCENARIO.nc].")] = None,
+    out: Annotated[Path | None, Option(help="Result file (netCDF) to write [default: ./SCENARIO.nc].")] = None,
     figure: Annotated[
         Path | None, Option(help="Figure to write: .png, .svg or .pdf [default: ./SCENARIO.png].")
     ] = None,
-    no_figure: Annotated[bool, Option("--no-figure", help="Draw nothing.")] = False,
+    no_figure: Annotated[bool, Option("--no-figure", help="Skip the figure.")] = False,
     profile: Annotated[
-        Path | None, Option(help="Figure of temperature and fraction along an axial-wire or a ribbon.")
+        Path | None,
+        Option(help=("Figure of temperature and fraction along an axial-wire or a ribbon: .png, .svg or .pdf.")),
     ] = None,
     modules: Imports = None,
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Simulate a scenario: a summary, a netCDF file and a figure.
+    """Simulate a scenario; write a netCDF file and a figure.
 
-    A run that leaves the envelope (melting, 3 GPa, a strain of 20 %, or a bound of your own)
-    stops there, keeps what was computed until then, and exits with 1.
+    A run that leaves the physical range (melting, 3 GPa, 20 % strain, or your own bound) stops there, keeps the
+    results up to that time, and gives exit code 1.
     """
     lone = options.named is not None and options.compare is None and options.log is None
     refuse_idle("--as", lone, "there is neither --compare nor --log")

@@ -22,30 +22,34 @@ if TYPE_CHECKING:
 def size(
     pull: Annotated[Text, Option(help='Force on the load at the end of the stroke, e.g. "8 N".')] = None,
     stroke: Annotated[Text, Option(help='Stroke, e.g. "5 mm".')] = None,
-    rate: Annotated[Text, Option(help='Cycles, e.g. "0.5 Hz".')] = None,
-    supply: Annotated[Text, Option(help='Voltage of the supply, e.g. "12 V".')] = None,
+    rate: Annotated[Text, Option(help='Cycle rate, e.g. "0.5 Hz".')] = None,
+    supply: Annotated[Text, Option(help='Supply voltage, e.g. "12 V".')] = None,
     ambient: Annotated[Text, Option(help="Temperature of the still air [default: 22 degC].")] = None,
-    strain: Annotated[Text, Option(help="Largest strain used [default: 4 %].")] = None,
-    stress: Annotated[Text, Option(help="Largest stress [default: 172 MPa].")] = None,
-    life: Annotated[Text, Option(help="Cycles that it shall last, e.g. 1e5: within what a source names.")] = None,
-    element: Annotated[Text, Option(help="What pulls: wire, or coil (a spring of it) [default: wire].")] = None,
-    bias: Annotated[Text, Option(help="What stretches the wire: spring, or weight [default: spring].")] = None,
-    current_limit: Annotated[Text, Option(help='Largest current of the supply, e.g. "3 A".')] = None,
-    alloy: Annotated[str, Option(help="70, 90, or any.")] = "any",
-    strands: Annotated[int | None, Option(help="Most wires side by side [default: 12].")] = None,
-    no_limits: Annotated[bool, Option("--no-limits", help="Ignore the limits of the material: only warn.")] = False,
-    every: Annotated[bool, Option("--all", help="Show the wires that do not do, too.")] = (False),
-    catalogue: Annotated[bool, Option("--catalogue", help="Only compare the model with the maker's table.")] = False,
-    pick: Annotated[int | None, Option(help="Number of the wire to describe and write [default: best].")] = None,
+    strain: Annotated[Text, Option(help="Maximum strain [default: 4 %].")] = None,
+    stress: Annotated[Text, Option(help="Maximum stress [default: 172 MPa].")] = None,
+    life: Annotated[Text, Option(help="Number of cycles, e.g. 1e5, within the range of the published source.")] = None,
+    element: Annotated[Text, Option(help="Element: wire, or coil (a spring of wire) [default: wire].")] = None,
+    bias: Annotated[Text, Option(help="Return element: spring or weight [default: spring].")] = None,
+    current_limit: Annotated[Text, Option(help='Maximum current of the supply, e.g. "3 A".')] = None,
+    alloy: Annotated[str, Option(help="Alloy by transition temperature: 70, 90, or any.")] = "any",
+    strands: Annotated[int | None, Option(help="Maximum number of parallel wires [default: 12].")] = None,
+    no_limits: Annotated[
+        bool, Option("--no-limits", help="Warn about the limits of the material instead of rejecting wires.")
+    ] = False,
+    every: Annotated[bool, Option("--all", help="List all candidates, with the reasons for rejection.")] = (False),
+    catalogue: Annotated[
+        bool, Option("--catalogue", help="Compare the model with the maker's table, without a request.")
+    ] = False,
+    pick: Annotated[int | None, Option(help="Number of the wire to describe and write [default: the best].")] = None,
     out: Annotated[Path | None, Option(help="Scenario file to write: .toml.")] = None,
     save_anyway: SaveAnyway = False,
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Find the wire or coil and its current for a force and stroke.
+    """Select a wire or coil for a force, stroke and rate.
 
-    Exits with 1 if no wire meets the request, or the picked wire does not. A picked wire that does not is saved only
-    with --save-anyway.
+    The exit code is 1 if no wire meets the request or the picked wire does not. Use --save-anyway to write such a
+    wire.
     """
     given = {
         "pull": pull,

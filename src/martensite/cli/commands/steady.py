@@ -27,17 +27,29 @@ class CurveOptions:
     """A curve of steady rotations, and what is found besides."""
 
     over: Annotated[
-        Text, Option(metavar="PATH=LOW..HIGH", help="Follow a rotation along a drive or a number, around its folds.")
+        Text,
+        Option(
+            metavar="PATH=LOW..HIGH",
+            help=(
+                "Range of a drive or parameter along which a rotation is followed through its folds, e.g. "
+                '"motor=1..10 V".'
+            ),
+        ),
     ] = None
     against: Annotated[
-        Text, Option(metavar="PATH=LOW..HIGH", help="With --over: follow its folds in a second number.")
+        Text,
+        Option(
+            metavar="PATH=LOW..HIGH", help="Range of a second parameter in which the folds are followed; needs --over."
+        ),
     ] = None
-    runs: Annotated[int, Option(min=0, help="With --over: runs up and down through so many levels, as dots.")] = 0
-    hold: Annotated[Text, Option(help="With --runs: how long each level is held.")] = None
+    runs: Annotated[
+        int, Option(min=0, help="Number of levels of simulated runs up and down, drawn as dots; needs --over.")
+    ] = 0
+    hold: Annotated[Text, Option(help='Duration of each level of --runs, e.g. "20 s".')] = None
     steps: Annotated[
-        int | None, Option(min=32, help="With --over: steps in a turn; fewer are quicker and coarser [default: 512].")
+        int | None, Option(min=32, help="Time steps per revolution, at least 32; needs --over [default: 512].")
     ] = None
-    speed: Annotated[str, Option(help="Unit of the speed of a rotor: rpm, rad/s or Hz.")] = "rpm"
+    speed: Annotated[str, Option(help="Unit of the rotor speed: rpm, rad/s or Hz.")] = "rpm"
 
     def check(self) -> CurveOptions:
         """Raise `InputError` for what has no effect, or is missing."""
@@ -59,18 +71,22 @@ def steady(
     curve: CurveOptions,
     answer: AnswerOptions,
     drive: Annotated[
-        Texts, Option(metavar="[NAME=]LEVEL", help='Level at which a drive is held: "2 V", first="3 V"; repeatable.')
+        Texts, Option(metavar="[NAME=]LEVEL", help='Constant level of a drive, e.g. "2 V" or first="3 V"; repeatable.')
     ] = None,
-    start: Annotated[str, Option("--from", help="Rest before: cold, or hot, under the highest drives.")] = "cold",
-    high: Annotated[Text, Option(metavar="LEVEL", help="Drive under which it rested, with --from hot.")] = None,
+    start: Annotated[
+        str, Option("--from", help="State before: cold, or hot (steady state under the highest drives).")
+    ] = "cold",
+    high: Annotated[
+        Text, Option(metavar="LEVEL", help='Level of the drive before, e.g. "5 V"; needs --from hot.')
+    ] = None,
     cycle: Annotated[
-        bool, Option("--cycle", help="The limit cycle of its periodic drives, or of its ON/OFF loop.")
+        bool, Option("--cycle", help="Find the limit cycle of periodic drives or of an ON/OFF loop.")
     ] = False,
 ) -> None:
-    """Find the rest, the limit cycle or the folds of a scenario.
+    """Find a steady state, limit cycle or response curve.
 
-    Without options it gives the rest under held drives, the limits that it exceeds, and whether a small change dies
-    out. Exits with 1 if a limit is exceeded.
+    By default the command finds the steady state under constant drives, the limits that it exceeds, and its
+    stability. The exit code is 1 if a limit is exceeded.
     """
     over = curve.check().over
     refuse_idle("--cycle", cycle and over is not None, "--over follows a rotation")

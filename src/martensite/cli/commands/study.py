@@ -33,20 +33,22 @@ DEMONSTRATED = "migaone"
 @app.command("study", rich_help_panel="Simulate")
 def study(
     names: Annotated[
-        list[str] | None, typer.Argument(metavar="[NAME]...", help="Studies, or `all`; without one they are listed.")
+        list[str] | None,
+        typer.Argument(metavar="[NAME]...", help="Names of studies, or all [default: list of the studies]."),
     ] = None,
-    reasons: Annotated[bool, typer.Option("--all", help="Add reasons and reports.")] = False,
-    recompute: Annotated[bool, typer.Option("--recompute", help="Compute all numbers now: up to minutes.")] = False,
-    figures: Annotated[
-        Path | None, typer.Option(metavar="FOLDER", help="Write the figure of each study into this folder.")
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace existing figures.")] = False,
+    reasons: Annotated[
+        bool, typer.Option("--all", help="Show the reasons of all verdicts, and reported values.")
+    ] = False,
+    recompute: Annotated[
+        bool, typer.Option("--recompute", help="Compute all values again, which takes up to minutes.")
+    ] = False,
+    figures: Annotated[Path | None, typer.Option(metavar="FOLDER", help="Folder for the figure of each study.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite existing figures.")] = False,
     json: Json = False,
 ) -> None:
-    """List the studies, or show one: digest, claims and verdicts.
+    """List studies, or show the claims and verdicts of one.
 
-    A study that fails does not stop the others: it is reported on standard error. If one fails while several are
-    shown, the exit code is 1.
+    A study that fails is reported on standard error, and the others continue. If a study fails, the exit code is 1.
     """
     from martensite.show.terminal import print_json, print_summary
     from martensite.studies.base import load_studies, load_study
@@ -158,7 +160,7 @@ def _write(number: float | None, by_equation: float | None = None) -> str:
 
 @app.command("demo", rich_help_panel="Simulate")
 def demo(json: Json = False) -> None:
-    """Rebuild a published test; writes migaone.nc and migaone.png."""
+    """Rebuild a published test; write migaone.nc and migaone.png."""
     from martensite.cli.commands.run import RunOptions, run_scenario
     from martensite.scenario.examples import EXAMPLES
     from martensite.scenario.scenario import load

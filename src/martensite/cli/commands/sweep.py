@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from martensite.design.sweep.slurm_array import SlurmArray
     from martensite.design.sweep.table import SweepTable
 
-StoreFolder = Annotated[Path, typer.Argument(metavar="STORE", help="A sweep (Zarr).")]
+StoreFolder = Annotated[Path, typer.Argument(metavar="STORE", help="Sweep store (Zarr folder).")]
 
 
 @app.command("sweep", rich_help_panel="Design")
@@ -36,49 +36,63 @@ def sweep(
         Texts,
         Option(
             metavar="NAME=NUMBERS",
-            help='What is varied: "diameter=0.1..0.5 mm:9", "A_s=68, 70 degC", "length=250 mm +- 2 %"; repeatable.',
+            help=(
+                'Varied parameter, e.g. "diameter=0.1..0.5 mm:9", "A_s=68, 70 degC" or "length=250 mm +- 2 %"; '
+                "repeatable."
+            ),
         ),
     ] = None,
-    sample: Annotated[str, Option(help="grid, or a sample and its size: sobol:1024, latin-hypercube:1000 …")] = "grid",
+    sample: Annotated[
+        str, Option(help="Sampling: grid, or a method with its size, e.g. sobol:1024 or latin-hypercube:1000.")
+    ] = "grid",
     output: Annotated[
         Texts,
         Option(
             metavar="MEASURE",
-            help='One number kept of every run: stroke, "max(stress)", energy, rise-time …; '
-            "repeatable [default: stroke, max(temperature), max(stress), energy].",
+            help=(
+                'Measure of every run, e.g. stroke, "max(stress)" or rise-time; repeatable [default: stroke, '
+                "max(temperature), max(stress), energy]."
+            ),
         ),
     ] = None,
-    trace: Annotated[Texts, Option(metavar="OUTPUT:SAMPLES", help="A column kept over time; repeatable.")] = None,
-    out: Annotated[Path | None, Option(help="Zarr store to write, or to go on with [./SCENARIO.zarr].")] = None,
-    seed: Annotated[int, Option(help="Of the sample.")] = 0,
-    step: Annotated[Text, Option(help="Longest of equal steps [default: an error control].")] = None,
-    runtime: Annotated[Text, Option(help="c, cuda or floats [default: c, if there is a compiler].")] = None,
-    precision: Annotated[str, Option(help="float64, or float32 on CUDA.")] = "float64",
+    trace: Annotated[
+        Texts, Option(metavar="OUTPUT:SAMPLES", help="Column stored over time, e.g. position; repeatable.")
+    ] = None,
+    out: Annotated[
+        Path | None, Option(help="Sweep store (Zarr) to write or to resume [default: ./SCENARIO.zarr].")
+    ] = None,
+    seed: Annotated[int, Option(help="Seed of the sample.")] = 0,
+    step: Annotated[Text, Option(help='Fixed time step, e.g. "10 ms" [default: error control].')] = None,
+    runtime: Annotated[Text, Option(help="Runtime: c, cuda or floats [default: c if there is a compiler].")] = None,
+    precision: Annotated[str, Option(help="Floating-point type: float64, or float32 on CUDA.")] = "float64",
     backend: Annotated[
         Text,
         Option(
-            help="Who runs the chunks: processes, serial, dask [default: processes; serial for a "
-            "few chunks, or on CUDA]."
+            help=("Scheduling: processes, serial or dask [default: processes; serial for a few chunks or on CUDA].")
         ),
     ] = None,
-    workers: Annotated[int, Option(min=0, help="How many processes; 0 for one per core.")] = 0,
-    scheduler: Annotated[Text, Option(help="Address of a Dask scheduler, such as tcp://host:8786.")] = None,
-    chunk_size: Annotated[int, Option(min=1, help="Runs in a chunk; many thousands keep a GPU busy.")] = 512,
-    chunk: Annotated[Text, Option(metavar="I/N", help="Run only part I of N of the chunks, for job arrays.")] = None,
+    workers: Annotated[int, Option(min=0, help="Number of processes, 0 for one per core.")] = 0,
+    scheduler: Annotated[Text, Option(help="Address of a Dask scheduler, e.g. tcp://host:8786.")] = None,
+    chunk_size: Annotated[int, Option(min=1, help="Number of runs per chunk, many thousands for a GPU.")] = 512,
+    chunk: Annotated[
+        Text, Option(metavar="I/N", help="Part I/N of the chunks to run, for job arrays, e.g. 1/8.")
+    ] = None,
     slurm: Annotated[
         Text,
         Option(
             metavar="OPTIONS",
-            help='Submit an array of SLURM: "partition=short, time=2 h, cpus=8, tasks=16, memory=4 GB"; while it is in '
-            "the queue, say how far it is.",
+            help=(
+                'SLURM job array to submit, e.g. "partition=short, time=2 h, cpus=8, tasks=16, memory=4 GB"; '
+                "for a queued array, its progress."
+            ),
         ),
     ] = None,
-    dry_run: Annotated[bool, Option("--dry-run", help="Print the script of --slurm, and do nothing.")] = False,
-    figure: Annotated[Path | None, Option(help="Figure to write, or to replace: .png, .svg or .pdf.")] = None,
-    force: Annotated[bool, Option("--force", help="Replace an existing store.")] = False,
+    dry_run: Annotated[bool, Option("--dry-run", help="Print the --slurm script without submitting it.")] = False,
+    figure: Annotated[Path | None, Option(help="Figure to write or replace: .png, .svg or .pdf.")] = None,
+    force: Annotated[bool, Option("--force", help="Overwrite an existing store.")] = False,
     json: Json = False,
 ) -> None:
-    """Run many variants of a scenario; go on where it stopped."""
+    """Run variants of a scenario; resume an interrupted sweep."""
     from martensite.design.sweep.api import SweepExecution, begin_sweep, count_missing
     from martensite.design.sweep.job import MEASURES, SweepRequest
     from martensite.show.figures.sweep import plot_sweep
@@ -169,13 +183,13 @@ def sensitivity(
     store: StoreFolder,
     answer: AnswerOptions,
     output: Annotated[
-        Texts, Option(metavar="MEASURE", help="A measure of the sweep; repeatable [default: all].")
+        Texts, Option(metavar="MEASURE", help="Measure of the sweep, e.g. stroke; repeatable [default: all].")
     ] = None,
 ) -> None:
-    """Say which numbers of a sweep explain its variance.
+    """Compute Sobol indices or other sensitivities of a sweep.
 
-    A sweep with `--sample saltelli:1024` gives first and total order with intervals, a whole grid
-    both without, any other sample first order, delta and slopes.
+    A sweep with `--sample saltelli:1024` gives first and total order with intervals. A complete grid gives both
+    without intervals. Any other sample gives first order, delta and derivatives.
     """
     from martensite.design.sweep.indices import compute_sensitivity as find_sensitivity
     from martensite.design.sweep.reading import read_sweep
@@ -195,18 +209,20 @@ def pareto(
     store: StoreFolder,
     answer: AnswerOptions,
     minimise: Annotated[
-        Texts, Option(metavar="MEASURE", help="What shall be small, a varied number too; repeatable.")
+        Texts, Option(metavar="MEASURE", help="Measure or varied parameter to minimise, e.g. energy; repeatable.")
     ] = None,
-    maximise: Annotated[Texts, Option(metavar="MEASURE", help="What shall be large; repeatable.")] = None,
-    save: Annotated[Path | None, Option(help="Table of the front to write: .csv.")] = None,
+    maximise: Annotated[
+        Texts, Option(metavar="MEASURE", help="Measure or varied parameter to maximise, e.g. stroke; repeatable.")
+    ] = None,
+    out: Annotated[Path | None, Option(help="Table of the Pareto front to write: .csv.")] = None,
 ) -> None:
-    """Find the runs of a sweep that no other beats."""
+    """Find the Pareto front of a sweep."""
     from martensite.design.sweep.pareto import find_pareto_front
     from martensite.design.sweep.reading import read_sweep
     from martensite.show.figures.sweep_analysis import plot_pareto
     from martensite.show.summaries.sweep import summarise_front
 
-    outputs = answer.check_files(save, ".csv")
+    outputs = answer.check_files(out, ".csv")
     table = read_sweep(store)
     front = find_pareto_front(table, minimise or (), maximise or ())
     outputs.answer(

@@ -24,44 +24,46 @@ class TuneOptions:
     method: Annotated[
         str,
         Option(
-            help="rules (step test), relay, gradient (through the loop itself), or schedule (PI gains over the stroke, "
-            "heating and cooling, by linear systems on both branches)."
+            help=(
+                "Method: rules (step test), relay, gradient (through the closed loop), or schedule (PI gains "
+                "over stroke and branch)."
+            )
         ),
     ] = "gradient"
     rule: Annotated[
-        Text,
-        Option(
-            help="Of --method rules [default: simc], such as amigo or cohen-coon; of relay [default: tyreus-luyben]."
-        ),
+        Text, Option(help="Tuning rule, e.g. simc, amigo or cohen-coon [default: simc; tyreus-luyben for relay].")
     ] = None
-    form: Annotated[Text, Option(help="pi or pid, for rules and relay [default: pid].")] = None
+    form: Annotated[Text, Option(help="Controller form for rules and relay: pi or pid [default: pid].")] = None
     level: Annotated[
-        Text,
-        Option(help='Level of step and relay test, e.g. "4 mm" [default: the middle of what the reference asks for].'),
+        Text, Option(help='Level of the step or relay test, e.g. "4 mm" [default: the centre of the reference].')
     ] = None
     free: Annotated[
         Text,
         Option(
-            help="What is searched by gradient, comma-separated, with bounds if you like: "
-            "Kp=1..100,Ki [default: Kp,Ki,Kd of a pid]."
+            help=(
+                "Parameters of the gradient search, with optional bounds, e.g. Kp=1..100,Ki [default: Kp,Ki,Kd "
+                "of a pid]."
+            )
         ),
     ] = None
-    goal: Annotated[Text, Option(help="itae, iae, or ise, for gradient [default: itae].")] = None
+    goal: Annotated[Text, Option(help="Goal of the gradient search: itae, iae, or ise [default: itae].")] = None
     spread: Annotated[
         Texts,
         Option(
             metavar="PATH=SPREAD",
-            help='How far plants are from the scenario, e.g. --spread element.diameter="3 %" or '
-            '--spread environment.temperature="3 K"; repeatable.',
+            help=(
+                'Spread of the plants around the scenario, e.g. element.diameter="3 %" or '
+                'environment.temperature="3 K"; repeatable.'
+            ),
         ),
     ] = None
-    plants: Annotated[int | None, Option(help="Plants drawn within the spreads [default: 64].")] = None
-    seed: Annotated[int, Option(help="Of the plants and of scattered starts.")] = 0
+    plants: Annotated[int | None, Option(help="Number of plants drawn within the spreads [default: 64].")] = None
+    seed: Annotated[int, Option(help="Seed of the plants and of random starting points.")] = 0
     sensitivity: Annotated[
-        float | None, Option(help="Largest sensitivity M_s of --method schedule [default: 1.4].")
+        float | None, Option(help="Maximum sensitivity M_s of --method schedule [default: 1.4].")
     ] = None
-    loop: Annotated[Text, Option(help="Drive whose controller is tuned, if there are several.")] = None
-    duration: Annotated[Text, Option(help='Length of a run, e.g. "10 s" [default: the scenario\'s].')] = None
+    loop: Annotated[Text, Option(help="Drive whose controller is tuned; needed if there are several.")] = None
+    duration: Annotated[Text, Option(help='Duration of a run, e.g. "10 s" [default: that of the scenario].')] = None
 
     def check(self) -> None:
         """Raise `InputError` for an unknown method, or an option without effect."""
@@ -94,16 +96,15 @@ def tune(
     source: ScenarioSource,
     options: TuneOptions,
     answer: JudgedOptions,
-    save: Annotated[Path | None, Option(help="Scenario with the new numbers to write: .toml.")] = None,
+    out: Annotated[Path | None, Option(help="Scenario with the tuned controller to write: .toml.")] = None,
 ) -> None:
-    """Tune the controller of a scenario, and show its loop.
+    """Tune the controller of a scenario and compare the loops.
 
-    The scenario needs sections [controller] and [reference]. With --spread, the gradient is that
-    of the mean over many plants. The result is compared with the present loop on as many other
-    plants, or on that of the scenario, and tested like a `check`. If it is worse, the command exits
-    with 1 and saves it only with --save-anyway.
+    The scenario needs the sections [controller] and [reference]. With --spread the search uses the mean over many
+    plants. The result is compared with the present controller on other plants, and tested like `check`. If the
+    result is worse, the exit code is 1, and --save-anyway writes it.
     """
-    outputs = answer.check_files(save, ".toml")
+    outputs = answer.check_files(out, ".toml")
     options.check()
     loaded = source.load()
     if options.method == "schedule":
@@ -113,6 +114,6 @@ def tune(
     else:
         from martensite.cli.tune_run import run_tuning
 
-        found = run_tuning(loaded, options, name_interrupted(save, source.file))
+        found = run_tuning(loaded, options, name_interrupted(out, source.file))
     if found.give(outputs, answer):
         raise typer.Exit(1)

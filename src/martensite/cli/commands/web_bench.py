@@ -24,20 +24,20 @@ if TYPE_CHECKING:
 
 @app.command("app", rich_help_panel="Take along")
 def bench_app(
-    scenario: Annotated[
-        Path | None, typer.Argument(metavar="[SCENARIO]", help="A scenario file to begin with.")
-    ] = None,
-    port: Annotated[int, typer.Option(help="Port on this machine; 0 for the last one, or a free one.")] = 0,
-    no_browser: Annotated[bool, typer.Option("--no-browser", help="Only print the address.")] = False,
+    scenario: Annotated[Path | None, typer.Argument(metavar="[SCENARIO]", help="Scenario file to open first.")] = None,
+    port: Annotated[int, typer.Option(help="Network port, 0 for the last port or a free port.")] = 0,
+    no_browser: Annotated[
+        bool, typer.Option("--no-browser", help="Print the address without opening a browser.")
+    ] = False,
     folder: Annotated[
-        Path | None, typer.Option(help="Where files are kept, made if need be [default: one that ends with it].")
+        Path | None, typer.Option(help="Project folder, made if it is missing [default: a temporary folder].")
     ] = None,
-    static: Annotated[Path | None, typer.Option(help="Write it as a folder for any file server, and end.")] = None,
+    static: Annotated[Path | None, typer.Option(help="Folder to write the page into, for any file server.")] = None,
     json: Json = False,
 ) -> None:
-    """Open the web bench: sliders, loops, motion, your own logs.
+    """Open the web bench in the browser.
 
-    It is reachable from this machine alone, and only with the token in the address. Ctrl-C ends it.
+    Only this machine can reach the page, and only with the token in the address. Ctrl-C ends the server.
     """
     from martensite.app.server import serve_bench
 

@@ -24,20 +24,24 @@ USUAL = '--diameter "0.1 mm" --length "10 cm"'
 class WireOptions:
     """A wire or a coil, what drives it and what it pulls, as the command line says it."""
 
-    diameter: Annotated[Text, Option(help='Of the wire, e.g. "0.1 mm".')] = None
-    length: Annotated[Text, Option(help='Of the wire, e.g. "10 cm"; of a coil, if it is known.')] = None
-    supply: Annotated[Text, Option(help='Voltage of the supply, e.g. "5 V".')] = None
-    current_limit: Annotated[Text, Option(help='Largest current of the supply, e.g. "2 A".')] = None
-    load: Annotated[Text, Option(help='Weight that hangs on it, e.g. "100 gf" [default: the maker\'s pull].')] = None
-    spring: Annotated[Text, Option(help='Rate of a spring instead, e.g. "0.1 N/mm".')] = None
-    preload: Annotated[Text, Option(help='Force of the spring when cold, e.g. "1 N".')] = None
-    pulse: Annotated[Text, Option(help="Time in which it is to contract [default: 1 s].")] = None
-    ambient: Annotated[Text, Option(help="Temperature around it [default: 22 degC].")] = None
-    resistance: Annotated[Text, Option(help="As measured [default: the maker's].")] = None
+    diameter: Annotated[Text, Option(help='Wire diameter, e.g. "0.1 mm".')] = None
+    length: Annotated[Text, Option(help='Wire length, e.g. "10 cm"; optional for a coil.')] = None
+    supply: Annotated[Text, Option(help='Supply voltage, e.g. "5 V".')] = None
+    current_limit: Annotated[Text, Option(help='Maximum current of the supply, e.g. "2 A".')] = None
+    load: Annotated[
+        Text, Option(help=('Weight that hangs on the wire, e.g. "100 gf" [default: the pull of the maker\'s table].'))
+    ] = None
+    spring: Annotated[Text, Option(help='Rate of a return spring instead of a weight, e.g. "0.1 N/mm".')] = None
+    preload: Annotated[Text, Option(help='Force of the spring in the cold state, e.g. "1 N".')] = None
+    pulse: Annotated[Text, Option(help="Contraction time [default: 1 s].")] = None
+    ambient: Annotated[Text, Option(help="Ambient temperature [default: 22 degC].")] = None
+    resistance: Annotated[
+        Text, Option(help='Measured resistance, e.g. "3 ohm" [default: that of the maker\'s table].')
+    ] = None
     solid: Annotated[Text, Option(help='Length of the closed coil, e.g. "25 mm".')] = None
-    turns: Annotated[Text, Option(help="Number of its turns, if they were counted.")] = None
-    outer: Annotated[Text, Option(help='Coil diameter over all, e.g. "5 mm".')] = None
-    stretched: Annotated[Text, Option(help='Length to which it is drawn out when cold, e.g. "100 mm".')] = None
+    turns: Annotated[Text, Option(help="Number of turns of the coil, e.g. 50.")] = None
+    outer: Annotated[Text, Option(help='Outer coil diameter, e.g. "5 mm".')] = None
+    stretched: Annotated[Text, Option(help='Length to which the cold coil is stretched, e.g. "100 mm".')] = None
 
     def read(self, coil: bool, alloy: str, cooling: str) -> WireInHand:
         """The wire or the coil."""
@@ -65,16 +69,18 @@ class WireOptions:
 def wire(
     piece: WireOptions,
     answer: AnswerOptions,
-    coil: Annotated[bool, Option("--coil", help="It is a coil spring, wound closed.")] = False,
-    cooling: Annotated[str, Option(help="air, horizontal (still air), fan (2 m/s), water, or oil.")] = "air",
-    alloy: Annotated[str, Option(help="70 or 90.")] = "90",
-    save: Annotated[Path | None, Option(help="Scenario to write: .toml.")] = None,
+    coil: Annotated[bool, Option("--coil", help="Rate a closed-wound coil spring instead of a straight wire.")] = False,
+    cooling: Annotated[
+        str, Option(help="Cooling: air (vertical wire), horizontal (still air), fan (2 m/s), water, or oil.")
+    ] = "air",
+    alloy: Annotated[str, Option(help="Alloy by transition temperature: 70 or 90.")] = "90",
+    out: Annotated[Path | None, Option(help="Scenario file to write: .toml.")] = None,
 ) -> None:
-    """Say what current a wire or a coil needs, and what it does.
+    """Compute the current of a given wire or coil, and its motion.
 
-    Exits with 1 where the supply cannot make it contract, or it does not come back.
+    The exit code is 1 if the supply cannot contract the wire or the wire does not return.
     """
-    outputs = answer.check_files(save, ".toml")
+    outputs = answer.check_files(out, ".toml")
     asked = piece.read(coil, alloy, cooling)
     with show_spinner("simulating it"):
         from martensite.design.sizing.scenario import format_ratings

@@ -122,7 +122,7 @@ class WireRatings:
             return ()
         needed = "" if self.cycle is None else f", here of at least {self.cycle.current * self.strand.resistance:.3g} V"
         return (
-            f"{self.wire.supply:.4g} V can kill. Do not touch bare wire above {TOUCHABLE:.0f} V and do not connect a wire "
+            f"{self.wire.supply:.4g} V can kill. Do not touch bare wire above {TOUCHABLE:.0f} V or connect a wire "
             f"to the mains; use an isolated low-voltage supply{needed}",
         )
 

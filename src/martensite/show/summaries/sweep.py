@@ -109,7 +109,7 @@ def summarise_front(store: Path, table: SweepTable, front: ParetoFront) -> Summa
         Sentence(f"{count:,} of {front.compared:,} runs are beaten by no other: {goals}"),
     ]
     if count > len(rows):
-        blocks.append(Sentence(f"{len(rows)} of them are shown; --save or --json has all."))
+        blocks.append(Sentence(f"{len(rows)} of them are shown; --out or --json has all."))
     blocks += [
         Sentence(f"Caution: {number:,} runs are left out: {why}.", "caution")
         for number, why in _count_left_out(table, front)

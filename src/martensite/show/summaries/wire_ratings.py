@@ -94,8 +94,8 @@ def _describe_parts(found: WireRatings) -> Iterator[Block]:
     if wire.supply > TOUCHABLE:
         return
     yield Sentence(
-        f"Switch: logic-level N-channel MOSFET, at least {2.0 * wire.supply:.3g} V and {2.0 * full:.2g} A, on-resistance "
-        f"at most {0.05 * ohms:.2g} Ω ({0.05 * ohms * full**2:.2g} W). A controller pin gives only 20 mA."
+        f"Switch: logic-level N-channel MOSFET, at least {2.0 * wire.supply:.3g} V and {2.0 * full:.2g} A, "
+        f"on-resistance at most {0.05 * ohms:.2g} Ω ({0.05 * ohms * full**2:.2g} W). A controller pin gives only 20 mA."
     )
     yield Sentence(
         f"Flyback diode: not needed for {1e6 * found.inductance:.2g} µH and {1e6 * stored:.2g} µJ. A motor or relay on "

@@ -29,24 +29,26 @@ EXAMPLE_STEPS = 400
 @spread_options
 def c(
     source: ScenarioSource,
-    out: Annotated[Path, Option(metavar="FOLDER", help="Where to write.")] = Path(),
-    name: Annotated[Text, Option(help="Name of the files and in them [default: SCENARIO].")] = None,
+    out: Annotated[Path, Option(metavar="FOLDER", help="Output folder.")] = Path(),
+    name: Annotated[Text, Option(help="Prefix of file and function names [default: SCENARIO].")] = None,
     part: Annotated[
         str,
         Option(
-            help="whole; plant: without the loops around it; loop: observers, controllers and "
-            "supervisor without the plant, for a controller board; element, material: alone, for a host, with slopes."
+            help=(
+                "Exported part: whole (loop and plant), plant, loop (controllers, for a board), element or "
+                "material (for a host)."
+            )
         ),
     ] = "whole",
     port: Port = None,
-    precision: Annotated[str, Option(help="float64 (double), or float32 (float).")] = "float64",
+    precision: Annotated[str, Option(help="Floating-point type: float64 or float32.")] = "float64",
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Write a scenario as C99: header, source, and an example that plays its drive.
+    """Write a scenario as C99: header, source and example.
 
-    No allocation, no library but libm; in double the results are those of `run`, bit for bit.
-    Operations are counted at worst: what is not chosen in a step is not computed.
+    The code needs no allocation and only libm. With float64 the results equal those of `run` bit for bit. The
+    report counts the operations of the worst case.
     """
     from martensite.base.files import make_folder, replace_together, write_file
     from martensite.export.c_names import choose_identifier

@@ -22,21 +22,29 @@ if TYPE_CHECKING:
 @spread_options
 def firmware(
     source: ScenarioSource,
-    board: Annotated[str, Option(help="uno, mega2560, esp32 or stm32f405.")],
-    out: Annotated[Path | None, Option(metavar="FOLDER", help="Where to write [default: ./SCENARIO_BOARD].")] = None,
-    silence: Annotated[str, Option(help="The board disarms when it has not heard the host for so long.")] = "40 ms",
-    longest: Annotated[str, Option(help="It disarms when it was armed for so long.")] = "1 h",
-    most_duty: Annotated[float, Option(help="No signal is above it.")] = 1.0,
+    board: Annotated[str, Option(help="Board: uno, mega2560, esp32 or stm32f405.")],
+    out: Annotated[Path | None, Option(metavar="FOLDER", help="Output folder [default: ./SCENARIO_BOARD].")] = None,
+    silence: Annotated[
+        str, Option(help='Time without a message of the host after which the board disarms, e.g. "0.5 s".')
+    ] = "40 ms",
+    longest: Annotated[str, Option(help='Maximum time for which the board stays armed, e.g. "10 min".')] = "1 h",
+    most_duty: Annotated[float, Option(help="Maximum duty cycle, 0 to 1.")] = 1.0,
     most_current: Annotated[
-        Text, Option(help="It disarms above this current [default: 1.25 times that of the full signal].")
+        Text,
+        Option(
+            help=(
+                'Current above which the board disarms, e.g. "1 A" [default: 1.25 times the current of the full '
+                "command]."
+            )
+        ),
     ] = None,
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Write a complete firmware around the loop of a scenario: sketch or bare project, link, guard, wiring.
+    """Write the firmware of a control loop: code, guard and wiring.
 
-    The loop is tried in float32 over the scenario first. Nothing is armed before the host says so, and the
-    board disarms by itself when the host is silent, the supply low or the current too large.
+    The loop is first tested in float32 over the scenario. The board heats only after the host has armed it. It
+    disarms if the host is silent, the supply voltage is low or the current is too large.
     """
     from martensite.boards.firmware.project import build_firmware
     from martensite.boards.firmware.settings import Limits

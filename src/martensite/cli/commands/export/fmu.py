@@ -27,44 +27,38 @@ def fmu(
     out: Annotated[Path | None, Option(help="FMU to write [default: ./SCENARIO.fmu].")] = None,
     step: Annotated[
         Text,
-        Option(
-            help="Longest step of the model within a step of the co-simulation "
-            "[default: that with which `run` reaches its tolerance]."
-        ),
+        Option(help=('Maximum internal step, e.g. "5 ms" [default: the step at which `run` reaches its tolerance].')),
     ] = None,
-    name: Annotated[Text, Option(help="Model identifier [default: made of the name of the file].")] = None,
+    name: Annotated[Text, Option(help="Model identifier [default: the name of the scenario file].")] = None,
     platforms: Annotated[
         Texts,
         Option(
             "--platform",
-            help="For which to compile, e.g. x86_64-windows, with gcc or zig; repeatable "
-            "[default: all that gcc is there for].",
+            help=("Target platform, e.g. x86_64-windows; repeatable [default: all platforms of the installed gcc]."),
         ),
     ] = None,
     ports: Annotated[
         bool,
         Option(
-            "--ports", help="The element alone: its elongation, drive and surroundings in; force and temperature out."
+            "--ports",
+            help=("Export the element alone: inputs elongation, drive and ambient; outputs force and temperature."),
         ),
     ] = False,
     port: Port = None,
     model_exchange: Annotated[
-        bool,
-        Option(
-            "--model-exchange",
-            help="Refuse unless it is for model exchange too, as it is by itself where laws have rates.",
-        ),
+        bool, Option("--model-exchange", help="Fail unless the FMU also supports model exchange.")
     ] = False,
-    sources_only: Annotated[bool, Option("--sources-only", help="Compile nothing.")] = False,
+    sources_only: Annotated[
+        bool, Option("--sources-only", help="Write the sources without a compiled library.")
+    ] = False,
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Write a scenario as an FMU for co-simulation: the model in C, compiled and as sources.
+    """Write a scenario as an FMU for co-simulation.
 
-    Drives are inputs, everything that can be observed is an output, all numbers of the scenario
-    are parameters; a closed loop has its reference as an input. With `--ports` it is the element
-    alone, for a host that has the mechanism. One element on a static load line, or alone, whose law
-    has rates (`mas`, `mas-polycrystal`) is for model exchange too.
+    Drives are inputs, observable quantities are outputs, and all values of the scenario are parameters. A closed
+    loop has its reference as an input. With --ports the FMU contains the element alone, for a host that has the
+    mechanism. Rate-dependent laws (`mas`, `mas-polycrystal`) also support model exchange.
     """
     from martensite.export.fmu import to_fmu
     from martensite.show.terminal import print_summary

@@ -24,12 +24,14 @@ def mujoco(
     out: Annotated[
         Path | None, Option(help="MJCF file to write [default: ./SCENARIO.xml, or ./SCENARIO_snippet.xml].")
     ] = None,
-    snippet: Annotated[bool, Option("--snippet", help="Sites and tendons alone, for a model of your own.")] = False,
-    timestep: Annotated[str, Option(help="Time step of the model.")] = "2 ms",
+    snippet: Annotated[
+        bool, Option("--snippet", help="Write sites and tendons alone, for a model of your own.")
+    ] = False,
+    timestep: Annotated[str, Option(help='Time step of the model, e.g. "1 ms".')] = "2 ms",
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Write the mechanism of a scenario as an MJCF model, or the lines that another model needs.
+    """Write a mechanism as an MJCF model for MuJoCo.
 
     The model has a tendon at the place of every element. In Python, `ms.export.to_mujoco` adds the elements
     themselves, and `ms.export.MujocoActuators` adds them to any model.

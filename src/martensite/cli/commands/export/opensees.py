@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 @export.command("opensees")
 @spread_options
 def opensees(source: ScenarioSource, options: MaterialOptions) -> None:
-    """Write the material of a scenario as a uniaxialMaterial package of OpenSees, in C, with a script that uses it.
+    """Write a material as a uniaxialMaterial of OpenSees, in C.
 
-    The temperature is a table over the time of the model.
+    The folder also contains a script that uses the material. Its temperature is a table over the time of the model.
     """
     from martensite.export.ports.opensees import write_opensees
 

@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 @export.command("umat")
 @spread_options
 def umat(source: ScenarioSource, options: MaterialOptions) -> None:
-    """Write the material of a scenario as a user material (UMAT) of Abaqus and CalculiX, in C.
+    """Write a material as a UMAT for Abaqus and CalculiX, in C.
 
-    Strain and temperature come from the host; stress, latent heat and the consistent tangent go to it. For trusses;
-    where a host computes solids, it is a fibre along the first axis of the material.
+    Inputs are strain and temperature; outputs are stress, latent heat and the consistent tangent. The material is
+    for trusses; in a solid it acts as a fibre along the first material axis.
     """
     from martensite.export.ports.umat import count_state_variables, write_umat
 

@@ -27,19 +27,23 @@ EXAMPLE_STEPS = 400
 @spread_options
 def wasm(
     source: ScenarioSource,
-    out: Annotated[Path | None, Option(metavar="FOLDER", help="Where to write [default: ./SCENARIO_wasm].")] = None,
-    name: Annotated[Text, Option(help="Name of the files [default: SCENARIO].")] = None,
-    part: Annotated[str, Option(help="whole; plant: without the loops around it.")] = "whole",
+    out: Annotated[Path | None, Option(metavar="FOLDER", help="Output folder [default: ./SCENARIO_wasm].")] = None,
+    name: Annotated[Text, Option(help="Prefix of file names [default: SCENARIO].")] = None,
+    part: Annotated[str, Option(help="Exported part: whole (loop and plant) or plant.")] = "whole",
     slopes: Annotated[
-        Text, Option(metavar="NAMES", help="Parameters and signals by which outputs have derivatives, comma-separated.")
+        Text,
+        Option(
+            metavar="NAMES",
+            help=("Parameters and signals with derivatives of all outputs, comma-separated, e.g. A_s,drive."),
+        ),
     ] = None,
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Write a scenario as WebAssembly for browsers and Node.js: module, script with types, guide.
+    """Write a scenario as WebAssembly for browsers and Node.js.
 
-    It imports nothing, and gives the numbers of `export c`. Zig compiles it: `pip install
-    "martensite[cc]"`, unless there is one.
+    The folder contains the module, a script with types, and a guide. The module has no imports and gives the
+    results of `export c`. Compilation needs zig, for example from the extra `cc`.
     """
     from martensite.base.files import make_folder, replace_together, write_file
     from martensite.export.c_names import choose_identifier

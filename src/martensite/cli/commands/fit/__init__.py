@@ -37,8 +37,10 @@ class Fits(FolderGroup):
 fit = make_group(
     __name__,
     Fits,
-    short_help="Make a model of measured logs, with a scenario or without.",
-    help="Fit numbers of a model to measurements: `martensite fit LOG... --scenario S --free ...` "
-    "(or fit FILE.toml), or one of the commands below.",
+    short_help="Fit parameters of a material, wire or motor to logs.",
+    help=(
+        "Fit parameters to logs: `martensite fit LOG... --scenario S --free A_s,A_f`, `martensite fit "
+        "FILE.toml`, or one of the commands below."
+    ),
 )
 app.add_typer(fit, name="fit", rich_help_panel="From logs")

@@ -32,10 +32,10 @@ UNITS = {"diameter": "m", "length": "m", "ambient": "K", "resistance": "ohm"}
 class HeatedWire:
     """Wire of the command line; None for a missing value."""
 
-    diameter: Annotated[Text, Option(help='Diameter of the wire, e.g. "0.381 mm".')] = None
-    length: Annotated[Text, Option(help='Length of the wire, e.g. "273 mm".')] = None
+    diameter: Annotated[Text, Option(help='Wire diameter, e.g. "0.381 mm".')] = None
+    length: Annotated[Text, Option(help='Wire length, e.g. "273 mm".')] = None
     ambient: Annotated[Text, Option(help='Ambient temperature, e.g. "38.5 degC".')] = None
-    resistance: Annotated[Text, Option(help='Resistance that the voltage heats, e.g. "2.7 ohm".')] = None
+    resistance: Annotated[Text, Option(help='Resistance across the measured voltage, e.g. "2.7 ohm".')] = None
 
     def read(self, name: str) -> float | None:
         """A number in SI."""
@@ -58,17 +58,17 @@ class HeatedWire:
 @fit.command("h")
 @spread_options
 def film(
-    table: Annotated[Path, Argument(metavar="TABLE", help="Steady states, one per row (see below).")],
+    table: Annotated[Path, Argument(metavar="TABLE", help="Table of steady states, one per row (columns: see above).")],
     wire: HeatedWire,
     answer: AnswerOptions,
-    form: Annotated[str, Option(help="all, constant, linear, quadratic, or h1=0.")] = ALL,
-    out: Annotated[Path | None, Option(help="Heat-loss model to write: .toml; takes one --form.")] = None,
+    form: Annotated[str, Option(help="Form of h(T): all, constant, linear, quadratic, or h1=0.")] = ALL,
+    out: Annotated[Path | None, Option(help="Heat-loss model to write: .toml; needs a single --form.")] = None,
 ) -> None:
-    """Fit a film coefficient h(T) to steady states, and judge the fit.
+    """Fit a film coefficient h(T) to steady states.
 
-    TABLE holds steady states of a heated wire. It needs a column `temperature` and one of:
-    `h [W/m^2/K]`; `power`; `voltage` with `current`; `voltage` with `resistance`, or with
-    --resistance. All but `h` take --diameter, --length and --ambient.
+    TABLE holds steady states of a heated wire. It needs a column `temperature` and one of: `h [W/m^2/K]`; `power`;
+    `voltage` with `current`; `voltage` with `resistance`, or with --resistance. All but `h` need --diameter,
+    --length and --ambient.
     """
     _check_form(form, out)
     outputs = answer.check_files(out, ".toml")

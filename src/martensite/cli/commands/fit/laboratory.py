@@ -27,18 +27,26 @@ SPEEDS = (SPEED, "rpm")
 
 @fit.command("motor")
 def motor(
-    steady: Annotated[Path, Argument(metavar="STEADY", help="Steady states: `voltage`, `current`, `speed`.")],
-    locked: Annotated[Path | None, Option(help="Rotor held still: `voltage` and `current`.")] = None,
-    resistance: Annotated[Text, Option(help='Resistance instead, e.g. "41 ohm".')] = None,
-    current_rise: Annotated[Path | None, Option(help="Step of the voltage, rotor held: `time` and `current`.")] = None,
-    inductance: Annotated[Text, Option(help='Inductance instead, e.g. "3 mH".')] = None,
-    run_up: Annotated[Path | None, Option(help="Step of the voltage, rotor free: `time` and `speed`.")] = None,
+    steady: Annotated[
+        Path, Argument(metavar="STEADY", help="Table of steady states with columns `voltage`, `current`, `speed`.")
+    ],
+    locked: Annotated[
+        Path | None, Option(help="Record with the rotor locked: columns `voltage` and `current`.")
+    ] = None,
+    resistance: Annotated[Text, Option(help='Winding resistance instead of --locked, e.g. "41 ohm".')] = None,
+    current_rise: Annotated[
+        Path | None, Option(help="Record of a voltage step with the rotor locked: columns `time` and `current`.")
+    ] = None,
+    inductance: Annotated[Text, Option(help='Winding inductance instead of --current-rise, e.g. "3 mH".')] = None,
+    run_up: Annotated[
+        Path | None, Option(help="Record of a voltage step with the rotor free: columns `time` and `speed`.")
+    ] = None,
     json: Json = False,
 ) -> None:
-    """Constants of a DC motor from its tests.
+    """Compute constants of a DC motor from laboratory tests.
 
-    The resistance and the steady states give K_T = K_B and friction, viscous and dry; a run-up
-    gives the inertia. Records of a step begin after it. Speeds are in rad/s or rpm.
+    Resistance and steady states give K_T = K_B and viscous and dry friction; a run-up gives the inertia. Records of
+    a step start after the step. Speeds are in rad/s or rpm.
     """
     winding = read_winding(locked, resistance)
     coil = read_positive("inductance", inductance, "H")
@@ -125,19 +133,21 @@ def tangents(
         list[str],
         Argument(
             metavar="LOG...",
-            help="Isobaric cycles, one per file: `temperature`, `strain` and `stress`; "
-            "or data:SET/FILE for files of a published data set.",
+            help=(
+                "Isobaric cycles, one per file, with `temperature`, `strain` and `stress`; or data:SET/FILE for "
+                "a published data set."
+            ),
         ),
     ],
     answer: AnswerOptions,
-    stress: Annotated[Texts, Option(help='Constant stress of each LOG, e.g. "100 MPa"; repeatable.')] = None,
-    cycle: Annotated[int | None, Option(help="Which cycle of each LOG, from 1 on; the last if left out.")] = None,
+    stress: Annotated[Texts, Option(help='Constant stress of each log, e.g. "100 MPa"; repeatable.')] = None,
+    cycle: Annotated[int | None, Option(help="Cycle of each log to evaluate, from 1 [default: the last].")] = None,
 ) -> None:
-    """Transformation temperatures, slopes and strain of isobaric cycles, by tangents.
+    """Compute transformation temperatures by the tangent method.
 
-    Each LOG is heated and cooled once through its whole transformation under a constant stress.
-    Three straight lines per branch give A_s, A_f, M_s, M_f and the transformation strain; two and
-    more stresses give C_A, C_M and the temperatures at zero stress.
+    Each LOG contains one complete heating and cooling under a constant stress. Three straight lines per branch give
+    A_s, A_f, M_s, M_f and the transformation strain. Two or more stresses give C_A, C_M and the temperatures at
+    zero stress.
     """
     outputs = answer.check_files()
     levels = read_cycles(logs, stress, cycle)
@@ -178,20 +188,21 @@ def read_cycles(logs: Sequence[str], stresses: Sequence[str] | None, cycle: int 
 
 @fit.command("vibration")
 def vibration(
-    record: Annotated[Path, Argument(metavar="RECORD", help="A record with `time` and what vibrates.")],
-    column: Annotated[Text, Option(help="Column that vibrates, if there are several.")] = None,
-    start: Annotated[Text, Option(help='Time from which on it is free, e.g. "0.5 s".')] = None,
-    end: Annotated[Text, Option(help='Time of the last row used, e.g. "4 s".')] = None,
-    cycles: Annotated[int | None, Option(help="Most cycles used; all if left out.")] = None,
-    stiffness: Annotated[Text, Option(help='Stiffness, e.g. "540 N/m": gives the moving mass.')] = None,
-    mass: Annotated[Text, Option(help='Moving mass, e.g. "190 g": gives the stiffness.')] = None,
+    record: Annotated[Path, Argument(metavar="RECORD", help="Record with `time` and the vibrating quantity.")],
+    column: Annotated[
+        Text, Option(help="Column of the vibrating quantity, e.g. position; needed if there are several.")
+    ] = None,
+    start: Annotated[Text, Option(help='Start of the free vibration, e.g. "0.5 s".')] = None,
+    end: Annotated[Text, Option(help='End of the evaluated part, e.g. "4 s".')] = None,
+    cycles: Annotated[int | None, Option(help="Maximum number of cycles [default: all].")] = None,
+    stiffness: Annotated[Text, Option(help='Known stiffness, e.g. "540 N/m"; gives the moving mass.')] = None,
+    mass: Annotated[Text, Option(help='Known moving mass, e.g. "190 g"; gives the stiffness.')] = None,
     json: Json = False,
 ) -> None:
-    """Frequency and damping from the record of a free vibration.
+    """Compute frequency and damping of a free vibration.
 
-    RECORD begins at the release, or --start says when that was. The frequency is found from the
-    spectrum, then from the times of the extremes; the damping ratio is that of the logarithmic
-    decrement over all cycles.
+    RECORD starts at the release, or --start gives its time. The frequency follows from the spectrum and then from
+    the times of the extremes. The damping ratio follows from the logarithmic decrement over all cycles.
     """
     if stiffness is not None and mass is not None:
         raise InputError("Give --stiffness or --mass, not both: the frequency tells the other one.")

@@ -49,7 +49,9 @@ REPORTS, MATERIAL = (".md", ".html"), (".toml",)
 class FitOptions:
     """Scenario, free parameters and options of a fit."""
 
-    scenario: Annotated[list[Path] | None, Option(help="Scenario file; one for all logs, or repeated for each.")] = None
+    scenario: Annotated[
+        list[Path] | None, Option(help="Scenario file for all logs, or repeated, one for each log.")
+    ] = None
     free: Annotated[
         Texts,
         Option(
@@ -59,26 +61,37 @@ class FitOptions:
     ] = None
     each: Annotated[
         Texts,
-        Option(help='What every log has for itself: parameters, offset[.OUTPUT], delay; "h:by=specimen", "h=±20 %".'),
+        Option(
+            help=('Parameters with a separate value for each log, e.g. offset, delay, "h:by=specimen" or "h=±20 %".')
+        ),
     ] = None
     hold_out: Annotated[
-        Text, Option(help='Kept back from the fit: auto, none, each in turn, names, or "25 %" [default: auto].')
+        Text,
+        Option(
+            help=(
+                'Held-out data: auto, none, "each in turn", names of logs, or a percentage such as "25 %" '
+                "[default: auto]."
+            )
+        ),
     ] = None
     column: Annotated[
         Texts,
         Option(
             metavar="OUTPUT[=COLUMN[*FACTOR]]",
-            help="What is compared [default: all that log and scenario share]; repeatable.",
+            help="Compared column, e.g. position; repeatable [default: all that log and scenario share].",
         ),
     ] = None
-    noise: Annotated[Texts, Option(metavar="OUTPUT=AMOUNT", help='Noise of a measurement, e.g. "strain=0.02 %".')] = (
+    noise: Annotated[
+        Texts,
+        Option(metavar="OUTPUT=AMOUNT", help='Standard deviation of a measurement, e.g. "strain=0.02 %"; repeatable.'),
+    ] = None
+    method: Annotated[Text, Option(help="Search method: trf, coordinate, or evolution [default: trf].")] = None
+    loss: Annotated[Text, Option(help="Loss function: linear, soft-l1, huber, or cauchy [default: linear].")] = None
+    starts: Annotated[int | None, Option(help="Number of further starting points within the bounds [default: 0].")] = (
         None
     )
-    method: Annotated[Text, Option(help="trf, coordinate, or evolution [default: trf].")] = None
-    loss: Annotated[Text, Option(help="linear, soft-l1, huber, or cauchy [default: linear].")] = None
-    starts: Annotated[int | None, Option(help="Further starts spread over the bounds [default: 0].")] = None
-    step: Annotated[Text, Option(help='Longest step, e.g. "0.5 s" [default: to the tolerance].')] = None
-    interval: Annotated[Text, Option(help='Time between rows of logs without times, e.g. "0.1 s".')] = None
+    step: Annotated[Text, Option(help='Maximum time step, e.g. "0.5 s" [default: set by the tolerance].')] = None
+    interval: Annotated[Text, Option(help='Time between rows of logs without a time column, e.g. "0.1 s".')] = None
     named: NamedColumns = None
 
     def read_task(self, logs: Sequence[str], settings: list[str] | None) -> FitTask:
@@ -148,14 +161,19 @@ class FitOptions:
 class FitExtras:
     """Further results of a fit, and its files."""
 
-    profile: Annotated[Texts, Option(metavar="NAME", help="Profile likelihood of a parameter; repeatable.")] = None
+    profile: Annotated[
+        Texts, Option(metavar="NAME", help="Parameter whose profile likelihood is computed, e.g. A_s; repeatable.")
+    ] = None
     posterior: Annotated[
-        int | None, Option(metavar="STEPS", help="Posterior samples: steps of each walker, e.g. 500; needs emcee.")
+        int | None, Option(metavar="STEPS", help="Steps of each walker for posterior samples, e.g. 500; needs emcee.")
     ] = None
     resume: Annotated[
-        Path | None, Option(metavar="STATE", help="File that keeps the search, and takes it up again.")
+        Path | None,
+        Option(metavar="STATE", help="File that stores the state of the search, and from which the search resumes."),
     ] = None
-    report: Annotated[Path | None, Option(help="Report to write: .md (figures beside it) or .html.")] = None
+    report: Annotated[Path | None, Option(help="Report to write: .md (with figures in the same folder) or .html.")] = (
+        None
+    )
     out: Annotated[Path | None, Option(metavar="MATERIAL", help="Material file to write: .toml.")] = None
 
     def refuse_without_scenario(self) -> None:
@@ -214,8 +232,10 @@ def fit_logs(
         list[str],
         Argument(
             metavar="LOG...",
-            help="Measured tables with headings such as `strain [%]`, over time or one row per condition, "
-            "or data:SET/FILE for files of a published data set; or one fit file (.toml).",
+            help=(
+                "Measured tables with headings such as `strain [%]`, one row per time or condition; "
+                "data:SET/FILE for a published data set; or one fit file (.toml)."
+            ),
         ),
     ],
     options: FitOptions,
@@ -226,14 +246,13 @@ def fit_logs(
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Fit parameters of a scenario to logs (meant where no other command is named).
+    """Fit parameters of a scenario to logs (default command).
 
-    Without --scenario and --free the logs are recognised, and a scenario is proposed, fitted and judged by what it did
-    not see; the exit code is 1 if it does not predict. Logs of `martensite hardware` bring their scenario along.
+    Without --scenario and --free the logs are recognised, and a scenario is proposed, fitted and tested on held-out
+    data; the exit code is 1 if it does not predict them. Logs of `martensite hardware` include their scenario.
 
-    A scenario follows the log where its waveforms are of kind `log`. All other columns that the
-    scenario has outputs for are compared. Ctrl-C ends the search and keeps the best so far; the
-    exit code is 1 then. SIGTERM does the same.
+    Waveforms of kind `log` make the scenario follow the log. All other columns that the scenario computes are
+    compared. Ctrl-C or SIGTERM ends the search, keeps the best result and gives exit code 1.
     """
     import_modules(modules)
     extras.check_files(force)

@@ -20,16 +20,17 @@ if TYPE_CHECKING:
 @spread_options
 def calibrate(
     source: BoardSource,
-    channel: Annotated[Text, Option(help="Channel that is at a known value, such as position.")] = None,
-    value: Annotated[Text, Option("--is", help='What is there: "0 mm", "5.02 V".')] = None,
-    resistor: Annotated[Text, Option(help='A known resistor in the place of the wire: "10 ohm".')] = None,
+    channel: Annotated[Text, Option(help="Channel with a known value, e.g. position.")] = None,
+    value: Annotated[Text, Option("--is", help='Known value of the channel, e.g. "0 mm" or "5.02 V".')] = None,
+    resistor: Annotated[Text, Option(help='Known resistor in place of the wire, e.g. "10 ohm".')] = None,
     arm: Armed = None,
-    nominal: Annotated[bool, Option("--nominal", help="Take the nominal gains as they are.")] = False,
+    nominal: Annotated[bool, Option("--nominal", help="Reset the gains and offsets to their nominal values.")] = False,
     json: Json = False,
 ) -> None:
-    """Set gains and offsets from known values; they are saved in calibration.json of the project.
+    """Set gains and offsets of sensors from known values.
 
-    A channel at 0 sets its offset, at another value its gain; with two points both.
+    A channel at 0 sets its offset, at another value its gain, and two points set both. The values are stored in
+    calibration.json of the project.
     """
     from martensite.base import units
     from martensite.boards import calibration

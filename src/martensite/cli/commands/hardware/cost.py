@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 @spread_options
 def cost(
     source: ScenarioSource,
-    part: Annotated[str, Option(help="loop: what a board runs; plant: the model alone.")] = "loop",
+    part: Annotated[str, Option(help="Evaluated part: loop (code of the board) or plant (model alone).")] = "loop",
     json: Json = False,
 ) -> None:
-    """Say what a step of a loop or a model costs on emulated processors, in float32.
+    """Measure the time of a step on emulated processors.
 
-    Cycles of an AVR are those of its data sheet, as simavr counts them. QEMU counts instructions of a Cortex-M4, of
-    which most take a cycle and a division 14: the time that follows from them is the least.
+    The code runs in float32. AVR cycles are those of the data sheet, counted by simavr. QEMU counts instructions of
+    a Cortex-M4, most of which take one cycle and a division 14, so the time is a lower bound.
     """
     from tempfile import TemporaryDirectory
 

@@ -21,12 +21,12 @@ from martensite.cli.progress import show_spinner
 @spread_options
 def replay(
     project: ProjectFolder,
-    logged: Annotated[Path, typer.Argument(metavar="LOG", help="A log of its board.")],
+    logged: Annotated[Path, typer.Argument(metavar="LOG", help="Log of the board.")],
     figure: FigureFile = None,
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Put the readings of a log beside those of the model under the same signals."""
+    """Compare a log with the model under the same signals."""
     from martensite.boards.replay import replay_log
     from martensite.boards.session import read_project, read_project_scenario
 
@@ -42,20 +42,24 @@ def replay(
 @spread_options
 def characterise(
     source: BoardSource,
-    free: Annotated[str, Option(help="What is to be learnt: A_s,A_f,M_s,M_f,h.")],
-    out: Annotated[Path, Option(metavar="FOLDER", help="Where logs, scenario and report are written.")],
-    budget: Annotated[str, Option("--time", help="For all courses together.")] = "120 s",
+    free: Annotated[str, Option(help="Parameters to identify, comma-separated, e.g. A_s,A_f,M_s,M_f,h.")],
+    out: Annotated[Path, Option(metavar="FOLDER", help="Output folder for logs, scenario and report.")],
+    budget: Annotated[str, Option("--time", help='Total duration of all excitation profiles, e.g. "120 s".')] = "120 s",
     arm: Armed = None,
     emulated: Annotated[
-        Texts, Option(metavar="PATH=VALUE", help="Another wire in the emulator than the model's; repeatable.")
+        Texts,
+        Option(
+            metavar="PATH=VALUE",
+            help=('Parameter of the emulated wire that differs from the model, e.g. A_s="75 degC"; repeatable.'),
+        ),
     ] = None,
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Run the courses of a duty that tell most of a wire, and fit its numbers to them.
+    """Fit the parameters of a wire by designed experiments.
 
-    Courses are chosen by the information matrix of the fit, and none heats a wire that may be at hand above its limit.
-    Without `--arm ARM` it is a dry run, which says which courses these are and what they would tell.
+    Excitation profiles are selected by the information matrix of the fit. None of them heats a possible wire above
+    its limit. Without `--arm ARM` the command is a dry run that reports the profiles and their information.
     """
     from martensite.base.files import make_folder
     from martensite.boards.characterise import characterise as work

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @hardware.command("ports")
 def ports(json: Json = False) -> None:
-    """List the serial ports that there are."""
+    """List the serial ports."""
     from serial.tools.list_ports import comports
 
     from martensite.show.terminal import print_summary
@@ -35,9 +35,11 @@ def ports(json: Json = False) -> None:
 @hardware.command("log")
 @spread_options
 def log(
-    source: BoardSource, options: LogOptions, duration: Annotated[str, Option(help="How long to listen.")] = "5 s"
+    source: BoardSource,
+    options: LogOptions,
+    duration: Annotated[str, Option(help='Duration of the log, e.g. "10 s".')] = "5 s",
 ) -> None:
-    """Log what a board measures, nothing armed."""
+    """Log the measurements of a disarmed board."""
     options.check_file()
     seconds = read_positive("duration", duration, "s")
     with open_session(source) as session, show_log("logging") as watch:
@@ -51,14 +53,16 @@ def run(
     source: BoardSource,
     options: LogOptions,
     arm: Armed = None,
-    duration: Annotated[Text, Option(help="[default: that of the scenario]")] = None,
+    duration: Annotated[
+        Text, Option(help='Duration of the run, e.g. "10 s" [default: the duration of the scenario].')
+    ] = None,
     duty: Annotated[
-        Text, Option(metavar="TIME:DUTY,…", help="Play levels instead of the loop: 2 s:0.4, 5 s:0.")
+        Text, Option(metavar="TIME:DUTY,…", help='Duty cycle over time instead of the loop, e.g. "2 s:0.4, 5 s:0".')
     ] = None,
 ) -> None:
-    """Run the loop of the scenario on the board, or levels of its duty, and log it.
+    """Run the control loop or duty cycles on the board, with a log.
 
-    Without `--arm ARM` it is a dry run: the board is asked, nothing is heated, and what would be done is said.
+    Without `--arm ARM` the command is a dry run: it queries the board, heats nothing and reports the plan.
     """
     from martensite.boards.session import read_levels
 
@@ -87,13 +91,16 @@ def hil(
     source: BoardSource,
     arm: Armed = None,
     out: Annotated[Path | None, Option(help="Table of the run to write: .csv.")] = None,
-    duration: Annotated[Text, Option(help="[default: that of the scenario]")] = None,
+    duration: Annotated[
+        Text, Option(help='Duration of the run, e.g. "10 s" [default: the duration of the scenario].')
+    ] = None,
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Run the plant here and its loop on the board, and compare with the run of both here.
+    """Run the loop on the board with a simulated plant.
 
-    The board's own switches stay open, but it computes and answers as if it drove them; say `--arm ARM`.
+    The result is compared with a simulation of both. The switches of the board stay open, but the board must be
+    armed with `--arm ARM`.
     """
     from martensite.boards.hil import compare_runs, run_hil
     from martensite.show.terminal import print_summary
