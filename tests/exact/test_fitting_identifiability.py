@@ -89,7 +89,7 @@ def test_the_sentence_follows_the_unit_and_the_sign():
         return p[0] * AT + 2.0 * p[0] * p[1]
 
     (one,) = judge(falling, ["p", "q"], [3.0, 1.0], [2.0, 2.0], ["1", "1"], 1e-9).sentences
-    assert one.startswith("`p` and `q` are determined")
+    assert one.startswith("All parameters are determined")
 
     def sum_of_two(p: np.ndarray) -> np.ndarray:
         return AT * (p[0] + 2.0 * p[1])

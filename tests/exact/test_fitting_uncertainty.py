@@ -70,7 +70,7 @@ def test_strong_correlations_are_named():
     assert np.diag(correlation) == pytest.approx(1.0)
     assert [pair[:2] for pair in found.confounded()] == [("b", "c")]
     assert found.confounded()[0][2] == pytest.approx(correlation[1, 2])
-    assert any("`b` and `c` make up for each other (correlation -0.9" in s for s in found.sentences)
+    assert any("`b` and `c` compensate each other (correlation -0.9" in s for s in found.sentences)
     assert len(found.confounded(0.5)) > 1
     assert not found.confounded(0.999)
 

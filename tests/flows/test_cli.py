@@ -400,7 +400,7 @@ def test_study_shows_digest_claims_and_reasons() -> None:
     assert all(needed <= claim.keys() for claim in told["claims"])
     assert sum(told["tally"].values()) == len(told["claims"]) + len(told["reports"])
     brief, whole = fine("study", "migaone"), fine("study", "migaone", "--all")
-    assert brief.index("use instead") < brief.index("self-contradictory")
+    assert brief.index("Recommended") < brief.index("self-contradictory")
     assert "actuation-time-thin" in whole and "actuation-time-thin" not in brief
     assert all(claim["id"] in whole for claim in told["claims"])
     assert "No study named `migatwo`" in refused("study", "migatwo")
@@ -416,7 +416,7 @@ def test_a_study_is_computed_on_demand() -> None:
 def test_demo_runs_again_over_its_own_files(folder: Path) -> None:
     assert parsed("demo")["study"]["digest"]
     printed = fine("demo")
-    assert printed.index("use instead") < printed.index("martensite study migaone")
+    assert printed.index("Recommended") < printed.index("martensite study migaone")
     assert names(folder) == {"wire.toml", "migaone.nc", "migaone.png"}
 
 

@@ -44,7 +44,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_a_single_stage() -> None:
     text = IDENTIFY.fine("pulses.csv", *ONE, "--validate", "ramps.csv")
     assert "Model: `duty` -> `temperature`: poly(2) | oe(1,1,1)" in text
-    assert "free runs: no measured output is fed back" in text
+    assert "free runs (no feedback of measured outputs)" in text
     assert "3 of 3 refined searches agree" in text
     assert "estimation" in text
     assert "validation" in text
@@ -74,8 +74,8 @@ def test_a_log_alone_is_enough() -> None:
     assert "chosen" in text
     assert read_model("model.json").output_names == ("position",)
     page = Path("page.md").read_text(encoding="utf-8")
-    assert "## What to record next" in page
-    assert "held out" in page
+    assert "## Next recordings" in page
+    assert "held-out" in page
     assert Path("page_figures/held0.png").is_file()
     assert "is there already" in IDENTIFY.refused("pulses.csv", "--report", "page.md")
     assert "must end in" in IDENTIFY.refused("pulses.csv", "--report", "page.txt")
@@ -92,8 +92,8 @@ def test_a_log_that_cannot_tell_is_exit_code_1() -> None:
 
 def test_without_another_record_nothing_is_proved() -> None:
     text = IDENTIFY.fine("pulses.csv", *ONE)
-    assert "which is no proof" in text
-    assert "another cadence" in text
+    assert "the prediction error is unknown" in text
+    assert "another time scale" in text
 
 
 def test_json_holds_what_python_finds() -> None:

@@ -130,7 +130,7 @@ def test_what_check_finds_in_the_tuned_loop_decides_as_well(tmp_path: Path, c_co
     saved = tmp_path / "tuned.toml"
     found = tuned(EXAMPLES / "closed_loop.toml", "--method", "relay", "--out", saved)
     assert found.exit_code == 1
-    assert "Worse than before: the loop is no longer sound (rms 0.43" in found.stdout.splitlines()[0]
+    assert "WORSE: the tuned loop fails tests that the present loop passes (rms 0.43" in found.stdout.splitlines()[0]
     assert not saved.exists()
     assert tuned(EXAMPLES / "closed_loop.toml", "--method", "relay", "--out", saved, "--save-anyway").exit_code == 0
     checked = CliRunner().invoke(app, ["check", str(saved)])

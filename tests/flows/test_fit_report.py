@@ -203,7 +203,7 @@ def test_records_have_their_hash_and_their_rows(plain: Sample) -> None:
         assert hashlib.sha256(path.read_bytes()).hexdigest() in cells["data"]
         assert path.name in cells["data"]
     counts = {
-        name: tuple(int(cells[key]) for key in ("rows", "fitted", "kept back", "missing"))
+        name: tuple(int(cells[key]) for key in ("rows", "fitted", "held out", "missing"))
         for name, (_, cells) in rows.items()
     }
     assert counts == {
@@ -219,22 +219,21 @@ def test_records_have_their_hash_and_their_rows(plain: Sample) -> None:
 # ---------------------------------------------------------------- what must be read first
 
 
-def test_warnings_come_before_every_number(poor: Sample) -> None:
+def test_the_head_counts_the_warnings(poor: Sample) -> None:
     read = page(poor)
-    assert read.parts[0] == "notice warning"
-    notice = read.text.partition("Read this first")[2].partition("</div>")[0]
-    words = re.sub(r"<[^>]+>", "", notice)
+    assert "notice warning" in read.parts and re.search(r"[1-9] warnings? below", read.text)
+    words = re.sub(r"<[^>]+>", "", read.text)
     assert "A_s ended on its upper bound, 59.85 °C" in words
     assert "heat_capacity is not determined" in words
     assert "offset.strain" in words and "E_A@" in words  # hardly told apart
-    assert "in those kept back" in words
+    assert "in the held-out rows" in words
 
 
 def test_a_good_fit_has_no_warning(plain: Sample) -> None:
     assert list_fit_warnings(plain.fit) == []
     read = page(plain)
     assert read.parts[0] == "notice"
-    assert "Nothing speaks against these numbers" in read.text
+    assert "No warnings." in read.text
 
 
 def test_predictions_compare_what_was_seen_with_what_was_not(plain: Sample) -> None:
@@ -243,9 +242,9 @@ def test_predictions_compare_what_was_seen_with_what_was_not(plain: Sample) -> N
     errors = np.concatenate([one.residuals[one.used] for one in rows])
     assert seen == pytest.approx(float(np.sqrt(np.mean(errors**2))), rel=1e-12)
     first, naive, own = describe_predictions(plain.fit)
-    assert f"{100 * seen:.3g} % in the rows that were fitted" in first
-    assert f"{100 * kept:.3g} % in those kept back" in first
-    assert "Without a model" in naive
+    assert f"{100 * seen:.3g} % in the fitted rows" in first
+    assert f"{100 * kept:.3g} % in the held-out rows" in first
+    assert "without a model" in naive
     assert "% (mean of training)" in naive
     assert "`offset.strain`" in own
     assert math.isnan(compute_rms([rows[0]], HELD_OUT))
@@ -262,13 +261,13 @@ def test_what_was_not_kept_back_or_is_predicted_badly_is_said(plain: Sample) -> 
     found = problem.evaluate(fit.values, slopes=True)
     assert found is not None
     nothing = replace(fit, kept=(), problem=problem, evaluation=found)
-    assert "Nothing was kept back" in warned(nothing)
+    assert "No data were held out" in warned(nothing)
     (kept,) = fit.kept
     off = replace(fit, kept=(replace(kept, model=kept.model + 2e-3),))
     assert "`strain` is predicted worse than it is fitted" in warned(off)
     assert "kept (" not in warned(off)
     lost = replace(fit, kept=(replace(kept, model=0.0 * kept.model),))
-    assert "less than half of what varies: `strain` of kept (" in warned(lost)
+    assert "less than half of the variation: `strain` of kept (" in warned(lost)
     assert "did not converge: cap" in warned(replace(fit, reason="cap"))
 
 
@@ -278,7 +277,7 @@ def test_coloured_residuals_are_named(plain: Sample) -> None:
     wave = 1e-3 * np.sin(0.3 * np.arange(81))[:, None]
     coloured = replace(first, model=first.model + wave, residuals=first.residuals + wave / 0.04)
     evaluation = replace(fit.evaluation, fitted=(coloured, *others))
-    assert "not white (`strain` of light)" in warned(replace(fit, evaluation=evaluation))
+    assert "autocorrelated (`strain` of light)" in warned(replace(fit, evaluation=evaluation))
 
 
 def test_covered_is_what_the_elements_went_through(plain: Sample) -> None:

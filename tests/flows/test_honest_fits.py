@@ -103,12 +103,12 @@ def test_other_cadence_that_is_predicted_worse_is_named() -> None:
     poor = HEATED.replace('length = "200 mm"', 'length = "200 mm"\nheat_capacity = "2500 J/kg/K"')
     logs = [switched(60.0, "slow"), switched(14.0, "fast")]
     fit = fit_logs([read_scenario(poor, log=log) for log in logs], logs, "h", hold_out="fast")
-    found = [sentence for sentence in list_fit_warnings(fit) if "cadence" in sentence]
+    found = [sentence for sentence in list_fit_warnings(fit) if "Add a log of that period" in sentence]
     assert len(found) == 1
-    assert "`position` of fast is at a faster cadence (a period of about 14 s)" in found[0]
-    assert "Record one of that cadence" in found[0]
+    assert "`fast` (period of about 14 s) is faster" in found[0]
+    assert "The relative error of `position` is" in found[0]
     alone = fit_logs(read_scenario(poor, log=logs[0]), logs[0], "h", hold_out="none")
-    assert any("All records have one cadence" in sentence for sentence in describe_predictions(alone))
+    assert any("All logs have one period" in sentence for sentence in describe_predictions(alone))
 
 
 def test_steps_that_are_logged_act_from_their_row_on() -> None:

@@ -186,7 +186,7 @@ def test_a_fit_that_does_not_beat_the_last_cycle_says_so(wire: Path):
     """The strain is no hysteresis of the law, but repeats itself."""
     fit = fit_logs(wire, make_log("log"), "A_s,A_f,M_s,M_f", hold_out="25 %")
     (found,) = [one for one in list_fit_warnings(fit) if "naive baseline" in one]
-    assert "`strain` in what was kept back is not predicted better than without a model" in found
+    assert "`strain` of the held-out data is not predicted better than without a model" in found
     assert "(last cycle). The fit does not beat it." in found
 
 

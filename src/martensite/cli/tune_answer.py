@@ -42,7 +42,7 @@ class TuningVerdict:
     def sentence(self) -> str:
         """The verdict in one sentence without a full stop."""
         if self.lost:
-            return f"Worse than before: the loop is no longer sound ({self.judgement.describe()})"
+            return f"WORSE: the tuned loop fails tests that the present loop passes ({self.judgement.describe()})"
         return f"{self.judgement.word}: {self.judgement.describe()}"
 
     def list_blocks(self) -> Iterator[Block]:
@@ -50,7 +50,7 @@ class TuningVerdict:
         yield from (Sentence(str(one), "bad" if one.fault else "caution") for one in self.report.findings)
         untested = f" ({', '.join(self.report.untested)})" if self.report.verdict == "not all tested" else ""
         tone = "bad" if self.report.verdict == "not sound" else ""
-        yield Sentence(f"`check` of the tuned loop: {self.report.verdict}{untested}.", tone)
+        yield Sentence(f"Tests of the tuned loop: {self.report.verdict}{untested}.", tone)
 
     def to_dict(self) -> dict[str, Any]:
         """Return all of it for programs."""

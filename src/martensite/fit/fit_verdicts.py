@@ -65,14 +65,14 @@ def list_fit_warnings(fit: Fit) -> list[str]:
 def _describe_prediction(rows: list[ComparedOutput]) -> str:
     name, unit = rows[0].output, rows[0].description.unit
     seen, kept = (compute_rms(rows, part) for part in (TRAINING, HELD_OUT))
-    fitted = f"`{name}`: rms error {format_error(name, seen, unit)} in the rows that were fitted"
+    fitted = f"`{name}`: rms error {format_error(name, seen, unit)} in the fitted rows"
     if math.isnan(seen):
         error = format_error(name, kept, unit)
-        return f"`{name}`: rms error {error} in rows kept back; none was fitted."
+        return f"`{name}`: rms error {error} in the held-out rows; no row was fitted."
     if math.isnan(kept):
-        return f"{fitted}; none were kept back."
-    times = f" ({format_number(kept / seen, 3)} times)" if seen > 0.0 else ""
-    return f"{fitted}, {format_error(name, kept, unit)} in those kept back{times}."
+        return f"{fitted}; no rows were held out."
+    times = f" (ratio {format_number(kept / seen, 3)})" if seen > 0.0 else ""
+    return f"{fitted}, {format_error(name, kept, unit)} in the held-out rows{times}."
 
 
 def _list_predicted(fit: Fit) -> list[ComparedOutput]:
@@ -89,11 +89,11 @@ def _describe_transfer(fit: Fit) -> Iterator[str]:
         unit = own[0].description.unit
         error = format_error(name, compute_rms(own, HELD_OUT), unit)
         alone = dict.fromkeys(path.partition("@")[0] for kept in fit.transfer for path in kept.numbers)
-        what = "everything else is predicted" if alone else "where nothing was fitted to it"
+        what = "all other parameters fixed" if alone else "no parameter fitted to them"
         bare = [one.residuals if one.raw is None else one.raw - one.measured for one in own]
         raw = format_error(name, math.sqrt(float(np.nanmean(np.concatenate(bare) ** 2))), unit)
         but = f" ({list_names(list(alone))} fitted to each, {raw} without)" if alone else ""
-        yield f"`{name}`: rms error {error}{but}, {what}: {names} were left out in turn."
+        yield f"`{name}`: rms error {error}{but} in logs that were held out in turn ({names}), {what}."
 
 
 def _describe_baselines(fit: Fit) -> Iterator[str]:
@@ -104,7 +104,7 @@ def _describe_baselines(fit: Fit) -> Iterator[str]:
         for name, unit in dict.fromkeys((one.output, one.unit) for one in scores)
     ]
     if parts:
-        yield f"Without a model errors there are: {'; '.join(parts)}."
+        yield f"Held-out errors without a model: {'; '.join(parts)}."
 
 
 def _list_baselines(scores: Sequence[BaselineScore], output: str, unit: str) -> str:
@@ -121,9 +121,9 @@ def warn_of_baselines(fit: Fit) -> Iterator[str]:
         error = compute_rms([one for one in rows if one.output == name], HELD_OUT)
         if error >= found[best]:
             yield (
-                f"`{name}` in what was kept back is not predicted better than without a model: rms error "
-                f"{format_error(name, error, unit)}, against {format_error(name, found[best], unit)} by the naive "
-                f"baseline ({best}). The fit does not beat it."
+                f"`{name}` of the held-out data is not predicted better than without a model: rms error "
+                f"{format_error(name, error, unit)}, and {format_error(name, found[best], unit)} for the naive "
+                f"baseline ({best}). Do not use the fit for predictions."
             )
 
 
@@ -135,11 +135,11 @@ def _describe_spreads(fit: Fit) -> Iterator[str]:
         size = f"{format_number(100.0 * free.spread, 3)} %" if free.relative else format_change(free.spread, free.unit)
         at = fit.numbers[problem.free[centre].name] if centre is not None else free.start
         about = f"{format_quantity(at, free.unit)}, {'as fitted' if centre is not None else 'as declared'}"
-        told = "as declared" if problem.knows_noise else f"taken as {format_number(problem.prior_scale, 2)} of range"
+        told = "as declared" if problem.knows_noise else f"{format_number(problem.prior_scale, 2)} of the range"
         yield (
-            f"`{path}` of {join_phrases([str(x.record) for x, _ in own])} is drawn to its centre ({about}) by a spread "
-            f"of ± {size}, which counts as {len(own)} of {len(fit.evaluation.residuals)} data, in the intervals too; "
-            f"noise is {told}. What is kept back has it at the centre: nothing is fitted to that."
+            f"`{path}` of {join_phrases([str(x.record) for x, _ in own])} has a prior of ± {size} around {about}, "
+            f"which counts as {len(own)} of {len(fit.evaluation.residuals)} data. The noise is {told}. "
+            "Held-out data use the centre."
         )
 
 
@@ -152,8 +152,8 @@ def _describe_own_numbers(fit: Fit) -> Iterator[str]:
     own = dict.fromkeys(name.partition("@")[0] for kept in fit.kept for name in kept.numbers)
     if own:
         yield (
-            f"What every record has for itself ({list_names(list(own))}) was fitted to the records "
-            f"kept back, too; everything else is predicted. Without it errors there are {join_phrases(raw)}."
+            f"The parameters of each log ({list_names(list(own))}) were also fitted to the held-out logs. All other "
+            f"parameters were fixed. Without this fit the held-out error is {join_phrases(raw)}."
         )
 
 
@@ -162,10 +162,10 @@ def _describe_input_noise(fit: Fit) -> Iterator[str]:
         units = {c: one.record.units[c] for one in fit.problem.experiments for c in one.follows.values()}
         known = {
             one.column: f"{format_change(one.sigma, units[one.column], 2)} in `{one.column}` "
-            f"({'as given' if one.declared else 'as its rows scatter about their neighbours'})"
+            f"({'declared' if one.declared else 'estimated from neighbouring rows'})"
             for one in fit.input_noise
         }
-        yield f"Noise in what drives counts in numbers and intervals: {join_phrases(list(known.values()))}."
+        yield f"Values and intervals include the input noise: {join_phrases(list(known.values()))}."
 
 
 def _describe_one_cadence(fit: Fit) -> Iterator[str]:
@@ -178,8 +178,8 @@ def _describe_one_cadence(fit: Fit) -> Iterator[str]:
     if max(periods.values()) < OTHER_CADENCE * min(periods.values()):
         period = format_number(min(periods.values()), 2)
         yield (
-            f"All records have one cadence (a period of about {period} s): how well the numbers predict a faster or "
-            "slower drive is not known; record one with a third or three times of that period."
+            f"All logs have one period (about {period} s), so the error for a faster or slower drive is unknown. "
+            "Record a log with a third or three times that period."
         )
 
 
@@ -195,12 +195,11 @@ def _warn_of_cadence(fit: Fit) -> Iterator[str]:
         seen = [_compute_share(x, x.used) for x in rows if x.output == one.output and x.used.any()]
         worse = _compute_share(one, one.held) / max(seen, default=math.nan)
         if worse > WORSE:
-            speed = "a slower" if period > max(fitted) else "a faster" if period < min(fitted) else "another"
+            speed = "slower" if period > max(fitted) else "faster" if period < min(fitted) else "different in speed"
             yield (
-                f"`{one.output}` of {one.record} is at {speed} cadence (a period of about "
-                f"{format_number(period, 2)} s) than what was fitted, and predicted {format_number(worse, 2)} times "
-                "worse for what it varies: what depends on rate (cooling, heat capacity, latent heat, delay) is not "
-                "held by the records. Record one of that cadence, and fit it too."
+                f"`{one.record}` (period of about {format_number(period, 2)} s) is {speed} compared with the fitted "
+                f"logs. The relative error of `{one.output}` is {format_number(worse, 2)} times larger: the fitted "
+                "logs do not determine cooling, heat capacity or delay. Add a log of that period to the fit."
             )
 
 
@@ -214,28 +213,28 @@ def _compute_share(one: ComparedOutput, rows: Any) -> float:
 def warn_of_search(fit: Fit) -> Iterator[str]:
     """Yield warnings about a search without a minimum, or with an end at a bound."""
     if fit.reason not in ("converged", "stopped at bounds"):
-        yield (f"The search did not converge: {fit.reason}. The numbers are the best it came across.")
+        yield (f"The search did not converge: {fit.reason}. The values are the best of the search.")
     for free, u in zip(fit.problem.free, fit.values, strict=True):
         if free.name in fit.at_bound():
             side, bound = ("lower", free.low) if u < 0.5 else ("upper", free.high)
             said = f"`{free.name}` ended on its {side} bound, {format_quantity(bound, free.unit)}"
-            yield f"{said}: the bound decides and not the data. Widen it, or fix the number."
+            yield f"{said}, so the data did not set it. Widen the bound or fix the parameter."
 
 
 def warn_of_predictions(fit: Fit) -> Iterator[str]:
     """Yield warnings about missing held-out data, and about predictions worse than the fit."""
     rows = list_compared(fit)
     if not _list_predicted(fit):
-        yield ("Nothing was kept back: how well the model predicts what it was not fitted to is not known.")
+        yield "No data were held out, so the error of predictions is unknown. Use `--hold-out auto`."
     for name in dict.fromkeys(one.output for one in rows):
         own = [one for one in rows if one.output == name]
         seen, kept = (compute_rms(own, part) for part in (TRAINING, HELD_OUT))
         if kept > WORSE * seen:
             yield (
-                f"`{name}` is predicted worse than it is fitted: its error in what was kept back "
-                f"is {format_number(kept / seen, 3)} times that in what was fitted."
+                f"`{name}` is predicted worse than it is fitted: the held-out error is "
+                f"{format_number(kept / seen, 3)} times the error of the fitted rows."
                 if seen > 0.0
-                else f"`{name}` is met exactly where it was fitted, but not in what was kept back."
+                else f"`{name}` has no error in the fitted rows but errors in the held-out rows."
             )
 
 
@@ -245,7 +244,7 @@ def warn_of_misses(fit: Fit) -> Iterator[str]:
     poor = [x for x in found if x.fit_percent < POOR and x.rms > NOTABLE * _measure_range(rows, x.output)]
     if poor:
         met = (f"`{one.output}` of {one.record} ({format_number(one.fit_percent, 3)} %)" for one in poor)
-        yield f"The model explains less than half of what varies: {join_phrases(list(met))}."
+        yield f"The model explains less than half of the variation: {join_phrases(list(met))}."
 
 
 def _measure_range(rows: list[ComparedOutput], output: str) -> float:
@@ -264,8 +263,8 @@ def warn_of_directions(fit: Fit) -> Iterator[str]:
         names = [name for name in fit.problem.names if name in group]
         most = max(abs(value) for one, _, value in pairs if one in group)
         yield (
-            f"{list_names(names)} are hardly told apart (correlation{'s up to' if names[2:] else ''} {most:.3f}): "
-            "the interval of each holds with all others free to follow, and not for several at once."
+            f"{list_names(names)} are strongly correlated ({'up to ' if names[2:] else ''}{most:.3f}): their intervals "
+            "do not hold for all of them together. Fix one of them, or record data that separate them."
         )
 
 
@@ -284,7 +283,6 @@ def _warn_of_residuals(fit: Fit) -> Iterator[str]:
     names = [f"`{one.output}` of {one.record}" for one in found]
     if names:
         yield (
-            f"Residuals are not white ({join_phrases(names)}): the model misses something, or the noise has a memory. "
-            "Take the widened intervals, and read them as those of this model: they do not tell what the model itself "
-            "gets wrong."
+            f"Residuals are autocorrelated ({join_phrases(names)}): the model is incomplete or the noise is coloured. "
+            "Use the widened intervals. They do not include the error of the model."
         )

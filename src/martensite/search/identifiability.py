@@ -73,10 +73,10 @@ class Identifiability:
             return tuple(one.sentence for one in self.weak)
         names = [name for name in self.names if name not in self.refused]
         if self.refused:
-            return (f"{list_names(names) or 'None of the numbers'} {_is_or_are(names)} determined.",)
+            return (f"{list_names(names) or 'No parameter'} {_is_or_are(names)} determined.",)
         worst = format_number(100.0 * max(self.uncertainties), 2)
-        held = f"{list_names(names)} {_is_or_are(names)} determined"
-        return (f"{held}, in the least certain direction to {worst} % of the search range.",)
+        held = "All parameters are" if len(names) > 1 else f"{list_names(names)} is"
+        return (f"{held} determined. The least certain direction has an error of {worst} % of the search range.",)
 
     def to_dict(self) -> dict[str, Any]:
         """Return all numbers by name and the sentences, for JSON."""

@@ -103,15 +103,15 @@ class Uncertainty:
         if lost := [n for n, e in zip(self.names, self.errors, strict=True) if e == math.inf]:
             found.append(f"The data do not determine {list_names(lost)}.")
         for one, other, value in self.confounded():
-            together = "rise together" if value > 0.0 else "make up for each other"
+            together = "increase together" if value > 0.0 else "compensate each other"
             found.append(
-                f"`{one}` and `{other}` {together} (correlation {value:.3f}): the data hardly tell them apart."
+                f"`{one}` and `{other}` {together} (correlation {value:.3f}), so the data hardly separate them."
             )
         if self.widening > 1.1:
             found.append(
-                f"The residuals are autocorrelated: {self.samples} samples say as much as "
-                f"{format_number(self.effective, 2)} independent ones, so that errors are about "
-                f"{format_number(self.widening, 2)} times as large."
+                f"The residuals are autocorrelated: {self.samples} samples count as "
+                f"{format_number(self.effective, 2)} independent samples. The intervals were widened by a factor of "
+                f"{format_number(self.widening, 2)}."
             )
         return tuple(found)
 

@@ -310,7 +310,7 @@ def _save_best(best: Sequence[LadderTrial], path: Path | None) -> str:
     one = best[-1] if best else None
     if one is None or one.chain is None:
         return ""
-    said = f"Interrupted; the best so far is `{one.structure}`, fit {one.held.fit:.1f} % on the blocks held out"
+    said = f"Interrupted; the best so far is `{one.structure}`, fit {one.held.fit:.1f} % on held-out data"
     if path is None:
         return f"{said}; use --out to keep it."
     write_model(one.chain, path)

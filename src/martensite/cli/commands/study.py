@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from martensite.base.formats import typeset_unit
 from martensite.base.interrupts import rescue_answer
 from martensite.base.summary import PAGE_WIDTH, Block, DataTable, Sentence, Summary, Tone
 from martensite.cli.app import app
@@ -24,6 +25,22 @@ from martensite.cli.progress import show_spinner
 if TYPE_CHECKING:
     from martensite.studies.base import AbstractStudy, Answer
 
+DIGEST = {
+    "holds": "Reproduced",
+    "misprinted": "Misprints",
+    "contradicts_itself": "Contradictions",
+    "assumed": "Assumptions",
+    "use_instead": "Recommended",
+}
+"""Labels of the summary of a study."""
+COUNTED = {
+    "disagrees": ("disagrees", "disagree"),
+    "misprint": ("misprint", "misprints"),
+    "self-contradictory": ("contradiction", "contradictions"),
+    "recovery": ("recovered value", "recovered values"),
+    "reports": ("reported value", "reported values"),
+}
+"""Names of one and of several claims of a verdict, where they differ from the verdict."""
 TONES: dict[str, Tone] = {"reproduced": "good", "disagrees": "bad"}
 HEADS = ("repro-\nduced", "dis-\nagrees", "mis-\nprint", "contra-\ndictory", "not\ncomp.", "reco-\nvery", "re-\nports")
 """Verdicts in the order of their declaration, at the top of narrow columns."""
@@ -117,40 +134,46 @@ def _summarise_all(studies: list[AbstractStudy], failures: list[str]) -> Summary
         counts = {one.key: tallies[one.key] for one in group}
         rows |= counts if len(counts) == 1 else counts | {f"all of {source}": sum(counts.values(), Counter[str]())}
     blocks: list[Block] = [
-        DataTable(("study", "what is rebuilt"), [(one.key, one.title) for one in found]),
+        DataTable(("study", "subject"), [(one.key, one.title) for one in found]),
         DataTable(
             ("claims and reports", *HEADS),
             [(name, *(str(count[kind]) for kind in (*VERDICTS, "reports"))) for name, count in rows.items()],
             right=range(1, len(HEADS) + 1),
         ),
-        Sentence("martensite study NAME shows one: digest, claims, verdicts; `all` shows all."),
+        Sentence("Next: martensite study NAME shows one study, martensite study all shows all."),
     ]
     return Summary("", blocks, [{"key": one.key, "title": one.title, "tally": rows[one.key]} for one in found])
 
 
 def summarise_answer(study: AbstractStudy, answer: Answer, *, claims: bool = True, reasons: bool = False) -> Summary:
     """The digest of a study, how many claims there are of each verdict, and the claims; then reasons and reports."""
-    counted = ", ".join(f"{count} {kind}" for kind, count in answer.count_all().items() if count)
+    counts = answer.count_all()
+    counted = ", ".join(f"{count} {_name_count(kind, count)}" for kind, count in counts.items() if count)
+    title = f"{study.title}: {sum(counts.values()) - counts.get('reports', 0)} claims checked"
     blocks: list[Block] = [
-        DataTable(("", "digest"), [(key.replace("_", " "), text) for key, text in answer.digest.items()]),
-        *map(Sentence, wrap(f"{counted}.", PAGE_WIDTH)),
+        *map(Sentence, wrap(f"Verdicts: {counted}.", PAGE_WIDTH)),
+        DataTable(("", "summary"), [(DIGEST.get(key, key), text) for key, text in answer.digest.items()]),
     ]
     if claims:
         rows = [
-            (c.statement, _write(c.published, c.as_printed), _write(c.computed), c.unit, c.verdict)
+            (c.statement, _write(c.published, c.as_printed), _write(c.computed), typeset_unit(c.unit), c.verdict)
             for c in answer.claims
         ]
         blocks.append(DataTable(("claim", "published", "computed", "unit", "verdict"), rows, right=(1, 2), tones=TONES))
     if reasons:
         blocks.append(DataTable(("claim", "reason"), [(one.id, one.describe_reason()) for one in answer.claims]))
         told = [(f"{one.id}: {one.statement}", _write(one.computed), one.unit, one.why) for one in answer.reports]
-        blocks.append(DataTable(("report, without a verdict", "computed", "unit", "why"), told, right=(1,)))
+        blocks.append(DataTable(("reported value", "computed", "unit", "reason"), told, right=(1,)))
     elif claims:
-        blocks.append(Sentence(f"martensite study {study.key} --all adds reasons and reports."))
+        blocks.append(Sentence(f"Next: martensite study {study.key} --all shows reasons and reported values."))
     if answer.made_by:
-        blocks.append(Sentence(f"Numbers of {answer.made_by}; --recompute finds them anew."))
+        blocks.append(Sentence(f"Values computed by {answer.made_by}; --recompute computes them again."))
     data = {"key": study.key, "title": study.title, "cites": list(study.cites), "tally": answer.count_all()}
-    return Summary(study.key, blocks, data | asdict(answer), study.title)
+    return Summary(title, blocks, data | asdict(answer))
+
+
+def _name_count(kind: str, count: int) -> str:
+    return COUNTED.get(kind, (kind, kind))[count > 1]
 
 
 def _write(number: float | None, by_equation: float | None = None) -> str:

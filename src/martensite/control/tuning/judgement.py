@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from martensite.base.errors import InputError
-from martensite.base.formats import choose_difference_unit
+from martensite.base.formats import choose_difference_unit, typeset_unit
 from martensite.control.tuning.goals import Course, Numbers
 from martensite.control.tuning.loop_runs import LoopRuns, Seen
 from martensite.control.tuning.measures import UNITS, compute_itae
@@ -71,11 +71,17 @@ class TuningJudgement:
     def describe(self) -> str:
         """Return both errors and the plants, such as `rms 0.3 mm instead of 0.7 mm on 16 plants, better on 15`."""
         shown, factor = choose_difference_unit(self.unit)
-        unit = UNITS[self.measure].format(shown)
+        unit = typeset_unit(UNITS[self.measure].format(shown))
         before, after = (f"{x / factor:.3g} {unit}" if np.isfinite(x) else "a run that fails" for x in self.errors)
         better = int((self.after < self.before).sum())
         where = f"{len(self.after)} plants, better on {better}" if self.drawn else "the plant of the scenario"
-        return f"{self.measure} {after} instead of {before} on {where}"
+        name = self.measure if self.measure == "rms" else self.measure.upper()
+        return f"{name} {after} instead of {before}{self._write_ratio()} on {where}"
+
+    def _write_ratio(self) -> str:
+        """Return the factor by which the error grew, for a worse result."""
+        before, after = self.errors
+        return f" ({after / before:.2g} times)" if self.worse and 0.0 < before and np.isfinite(after) else ""
 
     def to_dict(self) -> dict[str, float | int | str | bool]:
         """Return all of it for programs, in SI."""

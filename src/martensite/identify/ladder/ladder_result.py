@@ -89,7 +89,7 @@ class Ladder:
     def verdict(self) -> str:
         """Describe the predictive value of the model in a sentence."""
         text = f"`{self.model.text()}`"
-        scores = f"fit {self.held.fit:.1f} % on the blocks held out, the mean {self.baseline.held.fit:.1f} %"
+        scores = f"fit {self.held.fit:.1f} % on held-out data (mean of the output: {self.baseline.held.fit:.1f} %)"
         sizes = [f"{format_number(s.rms, 2)} {s.unit}" for one in self.checks for s in one.scores if s.part == WHOLE]
         scores += f", rms error {', '.join(sizes)}" if sizes else ""
         if not self.predicts:

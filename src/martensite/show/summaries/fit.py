@@ -1,4 +1,4 @@
-"""A fit: warnings first, then the numbers, then what they rest on."""
+"""A fit: prediction errors, parameters, errors by log, warnings, identifiability and search."""
 
 from __future__ import annotations
 
@@ -45,6 +45,7 @@ def summarise_fit(
         _describe_verdict(fit),
         *_describe_parameters(fit),
         *_describe_agreement(fit),
+        *_list_warnings(fit),
         *_describe_problem(fit, scenario or fit.scenario),
         *_describe_knowledge(fit, profiles, posterior),
         *_describe_residuals(fit),
@@ -67,10 +68,10 @@ def _make_lead(fit: Fit) -> str:
     rows = list_compared(fit)
     fitted = sum(int(row.used.sum()) for row in rows)
     kept = sum(int(row.held.sum()) for row in rows)
-    return (
-        f"{len(fit.problem.free)} parameters fitted to {fitted} measured values; {kept} more kept "
-        f"back. Ended: {fit.reason}."
-    )
+    count = len(collect_warnings(fit))
+    warned = f" {count} {'warning' if count == 1 else 'warnings'} below." if count else " No warnings."
+    ended = fit.reason[:1].upper() + fit.reason[1:]
+    return f"{ended}: {len(fit.problem.free)} parameters, {fitted} fitted and {kept} held-out values.{warned}"
 
 
 def _list_pictures(fit: Fit, profiles: Sequence[Profile]) -> dict[str, tuple[DrawFit, str]]:
@@ -78,15 +79,15 @@ def _list_pictures(fit: Fit, profiles: Sequence[Profile]) -> dict[str, tuple[Dra
     found: dict[str, tuple[DrawFit, str]] = {
         "measured": (
             plot_fit,
-            "Measured and modelled, over time. What was kept back is tinted." + _count_panels(rows, PANELS),
+            "Measured and modelled over time. Held-out rows are tinted." + _count_panels(rows, PANELS),
         )
     }
     if has_loops(fit):
-        found["loops"] = (plot_fit_loops, f"The same as loops.{_count_panels(rows, PANELS)}")
+        found["loops"] = (plot_fit_loops, f"Measured and modelled loops.{_count_panels(rows, PANELS)}")
     found["directions"] = (
         plot_singular_values,
         "Left: singular values of the Jacobian per search range, in units of the noise. Right: "
-        "what moves in the least certain direction.",
+        "parameters of the least certain direction.",
     )
     if len(fit.problem.free) > 1:
         found["correlations"] = (
@@ -96,15 +97,15 @@ def _list_pictures(fit: Fit, profiles: Sequence[Profile]) -> dict[str, tuple[Dra
     if profiles:
         found["likelihoods"] = (
             lambda fit: plot_likelihood(profiles, fit),
-            "How the cost rises if one parameter is held elsewhere and all others follow; shaded: the interval.",
+            "Cost over one parameter, with all other parameters optimised; shaded: the interval.",
         )
     found["residuals"] = (
         plot_fit_residuals,
-        "Left: modelled less measured. Right: autocorrelation of what was fitted; white residuals "
+        "Left: modelled minus measured. Right: autocorrelation of the fitted residuals; white residuals "
         f"stay within the grey band.{_count_panels(rows, RESIDUALS)}",
     )
     if len(fit.history) > 1:
-        found["search"] = (plot_search, "The least cost over the runs of the search.")
+        found["search"] = (plot_search, "Lowest cost over the runs of the search.")
     return found
 
 
@@ -123,9 +124,12 @@ def _show_picture(fit: Fit, name: str, profiles: Sequence[Profile] = ()) -> Iter
 
 
 def _describe_verdict(fit: Fit) -> Block:
-    found = collect_warnings(fit)
-    title = "Read this first" if found else "Nothing speaks against these numbers"
-    return Notice(title, _typeset_sentences([*describe_predictions(fit), *found]), warning=bool(found))
+    return Notice("Prediction", _typeset_sentences(describe_predictions(fit)), warning=False)
+
+
+def _list_warnings(fit: Fit) -> Iterator[Block]:
+    if found := collect_warnings(fit):
+        yield Notice("Warning", _typeset_sentences(found), warning=True)
 
 
 def collect_warnings(fit: Fit) -> list[str]:
@@ -134,8 +138,8 @@ def collect_warnings(fit: Fit) -> list[str]:
     found = list(dict.fromkeys([*fit.cautions, *list_fit_warnings(fit)]))
     if weak:
         found.append(
-            f"The fitted values of {list_names(weak)} rest on a direction that the data do not "
-            "determine; use them together only, near what was measured."
+            f"The data determine only a combination of {list_names(weak)}. Use these values together, near the "
+            "measured conditions."
         )
     return found
 
@@ -150,7 +154,7 @@ def _describe_parameters(fit: Fit) -> Iterator[Block]:
 
 
 def _describe_agreement(fit: Fit) -> Iterator[Block]:
-    yield Heading("Measured and modelled")
+    yield Heading("Errors by log")
     yield fit_tables.tabulate_errors(fit)
     yield from _show_picture(fit, "measured")
     yield from _show_picture(fit, "loops")
@@ -159,7 +163,7 @@ def _describe_agreement(fit: Fit) -> Iterator[Block]:
 
 
 def _describe_problem(fit: Fit, scenario: Scenario | None) -> Iterator[Block]:
-    yield Heading("What was fitted", detail=True)
+    yield Heading("Problem", detail=True)
     yield BulletList(list(_list_facts(fit, scenario)))
     yield fit_tables.tabulate_records(fit)
 
@@ -169,7 +173,7 @@ def _list_facts(fit: Fit, scenario: Scenario | None) -> Iterator[str]:
         file = f" (`{scenario.path.name}`)" if scenario.path else ""
         yield f"Scenario: {scenario.title}{file}."
         if scenario.material is not None:
-            yield f"Numbers that are not fitted: material `{scenario.material.name}`, or scenario."
+            yield f"Parameters that are not fitted: material `{scenario.material.name}`, or scenario."
     yield f"System: {fit.system().description()}."
     law = _find_law(fit)
     options = join_phrases([f"`{name} = {word}`" for name, word in law.items() if name != KIND])
@@ -177,13 +181,13 @@ def _list_facts(fit: Fit, scenario: Scenario | None) -> Iterator[str]:
     for output, unit in dict.fromkeys((one.output, one.description.unit) for one in list_compared(fit)):
         known = output in fit.problem.noise
         size = format_error(output, fit.problem.scale(output), unit, 4)
-        what = "its known noise" if known else "the range over which it was measured"
+        what = "its declared noise" if known else "its measured range"
         yield f"Residuals of `{output}` are divided by {what}, {size}."
     yield f"Loss: {fit.loss}."
 
 
 def _describe_knowledge(fit: Fit, profiles: Sequence[Profile], posterior: Posterior | None) -> Iterator[Block]:
-    yield Heading("What the data cannot tell")
+    yield Heading("Identifiability")
     found = [*fit.identifiability.sentences, *fit.uncertainty.sentences]
     yield BulletList(_typeset_sentences(list(dict.fromkeys(found))))
     yield from _show_picture(fit, "directions")
@@ -193,7 +197,7 @@ def _describe_knowledge(fit: Fit, profiles: Sequence[Profile], posterior: Poster
         yield from _show_picture(fit, "likelihoods", profiles)
     if posterior is not None:
         rows = [(free.name, _write_draws(free, posterior)) for free in fit.problem.free]
-        yield DataTable(("parameter", "95 % of the draws"), rows, right=(1,))
+        yield DataTable(("parameter", "95 % interval of samples"), rows, right=(1,))
         yield Sentence(posterior.sentence, "" if posterior.converged else "caution")
 
 
@@ -211,16 +215,15 @@ def _describe_residuals(fit: Fit) -> Iterator[Block]:
         yield Sentence(f"Residuals are white in {white} of {len(fit.whiteness)} comparisons.")
         yield BulletList([one.sentence for one in fit.whiteness], detail=True)
     else:
-        yield Sentence("Too few rows for a test of whiteness.")
+        yield Sentence("There are too few rows for a test of whiteness.")
     yield from _show_picture(fit, "residuals")
 
 
 def _describe_search(fit: Fit) -> Iterator[Block]:
     yield Heading("Search")
     yield Sentence(
-        f"Method `{fit.method}`, ended: {fit.reason}; {fit.simulations} runs, {fit.jacobians} with "
-        f"derivatives in all directions, {format_number(fit.seconds, 3)} s. Cost (mean squared "
-        f"residual) {format_number(fit.cost, 4)}."
+        f"Method `{fit.method}`: {fit.reason} after {fit.simulations} runs ({fit.jacobians} with derivatives) in "
+        f"{format_number(fit.seconds, 3)} s. Cost (mean squared residual): {format_number(fit.cost, 4)}."
     )
     yield from _show_picture(fit, "search")
 

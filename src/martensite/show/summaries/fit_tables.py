@@ -25,7 +25,7 @@ def tabulate_records(fit: Fit) -> DataTable:
     """Which records, from which data, and how many of their rows."""
     rows = list_compared(fit)
     return DataTable(
-        ("record", "data", "compared", "rows", "fitted", "kept back", "missing"),
+        ("record", "data", "compared", "rows", "fitted", "held out", "missing"),
         [_write_record(one) for one in rows],
         right=(3, 4, 5, 6),
         note="The hash is the SHA-256 of the file, or of the columns where there is no file. Rows "
@@ -40,7 +40,7 @@ def _write_record(one: ComparedOutput) -> tuple[str, ...]:
     name = f"`{found['file']}` " if "file" in found else "columns "
     data = name + f"`{found.get('sha256') or found['sha256_of_columns']}`"
     if record.dropped:
-        data += f" ({record.dropped} rows left out on reading)"
+        data += f" ({record.dropped} rows dropped on reading)"
     what = f"`{one.output}`" + (f" with `{one.column}`" if one.column != one.output else "")
     counts = (len(one.times), int(one.used.sum()), int(one.held.sum()), one.missing)
     return one.record, data, what, *map(str, counts)
@@ -135,7 +135,7 @@ def tabulate_own_numbers(fit: Fit) -> DataTable | None:
             free = known.get(name.rpartition("@")[0])
             text = f"{value:.6g}" if free is None else format_quantity(value, free.unit)
             rows.append((f"`{name}`", text, free.doc if free else ""))
-    note = "Fitted to the record that is kept back, with everything else as found."
+    note = "Fitted to the held-out log, with all other parameters fixed."
     tags = dict.fromkeys(range(len(rows)), TAG)
     head = ("parameter", "value", "meaning")
     return DataTable(head, rows, right=(1,), note=note, tags=tags) if rows else None
@@ -145,12 +145,9 @@ def tabulate_errors(fit: Fit) -> DataTable:
     """Return a table of the errors of every record, with held-out records marked."""
     rows = [(one, score) for one in list_compared(fit) for score in one.score()]
     raw = any(one.raw is not None for one, _ in rows)
-    note = (
-        "A fit of 100 % is perfect; one of 0 % is no better than the mean of the record. "
-        "Bias is modelled less measured."
-    )
+    note = "A fit of 100 % is perfect; 0 % is no better than the mean of the log. Bias is modelled minus measured."
     if raw:
-        note += " Errors of a held-out record are those with the offset or delay that was fitted to it; raw is without."
+        note += " Errors of a held-out log include the offset or delay that was fitted to it; raw errors do not."
     return DataTable(
         (
             "record",
@@ -158,7 +155,7 @@ def tabulate_errors(fit: Fit) -> DataTable:
             "rms error",
             *(("raw rms error",) if raw else ()),
             "fit",
-            "largest error",
+            "max. error",
             "at",
             "bias",
             "rows",

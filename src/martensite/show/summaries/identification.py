@@ -42,9 +42,9 @@ def _describe_stage(found: Identified, k: int) -> Iterator[Block]:
     names = ", ".join(f"`{name}`" for name in chain.input_names)
     yield Heading(f"{head}: {names} -> `{stage.output}`: {chain.text()}")
     yield Sentence(
-        f"{len(chain.theta)} free numbers, sample time {chain.interval:.6g} s, "
+        f"{len(chain.theta)} free parameters, sample time {chain.interval:.6g} s, "
         f"{one.options.starts} starts; {one.agreeing} of {len(one.fits)} refined searches "
-        "agree within 0.1 point"
+        "agree within 0.1 percentage points."
     )
     yield from _describe_dynamics(chain)
 
@@ -57,14 +57,14 @@ def _describe_dynamics(chain: Chain) -> Iterator[Block]:
         for name, value, unit in block.describe_numbers(theta)
     ]
     if rows:
-        yield DataTable(("block", "number", "value", "unit"), rows[:MOST_NUMBERS], right=(2,))
+        yield DataTable(("block", "parameter", "value", "unit"), rows[:MOST_NUMBERS], right=(2,))
     if len(rows) > MOST_NUMBERS:
         left = len(rows) - MOST_NUMBERS
-        yield Sentence(f"and {left} more numbers of blocks with memory; see --json")
+        yield Sentence(f"{left} more parameters of dynamic blocks are in the output of --json.")
 
 
 def _describe_scores(found: Identified) -> Iterator[Block]:
-    yield Heading("Scores, all of free runs: no measured output is fed back")
+    yield Heading("Scores of free runs (no feedback of measured outputs)")
     rows = [
         (
             s.model,
@@ -81,7 +81,7 @@ def _describe_scores(found: Identified) -> Iterator[Block]:
 
 
 def _describe_starts(found: Identified) -> Iterator[str]:
-    """In which state the runs of every record begin."""
+    """Yield the initial state of the runs of every record."""
     runs = [s for s in found.scores if s.model in ("model", "series")]
     for said in dict.fromkeys(s.begins for s in runs):
         names = dict.fromkeys(f"`{s.record}`" for s in runs if s.begins == said)
@@ -100,15 +100,14 @@ def collect_warnings(found: Identified, records: Sequence[Sampled]) -> list[str]
         if one.options.starts > 1 and one.agreeing < ENOUGH:
             few = f"{one.agreeing} of {len(one.fits)} refined searches"
             said.append(
-                f"`{one.chain.text()}`: only {few} ended within 0.1 point of the best, so that "
-                "it may be a poor optimum; give more --starts."
+                f"`{one.chain.text()}`: only {few} ended within 0.1 percentage points of the best, so the optimum may "
+                "be local. Use more --starts."
             )
     roles = {score.role for score in found.scores}
     if "validation" not in roles and "other" not in roles:
         said.append(
-            "Only the logs that were fitted are scored, which is no proof: at one cadence a slow "
-            "block can stand for hysteresis. Give --validate a log of another cadence, such as "
-            "slow ramps with minor loops."
+            "Only fitted logs are scored, so the prediction error is unknown: a slow block can imitate hysteresis at "
+            "one time scale. Use --validate with a log of another time scale, such as slow ramps with minor loops."
         )
     return said
 
@@ -154,7 +153,7 @@ def summarise_model(
 
 def _describe_model(chain: Chain, validations: Sequence[Validation], found: ChainUncertainty | None) -> Iterator[Block]:
     yield Heading("Scores")
-    yield Sentence("All figures are those of free runs: no measured output enters.")
+    yield Sentence("All scores are from free runs, without feedback of measured outputs.")
     rows = [row for one in validations for row in _score_rows(one)]
     yield DataTable(RECORD_SCORES, rows, right=(3, 4, 5, 6))
     for k, one in enumerate(validations):
@@ -166,7 +165,7 @@ def _describe_model(chain: Chain, validations: Sequence[Validation], found: Chai
         yield Picture(
             "static",
             lambda: plot_static_blocks(chain, validations[0].record),
-            "Static blocks over what reached them (shaded).",
+            "Static blocks over the range of their input (shaded).",
         )
     if any(block.linear for block in chain.blocks):
         yield Picture("linear", lambda: plot_linear_blocks(chain), "Linear blocks.")
@@ -182,28 +181,30 @@ def _score_rows(one: Validation) -> Iterator[tuple[str, ...]]:
 def _describe_record(k: int, one: Validation, found: ChainUncertainty | None) -> Iterator[Block]:
     yield Heading(f"Record {one.record.name}")
     faults = one.failures
-    title = "What it misses" if faults else "Nothing found"
+    title = "Model error" if faults else "No model error found"
     yield Notice(title, faults or one.sentences[-2:-1], bool(faults))
     worst = one.worst()
     yield Sentence(
-        f"The worst tenth is from {format_number(worst.begin)} to {format_number(worst.end)} s, "
+        f"The worst tenth of the record is from {format_number(worst.begin)} to {format_number(worst.end)} s, "
         f"with an rms error of {format_number(worst.rms, 3)}."
     )
     band = None if found is None else found.band(one.record)
     if band is not None:
         held = measure_coverage(band, one.record, one.skip)
         shares = ", ".join(f"{100.0 * share:.1f} %" for share in held)
-        yield Sentence(f"The band of 95 % holds {shares} of the samples.")
-    yield Picture(f"record{k}", lambda: plot_model(one, band), "Measured and computed, with the error.")
+        yield Sentence(f"The 95 % band contains {shares} of the samples.")
+    yield Picture(f"record{k}", lambda: plot_model(one, band), "Measured and modelled data, with the error.")
     yield Picture(f"loop{k}", lambda: plot_model_loop(one), "Output over input.")
-    yield Picture(f"tests{k}", lambda: plot_model_tests(one), "Residuals with themselves and the inputs.")
+    yield Picture(
+        f"tests{k}", lambda: plot_model_tests(one), "Autocorrelation of the residuals, and correlation with the inputs."
+    )
 
 
 def _describe_numbers(found: ChainUncertainty) -> Iterator[Block]:
-    yield Heading("Numbers")
+    yield Heading("Parameters")
     yield BulletList(found.sentences)
     rows = [
         (str(one.block), one.name, format_number(one.value), format_number(one.error, 2), one.unit)
         for one in found.describe_numbers()
     ]
-    yield DataTable(("block", "number", "value", "standard error", "unit"), rows, right=(2, 3))
+    yield DataTable(("block", "parameter", "value", "standard error", "unit"), rows, right=(2, 3))

@@ -1,4 +1,4 @@
-"""Summary of a climb of the ladder of structures: the record, the trials, and the value of the model."""
+"""Summary of a structure search: verdict, records, structures, residuals and advice."""
 
 from __future__ import annotations
 
@@ -9,10 +9,19 @@ from martensite.base.summary import Block, BulletList, DataTable, Heading, Notic
 from martensite.identify.ladder.ladder_result import Ladder, LadderRung, LadderTrial
 from martensite.show.figures.model import plot_model, plot_model_loop, plot_model_tests
 
-HEADINGS = ("rung", "structure", "numbers", "chosen by [%]", "held out [%]", "error falls by", "s", "verdict")
+HEADINGS = (
+    "step",
+    "structure",
+    "parameters",
+    "selection fit [%]",
+    "held-out fit [%]",
+    "error reduction",
+    "s",
+    "verdict",
+)
 STOPPED = {
-    "time box": "The climb was ended by the time box (--time-box)",
-    "interrupted": "The climb was interrupted: this is the best so far",
+    "time box": "The search ended at its CPU time limit (--time-box)",
+    "interrupted": "The search was interrupted. This is the best model so far",
 }
 
 
@@ -20,19 +29,20 @@ def summarise_ladder(found: Ladder) -> Summary:
     """Return everything about a climb: for a terminal without the figures, for a page with them."""
     names = ", ".join(f"`{name}`" for name in found.model.input_names)
     outputs = ", ".join(f"`{name}`" for name in found.model.output_names)
-    title = f"Model of {outputs} from {names}".replace("`", "")
+    word = "INCONCLUSIVE" if found.doubts else "predicts" if found.predicts else "DOES NOT PREDICT"
+    title = f"Model of {outputs} from {names}: {word}".replace("`", "")
     blocks = [
-        *_describe_records(found),
-        *_describe_climb(found),
         *_describe_verdict(found),
+        *_describe_climb(found),
+        *_describe_records(found),
         *_describe_held(found),
         *_describe_next(found),
     ]
-    return Summary(title, blocks, _collect_numbers(found), f"{found.verdict} All scores are of free runs.")
+    return Summary(title, blocks, _collect_numbers(found), f"{found.verdict} All scores are from free runs.")
 
 
 def _describe_records(found: Ladder) -> Iterator[Block]:
-    yield Heading("The record")
+    yield Heading("Records")
     rows = [
         (
             one.record.name,
@@ -43,32 +53,32 @@ def _describe_records(found: Ladder) -> Iterator[Block]:
         )
         for one in found.blocked
     ]
-    yield DataTable(("record", "samples", "sample time [s]", "length [s]", "used to"), rows, right=(1, 2, 3))
+    yield DataTable(("record", "samples", "sample time [s]", "duration [s]", "used to"), rows, right=(1, 2, 3))
     remarks = [f"`{one.record.name}`: {text}" for one in found.blocked for text in one.record.remarks]
     yield BulletList([*remarks, *found.tests])
     if found.apart:
-        scores = [f"`{s.record}`, `{s.output}`: fit {s.fit:.1f} % with the model" for s in found.apart_scores]
-        yield Notice("Another regime", [*found.apart, *scores], True)
+        scores = [f"`{s.record}`, `{s.output}`: model fit {s.fit:.1f} %" for s in found.apart_scores]
+        yield Notice("Other regime", [*found.apart, *scores], True)
 
 
 def _tell_use(fitted: bool, chosen: bool, held: bool) -> str:
-    return ", ".join(word for word, used in (("fit", fitted), ("choose", chosen), ("judge", held)) if used)
+    return ", ".join(word for word, used in (("fit", fitted), ("select", chosen), ("test", held)) if used)
 
 
 def _describe_climb(found: Ladder) -> Iterator[Block]:
-    yield Heading("The ladder")
+    yield Heading("Structures")
     mean = found.baseline
     rows = [("–", "mean of the output", "1", f"{mean.chosen_by.fit:.1f}", f"{mean.held.fit:.1f}", "–", "–", "baseline")]
     rows += [_write_trial(rung, rung.trials[0], found) for rung in found.rungs]
     note = (
-        "The best structure of every rung, with the fall of its error from that of the model before and the interval "
-        "of that fall (99 %). It is kept if that is above 0. What is held out chose nothing."
+        "The best structure of every step, with the reduction of its error and the 99 % interval of the reduction. A "
+        "structure is kept if the interval is above 0. Held-out data were not used for the selection."
     )
     yield DataTable(HEADINGS, rows, right=(2, 3, 4, 6), note=note, detail=(2, 6), tones={"chosen": "good"})
     more = [_write_trial(rung, trial, found) for rung in found.rungs for trial in rung.trials[1:]]
-    yield DataTable(HEADINGS, more, right=(2, 3, 4, 6), folded="All other structures that were tried")
+    yield DataTable(HEADINGS, more, right=(2, 3, 4, 6), folded="All other structures")
     if found.stopped:
-        yield Sentence(f"{STOPPED[found.stopped]}: higher rungs were not tried.", "caution")
+        yield Sentence(f"{STOPPED[found.stopped]}; more complex structures were not tried.", "caution")
 
 
 def _write_trial(rung: LadderRung, trial: LadderTrial, found: Ladder) -> tuple[str, ...]:
@@ -82,27 +92,30 @@ def _write_trial(rung: LadderRung, trial: LadderTrial, found: Ladder) -> tuple[s
 
 
 def _describe_verdict(found: Ladder) -> Iterator[Block]:
-    yield Heading("Verdict")
     good = found.predicts and not found.doubts
-    said = [found.verdict]
-    if found.predicts:
-        said.append(f"Its error there is smaller than that of the mean by {found.gain.text}, at 95 %.")
-    title = "Result" if good else "Uninformative" if found.doubts else "No prediction"
-    yield Notice(title, [*said, *found.doubts, *found.remarks], not good)
+    said = [f"The held-out error is lower than that of the mean by {found.gain.text} (95 %)."] if found.predicts else []
+    if items := [*said, *found.doubts, *found.remarks]:
+        yield Notice("Result" if good else "Warning", items, not good)
 
 
 def _describe_held(found: Ladder) -> Iterator[Block]:
     for k, one in enumerate(found.checks):
         yield Heading(one.record.name[:1].upper() + one.record.name[1:], detail=True)
-        yield Picture(f"held{k}", lambda one=one: plot_model(one), "Measured and model, with the residual, held out.")
+        yield Picture(
+            f"held{k}", lambda one=one: plot_model(one), "Measured and modelled held-out data, with the residual."
+        )
         yield Picture(f"loop{k}", lambda one=one: plot_model_loop(one), "Output over input.")
-        yield Picture(f"tests{k}", lambda one=one: plot_model_tests(one), "Residuals with themselves and the inputs.")
+        yield Picture(
+            f"tests{k}",
+            lambda one=one: plot_model_tests(one),
+            "Autocorrelation of the residuals, and correlation with the inputs.",
+        )
         yield BulletList(one.sentences, detail=True)
 
 
 def _describe_next(found: Ladder) -> Iterator[Block]:
     if found.advice:
-        yield Heading("What to record next")
+        yield Heading("Next recordings")
         yield BulletList(found.advice)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from martensite.base.formats import choose_difference_unit, write_quantity
+from martensite.base.formats import choose_difference_unit, typeset_unit
 from martensite.base.summary import Block, DataTable, Sentence, Summary
 from martensite.control.tuning.loop_runs import find_judged_output
 from martensite.control.tuning.measures import UNITS
@@ -17,7 +17,9 @@ if TYPE_CHECKING:
     from martensite.control.tuning.bench_tuning import TunedBench
     from martensite.scenario.scenario import Scenario
 
-HEADINGS = ("", "before", "after")
+HEADINGS = ("quantity", "before", "after", "unit")
+NAMES = {"itae": "ITAE", "iae": "IAE", "ise": "ISE", "hottest": "peak temperature"}
+"""Names of measures on the screen, where they are not those of the JSON."""
 SHARES = ("overshoot",)
 
 
@@ -38,7 +40,7 @@ class TuningOutcome:
 def summarise_tuning(found: TuningOutcome) -> Summary:
     """Return everything about a tuning."""
     tuned = found.found
-    lead = f"{found.origin}; {tuned.evaluations:,} runs, {tuned.gradients:,} with derivatives"
+    lead = f"{found.origin}; {tuned.evaluations:,} runs ({tuned.gradients:,} with derivatives)"
     blocks = [
         *_describe_tests(found),
         DataTable(HEADINGS, _table_rows(found), right=(1, 2)),
@@ -53,39 +55,42 @@ def _describe_tests(found: TuningOutcome) -> Iterator[Block]:
     for name in ("heating", "cooling"):
         one = getattr(found.tests.step, name)
         K, T, L = one.first_order
-        yield Sentence(f"{name}: K {K:.4g}, T {T:.4g} s, L {L:.4g} s (fit {one.fit:.1f} %)")
+        yield Sentence(f"Step test, {name}: gain K {K:.4g}, lag T {T:.4g} s, delay L {L:.4g} s (fit {one.fit:.1f} %).")
     cycle = found.tests.cycle
     if cycle is not None:
-        steady = "" if cycle.steady else ", not steady"
-        yield Sentence(f"relay: K_u {cycle.gain:.4g}, P_u {cycle.period:.4g} s, off/on {cycle.asymmetry:.3g}{steady}")
+        steady = "" if cycle.steady else "; the cycle is not steady"
+        yield Sentence(
+            f"Relay test: ultimate gain K_u {cycle.gain:.4g}, period P_u {cycle.period:.4g} s, off/on ratio "
+            f"{cycle.asymmetry:.3g}{steady}."
+        )
 
 
-def _table_rows(found: TuningOutcome) -> list[tuple[str, str, str]]:
+def _table_rows(found: TuningOutcome) -> list[tuple[str, ...]]:
     tuned, places = found.found, found.scenario.places
-    rows = [
-        (f"{places.path(path)} [{unit}]", f"{tuned.before[path]:.5g}", f"{value:.5g}")
+    rows: list[tuple[str, ...]] = [
+        (places.path(path), f"{tuned.before[path]:.4g}", f"{value:.4g}", typeset_unit(unit))
         for path, value, unit in _list_gains(found)
     ]
-    rows.append(("cost", f"{tuned.cost_before:.4g}", f"{tuned.cost:.4g}"))
+    rows.append(("cost", f"{tuned.cost_before:.4g}", f"{tuned.cost:.4g}", ""))
     after = tuned.measured.to_dict()
     return rows + [
-        (name, _write_measure(name, value, found), _write_measure(name, after[name], found))
-        for name, value in tuned.measured_before.to_dict().items()
+        _write_row(name, (value, after[name]), found) for name, value in tuned.measured_before.to_dict().items()
     ]
 
 
-def _write_measure(name: str, value: float, found: TuningOutcome) -> str:
+def _write_row(name: str, values: tuple[float, float], found: TuningOutcome) -> tuple[str, ...]:
+    """Return a measure before and after, in one unit."""
     bench = found.found.bench
     unit = bench.outputs()[find_judged_output(bench, found.drive)].unit
-    if math.isinf(value):
-        return "never"
+    shown, factor = choose_difference_unit(unit) if "{}" in UNITS[name] else ("", 1.0)
+    label = "" if UNITS[name] in ("1", "signal") else UNITS[name].format(shown)
+    if name in SHARES:
+        factor, label = 0.01, "%"
+    zero = 0.0
     if name == "hottest":
-        return write_quantity(value, "K")
-    if "{}" not in UNITS[name]:
-        label = "" if UNITS[name] in ("1", "signal") else f" {UNITS[name]}"
-        return f"{100.0 * value:.3g} %" if name in SHARES else f"{value:.4g}{label}"
-    shown, factor = choose_difference_unit(unit)
-    return f"{value / factor:.4g} {UNITS[name].format(shown)}"
+        zero, label = 273.15, "°C"
+    cells = ("never" if math.isinf(value) else f"{(value - zero) / factor:.4g}" for value in values)
+    return (NAMES.get(name, name.replace("_", " ")), *cells, typeset_unit(label))
 
 
 def _collect_numbers(found: TuningOutcome) -> dict[str, Any]:
