@@ -101,12 +101,10 @@ class RunOptions:
         Raises:
             InputError: an option has no effect.
         """
-        from martensite.logs.log_tables import parse_named, read_log_table
         from martensite.scenario.overrides import read_settings
         from martensite.scenario.scenario import load
 
-        named = {} if self.compare else parse_named(self.named or ())
-        log = None if self.log is None else read_log_table(self.log, named=named)
+        log = None if self.log is None else _read_log(self.log, None if self.compare else self.named)
         seeds = {} if self.seed is None else {"run.seed": self.seed}
         loaded = load(path, read_settings(settings or []) | seeds, log=log)
         refuse_idle("--seed", self.seed is not None and not _has_noise(loaded), "the scenario has no noise")
@@ -123,14 +121,13 @@ class RunOptions:
 
     def read_record(self, scenario: Scenario, log: Record | None) -> Record | None:
         """The record to compare with."""
-        from martensite.logs.log_tables import parse_named, read_log_table
-        from martensite.logs.tables import read_table
-
         if self.no_compare:
             return None
         if self.compare is not None and self.named:
-            return read_log_table(self.compare, named=parse_named(self.named))
+            return _read_log(self.compare, self.named)
         if self.compare is not None:
+            from martensite.logs.tables import read_table
+
             return read_table(self.compare)
         if log is not None:
             return _cut_log(log, scenario)
@@ -205,6 +202,13 @@ def run_scenario(
     from martensite.show.summaries.run import summarise_run
 
     return result, summarise_run(scenario, result, agreements, averaging, options.measure or ())
+
+
+def _read_log(path: str, named: list[str] | None) -> Record:
+    """Return a log; the readers of files are imported here, as most runs have no log."""
+    from martensite.logs.log_tables import parse_named, read_log_table
+
+    return read_log_table(path, named=parse_named(named or ()))
 
 
 def _has_noise(scenario: Scenario) -> bool:
