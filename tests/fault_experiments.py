@@ -253,7 +253,7 @@ def spoil_log(rng: random.Random) -> bytes:
 
 def try_log(seed: int) -> Verdict:
     """Garbage for a text log: what is read is finite and complete, or it is refused."""
-    from martensite.logs.tables import read_table
+    from martensite.logs.reader import read_table
 
     rng = random.Random(seed)
     raw = spoil_log(rng)
@@ -358,7 +358,7 @@ def save_log(name: str) -> tuple[bytes, dict[str, Any]]:
 
 def try_binary_log(seed: int) -> Verdict:
     """A damaged .mat or .nc log: what is read are numbers, or it is refused."""
-    from martensite.logs.sampled_files import read_arrays
+    from martensite.logs.binary_files import read_arrays
 
     name = ("plain.mat", "packed.mat", "log.nc")[seed % 3]
     raw, _ = save_log(name)

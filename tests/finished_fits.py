@@ -17,7 +17,7 @@ from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 from martensite.fit.problem import build_problem
 from martensite.fit.solve import solve_problem
-from martensite.logs.tables import read_table
+from martensite.logs.reader import read_table
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record

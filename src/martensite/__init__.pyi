@@ -22,7 +22,7 @@ from martensite.actuators.mechanisms.load_line import DeadWeight as DeadWeight
 from martensite.base.errors import InputError as InputError
 from martensite.base.errors import MartensiteError as MartensiteError
 from martensite.base.errors import SolveError as SolveError
-from martensite.logs.tables import read_table as read_table
+from martensite.logs.reader import read_table as read_table
 from martensite.physics import electrical as electrical
 from martensite.physics import laws as laws
 from martensite.physics import thermal as thermal

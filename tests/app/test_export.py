@@ -12,8 +12,8 @@ from app_server import Bench
 from typer.testing import CliRunner
 
 from martensite.cli.app import app
+from martensite.logs.reader import read_table
 from martensite.logs.record_text import format_heading
-from martensite.logs.tables import read_table
 from martensite.scenario.csv_files import write_csv
 from martensite.scenario.netcdf import read_labelled
 from martensite.scenario.scenario import load

@@ -27,7 +27,7 @@ from martensite.fit.api import fit_logs as library_fit
 from martensite.fit.losses import LOSSES
 from martensite.fit.material_files import write_material
 from martensite.fit.solve import METHODS
-from martensite.logs.tables import read_table
+from martensite.logs.reader import read_table
 from martensite.scenario.scenario import read_scenario
 
 COLUMNS = [

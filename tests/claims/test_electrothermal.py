@@ -15,7 +15,7 @@ from claim_checks import check_complete, check_decides, numbers_of, verdicts_of,
 
 from martensite.base.errors import DataError
 from martensite.logs import datasets
-from martensite.logs.tables import read_table
+from martensite.logs.reader import read_table
 from martensite.scenario.citations import read_bibliography
 from martensite.scenario.scenario import load
 from martensite.studies.base import Answer, load_study, study_names

@@ -11,7 +11,7 @@ import pytest
 from martensite.fit.api import fit_logs
 from martensite.kernels.compiler import find_compiler
 from martensite.logs import datasets
-from martensite.logs.tables import read_table
+from martensite.logs.reader import read_table
 from martensite.physics.materials.base import load_material
 from martensite.scenario.scenario import read_scenario
 

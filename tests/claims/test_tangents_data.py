@@ -14,7 +14,7 @@ import pytest
 from martensite.characterise.tangent_fit import TangentFit, fit_tangents
 from martensite.characterise.tangent_points import TangentPoints
 from martensite.logs import datasets
-from martensite.logs.tables import read_table
+from martensite.logs.reader import read_table
 
 FLEXINOL = {f"flexinol-isobaric/isobaric_{mpa}MPa.txt": 1e6 * mpa for mpa in (50, 100, 172, 200)}
 NITIHF = {f"nitihf-isobaric/isobaric_{mpa}MPa.txt": 1e6 * mpa for mpa in (7, 50, 100, 300, 400)}

@@ -16,7 +16,7 @@ from martensite.control.controllers.pid import Gains
 from martensite.control.tuning.measures import build_steps, measure_steps
 from martensite.kernels import floats
 from martensite.logs import datasets
-from martensite.logs.tables import read_table
+from martensite.logs.reader import read_table
 from martensite.studies.hammerstein_wiener import branches, loop, records
 from martensite.studies.hammerstein_wiener.bench import INTERVAL, ReferenceBench, RunningBench
 from martensite.studies.hammerstein_wiener.branches import GRID, ZERO

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from command import Command
 
-from martensite.logs.tables import read_table
+from martensite.logs.reader import read_table
 
 SHOW = Command("data", "show")
 LOOP = [*range(40), *range(40, -1, -1)]

@@ -13,7 +13,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from martensite.cli import app
-from martensite.logs.tables import read_table
+from martensite.logs.reader import read_table
 from martensite.physics.laws.base import LAWS
 from martensite.simulate.paths import PATHS
 

@@ -15,7 +15,7 @@ from martensite.base.caches import cache_folder
 from martensite.base.errors import DataError, UnknownNameError
 from martensite.logs import datasets
 from martensite.logs.layout import read_headings
-from martensite.logs.tables import read_table
+from martensite.logs.reader import read_table
 from martensite.scenario.citations import list_entries
 
 CONTENT = {"cycle_a.txt": b"20 0.04\n80 0.01\n", "cycle_b.txt": b"20 0.05\n80 0.02\n"}

@@ -17,7 +17,7 @@ import pytest
 from martensite.base.errors import DataError
 from martensite.design.analysis.averaging import compare_averaging
 from martensite.fit.api import fit_logs
-from martensite.logs.tables import read_table
+from martensite.logs.reader import read_table
 from martensite.scenario.compare import compare_with_record
 from martensite.scenario.scenario import Scenario, load
 from martensite.simulate.result import Result

@@ -22,7 +22,7 @@ from martensite.fit.fit_file import read_fit_file
 from martensite.fit.free_parameters import read_ranges
 from martensite.fit.logs import ALL, choose_held_out
 from martensite.fit.step_choice import choose_step, halve_step
-from martensite.logs.tables import read_table
+from martensite.logs.reader import read_table
 from martensite.scenario.compare import compare_with_record
 from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.search.free_numbers import SearchRange

@@ -24,7 +24,7 @@ from martensite.base.errors import DataError, InputError, MartensiteError
 from martensite.logs.datasets import describe_dataset
 from martensite.logs.lab_files import LabFile, read_lab_file
 from martensite.logs.merged_files import merge_by_clock
-from martensite.logs.tables import read_table
+from martensite.logs.reader import read_table
 
 FILES: dict[str, Any] = tomllib.loads((Path(__file__).parent / "lab_files.toml").read_text("utf-8"))
 

@@ -107,7 +107,7 @@ def test_an_infinite_sample_is_refused_by_all(folder: Path, tmp_path: Path, valu
         ["fit", str(path), "--scenario", scenario, "--free", "preload=0.3..0.9 N"],
         ["identify", str(path), *IDENTIFY],
     ):
-        assert "column `temperature` is infinite at row 7." in Command(*words).refused()
+        assert "row 8, column `temperature`: numbers must be finite, but this is `" in Command(*words).refused()
 
 
 def test_a_missing_sample_is_a_gap_where_there_may_be_such(folder: Path, tmp_path: Path) -> None:
@@ -115,6 +115,6 @@ def test_a_missing_sample_is_a_gap_where_there_may_be_such(folder: Path, tmp_pat
     path.write_bytes((folder / "log.nc").read_bytes())
     with h5netcdf.File(path, "a") as file:
         file.variables["temperature"][7] = np.nan
-    with pytest.raises(DataError, match="column `temperature` is no number at row 7"):
+    with pytest.raises(DataError, match="row 8, column `temperature`: numbers must be finite, but this is `nan`"):
         ms.read_table(path)
     assert np.isnan(ms.read_table(path, gaps=True)["temperature"][7])

@@ -12,7 +12,7 @@ import pytest
 from builders import plain_system
 
 from martensite.base.errors import DataError, ParameterError
-from martensite.logs.tables import read_table
+from martensite.logs.reader import read_table
 from martensite.scenario.compare import compare_with_record
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.signals.records import Record, table_waveform
@@ -118,12 +118,21 @@ def test_a_record_without_time_has_an_interval(write):
     assert read_table(path, interval=0.5).times == [0.0, 0.5, 1.0]
 
 
-@pytest.mark.parametrize("heading", ["t [s]", "time_s"])
-def test_a_time_of_another_name_is_not_replaced_unnoticed(write, heading):
+@pytest.mark.parametrize(
+    ("heading", "sentence"),
+    [
+        ("t [s]", "has no column `time`, but `t` seems to be one; head"),
+        ("t", "has no column `time`, but `t` seems to be one; head"),
+        ("time_s", r"heading `time_s` has its unit without brackets; write `time \[s\]`"),
+        ("t_ms", r"heading `t_ms` has its unit without brackets; write `time \[ms\]`"),
+    ],
+)
+def test_a_time_of_another_name_is_not_replaced_unnoticed(write, heading, sentence):
     path = write(f"{heading},strain\n0,0.1\n2,0.2\n")
-    with pytest.raises(DataError, match=r"has no column `time`, but `\w+` seems to be one; head"):
+    with pytest.raises(DataError, match=sentence):
         read_table(path)
-    assert read_table(path, interval=2.0).times == [0.0, 2.0]
+    if "_" not in heading:
+        assert read_table(path, interval=2.0).times == [0.0, 2.0]
 
 
 @pytest.mark.parametrize(
@@ -168,7 +177,7 @@ def test_too_few_names(write):
 def test_a_binary_file(tmp_path):
     path = tmp_path / "log.xlsx"
     path.write_bytes(b"PK\x03\x04\0\0")
-    with pytest.raises(DataError, match=r"`log.xlsx` is not a text file; save the table as CSV"):
+    with pytest.raises(DataError, match=r"`log.xlsx` cannot be read as .xlsx"):
         read_table(path)
 
 

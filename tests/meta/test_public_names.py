@@ -77,7 +77,7 @@ def test_a_run_without_a_log_imports_no_log_reader(tmp_path: Path) -> None:
         "import sys; from martensite.cli import main\n"
         f"sys.argv[1:] = ['run', {str(example)!r}, '--set', 'run.duration=1 s', '--no-figure', '--runtime', 'floats']\n"
         "try: main()\n"
-        "finally: print({'martensite.logs.log_tables', 'martensite.logs.lab_files'} & sys.modules.keys())"
+        "finally: print({'martensite.logs.reader', 'martensite.logs.container_files'} & sys.modules.keys())"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=tmp_path)
     assert done.stdout.endswith("set()\n")

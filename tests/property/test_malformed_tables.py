@@ -15,7 +15,7 @@ from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from martensite.base.errors import DataError
-from martensite.logs.tables import read_table
+from martensite.logs.reader import read_table
 
 NUMBER = r'\s*"?\s*[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?\s*"?\s*'
 SIGNS = {"whitespace": r"\s", "tab": "\t", "semicolon": ";", "comma": ","}

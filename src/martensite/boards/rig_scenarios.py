@@ -16,7 +16,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.toml_text import as_toml
 from martensite.boards.board_log import ENDINGS, read_log_scenario
 from martensite.fit.api import build_task
-from martensite.logs.log_tables import read_log_table
+from martensite.logs.reader import read_log_table
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.scenario.sections import SECTIONS
 

@@ -75,7 +75,7 @@ def fit_log_model(
 ) -> bool:
     """Make a model of logs and print its page; whether it predicts."""
     from martensite.fit.log_models import model_logs
-    from martensite.logs.log_tables import parse_named
+    from martensite.logs.reader import parse_named
     from martensite.scenario.overrides import read_settings
     from martensite.show.pages import write_page
     from martensite.show.summaries.log_model import summarise_log_model

@@ -21,9 +21,10 @@ from martensite.base import units
 from martensite.base.errors import DataError, InputError, UnitError, suggest_name
 from martensite.base.parameters import find_paths
 from martensite.logs.column_meanings import find_places
+from martensite.logs.exact_tables import is_gap, is_number, read_rows
 from martensite.logs.layout import CANONICAL, IGNORED, QUANTITIES, Layout, find_quantity, list_quantities
-from martensite.logs.sheets import describe_unreadable, is_gap, is_number, read_sheet
-from martensite.logs.tables import TEXT, read_table
+from martensite.logs.open_files import TEXT, describe_unreadable
+from martensite.logs.reader import read_table
 from martensite.scenario.assemble import waveform_path
 from martensite.scenario.scenario import Scenario
 from martensite.search.free_numbers import Target
@@ -157,7 +158,7 @@ def read_condition_table(
             number.
     """
     path = Path(source)
-    sheet = read_sheet(path, Layout(()))
+    sheet = read_rows(path, Layout(()))
     own = not any(is_number(cell) for cell in sheet.rows[0])
     headings, rows = list(sheet.rows[0]) if own else [""] * len(sheet.rows[0]), sheet.rows[int(own) :]
     for place, text in find_places(headings, named or {}, sheet.where).items():

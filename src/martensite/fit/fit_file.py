@@ -27,7 +27,7 @@ from martensite.base.errors import DataError, ParameterError, UnitError
 from martensite.base.files import read_text_file, toml_document
 from martensite.fit.fit_task import FitSearch, FitTask
 from martensite.fit.logs import AUTO, Log
-from martensite.logs.tables import PREFIX
+from martensite.logs.reader import PREFIX
 from martensite.scenario.build import as_table, refuse_unknown
 
 KEYS = (

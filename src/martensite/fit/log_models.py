@@ -34,7 +34,7 @@ from martensite.fit.logs import Source
 from martensite.fit.problem import Problem
 from martensite.fit.solve import solve_problem
 from martensite.logs.lab_files import LabFile
-from martensite.logs.log_tables import has_own_headings, read_log
+from martensite.logs.reader import read_log
 from martensite.scenario.exact_text import exact_text
 from martensite.scenario.overrides import change_document
 from martensite.scenario.scenario import Scenario, read_scenario
@@ -150,13 +150,12 @@ class LogModel:
 def _read_files(
     logs: Sequence[Source], named: Mapping[str, str], interval: float | None
 ) -> tuple[list[Record], list[str], list[LabFile]]:
-    """Records of logs, sentences about how they were read, and the files that were not read to the letter."""
+    """Return the records of logs, sentences about how they were read, and the files."""
     found: list[Record] = []
     files: list[LabFile] = []
     for log in logs:
-        record, file = (log, None) if isinstance(log, Record) else read_log(log, interval, named, known=True)
-        found.append(record)
-        files += [] if file is None else [file]
+        files += [] if isinstance(log, Record) else [read_log(log, named, interval, known=True)]
+        found.append(log if isinstance(log, Record) else files[-1].record)
     if not found:
         raise DataError("A fit needs at least one log; none given.")
     names = [one.name for one in found]
@@ -170,7 +169,7 @@ def _read_files(
 
 def _name_columns(files: Sequence[LabFile], logs: int) -> tuple[str, ...] | None:
     """Return texts that name the columns of files with headings `name [unit]` and unknown names."""
-    own = [one for one in files if has_own_headings(one.path)]
+    own = [one for one in files if one.renamed]
     said = {tuple(f"{c.number}={c.name}[{c.unit}]" if c.si else f"{c.number}=-" for c in f.columns) for f in own}
     if not own:
         return ()

@@ -21,8 +21,8 @@ from typing import Any
 from martensite.base.errors import DataError, InputError, UnknownNameError
 from martensite.fit.experiment import ALL
 from martensite.fit.free_parameters import split_list
-from martensite.logs.log_tables import read_log_table
-from martensite.logs.tables import ASSUMED_INTERVAL
+from martensite.logs.exact_tables import ASSUMED_INTERVAL
+from martensite.logs.reader import read_log_table
 from martensite.scenario.recorded_waveforms import from_zero
 from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.search.quantity_text import list_names

@@ -21,9 +21,10 @@ from martensite.base.child_python import python_command, python_environment
 from martensite.base.errors import DataError
 from martensite.base.files import MOST_LOG, check_ordinary
 from martensite.base.lazy import import_extra
-from martensite.logs.sheets import describe_unreadable
-from martensite.logs.tables import BINARY, TEXT
+from martensite.logs.open_files import TEXT, describe_unreadable
 
+BINARY = (".parquet", ".mat", ".nc")
+"""Endings of files of arrays."""
 LONGEST = 60.0
 """Time limit for reading a file in a separate process [s], without the allowance for its size."""
 SLOWEST = 1e7
@@ -34,11 +35,6 @@ _UDUNITS = {"degree_Celsius": "degC", "degrees_Celsius": "degC", "celsius": "deg
 """Spellings of other files -> those of headings."""
 Columns = dict[str, Any]
 """Heading, with or without unit -> numbers."""
-
-
-def name_column(heading: str) -> str:
-    """Return the name in a heading."""
-    return heading.partition("[")[0].strip().lower()
 
 
 def head_column(heading: str, unit: str) -> str:

@@ -16,10 +16,9 @@ import numpy as np
 from martensite.base.errors import DataError
 from martensite.base.files import MOST_LOG, check_ordinary
 from martensite.base.lazy import import_extra
-from martensite.logs.binary_files import Columns, read_apart, read_arrays
+from martensite.logs.binary_files import BINARY, Columns, read_apart, read_arrays
+from martensite.logs.open_files import describe_unreadable
 from martensite.logs.raw_table import RawTable, describe_arrays, find_table
-from martensite.logs.sheets import describe_unreadable
-from martensite.logs.tables import BINARY
 
 EXTRAS = {
     ".xlsx": ("openpyxl", "excel", "openpyxl", "read_workbook"),

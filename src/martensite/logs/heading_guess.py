@@ -1,7 +1,7 @@
 """Guess of the meaning of a column heading: a known name and its unit.
 
 `T [degC]`, `temp (C)`, `Time_s`, `F/N`, `U in V`, `strain %` are read alike. The strict reader
-(`martensite.logs.tables`) does not guess; `martensite.logs.lab_files` reports its guesses. A unit that a
+(`martensite.logs.exact_tables`) does not guess; `martensite.logs.lab_files` reports its guesses. A unit that a
 heading does not name is not guessed here.
 """
 

@@ -75,6 +75,8 @@ class LabFile:
     """Absolute time of the record's zero [s] since the first day of the calendar; below 86 400 it is that of a day."""
     titled: bool = False
     """True if lines stand above the table."""
+    renamed: bool = False
+    """True if headings that settle their units were read by their meaning, such as `Load [N]` as `force`."""
 
     @property
     def is_given(self) -> bool:
@@ -138,17 +140,17 @@ def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabF
     notes = list(raw.notes) + (list(times.notes) if times else [])
     for place, (column, one) in enumerate(zip(raw.columns, meant, strict=True)):
         if place == clock and times is not None:
-            listed.append(_describe_column(place, column, one, "time", "s", times.times))
+            listed.append(describe_column(place, column, replace(one, name="time"), "s", times.times))
             columns["time"], si_units["time"] = times.times.tolist(), "s"
             continue
         if not one.name or one.name == IGNORED or one.unit == CLOCK or one.name == "time":
-            listed.append(_describe_column(place, column, one, IGNORED, "", np.array([math.nan])))
+            listed.append(describe_column(place, column, one, "", np.array([math.nan])))
             continue
         (head,) = read_headings([f"{one.name} [{one.unit}]"], f"`{raw.name}`")
         factor, offset = units.find_conversion(head.spelling, head.unit)
         numbers = column.numbers[kept] * factor + offset
         columns[head.name], si_units[head.name] = numbers.tolist(), head.unit
-        listed.append(_describe_column(place, column, one, head.name, head.unit, numbers))
+        listed.append(describe_column(place, column, replace(one, name=head.name), head.unit, numbers))
     notes += _list_doubts(raw, meant, clock)
     notes += _mend_columns(columns, meant)
     if not any(name != "time" for name in columns):
@@ -185,14 +187,12 @@ def _drop_empty(columns: Mapping[str, list[float]]) -> list[int]:
     return [int(row) for row in rows]
 
 
-def _describe_column(
-    place: int, column: RawColumn, meaning: Meaning, name: str, si: str, numbers: Numbers
-) -> ReadColumn:
+def describe_column(place: int, column: RawColumn, meaning: Meaning, si: str, numbers: Numbers) -> ReadColumn:
+    """Return what a column is, with the range of its numbers in SI; `si` is empty for a column that is not used."""
     known = numbers[np.isfinite(numbers)]
     low, high = (float(known.min()), float(known.max())) if known.size else (math.nan, math.nan)
-    return ReadColumn(
-        place + 1, column.heading, name, write_unit(column), meaning.unit, si, low, high, meaning.known if si else ""
-    )
+    name, written, by = meaning.name if si else IGNORED, write_unit(column), meaning.known if si else ""
+    return ReadColumn(place + 1, column.heading, name, written, meaning.unit, si, low, high, by)
 
 
 def choose_time(raw: RawTable, meant: list[Meaning]) -> int:

@@ -129,6 +129,11 @@ def read_headings(headings: Iterable[str], where: str) -> list[FileColumn]:
     return columns
 
 
+def name_column(heading: str) -> str:
+    """Return the name in a heading."""
+    return heading.partition("[")[0].strip().lower()
+
+
 def _read_heading(heading: str, number: int, where: str) -> FileColumn:
     found = _HEADING.match(heading)
     if found is None or not found[1]:

@@ -13,11 +13,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from martensite.base.errors import DataError
 from martensite.logs.cells import Numbers, NumberStyle, find_kind, find_style, is_missing, read_cells
+from martensite.logs.layout import name_column
 from martensite.logs.table_headings import SEPARATORS, Above, Row, collect_said, find_headings
 
 LOOKED_AT = 400
@@ -25,6 +27,18 @@ LOOKED_AT = 400
 MOST_COLUMNS = 200
 ABOVE = 6
 """Lines above the numbers among which headings and units are looked for."""
+
+
+class WrongCell(NamedTuple):
+    """A cell that is no number."""
+
+    row: int
+    """Number of its row in the file."""
+    text: str
+
+    def __str__(self) -> str:
+        """Return its place and text."""
+        return f"row {self.row}: {self.text}"
 
 
 @dataclass(frozen=True)
@@ -40,8 +54,8 @@ class RawColumn:
     """Numbers of the file, NaN for other cells."""
     sample: str = ""
     """First cell of the column that is not empty."""
-    wrong: tuple[str, ...] = ()
-    """Rows and texts of cells that are neither numbers nor empty."""
+    wrong: tuple[WrongCell, ...] = ()
+    """Cells that are neither numbers nor empty."""
     unsure: bool = False
     """True if day and month of a date may have changed places."""
 
@@ -242,7 +256,7 @@ def _read_columns(
     for place, heading in enumerate(headings):
         cells = [row[place] for _, row in body]
         read = read_cells(cells, style)
-        wrong = tuple(f"row {body[k][0]}: {cells[k].strip()[:60]}" for k in read.wrong)
+        wrong = tuple(WrongCell(body[k][0], cells[k].strip()[:60]) for k in read.wrong)
         sample = next((cell.strip()[:60] for cell in cells if cell.strip()), "")
         kind = read.kind if sample and place in places else "text"
         unit = units.get(place) or read.unit
@@ -270,13 +284,14 @@ def describe_arrays(path: Path, arrays: Mapping[str, Numbers], form: str) -> Raw
     lengths = Counter(len(array) for array in arrays.values() if len(array) > 1)
     if not lengths:
         raise DataError(f"`{path.name}` holds no columns of numbers.")
-    length = max(lengths, key=lambda n: n * lengths[n])
+    time = next((len(array) for name, array in arrays.items() if name_column(name) == "time" and len(array) > 1), 0)
+    length = time or max(lengths, key=lambda n: n * lengths[n])
     kept = {name: np.asarray(array, dtype=float) for name, array in arrays.items() if len(array) == length}
     others = len(arrays) - len(kept)
     notes = (f"{others} arrays of another length than {length} are left out.",) if others else ()
     columns: list[RawColumn] = []
     for name, array in kept.items():
-        wrong = tuple(f"row {k + 1}: {array[k]}" for k in np.flatnonzero(np.isinf(array))[:20])
+        wrong = tuple(WrongCell(int(k) + 1, f"{array[k]}") for k in np.flatnonzero(np.isinf(array))[:20])
         numbers = np.where(np.isinf(array), np.nan, array)
         columns.append(RawColumn(name, "", "number", numbers, f"{array[0]:.9g}", wrong))
     preview = [[f"{column.numbers[k]:.9g}" for column in columns] for k in range(min(length, 20))]

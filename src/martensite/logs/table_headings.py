@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 
 from martensite.logs.cells import find_kind
 from martensite.logs.heading_guess import find_listed
-from martensite.logs.sheets import split_heading
 
 SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", "pipe": "|", "whitespace": ""}
 COMMENT = "#%!;/"
@@ -19,7 +18,13 @@ Row = tuple[int, list[str]]
 Above = dict[int | str, str]
 """Place of a column -> its unit; word -> number, for what stands among units (a Rigol's `Increment`)."""
 
+_HEADING = re.compile(r"[^\s\[(]+(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?")
 _SIGNAL = re.compile(r"^Sig(\d+)\s+(.+)$")
+
+
+def split_heading(line: str) -> list[str]:
+    """Return the headings that blanks separate, each with its unit in brackets."""
+    return _HEADING.findall(line)
 
 
 def find_headings(

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from martensite.base.errors import DataError
-from martensite.base.files import MOST_LOG, read_unpacked
 from martensite.logs.cells import find_kind, is_missing
+from martensite.logs.open_files import read_lines, split_cells
 from martensite.logs.raw_table import LOOKED_AT, RawTable, find_table
-from martensite.logs.sheets import describe_unreadable
 from martensite.logs.table_headings import SEPARATORS
 
 NAMED = {"tab": "tabs", "semicolon": "semicolons", "comma": "commas", "pipe": "|", "whitespace": "blanks"}
@@ -32,34 +29,13 @@ def read_text_table(path: Path, separator: str = "auto") -> RawTable:
     Raises:
         DataError: it is missing, empty, no text, or holds no table of numbers.
     """
-    with describe_unreadable(path):
-        raw = read_unpacked(path, MOST_LOG)
-    text, encoding = _decode(raw, path)
-    lines = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
-    if not lines:
-        raise DataError(f"`{path.name}` is empty: it holds no rows.")
+    lines, encoding = read_lines(path)
     lines = _expand_serial(lines)
     chosen = _choose_separator([line for _, line in lines]) if separator == "auto" else separator
     sign = SEPARATORS[chosen]
-    rows = [(n, _split_line(line, sign)) for n, line in lines]
+    rows = [(n, split_cells(line, sign)) for n, line in lines]
     texts = dict(lines)
     return find_table(path, rows, ("text", f"separated by {NAMED[chosen]}", encoding), chosen, texts)
-
-
-def _decode(raw: bytes, path: Path) -> tuple[str, str]:
-    """Return the text and its encoding, empty for UTF-8."""
-    wide = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}.get(raw[:2], "")
-    if not wide and len(raw) > 3 and raw[:200].count(0) * 3 > len(raw[:200]):
-        wide = "utf-16-le" if raw[1] == 0 else "utf-16-be"
-    if wide:
-        return raw.decode(wide, "replace").lstrip("\ufeff"), "UTF-16"
-    odd = sum(byte < 9 or 13 < byte < 27 for byte in raw[:4096])
-    if odd * 50 > len(raw[:4096]):
-        raise DataError(f"`{path.name}` is not a text file, nor of another kind that is known by its ending.")
-    try:
-        return raw.decode("utf-8-sig").replace("\0", " "), ""
-    except UnicodeDecodeError:
-        return raw.decode("cp1252", "replace").replace("\0", " "), "cp1252"
 
 
 def _expand_serial(lines: list[tuple[int, str]]) -> list[tuple[int, str]]:
@@ -86,19 +62,6 @@ def _find_labels(line: str) -> list[tuple[str, str, str]]:
     return [(m[1], m[2], m[3]) for m in found if m is not None] if all(found) else []
 
 
-def _split_line(line: str, sign: str) -> list[str]:
-    if not sign:
-        return line.split()
-    if line.count('"') % 2:
-        return [line]  # an open quote
-    if '"' not in line:
-        return line.split(sign)
-    try:
-        return next(csv.reader([line], delimiter=sign, skipinitialspace=True))
-    except (csv.Error, StopIteration):
-        return line.split(sign)
-
-
 def _is_single(lines: Sequence[str]) -> bool:
     """Return whether lines have no comma, or a heading without one stands above them."""
     first = next((k for k, line in enumerate(lines) if find_kind(line)), 0)
@@ -110,7 +73,7 @@ def _choose_separator(lines: Sequence[str]) -> str:
     looked = lines[:: max(1, len(lines) // LOOKED_AT)]
     best, most = "whitespace", 0.0
     for name, sign in SEPARATORS.items():
-        rows = [_split_line(line, sign) for line in looked if sign in line]
+        rows = [split_cells(line, sign) for line in looked if sign in line]
         widths = Counter(len(row) for row in rows if any(map(find_kind, row)))
         if not widths or (sign and set(widths) == {1}):
             continue

@@ -1,9 +1,9 @@
 from martensite.logs.lab_files import LabFile as LabFile
 from martensite.logs.lab_files import read_lab_file as read_lab_file
 from martensite.logs.merged_files import merge_by_clock as merge_by_clock
+from martensite.logs.reader import read_table as read_table
 from martensite.logs.sampled_files import read_sampled as read_sampled
 from martensite.logs.sampled_files import write_sampled as write_sampled
-from martensite.logs.tables import read_table as read_table
 from martensite.physics.materials.base import material_names as material_names
 from martensite.physics.materials.wires import load_wires as load_wires
 from martensite.scenario.compare import compare_with_record as compare_with_record

@@ -14,11 +14,11 @@ from martensite.base.errors import InputError
 from martensite.identify.chains.estimate import Options
 from martensite.identify.ladder.climb import TIME_BOX, Keep, Watch, climb_ladder
 from martensite.identify.ladder.ladder_result import Ladder
-from martensite.logs.binary_files import name_column, read_arrays
+from martensite.logs.container_files import read_container
 from martensite.logs.heading_guess import guess_heading
-from martensite.logs.layout import list_quantities
-from martensite.logs.log_tables import read_log_table
-from martensite.logs.sampled_files import is_columnar, read_pieces
+from martensite.logs.layout import list_quantities, name_column
+from martensite.logs.reader import is_columnar, read_log_table
+from martensite.logs.sampled_files import read_pieces
 from martensite.signals.sampling.sampled import Sampled
 
 DRIVING = (*list_quantities("drive"), "u", "input")
@@ -30,8 +30,10 @@ ANSWERING += ("resistance", "rotor_speed", "y", "output")
 
 def list_columns(log: str, given: Mapping[str, str] | None = None) -> list[str]:
     """Return the names of the columns of a log, without its time."""
-    whole = given or not is_columnar(log)
-    known = read_log_table(log, named=given).columns if whole else map(name_column, read_arrays(Path(log)))
+    if given or not is_columnar(log):
+        known = list(read_log_table(log, named=given).columns)
+    else:
+        known = [name_column(column.heading) for column in read_container(Path(log)).columns]
     return [name for name in known if name != "time"]
 
 

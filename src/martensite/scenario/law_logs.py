@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from martensite.base.errors import DataError
 from martensite.kernels import floats
-from martensite.logs.log_tables import read_log_table
+from martensite.logs.reader import read_log_table
 from martensite.physics.laws.base import Fractions
 from martensite.scenario.laws import ConfiguredLaw, configure_laws
 from martensite.signals.records import Record

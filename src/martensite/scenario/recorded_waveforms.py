@@ -71,7 +71,7 @@ class Recorded:
 
     def read(self) -> Record:
         """Read the file."""
-        from martensite.logs.tables import read_table
+        from martensite.logs.reader import read_table
 
         return read_table(self.source, self.columns, interval=self.interval)
 

@@ -106,7 +106,7 @@ def _describe_column(column: RawColumn, name: str, unit: str) -> JsonTable:
         "max": max(known, default=None),
         "missing": len(numbers) - len(known) - len(column.wrong),
         "wrong": len(column.wrong),
-        "first_wrong": column.wrong[0] if column.wrong else "",
+        "first_wrong": str(column.wrong[0]) if column.wrong else "",
         "curve": [rows, [numbers[row] for row in rows]],
     }
 

@@ -23,10 +23,10 @@ from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError
 from martensite.logs.column_meanings import guess_meanings
+from martensite.logs.exact_tables import ASSUMED_INTERVAL
 from martensite.logs.lab_files import LabFile, interpret_table, read_raw
 from martensite.logs.layout import IGNORED, read_headings
 from martensite.logs.merged_files import merge_by_clock
-from martensite.logs.tables import ASSUMED_INTERVAL
 from martensite.signals.records import Record
 
 FEWEST_ROWS = 8
@@ -180,8 +180,8 @@ def _read_file(
     meant = dict(zip(headings, read_headings(headings.values(), f"`{path.name}`"), strict=True))
     for at, column in meant.items():
         if raw.columns[at].wrong and not drop:
-            row, _, text = raw.columns[at].wrong[0].partition(": ")
-            raise DataError(f"`{path.name}`, {row}, column `{column.name}`: `{text}` is not a number.")
+            row, text = raw.columns[at].wrong[0]
+            raise DataError(f"`{path.name}`, row {row}, column `{column.name}`: `{text}` is not a number.")
     # an unchanged guess by values can be corrected by values
     guessed = {at: (one.name, one.unit) for at, one in enumerate(guess_meanings(raw, {}))}
     said = {at: (name, unit) for at, name, unit in columns}

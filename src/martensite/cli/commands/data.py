@@ -91,8 +91,8 @@ def show_data(
         _show_set(names[0], json)
         return
     from martensite.logs.lab_files import read_lab_file
-    from martensite.logs.log_tables import parse_named
     from martensite.logs.merged_files import merge_by_clock
+    from martensite.logs.reader import parse_named
     from martensite.show.summaries.lab_file import summarise_lab_files
 
     check_ending(out, (".csv",))

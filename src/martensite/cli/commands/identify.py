@@ -155,7 +155,7 @@ class IdentifyOptions:
 
     def read_named(self) -> dict[str, str]:
         """Return the meanings of columns of files without headings."""
-        from martensite.logs.log_tables import parse_named
+        from martensite.logs.reader import parse_named
 
         return dict(parse_named(self.named or ()))
 

@@ -80,7 +80,7 @@ def law(
 ) -> None:
     """Simulate constitutive laws along a path or a log."""
     import_modules(modules)
-    from martensite.logs.log_tables import parse_named
+    from martensite.logs.reader import parse_named
     from martensite.scenario.csv_files import write_points
     from martensite.scenario.laws import configure_laws
     from martensite.scenario.overrides import read_settings

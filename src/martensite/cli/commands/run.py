@@ -126,7 +126,7 @@ class RunOptions:
         if self.compare is not None and self.named:
             return _read_log(self.compare, self.named)
         if self.compare is not None:
-            from martensite.logs.tables import read_table
+            from martensite.logs.reader import read_table
 
             return read_table(self.compare)
         if log is not None:
@@ -206,7 +206,7 @@ def run_scenario(
 
 def _read_log(path: str, named: list[str] | None) -> Record:
     """Return a log; the readers of files are imported here, as most runs have no log."""
-    from martensite.logs.log_tables import parse_named, read_log_table
+    from martensite.logs.reader import parse_named, read_log_table
 
     return read_log_table(path, named=parse_named(named or ()))
 

@@ -14,7 +14,7 @@ from statistics import fmean
 from martensite.characterise.regression import fit_powers
 from martensite.design.sizing.cycle import find_crossing
 from martensite.logs import datasets
-from martensite.logs.tables import read_table
+from martensite.logs.reader import read_table
 from martensite.signals.records import Record
 from martensite.studies.electrothermal.staircase import SupplyOffset, reduce_to_plateaus, supply_offset, unwrap_counter
 from martensite.studies.tables import Printed

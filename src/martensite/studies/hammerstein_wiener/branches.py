@@ -100,7 +100,7 @@ def derive_text() -> str:
         DataError: the measurements are not on this machine.
     """
     from martensite.characterise.isobaric_cycles import cut_cycle
-    from martensite.logs.tables import read_table
+    from martensite.logs.reader import read_table
 
     columns = [GRID[SHOWN] - ZERO]
     for stress in STRESSES:

@@ -117,7 +117,7 @@ def read_points(table: Path, wire: HeatedWire) -> tuple[FilmPoints, str]:
         InputError: an option is missing, or has no effect.
     """
     from martensite.characterise.film_coefficient import FilmPoints, points_from_power
-    from martensite.logs.tables import read_table
+    from martensite.logs.reader import read_table
 
     record = read_table(table, interval=1.0)
     at = tuple(_to_celsius(kelvin) for kelvin in record["temperature"])

@@ -73,7 +73,7 @@ def read_winding(locked: Path | None, resistance: str | None) -> Winding:
     """
     from martensite.characterise.estimate import MeasuredValue
     from martensite.characterise.motor_constants import Winding, winding_resistance
-    from martensite.logs.tables import read_table
+    from martensite.logs.reader import read_table
 
     if (locked is None) == (resistance is None):
         raise InputError("Give the resistance in one way: --locked TABLE or --resistance.")
@@ -90,7 +90,7 @@ def read_steady(path: Path) -> SteadyRunning:
         DataError: the table does not hold what is needed.
     """
     from martensite.characterise.motor_constants import steady_running
-    from martensite.logs.tables import read_table
+    from martensite.logs.reader import read_table
 
     record = read_table(path, interval=1.0)
     return steady_running(record["voltage"], record["current"], _read_speeds(record))
@@ -103,7 +103,7 @@ def read_rise(path: Path | None, column: str) -> Rise | None:
         DataError: the record does not hold what is needed.
     """
     from martensite.characterise.time_constant import fit_rise
-    from martensite.logs.tables import read_table
+    from martensite.logs.reader import read_table
 
     if path is None:
         return None
@@ -170,7 +170,7 @@ def read_cycles(logs: Sequence[str], stresses: Sequence[str] | None, cycle: int 
         UnitError: a stress is none.
     """
     from martensite.characterise.tangent_points import find_tangent_points
-    from martensite.logs.log_tables import read_log_table
+    from martensite.logs.reader import read_log_table
 
     if cycle is not None and cycle < 1:
         raise InputError(f"Option `--cycle` counts from 1 on, but is {cycle}.")
@@ -227,7 +227,7 @@ def read_vibration(
         DataError: the column is unknown or ambiguous, the times are missing, or the interval is empty.
         UnitError: `start` or `end` is not a time.
     """
-    from martensite.logs.tables import read_table
+    from martensite.logs.reader import read_table
 
     record = read_table(path)
     if record.interval is not None:

@@ -136,7 +136,7 @@ class FitOptions:
 
     def _make_task(self, logs: Sequence[str]) -> FitTask:
         from martensite.fit.api import build_task
-        from martensite.logs.log_tables import parse_named
+        from martensite.logs.reader import parse_named
 
         if not self.scenario:
             raise InputError("A fit needs --scenario, the file of one; none given.")

@@ -1,0 +1,316 @@
+"""Tables whose headings settle every meaning: `name [unit]` in each column, or names that are given with the file.
+
+Columns are separated by tab, semicolon, comma or blanks (the first of these found in the headings); numbers may have
+a decimal comma unless the comma separates. Lines that begin with `#` are comments. Nothing is repaired: a cell that
+cannot be read is an error that names row and column, or its row is left out and counted (`Layout.drop`).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.base.errors import DataError
+from martensite.base.units import find_conversion
+from martensite.logs.cells import GAPS, OVERFLOW, Numbers, NumberStyle, find_kind, parse_cells
+from martensite.logs.column_meanings import Meaning
+from martensite.logs.heading_guess import guess_heading
+from martensite.logs.lab_files import LabFile, ReadColumn, describe_column
+from martensite.logs.layout import CANONICAL, CLOCK, IGNORED, FileColumn, Layout, name_column, read_headings
+from martensite.logs.open_files import read_lines, split_cells
+from martensite.logs.raw_table import RawColumn, RawTable, WrongCell, count_rows
+from martensite.logs.table_headings import SEPARATORS, split_heading
+from martensite.signals.records import Record, out_of_order
+
+ASSUMED_INTERVAL = 1.0
+"""Time between rows [s] of a file that has no times, if no interval is given."""
+SIGNS = {name: SEPARATORS[name] for name in ("tab", "semicolon", "comma", "whitespace")}
+
+
+class InexactError(DataError):
+    """Error for a table whose headings leave a meaning or a unit open."""
+
+
+@dataclass(frozen=True)
+class CellRows:
+    """Rows of text cells with their row numbers in the file."""
+
+    where: str
+    numbers: list[int]
+    rows: list[list[str]]
+    separator: str
+
+    def part(self, kept: Sequence[int]) -> CellRows:
+        """Return the rows of the given indices."""
+        numbers, rows = [self.numbers[i] for i in kept], [self.rows[i] for i in kept]
+        return CellRows(self.where, numbers, rows, self.separator)
+
+
+def read_rows(path: Path, layout: Layout) -> CellRows:
+    """Split a text file into rows of cells.
+
+    Raises:
+        DataError: the file is missing, empty, or no text.
+    """
+    lines, _ = read_lines(path, spoilt=layout.drop)
+    lines = [(n, line) for n, line in lines if n > layout.skip and not line.lstrip().startswith("#")]
+    if not lines:
+        raise DataError(f"`{path.name}` is empty: it holds no rows.")
+    separator = _find_separator([line for _, line in lines], layout)
+    rows = [split_cells(line, SIGNS[separator]) for _, line in lines]
+    if not SIGNS[separator] and not layout.columns and not any(map(is_number, rows[0])):
+        rows[0] = split_heading(lines[0][1])
+    return CellRows(f"`{path.name}`", [n for n, _ in lines], rows, separator)
+
+
+def _find_separator(lines: list[str], layout: Layout) -> str:
+    """Return the separator of the first line; where rows may be dropped, that of most lines."""
+    if layout.separator != "auto":
+        return layout.separator
+    if layout.drop and layout.columns:
+        width = len(layout.columns)
+        fitting = {name: sum(len(line.split(sign or None)) == width for line in lines) for name, sign in SIGNS.items()}
+        return max(fitting, key=fitting.__getitem__)
+    return next((name for name, sign in SIGNS.items() if sign in lines[0]), "whitespace")
+
+
+def is_number(cell: str) -> bool:
+    """Return whether a cell is a number, with decimal point or comma."""
+    return find_kind(cell) == "number" or cell.strip().lower() in ("nan", "inf", "-inf")
+
+
+def is_gap(cell: str) -> bool:
+    """Return whether a cell is that of a missing sample."""
+    return cell.strip().lower() in GAPS
+
+
+def read_exact_text(path: Path, layout: Layout, gaps: bool) -> tuple[RawTable, list[FileColumn]]:
+    """Return the table of a text file and the meanings of its columns.
+
+    Args:
+        path: the file.
+        layout: its headings, if it has none or wrong ones, separator, and rows to skip or drop.
+        gaps: whether cells may be empty or hold NaN.
+
+    Raises:
+        InexactError: a heading leaves its meaning or unit open.
+        DataError: the file is missing or malformed.
+    """
+    sheet = read_rows(path, layout)
+    headings, sheet = _read_headings(sheet, layout)
+    width, rows = len(headings), [row[:-1] if _ends_empty(row, len(headings)) else row for row in sheet.rows]
+    ragged = [k for k, row in enumerate(rows) if len(row) != width]
+    if ragged and not layout.drop:
+        raise DataError(_describe_ragged(sheet, ragged[0], headings))
+    whole = [k for k, row in enumerate(rows) if len(row) == width]
+    numbers, style = [sheet.numbers[k] for k in whole], NumberStyle(comma=sheet.separator != "comma")
+    columns: list[RawColumn] = []
+    for place, head in enumerate(headings):
+        cells = [rows[k][place] for k in whole]
+        columns.append(_read_column(cells, head, numbers, style, gaps and head.name != "time"))
+    left = count_rows("more or fewer cells than the table has columns", [sheet.numbers[k] for k in ragged])
+    raw = RawTable(path.name, "text", sheet.separator, True, tuple(columns), numbers, [], left)
+    return raw, headings
+
+
+def _read_headings(sheet: CellRows, layout: Layout) -> tuple[list[FileColumn], CellRows]:
+    """Return the meanings of the columns, and the rows below the headings."""
+    first = sheet.rows[0][:-1] if len(sheet.rows[0]) > 1 and not sheet.rows[0][-1].strip() else sheet.rows[0]
+    numeric = any(map(is_number, first))
+    if layout.columns:
+        headings = read_headings(layout.columns, sheet.where)
+        own = not numeric and len(first) == len(headings) and not layout.drop
+    elif numeric:
+        raise InexactError(
+            f"{sheet.where} has no headings: row {sheet.numbers[0]} holds numbers; name all "
+            f'{len(first)} columns, for example columns=["time [s]", "temperature [degC]"].'
+        )
+    else:
+        headings, own = read_exact_headings(first, sheet.where), True
+        _refuse_unsettled(first, sheet)
+    if own:
+        sheet = sheet.part(range(1, len(sheet.rows)))
+    if not sheet.rows:
+        raise DataError(f"{sheet.where} holds headings but no rows of numbers.")
+    return headings, sheet
+
+
+def read_exact_headings(headings: Sequence[str], where: str) -> list[FileColumn]:
+    """Return the meanings of headings that settle them.
+
+    Raises:
+        InexactError: a heading leaves its meaning or unit open.
+    """
+    try:
+        return read_headings(headings, where)
+    except DataError as error:
+        raise InexactError(str(error)) from None
+
+
+def _refuse_unsettled(first: Sequence[str], sheet: CellRows) -> None:
+    """Refuse headings whose unit stands without brackets, and lines that are no headings at all.
+
+    Raises:
+        InexactError: a heading is not settled.
+    """
+    bare = [heading for heading in first if not re.search(r"[\[(]", heading)]
+    unknown = [heading.strip() for heading in bare if name_column(heading) not in CANONICAL]
+    for heading in unknown:
+        guess = guess_heading(heading)
+        if guess.unit:
+            wanted = f"{guess.name or 'name'} [{guess.unit}]"
+            raise InexactError(f"{sheet.where}: heading `{heading}` has its unit without brackets; write `{wanted}`.")
+    if len(unknown) == len(first) and not _has_numbers_below(sheet):
+        raise InexactError(f"{sheet.where} does not begin with headings of a table, but with `{unknown[0]}`.")
+
+
+def _has_numbers_below(sheet: CellRows) -> bool:
+    """Return whether the second row is one of numbers, as wide as the first, or begins an open quote."""
+    first, below = sheet.rows[0], sheet.rows[1] if len(sheet.rows) > 1 else []
+    alike = len(below) == len(first) or _ends_empty(below, len(first)) or _ends_empty(first, len(below))
+    return any(cell.count('"') % 2 for cell in below) or (alike and any(map(is_number, below)))
+
+
+def _ends_empty(row: Sequence[str], width: int) -> bool:
+    """Return whether a separator ends a row of the given width."""
+    return len(row) == width + 1 and not row[-1].strip()
+
+
+def _read_column(
+    cells: Sequence[str], head: FileColumn, numbers: Sequence[int], style: NumberStyle, gaps: bool
+) -> RawColumn:
+    """Return a column with all its cells that are neither a finite number nor, if there may be gaps, missing."""
+    if head.name == IGNORED:
+        return RawColumn(IGNORED, "", "text", np.empty(0))
+    kind = "clock" if head.spelling == CLOCK else "number"
+    read, _ = parse_cells(cells, style, kind)
+    if kind == "clock":
+        read[[k for k, cell in enumerate(cells) if cell.count(":") != 2]] = math.nan
+    wrong = [int(k) for k in np.flatnonzero(np.isnan(read)) if not (gaps and is_gap(cells[int(k)]))]
+    return RawColumn(
+        head.name, head.spelling, kind, read, "", tuple(WrongCell(numbers[k], cells[k].strip()) for k in wrong)
+    )
+
+
+def _describe_ragged(sheet: CellRows, row: int, headings: Sequence[FileColumn]) -> str:
+    cells = sheet.rows[row]
+    place = f"{sheet.where}, row {sheet.numbers[row]}"
+    if any(cell.count('"') % 2 for cell in cells):
+        return f"{place} has a quoted cell that goes over several rows; close the quote."
+    listed = ", ".join(f"`{column.name}`" for column in headings)
+    return f"{place} has {len(cells)} cells, but there are {len(headings)} columns: {listed}."
+
+
+# ---------------------------------------------------------------- from cells to a record in SI
+
+
+def build_exact(
+    raw: RawTable, headings: Sequence[FileColumn], path: Path, name: str, interval: float | None, drop: bool
+) -> LabFile:
+    """Return a table in SI.
+
+    Args:
+        raw: the table.
+        headings: meanings of its columns.
+        path: of the file.
+        name: of the record.
+        interval: time between rows [s] of a table without times.
+        drop: leave out rows with cells that cannot be read, or with the time of the row before.
+
+    Raises:
+        DataError: a cell is no finite number, time does not increase, or nothing can be read.
+    """
+    wanted = [(column, head) for column, head in zip(raw.columns, headings, strict=True) if head.name != IGNORED]
+    kept = _choose_rows(raw, wanted, drop)
+    columns: dict[str, Numbers] = {head.name: _convert(column.numbers[kept], head) for column, head in wanted}
+    si_units = {head.name: head.unit for _, head in wanted}
+    numbers = [raw.numbers[k] for k in kept]
+    assumed: float | None = None
+    if "time" in columns:
+        _refuse_disorder(raw.name, numbers, columns["time"].tolist())
+    else:
+        _refuse_other_time(raw.name, si_units, interval)
+        assumed = ASSUMED_INTERVAL if interval is None else interval
+        columns, si_units = {"time": np.arange(float(len(numbers))) * assumed, **columns}, {"time": "s"} | si_units
+    dropped = sum(one.count for one in raw.left_out) + raw.rows - len(numbers)
+    record = Record(name, {n: x.tolist() for n, x in columns.items()}, si_units, path, dropped, assumed)
+    both = zip(raw.columns, headings, strict=True)
+    listed = [_list_column(k, column, head, columns) for k, (column, head) in enumerate(both)]
+    has_time = assumed is None or interval is not None
+    return LabFile(path, raw.form, record, tuple(listed), raw.left_out, (), has_time)
+
+
+def _convert(numbers: Numbers, head: FileColumn) -> Numbers:
+    if head.spelling == CLOCK:
+        return numbers - numbers[0]
+    factor, offset = (1.0, 0.0) if head.spelling == head.unit else find_conversion(head.spelling, head.unit)
+    return numbers * factor + offset
+
+
+def _list_column(place: int, column: RawColumn, head: FileColumn, columns: dict[str, Numbers]) -> ReadColumn:
+    used = head.name != IGNORED
+    numbers = columns[head.name] if used else np.array([math.nan])
+    return describe_column(
+        place, column, Meaning(head.name, head.spelling, "given"), head.unit if used else "", numbers
+    )
+
+
+def _choose_rows(raw: RawTable, wanted: Sequence[tuple[RawColumn, FileColumn]], drop: bool) -> NDArray[np.intp]:
+    """Return the indices of all rows; where rows may drop, of those that can be read and begin a new time."""
+    if not drop:
+        _refuse_wrong(raw, wanted)
+    wrong = {cell.row for column, _ in wanted for cell in column.wrong}
+    kept = np.array([k for k, number in enumerate(raw.numbers) if number not in wrong], dtype=np.intp)
+    if not wanted or not kept.size:
+        raise DataError(f"`{raw.name}` has nothing to read: no column, or no row of numbers.")
+    times = next((column.numbers for column, head in wanted if head.name == "time"), None)
+    return kept if times is None or not drop else kept[np.append(True, np.diff(times[kept]) != 0.0)]
+
+
+def _refuse_wrong(raw: RawTable, wanted: Sequence[tuple[RawColumn, FileColumn]]) -> None:
+    for column, head in wanted:
+        if column.wrong:
+            row, text = column.wrong[0]
+            sentence = f"`{text}` is not a number." if text else "the cell is empty."
+            if _is_infinite(text):
+                sentence = f"numbers must be finite, but this is `{text}`."
+            raise DataError(f"`{raw.name}`, row {row}, column `{head.name}`: {sentence}")
+
+
+def _is_infinite(text: str) -> bool:
+    """Return whether a text is NaN, infinite, or the sign of an instrument for a reading out of range."""
+    try:
+        return not abs(float(text)) < OVERFLOW
+    except ValueError:
+        return is_gap(text) and bool(text)
+
+
+def _refuse_disorder(name: str, numbers: Sequence[int], times: list[float]) -> None:
+    index = out_of_order(times)
+    if index is not None:
+        raise DataError(
+            f"`{name}`: time must increase from row to row, but row {numbers[index]} "
+            f"goes from {times[index - 1]:.15g} s to {times[index]:.15g} s."
+        )
+
+
+def _refuse_other_time(name: str, si_units: dict[str, str], interval: float | None) -> None:
+    """Refuse to replace a time under another name by an assumed one."""
+    meant = {name: guess_heading(name).name if unit == "1" else name for name, unit in si_units.items()}
+    suspect = next((n for n, unit in si_units.items() if unit == "s" or meant[n].startswith("time")), None)
+    if suspect is not None and interval is None:
+        raise InexactError(
+            f"`{name}` has no column `time`, but `{suspect}` seems to be one; head it `time [s]`, "
+            "or give the `interval` between rows."
+        )
+
+
+def is_all_known(record: Record) -> bool:
+    """Return whether all columns of a record have known names."""
+    return all(name.rpartition(".")[2] in CANONICAL for name in record.columns)

@@ -1,0 +1,93 @@
+"""Text of measured files: opening, encoding and lines.
+
+Rows are counted as an editor or a spreadsheet counts them, comments and empty lines included.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator
+from contextlib import contextmanager
+from difflib import get_close_matches
+from pathlib import Path
+
+from martensite.base.errors import DataError
+from martensite.base.files import MOST_LOG, read_unpacked
+
+TEXT = (".csv", ".txt", ".tsv", ".dat")
+"""Usual endings of text files."""
+Line = tuple[int, str]
+"""Number of a line in its file, and its text."""
+
+
+def read_lines(path: Path, *, spoilt: bool = False) -> tuple[list[Line], str]:
+    """Return the lines of a text file that are not empty, and its encoding; the encoding is empty for UTF-8.
+
+    Args:
+        path: the file.
+        spoilt: read single lines of binary garbage as well.
+
+    Raises:
+        DataError: the file is missing, empty, or no text.
+    """
+    with describe_unreadable(path):
+        raw = read_unpacked(path, MOST_LOG)
+    text, encoding = _decode(raw, path, spoilt)
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    lines = [(number, line) for number, line in enumerate(text.split("\n"), start=1) if line.strip()]
+    if not lines:
+        raise DataError(f"`{path.name}` is empty: it holds no rows.")
+    return lines, encoding
+
+
+def _decode(raw: bytes, path: Path, spoilt: bool) -> tuple[str, str]:
+    wide = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}.get(raw[:2], "")
+    if not wide and len(raw) > 3 and raw[:200].count(0) * 3 > len(raw[:200]) and not spoilt:
+        wide = "utf-16-le" if raw[1] == 0 else "utf-16-be"
+    if wide:
+        return raw.decode(wide, "replace").lstrip("\ufeff"), "UTF-16"
+    odd = sum(byte < 9 or 13 < byte < 27 for byte in raw[:4096])
+    if odd * 50 > len(raw[:4096]) and not spoilt:
+        raise DataError(f"`{path.name}` is not a text file, nor of another kind that is known by its ending.")
+    try:
+        text, encoding = raw.decode("utf-8-sig"), ""
+    except UnicodeDecodeError:
+        text, encoding = raw.decode("cp1252", "replace"), "cp1252"
+    return text if spoilt else text.replace("\0", " "), encoding
+
+
+def split_cells(line: str, sign: str) -> list[str]:
+    """Return the cells of a line; a line with an open quote is one cell."""
+    if not sign:
+        return line.split()
+    if line.count('"') % 2:
+        return [line]
+    if '"' not in line:
+        return line.split(sign)
+    try:
+        return next(csv.reader([line], delimiter=sign, skipinitialspace=True))
+    except (csv.Error, StopIteration):
+        return line.split(sign)
+
+
+@contextmanager
+def describe_unreadable(path: Path) -> Iterator[None]:
+    """Say in a sentence why a file could not be opened."""
+    try:
+        yield
+    except FileNotFoundError:
+        raise DataError(_describe_missing(path)) from None
+    except IsADirectoryError:
+        raise DataError(f"`{path}` is a folder; name a file in it.") from None
+    except OSError as error:
+        raise DataError(f"File `{path}` cannot be read: {error.strerror}.") from None
+
+
+def _describe_missing(path: Path) -> str:
+    if not path.parent.is_dir():
+        return f"There is no file `{path}`, nor the folder `{path.parent}`."
+    names = [entry.name for entry in path.parent.iterdir()]
+    near = get_close_matches(path.name, names, n=1, cutoff=0.5)
+    if near:
+        return f"There is no file `{path}`. Did you mean `{near[0]}`?"
+    return f"There is no file `{path}`, nor one of a similar name beside it."
