@@ -36,6 +36,7 @@ title = "a"
 
 ```{code-cell} ipython3
 :tags: [gallery]
+:mystnb: {figure: {caption: "The message."}}
 from IPython.display import SVG
 SVG("<svg xmlns='http://www.w3.org/2000/svg'/>")
 ```
@@ -109,6 +110,7 @@ def test_a_small_documentation(build: Build, tmp_path: Path) -> None:
     assert "%%writefile" not in words
     assert 'code-block-caption"><span class="caption-text"><code' in page
     assert 'alt="Figure: A page"' in page
+    assert re.search(r"<figure(?:(?!</figure>).)*<img(?:(?!</figure>).)*<figcaption>.*?The message\.", page, re.DOTALL)
     index = (tmp_path / "html" / "index.html").read_text("utf-8")
     assert "bench/#" not in page + index  # where there is no bench
     figure, *_ = re.findall(r"<figure.*?</figure>", index, re.DOTALL)
