@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from typing import Any
 
+import typer
 from typer.testing import CliRunner, Result
 
 from martensite.cli import app
@@ -16,6 +18,18 @@ WIDTH = 80
 def is_wide_rule(line: str) -> bool:
     """Whether a line is the rule of a table that is wider than the terminal."""
     return set(line) == {"─"} and len(line) > WIDTH
+
+
+def list_commands() -> Iterator[tuple[tuple[str, ...], Any]]:
+    """Yield all commands with their words."""
+
+    def walk(words: tuple[str, ...], one: Any) -> Iterator[tuple[tuple[str, ...], Any]]:
+        yield words, one
+        context = typer.Context(one)
+        for name in one.list_commands(context) if hasattr(one, "list_commands") else ():
+            yield from walk((*words, name), one.get_command(context, name))
+
+    return walk((), typer.main.get_command(app))
 
 
 class Command:

@@ -6,14 +6,9 @@ Source of truth: section 6 of the design and the style of the project, for every
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from typing import Any
 
 import pytest
-import typer
-from command import Command
-
-from martensite.cli import app
+from command import Command, list_commands
 
 OPENINGS = re.compile(r"(It|No|Nothing|Of|Whose|What|Who|How|As|When|For|They|These|Those|Where) ")
 """First words that leave out the noun."""
@@ -21,18 +16,6 @@ ONE_NAME = {"--save": "--out", "--output-file": "--out", "--budget": "--time-box
 """Names that no option has, since another name is in use for the same meaning."""
 OTHER_MEANING = {("hardware", "characterise"): {"--budget"}}
 """Options whose name is in `ONE_NAME`, and which mean another quantity: a duration of experiments."""
-
-
-def list_commands() -> Iterator[tuple[tuple[str, ...], Any]]:
-    """Yield all commands with their words."""
-
-    def walk(words: tuple[str, ...], one: Any) -> Iterator[tuple[tuple[str, ...], Any]]:
-        yield words, one
-        context = typer.Context(one)
-        for name in one.list_commands(context) if hasattr(one, "list_commands") else ():
-            yield from walk((*words, name), one.get_command(context, name))
-
-    return walk((), typer.main.get_command(app))
 
 
 COMMANDS = dict(list_commands())
