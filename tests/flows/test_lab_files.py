@@ -15,6 +15,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pytest
 from fault_trials import spoil_bytes
@@ -24,7 +25,7 @@ from martensite.base.errors import DataError, InputError, MartensiteError
 from martensite.logs.datasets import describe_dataset
 from martensite.logs.lab_files import LabFile, read_lab_file
 from martensite.logs.merged_files import merge_by_clock
-from martensite.logs.reader import read_table
+from martensite.logs.reader import read_log, read_parts, read_table
 
 FILES: dict[str, Any] = tomllib.loads((Path(__file__).parent / "lab_files.toml").read_text("utf-8"))
 
@@ -79,6 +80,13 @@ def test_files_of_many_makes_are_understood(name: str, tmp_path: Path) -> None:
     check_columns(found, ({} if case.get("untimed") else {"time": (0.0, 3.9)}) | case["columns"])
     assert {one.reason: one.count for one in found.dropped} == left
     assert case.get("says", "") in " ".join(found.notes)
+    for known in (True, False):  # as fits, runs, laws and identification read it
+        again = read_log(tmp_path / name, known=known)
+        assert again.record.times == pytest.approx(found.record.times), known
+        if known or not again.exact:
+            assert again.record.units == found.record.units
+            for column, numbers in found.record.columns.items():
+                np.testing.assert_allclose(again.record[column], numbers, rtol=1e-12, err_msg=column)
 
 
 DATA = Path(os.environ.get("MARTENSITE_DATA", ""))
@@ -221,6 +229,56 @@ def test_what_is_given_goes_over_what_is_guessed(tmp_path: Path) -> None:
         read_lab_file(path, {"Sens": "stress[MPa]"})
     with pytest.raises(DataError, match="cannot be converted"):
         read_lab_file(path, {"2": "stress[kg]"})
+
+
+def test_a_column_takes_a_factor_and_an_offset(tmp_path: Path) -> None:
+    path = tmp_path / "adc.csv"
+    path.write_text("time [s],adc\n" + "".join(f"{k},{1000 + k}\n" for k in range(20)))
+    found = read_log(path, {"adc": "force[mN]*0.5-300"})
+    check_columns(found, {"force": (0.2, 0.2095)})
+    assert [one.certainty for one in found.columns] == ["given", "given"]
+
+
+@pytest.mark.parametrize(
+    ("heading", "certainty"),
+    [("temp [degC]", "given"), ("T", "inferred"), ("Fan (degC)", "inferred"), ("weg", "ambiguous")],
+)
+def test_certainty_of_a_meaning_is_marked(heading: str, certainty: str, tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text(f"t [s],{heading}\n" + "".join(f"{k},{20 + k / 7:.3f}\n" for k in range(20)))
+    assert read_lab_file(path).columns[1].certainty == certainty
+
+
+def test_all_tables_of_a_file_are_read(tmp_path: Path) -> None:
+    """Sheets of a workbook, and tables side by side; a single reader names the sheets that it leaves out."""
+    book = pytest.importorskip("openpyxl").Workbook()
+    for title, factor in (("75 MPa", 1.0), ("125 MPa", 2.0)):
+        sheet = book.create_sheet(title)
+        sheet.append(["T (°C)", "Strain (%)"])
+        for k in range(40):
+            sheet.append([20.0 + k, factor * k / 10.0])
+    book.save(tmp_path / "book.xlsx")
+    sheets = read_parts(tmp_path / "book.xlsx")
+    assert [one.record["strain"][-1] for one in sheets] == pytest.approx([0.039, 0.078])
+    assert "`book.xlsx:125 MPa`" in " ".join(read_log(tmp_path / "book.xlsx").notes)
+    assert read_log(f"{tmp_path}/book.xlsx:125 MPa").record["strain"][-1] == pytest.approx(0.078)
+    with pytest.raises(DataError, match="has no sheet `99 MPa`"):
+        read_log(f"{tmp_path}/book.xlsx:99 MPa")
+    pairs = read_parts(write_case(tmp_path, "side_by_side.csv"))
+    assert [(one.record.name, one.record["stress"][0]) for one in pairs] == [
+        ("side_by_side 30 C", pytest.approx(1e8)),
+        ("side_by_side 50 C", pytest.approx(20e6)),
+    ]
+
+
+def test_arrays_of_hdf5_and_of_unlabelled_signals_are_read(tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["time"], file["strain"] = 0.1 * np.arange(40), 0.04 - 0.001 * np.arange(40)
+        file["strain"].attrs["units"] = "%"
+    check_columns(read_log(tmp_path / "a.h5"), {"time": (0.0, 3.9), "strain": (4e-4, 1e-5)})
+    signals = {"values": np.arange(40.0), "label": np.array([])}
+    savemat(tmp_path / "a.mat", {"out": {"time": 0.1 * np.arange(40), "signals": signals}})
+    check_columns(read_log(tmp_path / "a.mat"), {"time": (0.0, 3.9), "out1": (0.0, 39.0)})
 
 
 def test_the_understood_table_is_read_by_the_strict_reader(tmp_path: Path) -> None:

@@ -133,7 +133,7 @@ def test_repeats_and_spreads_weigh(tmp_path: Path):
 def test_columns_are_understood(tmp_path: Path):
     path = write_table(
         tmp_path,
-        "coil,I,current [mA],pulse [s],ambient [degC],preload [gf],temperature rise [degC],steady force [N],remarks",
+        "coil,I,current [mA],pulse [s],ambient [degC],preload_gf,temperature rise [degC],steady force [N],remarks",
         "x,1,2400,5,20,61.2,40,2,good",
         "x,2,2800,4,25,61.2,50,2,loud",
     )

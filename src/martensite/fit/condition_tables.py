@@ -22,6 +22,7 @@ from martensite.base.errors import DataError, InputError, UnitError, suggest_nam
 from martensite.base.parameters import find_paths
 from martensite.logs.column_meanings import find_places
 from martensite.logs.exact_tables import is_gap, is_number, read_rows
+from martensite.logs.heading_guess import part_heading
 from martensite.logs.layout import CANONICAL, IGNORED, QUANTITIES, Layout, find_quantity, list_quantities
 from martensite.logs.open_files import TEXT, describe_unreadable
 from martensite.logs.reader import read_table
@@ -182,6 +183,8 @@ def _split_heading(text: str) -> tuple[str, str]:
     round_brackets = _ROUND.match(name)
     if round_brackets and not unit and round_brackets[1].strip() not in MEASURES.names():
         name, unit = round_brackets[1], round_brackets[2]
+    if not unit and "_" in name:
+        name, unit = part_heading(name)
     plain = "(" in name or "." in name or name.strip() == IGNORED
     return (name.strip() if plain else re.sub(r"[\s_-]+", " ", name.strip().lower())), unit.strip()
 

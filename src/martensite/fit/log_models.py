@@ -34,7 +34,7 @@ from martensite.fit.logs import Source
 from martensite.fit.problem import Problem
 from martensite.fit.solve import solve_problem
 from martensite.logs.lab_files import LabFile
-from martensite.logs.reader import read_log
+from martensite.logs.reader import read_parts
 from martensite.scenario.exact_text import exact_text
 from martensite.scenario.overrides import change_document
 from martensite.scenario.scenario import Scenario, read_scenario
@@ -154,8 +154,9 @@ def _read_files(
     found: list[Record] = []
     files: list[LabFile] = []
     for log in logs:
-        files += [] if isinstance(log, Record) else [read_log(log, named, interval, known=True)]
-        found.append(log if isinstance(log, Record) else files[-1].record)
+        parts = [] if isinstance(log, Record) else read_parts(log, named, interval, known=True)
+        files += parts
+        found += [log] if isinstance(log, Record) else [one.record for one in parts]
     if not found:
         raise DataError("A fit needs at least one log; none given.")
     names = [one.name for one in found]

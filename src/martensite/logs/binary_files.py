@@ -23,7 +23,7 @@ from martensite.base.files import MOST_LOG, check_ordinary
 from martensite.base.lazy import import_extra
 from martensite.logs.open_files import TEXT, describe_unreadable
 
-BINARY = (".parquet", ".mat", ".nc")
+BINARY = (".parquet", ".mat", ".nc", ".h5", ".hdf5")
 """Endings of files of arrays."""
 LONGEST = 60.0
 """Time limit for reading a file in a separate process [s], without the allowance for its size."""
@@ -160,6 +160,24 @@ def _read_hdf(path: Path) -> dict[str, Any]:
         return read_group(file)
 
 
+def read_hdf(path: Path) -> Columns:
+    """Return the vectors and columns of matrices of an HDF5 file, by name, with their attribute `units`."""
+    import h5py
+
+    columns: Columns = {}
+
+    def visit(name: str, item: Any) -> None:
+        if isinstance(item, h5py.Dataset):
+            unit = str(item.attrs.get("units", ""))
+            found = _flatten_value(name.replace("/", "."), np.asarray(item))
+            unit = _UDUNITS.get(unit, unit) if unit else ""
+            columns.update({head_column(part, unit): column for part, column in found.items()})
+
+    with h5py.File(path, "r") as file:
+        file.visititems(visit)
+    return columns
+
+
 def _flatten_value(name: str, value: Any) -> Columns:
     """Return the columns of a variable: of a struct those of its fields, of Simulink's struct with time its signals."""
     if isinstance(value, dict):
@@ -167,7 +185,9 @@ def _flatten_value(name: str, value: Any) -> Columns:
         signals, time = fields.get("signals"), fields.get("time", fields.get("Time"))
         if signals is not None and time is not None:
             listed = cast("list[Any]", signals) if isinstance(signals, list) else [signals]
-            parts = {str(one.get("label") or f"{name}{k}"): one["values"] for k, one in enumerate(listed, start=1)}
+            labels = [one.get("label") for one in listed]
+            named = [label if isinstance(label, str) and label else f"{name}{k}" for k, label in enumerate(labels, 1)]
+            parts = {label: one["values"] for label, one in zip(named, listed, strict=True)}
         elif time is not None and "Data" in fields:
             parts = {name: fields["Data"]}
         else:
@@ -212,7 +232,7 @@ def read_netcdf(path: Path) -> Columns:
     return columns
 
 
-_APART = {".mat": read_mat.__name__, ".nc": read_netcdf.__name__}
+_APART = {".mat": read_mat.__name__, ".nc": read_netcdf.__name__, ".h5": read_hdf.__name__, ".hdf5": read_hdf.__name__}
 """Readers that run in a separate process, by suffix."""
 
 if __name__ == "__main__":

@@ -22,6 +22,8 @@ GAPS = ("", "nan", "na", "n/a", "null")
 Numbers = NDArray[np.float64]
 OVERFLOW = 9.9e36
 """Instruments write 9.9e37 where a reading is out of range."""
+TINIEST = 1e-300
+"""Smaller numbers count as zero: their squares and quotients leave the range of floats."""
 DAY = 86_400.0
 MISSING = {*GAPS, "-", "--", "---", "none", "ol", "ovld", "over", "overload", "#n/a", "#num!", "#div/0!", "∞", "-∞"}
 MISSING |= {"+over", "-over", "err", "error", "open", "invalid", "no data", "inf", "-inf", "+inf", "infinity"}
@@ -142,7 +144,7 @@ def parse_cells(cells: Sequence[str], style: NumberStyle, kind: str) -> tuple[Nu
         except ValueError:
             if not is_missing(cell):
                 wrong.append(k)
-    return numbers, wrong
+    return clear_extremes(numbers), wrong
 
 
 def _read_plain(cells: Sequence[str], style: NumberStyle) -> Numbers | None:
@@ -154,7 +156,12 @@ def _read_plain(cells: Sequence[str], style: NumberStyle) -> Numbers | None:
         found = np.array([float(cell.replace(",", ".") if style.comma else cell) for cell in cells])
     except ValueError:
         return None
-    return np.where(np.abs(found) < OVERFLOW, found, math.nan)
+    return clear_extremes(found)
+
+
+def clear_extremes(numbers: Numbers) -> Numbers:
+    """Return numbers with NaN for overflows, and zero for what is next to nothing."""
+    return np.where(np.abs(numbers) < TINIEST, 0.0, np.where(np.abs(numbers) < OVERFLOW, numbers, math.nan))
 
 
 def _to_number(cell: str, style: NumberStyle) -> float:
@@ -163,8 +170,7 @@ def _to_number(cell: str, style: NumberStyle) -> float:
     text = text.replace(",", ".") if style.comma else text
     if "_" in text or not text.isascii():
         raise ValueError
-    number = float(re.sub("[dD]", "e", text))
-    return number if abs(number) < OVERFLOW else math.nan
+    return float(re.sub("[dD]", "e", text))
 
 
 def _to_quantity(cell: str, style: NumberStyle) -> float:

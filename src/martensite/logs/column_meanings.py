@@ -9,18 +9,30 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from martensite.base.errors import DataError, UnitError, suggest_name
-from martensite.logs.heading_guess import find_listed, guess_heading
+from martensite.logs.cells import Numbers
+from martensite.logs.heading_guess import HEAT, find_listed, find_worded_unit, guess_heading
 from martensite.logs.layout import CANONICAL, CLOCK, IGNORED, read_headings
 from martensite.logs.raw_table import RawColumn, RawTable
 from martensite.logs.table_times import is_part_of_clock
-from martensite.logs.value_guess import ValueGuess, guess_columns, guess_unit, is_even_time
+from martensite.logs.value_guess import ValueGuess, guess_columns, guess_unit, is_even_time, is_rising
 
-IMPLIED = {"millis": "ms", "micros": "us", "milliseconds": "ms", "microseconds": "us", "seconds": "s"}
+GIVEN, INFERRED, AMBIGUOUS = "given", "inferred", "ambiguous"
+"""Certainty of a meaning."""
+IMPLIED = {"x_value": "s", "millis": "ms", "micros": "us", "milliseconds": "ms", "microseconds": "us", "seconds": "s"}
 """Heading -> unit of time that it is."""
-SECOND = re.compile(r"set|target|command|demand|soll|ambient|room|chamber|reference|cold", re.IGNORECASE)
+SECOND = re.compile(
+    r"set|target|command|demand|soll|program|ambient|room|chamber|reference|cold|\b(?:max|min|average|mean)\b",
+    re.IGNORECASE,
+)
 """Words of a heading beside which another column is the one that is meant."""
+FASTEST_RAMP = 3.0
+"""Fastest ramp of a calorimeter [K/s]; they go by 1 to 100 K/min."""
 COUNTER = re.compile(r"(?:#|no\.?|nr\.?|index|scan|sample|reading|point|row|record|sequence|x)", re.IGNORECASE)
 """Headings of columns that count the rows."""
+
+
+_FLOAT = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_SCALE = re.compile(rf"(.*?[\])\w])\s*(?:\*\s*([+-]?{_FLOAT}))?\s*([+-]{_FLOAT})?")
 
 
 @dataclass(frozen=True)
@@ -30,7 +42,19 @@ class Meaning:
     name: str
     unit: str
     known: str
+    """Source of the meaning: `given` by the user, `heading`, `unit` alone, `values`, or `ambiguous`."""
     sure: bool = True
+    factor: float = 1.0
+    """Of the numbers in the file."""
+    offset: float = 0.0
+    """[unit], added after the factor."""
+
+    @property
+    def certainty(self) -> str:
+        """Return `given` by the file or the user, `inferred` with evidence, or `ambiguous`."""
+        if not self.sure or self.known == AMBIGUOUS:
+            return AMBIGUOUS
+        return GIVEN if self.known in ("given", "heading") else INFERRED
 
 
 def guess_meanings(raw: RawTable, named: Mapping[str, str]) -> list[Meaning]:
@@ -54,7 +78,7 @@ def guess_meanings(raw: RawTable, named: Mapping[str, str]) -> list[Meaning]:
             found[place] = Meaning(guess.name, guess.unit, "values", guess.sure)
     if not any(one.name == "time" for one in found):
         found = _find_headed_time(raw, found)
-    return _name_apart(raw, found, given)
+    return _name_apart(raw, _judge_ramp(raw, found), given)
 
 
 def _guess_column(raw: RawTable, place: int) -> Meaning:
@@ -72,6 +96,8 @@ def _guess_column(raw: RawTable, place: int) -> Meaning:
     listed = find_listed(column.unit.strip("()[] "))
     if COUNTER.fullmatch(words) and not listed and is_even_time(column.numbers):
         return Meaning(IGNORED, "", "")
+    if raw.headed and not words and not listed and _is_row_count(column.numbers):
+        return Meaning(IGNORED, "", "")
     plain = guess_heading(column.heading)
     guess = guess_heading(f"{column.heading or 'column'} [{listed}]") if listed else plain
     if not listed and not plain.unit and "vertical units" in raw.said:  # an oscilloscope
@@ -80,12 +106,35 @@ def _guess_column(raw: RawTable, place: int) -> Meaning:
         guess = guess_heading(f"{column.heading or 'column'} [{listed}]") if listed else plain
     if not guess.name and not guess.unit and "emissivity" in raw.said and column.heading:
         return Meaning("temperature", "degC", "values")  # an infrared camera writes nothing else
-    if not guess.name:
+    if not guess.name or (guess.name == "time" and not guess.worded and not is_rising(column.numbers)):
         return Meaning("", guess.unit, "")
+    if guess.unit and not (guess.worded or plain.worded):
+        return Meaning(guess.name, guess.unit, "unit")
     if guess.unit:
         return Meaning(guess.name, guess.unit, "heading" if plain.name == guess.name and plain.name else "unit")
+    worded = find_worded_unit(column.heading, guess.name.rpartition(".")[2])
+    if worded:
+        return Meaning(guess.name, worded, "heading")
     by_values: ValueGuess = guess_unit(guess.name.rpartition(".")[2], column.numbers)
+    if not by_values.unit:
+        return Meaning(IGNORED, "", AMBIGUOUS)
     return Meaning(guess.name, by_values.unit, "values", by_values.sure)
+
+
+def _is_row_count(numbers: Numbers) -> bool:
+    """Return whether a column counts the rows from 0 or 1 on."""
+    return bool(numbers.size > 2 and numbers[0] in (0.0, 1.0) and np.all(np.diff(numbers) == 1.0))
+
+
+def _judge_ramp(raw: RawTable, found: list[Meaning]) -> list[Meaning]:
+    """Return a calorimeter's time without unit in minutes, if its ramp would be impossibly fast in seconds."""
+    at = {one.name: k for k, one in enumerate(found) if one.name in ("time", "temperature")}
+    if len(at) < 2 or found[at["time"]].known != "values" or not any(HEAT.search(c.heading) for c in raw.columns):
+        return found
+    times, heat = (raw.columns[at[name]].numbers for name in ("time", "temperature"))
+    steps = np.abs(np.diff(heat)) / np.maximum(np.diff(times), 1e-12)
+    unit = "min" if float(np.nanmedian(steps)) > FASTEST_RAMP else "s"
+    return [replace(one, unit=unit, sure=True) if k == at["time"] else one for k, one in enumerate(found)]
 
 
 def _find_headed_time(raw: RawTable, found: list[Meaning]) -> list[Meaning]:
@@ -164,12 +213,19 @@ def _read_named(raw: RawTable, named: Mapping[str, str]) -> dict[int, Meaning]:
         if text.strip() == IGNORED:
             found[place] = Meaning(IGNORED, "", "given")
             continue
+        text, factor, offset = _part_scale(text)
         written = find_listed(write_unit(column)) or guess_heading(column.heading).unit
         bare = "[" not in text and "(" not in text and written
         (head,) = read_headings([f"{text} [{written}]" if bare else text], f"`{raw.name}`")
         unit = CLOCK if column.kind in ("clock", "stamp") and head.name == "time" else head.spelling
-        found[place] = Meaning(head.name, unit, "given")
+        found[place] = Meaning(head.name, unit, "given", True, factor, offset)
     return found
+
+
+def _part_scale(text: str) -> tuple[str, float, float]:
+    """Return a meaning, and the factor and offset behind it: `force[N]*2.5-0.3`."""
+    found = _SCALE.fullmatch(text.strip())
+    return (text, 1.0, 0.0) if found is None else (found[1], float(found[2] or 1.0), float(found[3] or 0.0))
 
 
 def write_unit(column: RawColumn) -> str:

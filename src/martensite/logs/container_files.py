@@ -7,13 +7,15 @@ reader.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 
-from martensite.base.errors import DataError
+from martensite.base.errors import DataError, suggest_name
 from martensite.base.files import MOST_LOG, check_ordinary
 from martensite.base.lazy import import_extra
 from martensite.logs.binary_files import BINARY, Columns, read_apart, read_arrays
@@ -31,8 +33,37 @@ KINDS = (*BINARY, *EXTRAS)
 MOST_ROWS = 1_048_576
 """Rows of a sheet."""
 MOST_COLUMNS = 200
+LEAST_SHARE = 0.1
+"""Numbers of a sheet with a table, as a share of those of the fullest sheet."""
 MOST_MESSAGES = 2_000_000
-_TITLES = {".mat": "MATLAB file", ".parquet": "Parquet file", ".nc": "netCDF file", ".tdms": "TDMS file"}
+_TITLES = {
+    ".mat": "MATLAB file",
+    ".parquet": "Parquet file",
+    ".nc": "netCDF file",
+    ".h5": "HDF5 file",
+    ".hdf5": "HDF5 file",
+    ".tdms": "TDMS file",
+}
+
+
+def find_ending(path: str | Path) -> str:
+    """Return the ending of a file in small letters, without the sheet of `book.xlsx:SHEET`."""
+    return part_sheet(Path(path))[0].suffix.lower()
+
+
+def part_sheet(path: Path) -> tuple[Path, str]:
+    """Return a file, and the sheet that is named behind a spreadsheet; empty for none."""
+    found = re.fullmatch(r"(.+\.xls[xm]):(.+)", str(path), re.IGNORECASE)
+    return (path, "") if found is None else (Path(found[1]), found[2])
+
+
+def list_sheets(source: str | Path) -> list[str | Path]:
+    """Return a source for each sheet of a spreadsheet that holds a table; any other source as it is."""
+    path = Path(source)
+    if path.suffix.lower() not in (".xlsx", ".xlsm") or not path.is_file():
+        return [source]
+    titles = [str(title) for title in _read_extra(path)["sheet"][1:]]
+    return [f"{source}:{title}" for title in titles] if len(titles) > 1 else [source]
 
 
 def read_container(path: Path) -> RawTable:
@@ -42,41 +73,64 @@ def read_container(path: Path) -> RawTable:
         DataError: it is missing, damaged, or holds no table of numbers.
         InputError: the extra that brings its reader is not installed.
     """
-    ending = path.suffix.lower()
+    ending = find_ending(path)
     if ending in BINARY:
         return describe_arrays(path, read_arrays(path), _TITLES[ending])
-    module, extra, title, reader = EXTRAS[ending]
-    import_extra(module, extra, title)
-    with describe_unreadable(path):
-        size = check_ordinary(path, MOST_LOG)
-    found = read_apart(path, f"{__name__}:{reader}", size)
-    if reader != read_workbook.__name__:
+    found = _read_extra(path)
+    if "sheet" not in found:
         return describe_arrays(path, found, f"{_TITLES.get(ending, 'MCAP file')}, {len(found)} channels")
-    sheet = str(found.pop("sheet")[0])
+    sheet, *every = map(str, found.pop("sheet"))
     rows = [(k, [str(cell) for cell in row]) for k, row in enumerate(zip(*found.values(), strict=True), start=1)]
     filled = [(k, row) for k, row in rows if any(cell.strip() for cell in row)]
-    return find_table(path, filled, (f"spreadsheet, sheet `{sheet}`",))
+    table = find_table(path, filled, (f"spreadsheet, sheet `{sheet}`",))
+    others = [one for one in every if one != sheet]
+    if part_sheet(path)[1] or not others:
+        return table
+    listed = ", ".join(f"`{one}`" for one in others)
+    note = f"Only sheet `{sheet}` is read; {listed} hold tables, too: write `{path.name}:{others[0]}`."
+    return replace(table, notes=(note, *table.notes))
+
+
+def _read_extra(path: Path) -> Columns:
+    """Return the columns of a file whose reader an extra brings."""
+    file = part_sheet(path)[0]
+    module, extra, title, reader = EXTRAS[find_ending(path)]
+    import_extra(module, extra, title)
+    with describe_unreadable(file):
+        size = check_ordinary(file, MOST_LOG)
+    return read_apart(path, f"{__name__}:{reader}", size)
 
 
 def read_workbook(path: Path) -> Columns:
-    """Return the cells of the sheet with most numbers, column by column as text, and its title."""
+    """Return the cells of a sheet as text, column by column: of the named sheet, or of the sheet with most numbers.
+
+    Column `sheet` holds its title, and the titles of all sheets with a table.
+    """
     from openpyxl import load_workbook
 
-    book = cast(Any, load_workbook(path, read_only=True, data_only=True))
-    best, title, most = list[list[Any]](), "", 0
-    for sheet in book.worksheets:
-        every = sheet.iter_rows(values_only=True, max_row=MOST_ROWS, max_col=MOST_COLUMNS)
-        rows = [[] if row.count(None) == len(row) else list(row) for row in every]  # a far cell has a million before it
-        while rows and not rows[-1]:
-            rows.pop()
-        count = sum(isinstance(cell, int | float) for row in rows for cell in row)
-        if count > most:
-            best, title, most = rows, str(sheet.title), count
-    if not most:
-        raise DataError(f"`{path.name}` holds no numbers in any of its sheets.")
-    used = max(k for row in best for k, cell in enumerate(row) if cell is not None) + 1
-    texts = [[_write_cell(cell) for cell in row[:used]] + [""] * (used - len(row)) for row in best]
-    return {"sheet": np.array([title])} | {str(k): np.array([row[k] for row in texts]) for k in range(used)}
+    file, wanted = part_sheet(path)
+    book = cast(Any, load_workbook(file, read_only=True, data_only=True))
+    sheets = {str(sheet.title): _list_filled(sheet) for sheet in book.worksheets}
+    counts = {title: sum(isinstance(x, int | float) for row in rows for x in row) for title, rows in sheets.items()}
+    if not any(counts.values()):
+        raise DataError(f"`{file.name}` holds no numbers in any of its sheets.")
+    title = wanted or max(counts, key=counts.__getitem__)
+    if title not in sheets:
+        raise DataError(f"`{file.name}` has no sheet `{title}`. {suggest_name(title, sheets)}")
+    most, rows = max(counts.values()), sheets[title]
+    tables = [one for one, count in counts.items() if count > LEAST_SHARE * most]
+    used = max((k for row in rows for k, cell in enumerate(row) if cell is not None), default=0) + 1
+    texts = [[_write_cell(cell) for cell in row[:used]] + [""] * (used - len(row)) for row in rows]
+    return {"sheet": np.array([title, *tables])} | {str(k): np.array([row[k] for row in texts]) for k in range(used)}
+
+
+def _list_filled(sheet: Any) -> list[list[Any]]:
+    """Return the rows of a sheet up to the last that is not empty."""
+    every = sheet.iter_rows(values_only=True, max_row=MOST_ROWS, max_col=MOST_COLUMNS)
+    rows = [[] if row.count(None) == len(row) else list(row) for row in every]  # a far cell has a million before it
+    while rows and not rows[-1]:
+        rows.pop()
+    return rows
 
 
 def _write_cell(cell: Any) -> str:

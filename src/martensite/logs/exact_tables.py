@@ -10,13 +10,13 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.base.errors import DataError
+from martensite.base.errors import DataError, UnitError
 from martensite.base.units import find_conversion
 from martensite.logs.cells import GAPS, OVERFLOW, Numbers, NumberStyle, find_kind, parse_cells
 from martensite.logs.column_meanings import Meaning
@@ -26,6 +26,7 @@ from martensite.logs.layout import CANONICAL, CLOCK, IGNORED, FileColumn, Layout
 from martensite.logs.open_files import read_lines, split_cells
 from martensite.logs.raw_table import RawColumn, RawTable, WrongCell, count_rows
 from martensite.logs.table_headings import SEPARATORS, split_heading
+from martensite.logs.table_times import find_step
 from martensite.signals.records import Record, out_of_order
 
 ASSUMED_INTERVAL = 1.0
@@ -45,6 +46,8 @@ class CellRows:
     numbers: list[int]
     rows: list[list[str]]
     separator: str
+    above: tuple[str, ...] = ()
+    """Row of headings that stood above them."""
 
     def part(self, kept: Sequence[int]) -> CellRows:
         """Return the rows of the given indices."""
@@ -104,19 +107,25 @@ def read_exact_text(path: Path, layout: Layout, gaps: bool) -> tuple[RawTable, l
     """
     sheet = read_rows(path, layout)
     headings, sheet = _read_headings(sheet, layout)
-    width, rows = len(headings), [row[:-1] if _ends_empty(row, len(headings)) else row for row in sheet.rows]
-    ragged = [k for k, row in enumerate(rows) if len(row) != width]
+    body, ragged = _part_ragged(sheet, len(headings))
+    fault = DataError if any(not is_unknown(text) for text in layout.columns or sheet.above) else InexactError
     if ragged and not layout.drop:
-        raise DataError(_describe_ragged(sheet, ragged[0], headings))
-    whole = [k for k, row in enumerate(rows) if len(row) == width]
-    numbers, style = [sheet.numbers[k] for k in whole], NumberStyle(comma=sheet.separator != "comma")
-    columns: list[RawColumn] = []
-    for place, head in enumerate(headings):
-        cells = [rows[k][place] for k in whole]
-        columns.append(_read_column(cells, head, numbers, style, gaps and head.name != "time"))
-    left = count_rows("more or fewer cells than the table has columns", [sheet.numbers[k] for k in ragged])
-    raw = RawTable(path.name, "text", sheet.separator, True, tuple(columns), numbers, [], left)
+        raise fault(_describe_ragged(sheet, ragged[0], headings))
+    cells = list(zip(*body.rows, strict=True)) or [()] * len(headings)
+    columns = [_read_column(*one, body, gaps) for one in zip(cells, headings, strict=True)]
+    if fault is InexactError and any(column.wrong for column in columns):
+        raise fault(f"{sheet.where} does not begin with headings of a table, but with `{headings[0].name}`.")
+    left = count_rows("more or fewer cells than the table has columns", sheet.part(ragged).numbers)
+    raw = RawTable(path.name, "text", sheet.separator, True, tuple(columns), body.numbers, [], left)
     return raw, headings
+
+
+def _part_ragged(sheet: CellRows, width: int) -> tuple[CellRows, list[int]]:
+    """Return the rows of a width, without a separator at their end, and the indices of all other rows."""
+    rows = [row[:-1] if _ends_empty(row, width) else row for row in sheet.rows]
+    whole = [k for k, row in enumerate(rows) if len(row) == width]
+    ragged = [k for k, row in enumerate(rows) if len(row) != width]
+    return replace(sheet, rows=rows).part(whole), ragged
 
 
 def _read_headings(sheet: CellRows, layout: Layout) -> tuple[list[FileColumn], CellRows]:
@@ -134,8 +143,9 @@ def _read_headings(sheet: CellRows, layout: Layout) -> tuple[list[FileColumn], C
     else:
         headings, own = read_exact_headings(first, sheet.where), True
         _refuse_unsettled(first, sheet)
+        refuse_mistaken(first, headings, sheet.where)
     if own:
-        sheet = sheet.part(range(1, len(sheet.rows)))
+        sheet = replace(sheet.part(range(1, len(sheet.rows))), above=tuple(first))
     if not sheet.rows:
         raise DataError(f"{sheet.where} holds headings but no rows of numbers.")
     return headings, sheet
@@ -153,14 +163,30 @@ def read_exact_headings(headings: Sequence[str], where: str) -> list[FileColumn]
         raise InexactError(str(error)) from None
 
 
+def refuse_mistaken(texts: Sequence[str], headings: Sequence[FileColumn], where: str) -> None:
+    """Refuse headings whose words give their unit another meaning: `Temp (C)` is in degrees, not in coulombs.
+
+    Raises:
+        InexactError: there is such a heading.
+    """
+    for text, head in zip(texts, headings, strict=True):
+        guess = guess_heading(text)
+        if guess.worded and guess.name and guess.unit not in ("", CLOCK, head.spelling):
+            try:
+                find_conversion(guess.unit, head.unit)
+            except UnitError:
+                raise InexactError(
+                    f"{where}: heading `{text.strip()}` is unclear; write `{guess.name} [{guess.unit}]`."
+                ) from None
+
+
 def _refuse_unsettled(first: Sequence[str], sheet: CellRows) -> None:
     """Refuse headings whose unit stands without brackets, and lines that are no headings at all.
 
     Raises:
         InexactError: a heading is not settled.
     """
-    bare = [heading for heading in first if not re.search(r"[\[(]", heading)]
-    unknown = [heading.strip() for heading in bare if name_column(heading) not in CANONICAL]
+    unknown = [heading.strip() for heading in first if is_unknown(heading)]
     for heading in unknown:
         guess = guess_heading(heading)
         if guess.unit:
@@ -172,9 +198,20 @@ def _refuse_unsettled(first: Sequence[str], sheet: CellRows) -> None:
 
 def _has_numbers_below(sheet: CellRows) -> bool:
     """Return whether the second row is one of numbers, as wide as the first, or begins an open quote."""
-    first, below = sheet.rows[0], sheet.rows[1] if len(sheet.rows) > 1 else []
-    alike = len(below) == len(first) or _ends_empty(below, len(first)) or _ends_empty(first, len(below))
+    first, below = (_trim_end(row) for row in (*sheet.rows[:2], [], [])[:2])
+    alike = len(below) == len(first)
     return any(cell.count('"') % 2 for cell in below) or (alike and any(map(is_number, below)))
+
+
+def is_unknown(heading: str) -> bool:
+    """Return whether a heading has neither a unit in brackets nor a known name."""
+    return not re.search(r"[\[(]", heading) and name_column(heading) not in CANONICAL
+
+
+def _trim_end(row: Sequence[str]) -> Sequence[str]:
+    """Return a row without the empty cells at its end."""
+    filled = [k for k, cell in enumerate(row) if cell.strip()]
+    return row[: filled[-1] + 1] if filled else []
 
 
 def _ends_empty(row: Sequence[str], width: int) -> bool:
@@ -182,20 +219,18 @@ def _ends_empty(row: Sequence[str], width: int) -> bool:
     return len(row) == width + 1 and not row[-1].strip()
 
 
-def _read_column(
-    cells: Sequence[str], head: FileColumn, numbers: Sequence[int], style: NumberStyle, gaps: bool
-) -> RawColumn:
+def _read_column(cells: Sequence[str], head: FileColumn, body: CellRows, gaps: bool) -> RawColumn:
     """Return a column with all its cells that are neither a finite number nor, if there may be gaps, missing."""
     if head.name == IGNORED:
         return RawColumn(IGNORED, "", "text", np.empty(0))
     kind = "clock" if head.spelling == CLOCK else "number"
-    read, _ = parse_cells(cells, style, kind)
+    read, _ = parse_cells(cells, NumberStyle(comma=body.separator != "comma"), kind)
     if kind == "clock":
         read[[k for k, cell in enumerate(cells) if cell.count(":") != 2]] = math.nan
-    wrong = [int(k) for k in np.flatnonzero(np.isnan(read)) if not (gaps and is_gap(cells[int(k)]))]
-    return RawColumn(
-        head.name, head.spelling, kind, read, "", tuple(WrongCell(numbers[k], cells[k].strip()) for k in wrong)
-    )
+    allowed = gaps and head.name != "time"
+    wrong = [int(k) for k in np.flatnonzero(np.isnan(read)) if not (allowed and is_gap(cells[int(k)]))]
+    faults = tuple(WrongCell(body.numbers[k], cells[k].strip()) for k in wrong)
+    return RawColumn(head.name, head.spelling, kind, read, "", faults)
 
 
 def _describe_ragged(sheet: CellRows, row: int, headings: Sequence[FileColumn]) -> str:
@@ -235,6 +270,7 @@ def build_exact(
     if "time" in columns:
         _refuse_disorder(raw.name, numbers, columns["time"].tolist())
     else:
+        interval = interval or find_step((head.name, head.spelling, column.numbers) for column, head in wanted)
         _refuse_other_time(raw.name, si_units, interval)
         assumed = ASSUMED_INTERVAL if interval is None else interval
         columns, si_units = {"time": np.arange(float(len(numbers))) * assumed, **columns}, {"time": "s"} | si_units
@@ -243,7 +279,7 @@ def build_exact(
     both = zip(raw.columns, headings, strict=True)
     listed = [_list_column(k, column, head, columns) for k, (column, head) in enumerate(both)]
     has_time = assumed is None or interval is not None
-    return LabFile(path, raw.form, record, tuple(listed), raw.left_out, (), has_time)
+    return LabFile(path, raw.form, record, tuple(listed), raw.left_out, (), has_time, exact=True)
 
 
 def _convert(numbers: Numbers, head: FileColumn) -> Numbers:

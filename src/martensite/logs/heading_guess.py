@@ -17,7 +17,7 @@ from martensite.logs.layout import CANONICAL, CLOCK, IGNORED, find_quantity
 from martensite.signals.base import DRIVE
 
 SPELLINGS = {
-    "degC": ("degC", "°C", "ºC", "C", "deg C", "degrees c", "celsius", "℃", "<temp> (C)"),
+    "degC": ("degC", "deg_C", "°C", "ºC", "C", "deg C", "deg c", "degrees c", "celsius", "℃", "<temp> (C)"),
     "degF": ("degF", "°F", "ºF", "F", "deg F", "fahrenheit"),
     "K": ("K", "kelvin"),
     "s": ("s", "sec", "sec.", "secs", "second", "seconds", "sekunden"),
@@ -82,6 +82,10 @@ BY_UNIT = {
 _BRACKETS = re.compile(r"^(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
 _APART = re.compile(r"^(.*\S)\s*/\s*(\S.*)$|^(.*\S)\s+in\s+(\S+)$|^(.*\S)[\s_]+(\S+?)$")
 _PORT = re.compile(r"^([A-Za-z_]\w*\.)(\w+)$")
+STATISTIC = re.compile(r"[\s_](?:median|mean|avg|average|max|min|rms|std|sd)$", re.IGNORECASE)
+"""Words behind a unit, as in `dx_um_median`."""
+HEAT = re.compile(r"heat[\s_]*flow|w[äa]rmestrom|^dsc\b", re.IGNORECASE)
+"""Headings of a calorimeter's signal, whose watts are no power that drives."""
 _NUMBERED = ("channel", "ch", "kanal", "sensor", "probe", "input", "trace", "analog", "digital")
 """Words before a letter that is a channel name, not a unit: `Channel A`."""
 
@@ -94,16 +98,21 @@ class Guess:
     """A known column (`layout.CANONICAL`), perhaps with a port in front; empty for none."""
     unit: str
     """Unit as `martensite.base.units` reads it; empty if the heading names no unit."""
+    worded: bool = True
+    """False if only the unit says what the column is."""
 
 
 def guess_heading(heading: str) -> Guess:
     """Return the guessed meaning of a heading."""
-    words, spelling = _part_heading(heading.strip())
+    words, spelling = part_heading(heading.strip())
     unit = _find_unit(spelling)
+    if not unit and _BRACKETS.match(heading.strip()) and _is_unit(spelling):
+        unit = spelling  # W/g
     found = _PORT.match(words)
     port, plain = (found[1], found[2]) if found else ("", words)
-    name = _find_named(plain, unit)
-    return Guess(f"{port.lower()}{name}" if name else "", unit)
+    named = _find_named(plain, unit)
+    name = named or ("" if HEAT.search(plain) else _name_by_unit(unit))
+    return Guess(f"{port.lower()}{name}" if name else "", unit, bool(named))
 
 
 def usual_units(name: str) -> list[str]:
@@ -117,8 +126,22 @@ def usual_units(name: str) -> list[str]:
     return [*sorted(fitting, key=lambda s: s != first), *clock]
 
 
-def _part_heading(heading: str) -> tuple[str, str]:
+def find_worded_unit(heading: str, name: str) -> str:
+    """Return the unit behind a number within a heading, as in `V_1300V_05Hz`, if it fits a known column; else empty."""
+    for part in re.split(r"[\s_,;]+", heading):
+        found = re.fullmatch(r"\d+(?:[.p]\d+)?([A-Za-zµ°%]+)", part)
+        unit = find_listed(found[1]) if found else ""
+        if unit and _is_convertible(unit, CANONICAL.get(name, "")):
+            return unit
+    return ""
+
+
+def part_heading(heading: str) -> tuple[str, str]:
     """Split a heading into the name of the column and the text that may be its unit."""
+    reduced = STATISTIC.sub("", heading)
+    if reduced != heading and part_heading(reduced)[1]:
+        words, unit = part_heading(reduced)
+        return f"{words}{heading[len(reduced) :]}", unit
     found = _BRACKETS.match(heading)
     if found is not None:
         return found[1], found[2]
@@ -156,8 +179,12 @@ def find_listed(spelling: str) -> str:
     return ""
 
 
+def _name_by_unit(unit: str) -> str:
+    return next((name for si, name in BY_UNIT.items() if unit and _is_convertible(unit, si)), "")
+
+
 def _find_named(words: str, unit: str) -> str:
-    """Return the known column that some words name, if its unit agrees; else the one of that unit."""
+    """Return the known column that some words name, if its unit agrees; empty for none."""
     plain = re.sub(r"[\s-]+", "_", words.strip())
     if plain.lower() in CANONICAL:
         return plain.lower()
@@ -166,7 +193,15 @@ def _find_named(words: str, unit: str) -> str:
         name = find_quantity(part, lambda one: not unit or _is_convertible(unit, CANONICAL[one]))
         if name:
             return name
-    return next((name for si, name in BY_UNIT.items() if unit and _is_convertible(unit, si)), "")
+    return ""
+
+
+def _is_unit(spelling: str) -> bool:
+    try:
+        units.require_unit(spelling)
+    except UnitError:
+        return False
+    return bool(re.match(r"[A-Za-zµ%°]", spelling))
 
 
 def _is_convertible(spelling: str, wanted: str) -> bool:

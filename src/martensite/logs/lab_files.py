@@ -20,15 +20,15 @@ from martensite.base import units
 from martensite.base.errors import DataError, ParameterError, suggest_name
 from martensite.base.files import write_file
 from martensite.logs.cells import Numbers
-from martensite.logs.column_meanings import Meaning, guess_meanings, write_unit
-from martensite.logs.container_files import KINDS, read_container
+from martensite.logs.column_meanings import AMBIGUOUS, Meaning, guess_meanings, write_unit
+from martensite.logs.container_files import KINDS, find_ending, read_container
 from martensite.logs.layout import CANONICAL, CLOCK, IGNORED, read_headings
 from martensite.logs.raw_table import LeftOut, RawColumn, RawTable, count_rows
 from martensite.logs.record_text import format_record
 from martensite.logs.table_headings import SEPARATORS
-from martensite.logs.table_times import TableTimes, build_times, find_interval, find_start
+from martensite.logs.table_times import TableTimes, build_times, count_blocks, find_interval, find_start, find_step
 from martensite.logs.text_tables import read_text_table
-from martensite.logs.value_guess import mend_fall
+from martensite.logs.value_guess import is_rising, mend_fall
 from martensite.signals.records import Record
 
 
@@ -54,6 +54,8 @@ class ReadColumn:
     """Largest number, in SI."""
     known: str
     """By what it is known: `heading`, `unit`, `values`, or `given`."""
+    certainty: str = ""
+    """`given` by the file or the user, `inferred` with evidence, or `ambiguous`."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,10 @@ class LabFile:
     """True if lines stand above the table."""
     renamed: bool = False
     """True if headings that settle their units were read by their meaning, such as `Load [N]` as `force`."""
+    labels: tuple[str, ...] = ()
+    """Cells above the headings, one for each column."""
+    exact: bool = False
+    """True if the headings settle every name and unit, and the file was read to the letter."""
 
     @property
     def is_given(self) -> bool:
@@ -122,22 +128,46 @@ def read_lab_file(path: str | Path, named: Mapping[str, str] | None = None) -> L
     return interpret_table(raw, Path(path), named or {})
 
 
+def split_side_by_side(file: LabFile) -> list[LabFile]:
+    """Return one file for each of several equal tables that stand side by side; a file with one table as it is."""
+    used = [one for one in file.columns if one.si]
+    names = [one.name.removesuffix(f"_{one.number}") for one in used]
+    width = next((k for k in range(2, len(names)) if names[:k] * (len(names) // k) == names), 0)
+    if not width or "time" in names:
+        return [file]
+    found: list[LabFile] = []
+    for first in range(0, len(used), width):
+        part = used[first : first + width]
+        label = file.labels[part[0].number - 1] if file.labels else str(first // width + 1)
+        columns = {name: file.record[one.name] for name, one in zip(names, part, strict=False)}
+        si_units = {name: one.si for name, one in zip(names, part, strict=False)}
+        rows = _drop_empty(columns)
+        columns = {name: [column[k] for k in rows] for name, column in columns.items()}
+        columns = {"time": file.record.times[: len(rows)]} | columns
+        name = f"{file.record.name} {label}"
+        record = replace(file.record, name=name, columns=columns, units={"time": "s"} | si_units)
+        own = tuple(replace(one, name=name) for name, one in zip(names, part, strict=False))
+        found.append(replace(file, record=record, columns=own))
+    return found
+
+
 def read_raw(path: Path, separator: str = "auto") -> RawTable:
     """Return the table of a file of any kind, without a meaning; errors as of `read_lab_file`."""
     if separator not in ("auto", *SEPARATORS):
         raise ParameterError(f"There is no separator `{separator}`. {suggest_name(separator, SEPARATORS)}")
-    return read_container(path) if path.suffix.lower() in KINDS else read_text_table(path, separator)
+    return read_container(path) if find_ending(path) in KINDS else read_text_table(path, separator)
 
 
 def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabFile:
     """Return a table with the meaning of its columns; arguments and errors as of `read_lab_file`."""
     meant = guess_meanings(raw, named)
+    blocks = _leave_blocks(raw, meant)
     times, clock = _find_times(raw, meant)
     kept = np.arange(raw.rows) if times is None else times.kept
     columns: dict[str, list[float]] = {}
     si_units: dict[str, str] = {}
     listed: list[ReadColumn] = []
-    notes = list(raw.notes) + (list(times.notes) if times else [])
+    notes = [*raw.notes, *blocks, *(times.notes if times else ())]
     for place, (column, one) in enumerate(zip(raw.columns, meant, strict=True)):
         if place == clock and times is not None:
             listed.append(describe_column(place, column, replace(one, name="time"), "s", times.times))
@@ -148,7 +178,7 @@ def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabF
             continue
         (head,) = read_headings([f"{one.name} [{one.unit}]"], f"`{raw.name}`")
         factor, offset = units.find_conversion(head.spelling, head.unit)
-        numbers = column.numbers[kept] * factor + offset
+        numbers = (column.numbers[kept] * one.factor + one.offset) * factor + offset
         columns[head.name], si_units[head.name] = numbers.tolist(), head.unit
         listed.append(describe_column(place, column, replace(one, name=head.name), head.unit, numbers))
     notes += _list_doubts(raw, meant, clock)
@@ -157,7 +187,8 @@ def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabF
         raise UntoldError(_explain_unknown(raw, meant))
     left, interval = raw.left_out + (times.left_out if times else ()), None
     if times is None:
-        interval = find_interval(raw.said)
+        columns_given = [(c.heading, c.unit, c.numbers) for c in raw.columns]
+        interval = None if blocks else find_interval(raw.said) or find_step(columns_given)
         columns = {"time": [k * (interval or 1.0) for k in range(raw.rows)]} | columns
         si_units = {"time": "s"} | si_units
         notes += [f"The file has no times: it says that its samples are {interval:g} s apart."] if interval else []
@@ -170,8 +201,18 @@ def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabF
     assumed = None if times is not None or interval else 1.0
     record = Record(path.stem, columns, si_units, path, count, assumed)
     known = times is not None or interval is not None
-    start = times.start if times else None
-    return LabFile(path, raw.form, record, tuple(listed), left, tuple(notes), known, start, _is_titled(raw))
+    return LabFile(
+        path,
+        raw.form,
+        record,
+        tuple(listed),
+        left,
+        tuple(notes),
+        known,
+        times.start if times else None,
+        _is_titled(raw),
+        labels=raw.labels,
+    )
 
 
 def _is_titled(raw: RawTable) -> bool:
@@ -192,7 +233,8 @@ def describe_column(place: int, column: RawColumn, meaning: Meaning, si: str, nu
     known = numbers[np.isfinite(numbers)]
     low, high = (float(known.min()), float(known.max())) if known.size else (math.nan, math.nan)
     name, written, by = meaning.name if si else IGNORED, write_unit(column), meaning.known if si else ""
-    return ReadColumn(place + 1, column.heading, name, written, meaning.unit, si, low, high, by)
+    certainty = meaning.certainty if si else ""
+    return ReadColumn(place + 1, column.heading, name, written, meaning.unit, si, low, high, by, certainty)
 
 
 def choose_time(raw: RawTable, meant: list[Meaning]) -> int:
@@ -200,10 +242,23 @@ def choose_time(raw: RawTable, meant: list[Meaning]) -> int:
     places = [k for k, one in enumerate(meant) if one.name == "time"]
     numeric = [k for k in places if raw.columns[k].kind == "number"]
     clocks = [k for k in places if raw.columns[k].kind in ("stamp", "clock")]
-    numeric.sort(key=lambda k: (meant[k].known != "given", not _is_rising(raw.columns[k].numbers)))
-    if numeric and (not clocks or meant[numeric[0]].known == "given" or _is_rising(raw.columns[numeric[0]].numbers)):
+    numeric.sort(key=lambda k: (meant[k].known != "given", not is_rising(raw.columns[k].numbers)))
+    if numeric and (not clocks or meant[numeric[0]].known == "given" or is_rising(raw.columns[numeric[0]].numbers)):
         return numeric[0]
     return clocks[0] if clocks else -1
+
+
+def _leave_blocks(raw: RawTable, meant: list[Meaning]) -> list[str]:
+    """Leave out a time that begins again and again, as a logger in append mode writes it; return the note about it."""
+    place = choose_time(raw, meant)
+    blocks = count_blocks(raw.columns[place].numbers) if place >= 0 and raw.columns[place].kind == "number" else 1
+    if blocks < 3:
+        return []
+    meant[place] = Meaning(IGNORED, "", "")
+    return [
+        f"Time begins again at its first value in {blocks} blocks and is left out: the file does not say how far apart "
+        "its rows are. Give the time between rows (`--interval`)."
+    ]
 
 
 def _find_times(raw: RawTable, meant: list[Meaning]) -> tuple[TableTimes | None, int]:
@@ -223,11 +278,6 @@ def _find_times(raw: RawTable, meant: list[Meaning]) -> tuple[TableTimes | None,
     times = (times - known[0] if absolute else times) * factor
     begin = None if start is None or not known.size else start - (0.0 if absolute else float(known[0]) * factor)
     return build_times(raw, times, begin, True), place
-
-
-def _is_rising(numbers: Numbers) -> bool:
-    known = numbers[np.isfinite(numbers)]
-    return known.size > 1 and bool(np.all(np.diff(known) >= 0.0)) and known[-1] > known[0]
 
 
 def _judge_by_clock(one: Meaning, times: Numbers, seconds: Numbers) -> Meaning:
@@ -250,7 +300,12 @@ def _list_doubts(raw: RawTable, meant: list[Meaning], clock: int) -> list[str]:
         if column.wrong and column.kind != "text" and one.name not in ("", IGNORED):
             many = f"{len(column.wrong)} cells hold no finite number and count as missing"
             doubts.append(f"{title}: {many}, first {column.wrong[0]}.")
-        if place == clock or (one.name not in ("", IGNORED, "time") and one.known in ("values", "heading")):
+        if one.known == AMBIGUOUS:
+            doubts.append(
+                f"{title} is left out: its values fit degrees and radians; write `--as {place + 1}=angle[deg]` or "
+                f"`--as {place + 1}=angle[rad]`."
+            )
+        elif place == clock or (one.name not in ("", IGNORED, "time") and one.known in ("values", "heading")):
             if one.known == "values" and not one.sure:
                 doubts.append(
                     f"{title} is taken for {one.name} in {one.unit} by its values alone; "

@@ -6,6 +6,7 @@ Rows are counted as an editor or a spreadsheet counts them, comments and empty l
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
@@ -16,6 +17,7 @@ from martensite.base.files import MOST_LOG, read_unpacked
 
 TEXT = (".csv", ".txt", ".tsv", ".dat")
 """Usual endings of text files."""
+_QUOTED = re.compile(r'\s*"([^"]*[,;\t][^"]*)"\s*')
 Line = tuple[int, str]
 """Number of a line in its file, and its text."""
 
@@ -35,15 +37,27 @@ def read_lines(path: Path, *, spoilt: bool = False) -> tuple[list[Line], str]:
     text, encoding = _decode(raw, path, spoilt)
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     lines = [(number, line) for number, line in enumerate(text.split("\n"), start=1) if line.strip()]
+    if sum(_QUOTED.fullmatch(line) is not None for _, line in lines) * 10 > 9 * len(lines):
+        lines = [(number, _QUOTED.sub(r"\1", line)) for number, line in lines]  # every line is one quoted cell
     if not lines:
         raise DataError(f"`{path.name}` is empty: it holds no rows.")
     return lines, encoding
 
 
+def _find_wide(raw: bytes) -> str:
+    """Return the encoding of a text of two bytes a letter; empty for other files."""
+    if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return "utf-16"
+    if len(raw) < 4 or raw[:200].count(0) * 3 < len(raw[:200]):
+        return ""
+    wide = "utf-16-le" if raw[1] == 0 else "utf-16-be"
+    letters = raw[:200].decode(wide, "replace")
+    plain = sum(ord(letter) < 0x500 and (letter.isprintable() or letter.isspace()) for letter in letters)
+    return wide if plain * 10 > 9 * len(letters) else ""
+
+
 def _decode(raw: bytes, path: Path, spoilt: bool) -> tuple[str, str]:
-    wide = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}.get(raw[:2], "")
-    if not wide and len(raw) > 3 and raw[:200].count(0) * 3 > len(raw[:200]) and not spoilt:
-        wide = "utf-16-le" if raw[1] == 0 else "utf-16-be"
+    wide = "" if spoilt else _find_wide(raw)
     if wide:
         return raw.decode(wide, "replace").lstrip("\ufeff"), "UTF-16"
     odd = sum(byte < 9 or 13 < byte < 27 for byte in raw[:4096])
@@ -65,7 +79,8 @@ def split_cells(line: str, sign: str) -> list[str]:
     if '"' not in line:
         return line.split(sign)
     try:
-        return next(csv.reader([line], delimiter=sign, skipinitialspace=True))
+        cells = next(csv.reader([line], delimiter=sign, skipinitialspace=True))
+        return [cell.strip('"') for cell in cells]  # some loggers quote twice
     except (csv.Error, StopIteration):
         return line.split(sign)
 

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from martensite.base.errors import DataError
-from martensite.logs.cells import Numbers, NumberStyle, find_kind, find_style, is_missing, read_cells
+from martensite.logs.cells import Numbers, NumberStyle, clear_extremes, find_kind, find_style, is_missing, read_cells
 from martensite.logs.layout import name_column
 from martensite.logs.table_headings import SEPARATORS, Above, Row, collect_said, find_headings
 
@@ -88,6 +88,8 @@ class RawTable:
     said: Mapping[str, str] = field(default_factory=dict[str, str])
     """Entries in the lines above the table: lower-case word -> text next to it."""
     notes: tuple[str, ...] = ()
+    labels: tuple[str, ...] = ()
+    """Cells above the headings, one for each column; empty without such a row."""
 
     @property
     def rows(self) -> int:
@@ -123,13 +125,19 @@ def find_table(
     if not places:
         raise DataError(f"{where} holds no column of numbers.")
     body = _find_body(rows, alike, places, where)
-    sign = SEPARATORS.get(separator)
+    if 3 * len(body) < len(numeric):
+        first, last = rows[body[0]][0], rows[body[-1]][0]
+        raise DataError(
+            f"{where} has {len(numeric)} rows with numbers, but only {len(body)} of them, rows {first} to {last}, "
+            f"have the same {width} columns; save each table as a file of its own."
+        )
+    sign, channels = SEPARATORS.get(separator), _find_channel_units(rows[: body[0]])
     headings, units, used = find_headings(rows[max(0, body[0] - ABOVE) : body[0]], texts or {}, width, sign)
     body, again = _choose_block(rows, body, headings, where)
     said = collect_said(rows[: body[0]]) | (collect_said([rows[k] for k in body[:40]]) if 0 not in places else {})
     style = find_style(rows[k][1][p] for k in body[:: max(1, len(body) // 500)] for p in places)
     left, above = _list_left(rows, body, (numeric, set(alike)), used, bool(again))
-    columns = _read_columns([rows[k] for k in body], headings, units, style, places)
+    columns = _read_columns([rows[k] for k in body], headings, channels | units, style, places)
     comma = "decimal commas" if style.comma else ""
     words = [form[0], *form[1:2], comma, _say_lines(max(0, rows[body[0]][0] - 1 - above)), *form[2:]]
     doubt = ("Numbers such as `1,234` may hold thousands: they are read with a decimal comma.",) * style.unsure
@@ -144,7 +152,21 @@ def find_table(
         left,
         said | {key: text for key, text in units.items() if isinstance(key, str)},
         again + doubt,
+        _find_labels(rows, used, width),
     )
+
+
+def _find_labels(rows: Sequence[Row], used: set[int], width: int) -> tuple[str, ...]:
+    """Return the cells right above the headings, if these are as wide and begin with a label."""
+    first = next((k for k, (number, _) in enumerate(rows) if number in used), 0)
+    label = [cell.strip() for cell in rows[first - 1][1]] if first else []
+    return tuple(label) if len(label) == width and label[0] else ()
+
+
+def _find_channel_units(above: Sequence[Row]) -> Above:
+    """Return the units of the channels of a LabVIEW file by the place of their column."""
+    labelled = [row for _, row in above if row[0].strip() == "Y_Unit_Label"]
+    return {} if not labelled else {k: cell.strip() for k, cell in enumerate(labelled[-1]) if k and cell.strip()}
 
 
 def _find_width(rows: Sequence[Row], numeric: set[int], where: str) -> int:
@@ -196,8 +218,10 @@ def _list_left(
 def _stands_above(rows: Sequence[Row], body: Sequence[int], places: Sequence[int]) -> bool:
     """Return whether the first row is a number with a word among the lines above, far from the table or labelled."""
     apart = body[1] - body[0]
-    words = [cell for place, cell in enumerate(rows[body[0]][1]) if place not in places and cell.strip()]
-    return apart > ABOVE or (apart > 1 and bool(words))
+    (_, first), (_, second) = rows[body[0]], rows[body[1]]
+    words = [cell for place, cell in enumerate(first) if place not in places and cell.strip()]
+    alike = [find_kind(first[place]) == find_kind(second[place]) for place in places]
+    return apart > ABOVE or (apart > 1 and (bool(words) or not any(alike)))
 
 
 def _list_spoilt(rows: Sequence[Row], first: int, same: set[int], used: set[int]) -> list[int]:
@@ -292,7 +316,7 @@ def describe_arrays(path: Path, arrays: Mapping[str, Numbers], form: str) -> Raw
     columns: list[RawColumn] = []
     for name, array in kept.items():
         wrong = tuple(WrongCell(int(k) + 1, f"{array[k]}") for k in np.flatnonzero(np.isinf(array))[:20])
-        numbers = np.where(np.isinf(array), np.nan, array)
+        numbers = clear_extremes(array)
         columns.append(RawColumn(name, "", "number", numbers, f"{array[0]:.9g}", wrong))
     preview = [[f"{column.numbers[k]:.9g}" for column in columns] for k in range(min(length, 20))]
     return RawTable(path.name, form, "", True, tuple(columns), [*range(1, length + 1)], preview, notes=notes)

@@ -9,12 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 
 from martensite.base.errors import DataError, InputError, ParameterError, suggest_name
 from martensite.base.files import tell_once
 from martensite.logs.binary_files import BINARY, head_column
-from martensite.logs.container_files import KINDS, read_container
+from martensite.logs.container_files import KINDS, find_ending, list_sheets, read_container
 from martensite.logs.exact_tables import (
     SIGNS,
     InexactError,
@@ -22,8 +23,9 @@ from martensite.logs.exact_tables import (
     is_all_known,
     read_exact_headings,
     read_exact_text,
+    refuse_mistaken,
 )
-from martensite.logs.lab_files import LabFile, read_lab_file
+from martensite.logs.lab_files import LabFile, read_lab_file, split_side_by_side
 from martensite.logs.layout import CANONICAL, IGNORED, FileColumn, Layout, name_column
 from martensite.logs.raw_table import RawColumn, RawTable, WrongCell
 from martensite.signals.records import Record
@@ -80,6 +82,17 @@ def read_log(
     return found.with_interval(interval) if interval is not None and not found.has_time else found
 
 
+def read_parts(
+    source: str | Path, named: Mapping[str, str] | None = None, interval: float | None = None, *, known: bool = False
+) -> list[LabFile]:
+    """Read all tables of a file: each sheet of a spreadsheet, and each of several equal tables side by side.
+
+    Arguments and errors are those of `read_log`.
+    """
+    files = [read_log(part, named, interval, known=known) for part in list_sheets(source)]
+    return [part for file in files for part in split_side_by_side(file)]
+
+
 def _try_exact(source: str | Path, interval: float | None) -> LabFile | None:
     """Return a file to the letter; None where its headings do not settle all meanings."""
     if not (is_published(source) or is_columnar(source) or _is_text(source)):
@@ -91,7 +104,19 @@ def _try_exact(source: str | Path, interval: float | None) -> LabFile | None:
             raise
         return None
     except DataError as error:
-        raise _advise(error, source) from None
+        if is_published(source) or not _is_text(source) or not _is_whole(source):
+            raise _advise(error, source) from None
+        return None
+
+
+def _is_whole(source: str | Path) -> bool:
+    """Return whether a file is understood without the loss of any cell: thousands, a counter that begins anew."""
+    try:
+        found = read_lab_file(source)
+    except DataError:
+        return False
+    columns = found.record.columns.values()
+    return not found.dropped and not found.record.dropped and all(map(math.isfinite, chain.from_iterable(columns)))
 
 
 def read_log_table(source: str | Path, interval: float | None = None, named: Mapping[str, str] | None = None) -> Record:
@@ -175,7 +200,7 @@ def read_exact(
     """
     path, own, name = _find_origin(source)
     layout = layout or own
-    if path.suffix.lower() in KINDS:
+    if find_ending(path) in KINDS:
         raw, headings = _read_exact_arrays(read_container(path), layout, gaps, names, units or {})
         _refuse_left_out(raw)
     else:
@@ -203,6 +228,7 @@ def _read_exact_arrays(
         raise DataError(f"`{raw.name}` holds {len(plain)} columns, but {count} are named: {_list(plain)}.")
     given = list(layout.columns) or _head_arrays(raw, plain, names, units)
     headings = read_exact_headings(given, f"`{raw.name}`")
+    refuse_mistaken(given, headings, f"`{raw.name}`")
     marked = [_mark_gaps(c, not gaps or h.name == "time") for c, h in zip(raw.columns, headings, strict=True)]
     return replace(raw, columns=tuple(marked)), headings
 
@@ -240,7 +266,7 @@ def _mark_gaps(column: RawColumn, refused: bool) -> RawColumn:
 
 
 def _is_text(source: str | Path) -> bool:
-    return Path(source).suffix.lower() not in KINDS
+    return find_ending(source) not in KINDS
 
 
 def _list(names: Iterable[str]) -> str:

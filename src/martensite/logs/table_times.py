@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from martensite.base import units
 from martensite.base.errors import DataError, UnitError
 from martensite.logs.cells import DAY, Numbers
-from martensite.logs.heading_guess import find_listed
+from martensite.logs.heading_guess import find_listed, part_heading
 from martensite.logs.raw_table import LeftOut, RawColumn, RawTable, count_rows
 
 WRAPS = {"a counter of 16 bits": 2.0**16, "a counter of 32 bits": 2.0**32}
@@ -140,6 +140,30 @@ def spread_rows(times: Numbers) -> Numbers:
         1, first[-1] - first[0]
     )
     return np.interp(rows, np.append(first, times.size), np.append(times[first], last))
+
+
+STEP = re.compile(r"ts|dt|(?:sample|sampling)[ _]?(?:time|interval|period)|step[ _]?time", re.IGNORECASE)
+"""Headings of a column that repeats the time between rows."""
+
+
+def count_blocks(times: Numbers) -> int:
+    """Return in how many blocks a time begins again at its first value; 1 if it does not."""
+    known = times[np.isfinite(times)]
+    begun = known[1:][np.diff(known) < 0.0]
+    return 1 + int(begun.size) if begun.size and bool(np.all(begun == known[0])) else 1
+
+
+def find_step(columns: Iterable[tuple[str, str, Numbers]]) -> float | None:
+    """Return the time between rows [s] that a column repeats; columns are (heading, unit, numbers)."""
+    for heading, unit, numbers in columns:
+        words, spelling = part_heading(heading)
+        if STEP.fullmatch(words.strip()) and numbers.size and np.all(numbers == numbers[0]) and numbers[0] > 0.0:
+            try:
+                listed = find_listed(unit or spelling)
+                return float(numbers[0]) * units.find_conversion("s" if listed in ("", "1") else listed, "s")[0]
+            except UnitError:
+                continue
+    return None
 
 
 _INTERVAL = re.compile(

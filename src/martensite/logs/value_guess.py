@@ -63,7 +63,7 @@ def guess_unit(name: str, numbers: Numbers) -> ValueGuess:
     if name == "current":
         return ValueGuess(name, "A" if size <= 15.0 else "mA", size <= 15.0)
     if name in ("angle", "rotor_angle"):
-        return ValueGuess(name, "deg" if size > 6.3 else "rad", False)
+        return ValueGuess(name, "", False)  # degrees and radians both come into question
     usual = CANONICAL.get(name, "") if name not in ("rotor_speed", "drive") else ""  # rpm and rad/s are as usual
     return ValueGuess(name, usual and choose_readable_unit(usual), False)
 
@@ -104,6 +104,12 @@ def is_even_time(numbers: Numbers) -> bool:
     return (
         middle > 0.0 and bool(np.all(steps > 0.0)) and float(np.quantile(np.abs(steps - middle), 0.9)) <= EVEN * middle
     )
+
+
+def is_rising(numbers: Numbers) -> bool:
+    """Return whether numbers never fall, and rise in all."""
+    known = numbers[np.isfinite(numbers)]
+    return known.size > 1 and bool(np.all(np.diff(known) >= 0.0)) and bool(known[-1] > known[0])
 
 
 def _is_strain(numbers: Numbers) -> bool:

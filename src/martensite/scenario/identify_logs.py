@@ -89,7 +89,8 @@ def guess_columns(
 def _find_first(columns: Sequence[str], words: Sequence[str]) -> list[str]:
     """Return the column that is called, or means, the first of some words that any does."""
     meant = {name: (name.rpartition(".")[2].lower(), guess_heading(name).name.rpartition(".")[2]) for name in columns}
-    return next(([name] for word in words for name in columns if word in meant[name]), [])
+    spoken = next(([name] for word in words for name in columns if word in meant[name]), [])
+    return spoken or [name for name in columns if {"input", "output"} & set(words) & set(name.lower().split("_"))][:1]
 
 
 def _explain_lack(option: str, found: Sequence[str]) -> str:

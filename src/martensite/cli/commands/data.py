@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from typer import Argument, Option
@@ -14,6 +15,9 @@ from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.cli.app import app
 from martensite.cli.options import Force, Json, NamedColumns, Texts, read_quantity, refuse_idle
 from martensite.cli.outputs import Outputs, check_absent, check_ending, check_folder
+
+if TYPE_CHECKING:
+    from martensite.logs.lab_files import LabFile
 
 data = typer.Typer(help="Measured files and published data sets: list, show, fetch.")
 
@@ -90,9 +94,7 @@ def show_data(
     if len(names) == 1 and names[0] in dataset_names():
         _show_set(names[0], json)
         return
-    from martensite.logs.lab_files import read_lab_file
     from martensite.logs.merged_files import merge_by_clock
-    from martensite.logs.reader import parse_named
     from martensite.show.summaries.lab_file import summarise_lab_files
 
     check_ending(out, (".csv",))
@@ -101,13 +103,23 @@ def show_data(
     if out is not None:
         check_folder(out)
         check_absent(out, force)
-    found = [read_lab_file(name, parse_named(named or ())) for name in names]
+    found = _read_files(names, named or ())
     if merge:
         offsets = [read_quantity("offset", text, "s") or 0.0 for text in offset or ()]
         found = [merge_by_clock(found, offsets or None)]
     if out is not None and len(found) > 1:
         raise InputError(f"`{out}` takes one table, but there are {len(found)} files; join them by --merge.")
     Outputs(out, None).answer(summarise_lab_files(found), json, found[0].to_csv)
+
+
+def _read_files(names: list[str], named: Iterable[str]) -> list[LabFile]:
+    """All tables of files, with rows that cannot be read left out."""
+    from martensite.logs.container_files import list_sheets
+    from martensite.logs.lab_files import read_lab_file, split_side_by_side
+    from martensite.logs.reader import parse_named
+
+    sheets = [read_lab_file(sheet, parse_named(named)) for name in names for sheet in list_sheets(name)]
+    return [part for sheet in sheets for part in split_side_by_side(sheet)]
 
 
 def _show_set(name: str, json: bool) -> None:
