@@ -128,6 +128,22 @@ def read_log_table(source: str | Path, interval: float | None = None, named: Map
     return tell_guesses(read_log(source, named, interval)).record
 
 
+def read_complete(source: str | Path, interval: float | None = None) -> Record:
+    """Return the record of `read_log_table` for a computation that takes no missing samples.
+
+    Raises:
+        DataError: it cannot be read, or a sample is missing.
+    """
+    record = read_log_table(source, interval)
+    for name, numbers in record.columns.items():
+        row = next((k for k, number in enumerate(numbers, start=1) if math.isnan(number)), None)
+        if row is not None:
+            raise DataError(
+                f"Column `{name}` of `{record.name}` has no number in row {row} of its table; none may be missing."
+            )
+    return record
+
+
 def tell_guesses(file: LabFile) -> LabFile:
     """Return a file, and print once on standard error how it was understood, unless all of it was given."""
     if not file.is_given:
@@ -277,4 +293,4 @@ def _advise(error: DataError, source: str | Path) -> DataError:
     """Return the error with the command that repairs its file."""
     if is_published(source) or not _is_text(source) or ", row " not in str(error):
         return error
-    return DataError(f"{error} `martensite data show {Path(source).name} --save clean.csv` leaves it out.")
+    return DataError(f"{error} `martensite data show {Path(source).name} --out clean.csv` leaves it out.")

@@ -123,12 +123,8 @@ class RunOptions:
         """The record to compare with."""
         if self.no_compare:
             return None
-        if self.compare is not None and self.named:
-            return _read_log(self.compare, self.named)
         if self.compare is not None:
-            from martensite.logs.reader import read_table
-
-            return read_table(self.compare)
+            return _read_log(self.compare, self.named)
         if log is not None:
             return _cut_log(log, scenario)
         return scenario.measured.read() if scenario.measured else None

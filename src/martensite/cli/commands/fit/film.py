@@ -117,9 +117,9 @@ def read_points(table: Path, wire: HeatedWire) -> tuple[FilmPoints, str]:
         InputError: an option is missing, or has no effect.
     """
     from martensite.characterise.film_coefficient import FilmPoints, points_from_power
-    from martensite.logs.reader import read_table
+    from martensite.logs.reader import read_complete
 
-    record = read_table(table, interval=1.0)
+    record = read_complete(table, 1.0)
     at = tuple(_to_celsius(kelvin) for kelvin in record["temperature"])
     if "h" in record.columns:
         if record.units["h"] != FILM:

@@ -73,13 +73,13 @@ def read_winding(locked: Path | None, resistance: str | None) -> Winding:
     """
     from martensite.characterise.estimate import MeasuredValue
     from martensite.characterise.motor_constants import Winding, winding_resistance
-    from martensite.logs.reader import read_table
+    from martensite.logs.reader import read_complete
 
     if (locked is None) == (resistance is None):
         raise InputError("Give the resistance in one way: --locked TABLE or --resistance.")
     if locked is None:
         return Winding(MeasuredValue(read_positive("resistance", str(resistance), "ohm")))
-    record = read_table(locked, interval=1.0)
+    record = read_complete(locked, 1.0)
     return winding_resistance(record["voltage"], record["current"])
 
 
@@ -90,9 +90,9 @@ def read_steady(path: Path) -> SteadyRunning:
         DataError: the table does not hold what is needed.
     """
     from martensite.characterise.motor_constants import steady_running
-    from martensite.logs.reader import read_table
+    from martensite.logs.reader import read_complete
 
-    record = read_table(path, interval=1.0)
+    record = read_complete(path, 1.0)
     return steady_running(record["voltage"], record["current"], _read_speeds(record))
 
 
@@ -103,11 +103,11 @@ def read_rise(path: Path | None, column: str) -> Rise | None:
         DataError: the record does not hold what is needed.
     """
     from martensite.characterise.time_constant import fit_rise
-    from martensite.logs.reader import read_table
+    from martensite.logs.reader import read_complete
 
     if path is None:
         return None
-    record = read_table(path)
+    record = read_complete(path)
     if record.interval is not None:
         raise DataError(f"`{path.name}` has no column `time`; a rise needs one, `time [s]`.")
     values = _read_speeds(record) if column == "speed" else record[column]
@@ -227,9 +227,9 @@ def read_vibration(
         DataError: the column is unknown or ambiguous, the times are missing, or the interval is empty.
         UnitError: `start` or `end` is not a time.
     """
-    from martensite.logs.reader import read_table
+    from martensite.logs.reader import read_complete
 
-    record = read_table(path)
+    record = read_complete(path)
     if record.interval is not None:
         raise DataError(f"`{path.name}` has no column `time`; a vibration needs one, `time [s]`.")
     name = _choose_column(record, column)
