@@ -2,7 +2,7 @@
 
 import pytest
 
-from martensite.fit.condition_tables import _find_words
+from martensite.fit.condition_headings import find_measure_words
 from martensite.logs.heading_guess import SPELLINGS, guess_heading, usual_units
 from martensite.logs.layout import CANONICAL, read_headings
 
@@ -64,5 +64,5 @@ def test_usual_units_are_those_that_fit(name: str) -> None:
 def test_words_of_quantities_are_those_of_all_readers() -> None:
     """What a heading of a log may be called, a measure in a table of conditions may be called, too."""
     assert (guess_heading("Contraction (mm)").name, guess_heading("voltage drop [V]").name) == ("position", "voltage")
-    assert _find_words("peak contraction", ()) == _find_words("peak disp", ()) == "stroke"
-    assert _find_words("mean thermocouple", ("temperature",)) == "mean(temperature)"
+    assert find_measure_words("peak contraction", ()) == find_measure_words("peak disp", ()) == "stroke"
+    assert find_measure_words("mean thermocouple", ("temperature",)) == "mean(temperature)"

@@ -19,9 +19,9 @@ from fit_cases import HEATED, ISOBARIC, TRUE, cycle, heated, isobaric, measured,
 
 from martensite.fit.api import fit_logs
 from martensite.fit.column_matching import ComparedColumn, match_columns
+from martensite.fit.descents import find_step
 from martensite.fit.fit import Fit
 from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
-from martensite.fit.solve import find_step
 from martensite.scenario.recorded_waveforms import hold_levels, is_stepped
 from martensite.scenario.scenario import read_scenario
 from martensite.show.summaries.fit_tables import mark_parameter, tabulate_errors

@@ -11,7 +11,7 @@ import pytest
 from input_noise_cases import FREE, build_loops, draw_problem, fit_loops, judge_fits
 from scipy import stats
 
-from martensite.fit.input_noise import estimate_column_noise
+from martensite.fit.column_noise import estimate_column_noise
 from martensite.fit.solve import solve_problem
 
 FEW, MANY = 4, 20

@@ -13,7 +13,7 @@ n/s². Kept back are, of one or two specimens, conditions at the edge and in the
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -203,17 +203,9 @@ def _build_experiment(
 ) -> ConditionExperiment:
     scenarios = [_set_inputs(scenario, table.inputs, row.places[0]) for row in rows]
     system = scenarios[0].system
-    base = {leaf.path: float(leaf.value) for leaf in system.leaves()}
-    conditions = list[TableRow]()
-    for row, one in zip(rows, scenarios, strict=True):
-        if compile_march(one.system) is not compile_march(system):
-            raise InputError(f"Rows of `{table.path.name}` make systems of another kind; fit them one by one.")
-        changes = {leaf.path: float(leaf.value) for leaf in one.system.leaves() if leaf.value != base[leaf.path]}
-        inputs = {column.path: column.values[row.places[0]] for column in table.inputs}
-        conditions.append(TableRow(inputs, changes, one.waveform, one.duration, table.numbers[row.places[0]]))
-    measures = [one for one in table.measures if any(math.isfinite(row.values[one.words]) for row in rows)]
+    measures, measured = _list_measures(table, rows)
     columns = {"time": [float(k + 1) for k in range(len(rows))]}
-    columns |= {one.heading: [row.values[one.words] for row in rows] for one in measures}
+    columns |= {one.heading: measured[one.words] for one in measures}
     units = {"time": "s"} | {one.heading: one.unit for one in measures}
     factors = {one.words: tuple(math.sqrt(row.counts[one.words]) for row in rows) for one in measures}
     longest = scenario.step if step is None else step
@@ -227,11 +219,29 @@ def _build_experiment(
         longest,
         weights=dict.fromkeys((one.words for one in measures), log.weight),
         groups={**log.groups, **groups},
-        conditions=tuple(conditions),
+        conditions=tuple(_list_conditions(table, rows, scenarios)),
         factors=factors,
         input_units={one.path: one.unit for one in table.inputs},
         level=next((one.path for one in table.inputs if one.level), ""),
     )
+
+
+def _list_measures(table: ConditionTable, rows: Sequence[_Row]) -> tuple[list[MeasureColumn], dict[str, list[float]]]:
+    """Return the measures that at least one row has, and the values of all measures."""
+    measured = {one.words: [row.values[one.words] for row in rows] for one in table.measures}
+    return [one for one in table.measures if np.isfinite(measured[one.words]).any()], measured
+
+
+def _list_conditions(table: ConditionTable, rows: Sequence[_Row], scenarios: Sequence[Scenario]) -> Iterator[TableRow]:
+    """Yield the condition of every row: its inputs, and the values that differ from the first row."""
+    system = scenarios[0].system
+    base = {leaf.path: float(leaf.value) for leaf in system.leaves()}
+    for row, one in zip(rows, scenarios, strict=True):
+        if compile_march(one.system) is not compile_march(system):
+            raise InputError(f"Rows of `{table.path.name}` make systems of another kind; fit them one by one.")
+        changes = {leaf.path: float(leaf.value) for leaf in one.system.leaves() if leaf.value != base[leaf.path]}
+        inputs = {column.path: column.values[row.places[0]] for column in table.inputs}
+        yield TableRow(inputs, changes, one.waveform, one.duration, table.numbers[row.places[0]])
 
 
 def _set_inputs(scenario: Scenario, inputs: Sequence[InputColumn], k: int) -> Scenario:

@@ -13,17 +13,17 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from martensite.base import units
-from martensite.base.errors import DataError, InputError, UnitError, suggest_name
+from martensite.base.errors import DataError, UnitError, suggest_name
 from martensite.base.parameters import find_paths
+from martensite.fit.condition_headings import find_measure_words, split_heading
 from martensite.logs.column_meanings import find_places
 from martensite.logs.exact_tables import is_gap, is_number, read_rows
-from martensite.logs.heading_guess import part_heading
-from martensite.logs.layout import CANONICAL, IGNORED, QUANTITIES, Layout, find_quantity, list_quantities
+from martensite.logs.layout import CANONICAL, IGNORED, Layout, list_quantities
 from martensite.logs.open_files import TEXT, describe_unreadable
 from martensite.logs.reader import read_table
 from martensite.scenario.assemble import waveform_path
@@ -32,24 +32,13 @@ from martensite.search.free_numbers import Target
 from martensite.signals.base import DRIVE
 from martensite.signals.records import Record
 from martensite.simulate.drive_waveforms import by_name
-from martensite.simulate.measures.base import MEASURES, AbstractMeasure, parse_measure
+from martensite.simulate.measures.base import AbstractMeasure, parse_measure
 from martensite.simulate.waveform_levels import Level
 
 GROUPS = ("specimen", "sample", "piece", "batch", "serial", "day")
 """Headings of columns that say to what a row belongs, whatever their cells hold."""
 COUNTS = ("n", "count", "repeats", "number of repeats")
 SPREADS = ("sd", "std", "s.d.", "±", "+-", "spread", "standard deviation")
-WAYS = {
-    **dict.fromkeys(("peak", "max", "maximum", "largest", "highest"), "max"),
-    **dict.fromkeys(("min", "minimum", "least", "smallest", "lowest"), "min"),
-    **dict.fromkeys(("steady", "final", "end", "settled", "last"), "final"),
-    **dict.fromkeys(("rise", "change", "increase", "gain", "delta", "Δ"), "change"),
-    **dict.fromkeys(("mean", "average"), "mean"),
-    "rms": "rms",
-}
-"""Word beside an output -> measure of it."""
-STROKES = {"lift", *QUANTITIES["position"].words}
-"""Words for the first coordinate of a mechanism."""
 INPUTS = {
     "ambient": ("environment.temperature",),
     "ambient temperature": ("environment.temperature",),
@@ -75,9 +64,6 @@ HEAD_BYTES = 65536
 """Bytes of a file that are looked at to tell a table from a log."""
 GRAVITY = 9.80665
 """[m/s²], by which a load given as a force is that of a mass."""
-_HEADING = re.compile(r"^\s*(.*?)\s*(?:\[\s*([^\]]*?)\s*\])?\s*$")
-_ROUND = re.compile(r"^(.*?)\s*\(([^()]*)\)$")
-_TIME_TO = re.compile(r"^time to (peak|max(?:imum)?|([\d.]+) ?%)(?: of)?(?: (.+))?$")
 
 
 @dataclass(frozen=True)
@@ -131,8 +117,8 @@ def is_condition_table(source: object, named: Mapping[str, str] | None = None) -
     """Return whether a file is a table of conditions: without times, and with a measure in a heading or in `named`."""
     if not isinstance(source, (str, Path)) or not str(source).lower().endswith(TEXT) or not Path(source).is_file():
         return False
-    names = [_split_heading(one)[0] for one in (*_read_first_line(Path(source)), *(named or {}).values())]
-    return "time" not in names and any(_find_words(one, ()) for one in names)
+    names = [split_heading(one)[0] for one in (*_read_first_line(Path(source)), *(named or {}).values())]
+    return "time" not in names and any(find_measure_words(one, ()) for one in names)
 
 
 def _read_first_line(path: Path) -> list[str]:
@@ -176,54 +162,6 @@ def read_condition_table(
     return reading.finish(headings)
 
 
-def _split_heading(text: str) -> tuple[str, str]:
-    """Return the name in small letters with blanks, and the unit in brackets."""
-    found = _HEADING.match(text)
-    name, unit = (found[1], found[2] or "") if found else (text.strip(), "")
-    round_brackets = _ROUND.match(name)
-    if round_brackets and not unit and round_brackets[1].strip() not in MEASURES.names():
-        name, unit = round_brackets[1], round_brackets[2]
-    if not unit and "_" in name:
-        name, unit = part_heading(name)
-    plain = "(" in name or "." in name or name.strip() == IGNORED
-    return (name.strip() if plain else re.sub(r"[\s_-]+", " ", name.strip().lower())), unit.strip()
-
-
-def _find_words(name: str, outputs: Iterable[str]) -> str:
-    """Return the measure in a heading, as text for `parse_measure`; empty for other headings."""
-    known, plain = list(outputs), name.replace(" ", "-")
-    if "(" in name or plain in MEASURES.names():
-        try:
-            parse_measure(name if "(" in name else plain)
-        except InputError:
-            return ""
-        return name if "(" in name else plain
-    found = _TIME_TO.match(name)
-    if found is not None:
-        share = f"share={found[2]} %" if found[2] else ""
-        options = ", ".join(filter(None, (_find_output(found[3] or "", known), share)))
-        if found[2] and not found[3]:
-            return f"reach-time(, {share})"
-        return f"{'reach' if found[2] else 'peak'}-time({options})" if options else "peak-time"
-    words = [word for word in name.split(" ") if word != "of"]
-    ways = [word for word in words if word in WAYS]
-    rest = " ".join(word for word in words if word not in WAYS)
-    if len(ways) != 1 or not rest:
-        return ""
-    if rest in STROKES and WAYS[ways[0]] == "max":
-        return "stroke"
-    output = _find_output(rest, known)
-    return f"{WAYS[ways[0]]}({output})" if output else WAYS[ways[0]]
-
-
-def _find_output(words: str, known: Sequence[str]) -> str:
-    """Return the output that some words name; empty for the first coordinate."""
-    plain = words.replace(" ", "_")
-    if plain in known or words in STROKES:
-        return "" if words in STROKES else plain
-    return find_quantity(plain, lambda name: name in known) or plain
-
-
 class _Reading:
     """Columns of a table, one after the other."""
 
@@ -240,7 +178,7 @@ class _Reading:
 
     def add_column(self, place: int, heading: str) -> None:
         """Say what a column is."""
-        name, unit = _split_heading(heading)
+        name, unit = split_heading(heading)
         cells = [row[place].strip() for row in self.rows]
         words = any(not is_gap(cell) and not is_number(cell) for cell in cells)
         if name in ("", IGNORED):
@@ -312,7 +250,7 @@ class _Reading:
         return ("measure", words) if words else None
 
     def _find_measure(self, name: str) -> str:
-        words = _find_words(name, self.outputs)
+        words = find_measure_words(name, self.outputs)
         if not words and find_paths(name.replace(" ", "_"), self.outputs):
             words = f"final({name.replace(' ', '_')})"
         if words:

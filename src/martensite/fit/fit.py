@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 
 from martensite.actuators.mechanisms.base import Output
+from martensite.fit.column_noise import FollowedNoise
+from martensite.fit.evaluation import Evaluation
 from martensite.fit.experiment import Experiment
 from martensite.fit.free_parameters import is_nuisance
-from martensite.fit.input_noise import FollowedNoise
 from martensite.fit.losses import estimate_scale, find_loss
-from martensite.fit.problem import Evaluation, Problem
+from martensite.fit.problem import Problem
 from martensite.scenario.scenario import Scenario
 from martensite.search.free_numbers import FreeNumber
 from martensite.search.identifiability import Identifiability, assess_identifiability

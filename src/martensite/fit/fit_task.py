@@ -17,6 +17,7 @@ from martensite.base.errors import InputError
 from martensite.base.parameters import find_paths
 from martensite.fit.column_matching import ComparedColumn, match_columns, read_columns, read_noise, refuse_swapped
 from martensite.fit.condition_tables import INPUTS, is_condition_table
+from martensite.fit.descents import INTERRUPTED, MOST_EVALUATIONS
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 from martensite.fit.free_parameters import FIT_FORMS, is_nuisance, read_ranges
@@ -34,7 +35,7 @@ from martensite.fit.logs import (
 )
 from martensite.fit.problem import Problem, build_problem
 from martensite.fit.search_monitor import Tell
-from martensite.fit.solve import INTERRUPTED, MOST_EVALUATIONS, predict_each, solve_problem
+from martensite.fit.solve import predict_each, solve_problem
 from martensite.fit.start_checks import check_start, find_silent_outputs
 from martensite.fit.step_choice import choose_step, describe_step_error
 from martensite.scenario.scenario import Scenario
@@ -266,10 +267,10 @@ def _drop_silent_outputs(
     own = [one for one in each if not is_nuisance(one.name)]
     training = build_problem(made, free, each=own).training
     quiet = find_silent_outputs(training)
-    heard = {output for one in training.experiments for output in one.outputs if (one.name, output) not in quiet}
-    lost = [name for name in dict.fromkeys(name for _, name in quiet) if name not in heard]
-    kept = [{n: c for n, c in one.columns.items() if n not in lost} for one in made]
-    if not lost or not all(kept):
+    pairs = [(one.name, name) for one in training.experiments for name in one.outputs]
+    heard = {name for record, name in pairs if (record, name) not in quiet}
+    lost = sorted({name for _, name in quiet} - heard)
+    kept = [replace(one, columns={n: c for n, c in one.columns.items() if n not in lost}) for one in made]
+    if not lost or not all(one.columns for one in kept):
         return made, []
-    notes = [f"Nothing that is free moves `{name}`, which is not compared." for name in lost]
-    return [replace(one, columns=c) for one, c in zip(made, kept, strict=True)], notes
+    return kept, [f"Nothing that is free moves `{name}`, which is not compared." for name in lost]

@@ -23,13 +23,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from martensite.base.errors import SolveError
-from martensite.fit.problem import Evaluation, InputCorrection, Problem
+from martensite.fit.column_noise import FollowedNoise, find_input_noise
+from martensite.fit.evaluation import Evaluation, InputCorrection
+from martensite.fit.problem import Problem
 from martensite.search.batch_runner import LANES
 
 MOST_ROWS = 200
@@ -52,81 +53,9 @@ SHARES = (1.0, 0.5, 0.25, 0.1, 0.03)
 """Fractions of a step, tried until one improves the cost."""
 NEGLIGIBLE = 0.1
 """Largest effect of the noise, as a share of the noise of the output, that is left alone."""
-INCREDIBLE = 0.05
-"""Share of the range of a column above which what looks like noise may be its signal."""
 EXPLAINED = 0.5
 """Part of the effect of noise on all rows at once that pieces must give, or blocks are moved."""
-OUTLYING = 4.0
-"""Standard deviations beyond which a row is a corner of the signal, and no noise."""
 Descend = Callable[[Problem, Any, Evaluation], Any]
-
-
-class FollowedNoise(NamedTuple):
-    """Noise of a column that drives."""
-
-    drive: str
-    column: str
-    sigma: float
-    """Standard deviation [SI]."""
-    declared: bool
-    """True if the noise was given, False if it was estimated from the column."""
-
-
-def estimate_column_noise(times: ArrayLike, values: ArrayLike) -> float:
-    """Return the standard deviation of a smooth or resting column about its neighbours, the noise.
-
-    Every row is interpolated by a polynomial through its 2, 4 or 6 neighbours; the remainder has the
-    variance σ² (1 + Σ w²). The least of the three counts: a signal that bends leaves more.
-
-    Args:
-        times: of the rows [s].
-        values: of the column; at least 9, else the answer is 0.
-    """
-    t, x = np.asarray(times, float), np.asarray(values, float)
-    if len(t) < 9:
-        return 0.0
-    return min(_estimate_by_neighbours(t, x, reach) for reach in (1, 2, 3))
-
-
-def _estimate_by_neighbours(t: Any, x: Any, reach: int) -> float:
-    count = len(t) - 2 * reach
-    places = [k for k in range(2 * reach + 1) if k != reach]
-    near = np.stack([t[k : k + count] for k in places], axis=1) - t[reach : reach + count, None]
-    weights = np.ones_like(near)
-    for j in range(len(places)):
-        for k in range(len(places)):
-            if k != j:
-                weights[:, j] *= near[:, k] / (near[:, k] - near[:, j])
-    told = sum(weights[:, j] * x[k : k + count] for j, k in enumerate(places))
-    rest = (x[reach : reach + count] - told) / np.sqrt(1.0 + np.sum(weights**2, axis=1))
-    limit = OUTLYING * 1.4826 * float(np.median(np.abs(rest)))
-    inner = rest[np.abs(rest) <= limit]
-    return math.sqrt(float(np.mean(inner**2))) if limit > 0.0 else 0.0
-
-
-def find_input_noise(problem: Problem) -> tuple[list[FollowedNoise], list[str]]:
-    """Return the noise of all driving columns, declared or estimated, and notes on columns left unchanged."""
-    found: dict[tuple[str, str], list[tuple[float, float, int]]] = {}
-    for one in problem.experiments:
-        for drive, column in one.follows.items():
-            table = one.followed(drive)
-            sigma = estimate_column_noise(table.times, table.values)
-            found.setdefault((drive, column), []).append((sigma, float(np.ptp(table.values)), len(table.times)))
-    kept, notes = list[FollowedNoise](), list[str]()
-    for (drive, column), rows in found.items():
-        given = problem.input_noise.get(column, problem.input_noise.get(drive))
-        if given is not None:
-            kept.append(FollowedNoise(drive, column, given, True))
-            continue
-        sigma = math.sqrt(sum(s * s * n for s, _, n in rows) / sum(n for *_, n in rows))
-        if sigma > INCREDIBLE * max(reach for _, reach, _ in rows):
-            notes.append(
-                f"Column `{column}` changes from row to row too much to tell its noise from its signal; if it is "
-                f"noisy, say how much: `--noise {column}=AMOUNT`."
-            )
-        elif sigma > 0.0:
-            kept.append(FollowedNoise(drive, column, sigma, False))
-    return kept, notes
 
 
 class _FollowedRuns:
@@ -343,32 +272,49 @@ def _is_felt(runs: Sequence[_FollowedRuns], u: Any, size: float) -> bool:
 
 
 def _iterate(problem: Problem, runs: Sequence[_FollowedRuns], u: Any, descend: Descend) -> tuple[Problem, Any]:
-    """Linearise, fit, estimate what drove, until the numbers rest."""
+    """Linearise, fit and estimate the rows of the drives until the parameters rest."""
     u, noise = np.asarray(u, float), math.inf
+    current, end = problem, u
     for count in range(MOST_ROUNDS):
         step = STEPS[count] if count < len(STEPS) else LAST_STEP
-        for one in runs:
-            one.step = step
-            one.linearise(u)
-        bare = problem.with_corrections([InputCorrection(one.inputs(one.rows), one.shift(), ()) for one in runs])
-        found = _balance_noise(problem, runs, bare.split(_require_run(bare, u).residuals))
-        settled, noise = abs(found - noise) <= SETTLED_NOISE * found, found
+        before, current = noise, _linearise(problem, runs, u, step)
+        noise = _balance_noise(problem, runs, current.split(_require_run(current, u).residuals))
         current = problem.with_corrections([one.correct(noise) for one in runs])
         end = np.asarray(descend(current, u, _require_run(current, u)))
         after = _require_run(current, end)
-        errors = noise * np.sqrt(np.diag(np.linalg.pinv(after.jacobian.T @ after.jacobian)))
-        resting = settled and bool(np.all(np.abs(end - u) <= RESTING * errors))
-        if (resting and step == LAST_STEP) or count == MOST_ROUNDS - 1:
-            if count == MOST_ROUNDS - 1 or not sum(one.search_rows(end, noise) for one in runs):
-                return current, end
+        if count == MOST_ROUNDS - 1:
+            break
+        settled = abs(noise - before) <= SETTLED_NOISE * noise and _is_resting(after, end - u, noise)
+        if settled and step == LAST_STEP:
+            if not _search_rows(runs, end, noise):
+                break
             u = end
             continue
         parts = zip(runs, current.split(after.residuals), current.corrections, strict=True)
-        wanted = [one.estimate_rows(fix, part, noise) for one, part, fix in parts]
-        before, u = u, _step_towards(problem, runs, u, end, wanted, noise)
-        if u is before and step == LAST_STEP and not sum(one.search_rows(u, noise) for one in runs):
-            return current, end  # no step helps any more
-    raise SolveError("The rounds of a correction for noise in what drives are none.")
+        begun, wanted = u, [one.estimate_rows(fix, part, noise) for one, part, fix in parts]
+        u = _step_towards(problem, runs, u, end, wanted, noise)
+        if u is begun and step == LAST_STEP and not _search_rows(runs, u, noise):
+            break  # no step helps any more
+    return current, end
+
+
+def _linearise(problem: Problem, runs: Sequence[_FollowedRuns], u: Any, step: float) -> Problem:
+    """Return the problem with the shift of all runs at a point, without whitening."""
+    for one in runs:
+        one.step = step
+        one.linearise(u)
+    return problem.with_corrections([InputCorrection(one.inputs(one.rows), one.shift(), ()) for one in runs])
+
+
+def _is_resting(after: Evaluation, moved: Any, noise: float) -> bool:
+    """Return whether the parameters moved by a small part of their standard errors."""
+    errors = noise * np.sqrt(np.diag(np.linalg.pinv(after.jacobian.T @ after.jacobian)))
+    return bool(np.all(np.abs(moved) <= RESTING * errors))
+
+
+def _search_rows(runs: Sequence[_FollowedRuns], u: Any, noise: float) -> float:
+    """Move single rows of all runs; return by how much the sum of squares falls."""
+    return sum(one.search_rows(u, noise) for one in runs)
 
 
 def _require_run(problem: Problem, u: Any) -> Evaluation:

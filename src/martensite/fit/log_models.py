@@ -19,6 +19,7 @@ from martensite.base.errors import DataError, ParameterError, SolveError
 from martensite.base.toml_text import as_toml
 from martensite.fit.api import build_task
 from martensite.fit.column_matching import read_columns
+from martensite.fit.column_noise import FollowedNoise, find_input_noise
 from martensite.fit.cross_validation import HeldOutError, PooledError, cross_validate, pool_errors, with_start
 from martensite.fit.experiment_kinds.base import (
     AbstractExperimentKind,
@@ -29,7 +30,6 @@ from martensite.fit.experiment_kinds.base import (
 )
 from martensite.fit.experiment_kinds.driven import add_waist
 from martensite.fit.fit import Fit
-from martensite.fit.input_noise import FollowedNoise, find_input_noise
 from martensite.fit.logs import Source
 from martensite.fit.problem import Problem
 from martensite.fit.solve import solve_problem

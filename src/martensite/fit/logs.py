@@ -18,7 +18,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from martensite.base.errors import DataError, InputError, UnknownNameError
+from martensite.base.errors import DataError, InputError, require_known
 from martensite.fit.experiment import ALL
 from martensite.fit.free_parameters import split_list
 from martensite.logs.exact_tables import ASSUMED_INTERVAL
@@ -172,10 +172,13 @@ def choose_held_out(
     if isinstance(hold_out, str) and hold_out.strip().endswith("%"):
         share = read_share(hold_out)
         return [((rows[-1] - share * (rows[-1] - rows[0]), math.inf),) for rows in times]
-    asked = split_list(hold_out)
+    return _choose_named(split_list(hold_out), names)
+
+
+def _choose_named(asked: Sequence[str], names: Sequence[str]) -> list[Stretches]:
+    """Return the named records as held out whole."""
     for name in asked:
-        if name not in names:
-            raise UnknownNameError("record to hold out", name, [*names, AUTO, NONE, EACH, "25 %"])
+        require_known("record to hold out", name, [*names, AUTO, NONE, EACH, "25 %"])
     if len(set(asked)) == len(names):
         raise InputError("All records are held out, and none is left to be fitted.")
     return [ALL if name in asked else () for name in names]

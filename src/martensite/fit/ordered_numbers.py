@@ -10,7 +10,7 @@ as shares u of its range. Without an order u is v.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -23,7 +23,7 @@ from martensite.search.free_numbers import FreeNumber
 from martensite.search.quantity_text import format_quantity
 
 if TYPE_CHECKING:
-    from martensite.fit.problem import Evaluation
+    from martensite.fit.evaluation import Evaluation
 
 INSIDE = 0.1
 """Part of the room of a number by which a start out of order is moved inside."""
@@ -40,22 +40,27 @@ class NumberOrder(NamedTuple):
 
 
 def list_orders(free: Sequence[FreeNumber], experiments: Sequence[Experiment]) -> list[NumberOrder]:
-    """Return the orders that the laws of all experiments declare, as far as a free number takes part."""
+    """Return the orders that the laws of all experiments declare, as far as a free parameter takes part."""
     found: dict[NumberOrder, None] = {}
     for one in experiments:
-        laws = [part for part in one.system.tree() if isinstance(part, AbstractLaw)]
-        pairs = dict.fromkeys(pair for law in laws for pair in law.orders)
         values = {leaf.path: float(leaf.value) for leaf in one.system.leaves()}
         acting = [(i, x) for i, x in enumerate(free) if x.record in (None, *one.labels)]
-        for low, high in pairs:
-            for path in [path for path in values if path.rpartition(".")[2] == low]:
-                other = path.removesuffix(low) + high
-                apart = any(x.base and (x.moves(path) or x.moves(other)) for _, x in acting)  # in order by itself
-                if other in values and not apart:
-                    ends = [_find_mover(acting, end, values[end]) for end in (path, other)]
-                    if any(isinstance(end, int) for end in ends):
-                        found[NumberOrder(*ends)] = None
+        for places in _list_ordered(one, values):
+            if not any(x.base and any(map(x.moves, places)) for _, x in acting):  # else in order by itself
+                movers = [_find_mover(acting, path, values[path]) for path in places]
+                if any(isinstance(end, int) for end in movers):
+                    found[NumberOrder(*movers)] = None
     return list(found)
+
+
+def _list_ordered(one: Experiment, values: Mapping[str, float]) -> Iterator[tuple[str, str]]:
+    """Yield the paths of two values of an experiment, of which the first must be the smaller."""
+    laws = [part for part in one.system.tree() if isinstance(part, AbstractLaw)]
+    for low, high in dict.fromkeys(pair for law in laws for pair in law.orders):
+        for path in values:
+            other = path.removesuffix(low) + high
+            if path.rpartition(".")[2] == low and other in values:
+                yield path, other
 
 
 def _find_mover(acting: Sequence[tuple[int, FreeNumber]], path: str, value: float) -> int | float:

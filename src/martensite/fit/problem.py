@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from martensite.base.errors import InputError, ParameterError
+from martensite.fit.evaluation import Evaluation, FittedRecord, InputCorrection
 from martensite.fit.experiment import ALL, Experiment
 from martensite.fit.free_parameters import (
     DELAY,
@@ -30,6 +31,7 @@ from martensite.fit.free_parameters import (
     delay_model,
     is_nuisance,
 )
+from martensite.fit.moved_values import MovedRows, find_moved_rows, refuse_double, refuse_late_base, weigh_spreads
 from martensite.fit.ordered_numbers import OrderedNumbers, list_orders
 from martensite.search.batch_runner import BatchRunner
 from martensite.search.free_numbers import FreeNumber, SearchRange
@@ -37,54 +39,6 @@ from martensite.simulate.refusals import find_refused
 
 FEW_STEPS = 10_000
 """Steps of all runs below which threads would cost more than they gain."""
-
-
-@dataclass(frozen=True)
-class FittedRecord:
-    """One experiment at some parameters."""
-
-    model: Any
-    """(rows, outputs) in SI, offsets included."""
-    residuals: Any
-    """(rows, outputs), scaled and weighted; NaN where nothing was measured."""
-    jacobian: Any
-    """(rows, outputs, free): d(residual)/du; None if it was not asked for."""
-
-
-@dataclass(frozen=True)
-class Evaluation:
-    """The whole problem at some parameters."""
-
-    fitted: tuple[FittedRecord, ...]
-    """One per experiment."""
-    residuals: Any
-    """(n,): those that count, one output of one experiment after the other."""
-    jacobian: Any
-    """(n, free), or None."""
-
-    @property
-    def cost(self) -> float:
-        """Return the mean of the squared residuals."""
-        return float(np.mean(self.residuals**2))
-
-
-@dataclass(frozen=True)
-class InputCorrection:
-    """Correction for noise in the columns that an experiment follows; see `input_noise`."""
-
-    inputs: Mapping[str, Any]
-    """Drive -> estimated rows of its column, in place of those logged."""
-    shift: Any
-    """(used residuals,): what the difference of both does, to first order."""
-    parts: tuple[tuple[Any, Any, Any], ...]
-    """Places of residuals, directions (places, k) in which they scatter more, and how much less each counts."""
-
-    def whiten(self, rows: Any) -> Any:
-        """Return the residuals (n,), or derivatives (n, free), such that all scatter alike."""
-        found = rows.copy()
-        for places, directions, less in self.parts:
-            found[places] -= directions @ (less * (directions.T @ rows[places]).T).T
-        return found
 
 
 @dataclass(frozen=True)
@@ -118,9 +72,9 @@ class Problem:
                 raise ParameterError(f"There are two of {kind} `{double}`; give each its own name.")
         if all(one.held_out for one in self.experiments):
             raise ParameterError("All records are kept back, and none is left to be fitted.")
-        _refuse_late_base(self.free)
+        refuse_late_base(self.free)
         for one in self.experiments:
-            _refuse_double(one, self.free)
+            refuse_double(one, self.free)
 
     def __getstate__(self) -> dict[str, Any]:
         """Return the declared fields; derived state, such as threads, is rebuilt in the other process."""
@@ -214,28 +168,27 @@ class Problem:
 
     def evaluate(self, u: Sequence[float], *, slopes: bool = False) -> Evaluation | None:
         """Return the residuals at a point, with their Jacobian if wanted; None where a run fails."""
+        fitted = self._run_all(u, slopes)
+        if fitted is None:
+            return None
+        residuals = [self._list_residuals(k, one) for k, one in enumerate(fitted)]
+        jacobian = [self._list_slopes(k, one) for k, one in enumerate(fitted)] if slopes else []
+        if self.spreads:
+            apart, by_numbers = weigh_spreads(self.free, self.spreads, u, self.prior_scale)
+            residuals.append(apart)
+            jacobian.append(by_numbers)
+        return Evaluation(fitted, np.concatenate(residuals), np.concatenate(jacobian) if slopes else None)
+
+    def _run_all(self, u: Sequence[float], slopes: bool) -> tuple[FittedRecord, ...] | None:
+        """Return all experiments at a point; None where a run fails."""
         moved = [self.change_values(k, u) for k in range(len(self.runners))]
         if any(values is None for values in moved):
             return None
         jobs = [(k, values, u, slopes) for k, values in enumerate(moved)]
         steps = sum(len(runner.grid.lengths) for runner in self.runners)
         started = map if steps < FEW_STEPS else _start_threads().map
-        found = list(started(lambda job: self._evaluate_one(*job), jobs))
-        if any(one is None for one in found):
-            return None
-        fitted = tuple(one for one in found if one is not None)
-        residuals = [self._list_residuals(k, one) for k, one in enumerate(fitted)]
-        jacobian = None
-        if slopes:
-            jacobian = [f.jacobian.transpose(1, 0, 2)[used.T] for f, used in zip(fitted, self.used, strict=True)]
-            if self.corrections:
-                jacobian = [fix.whiten(rows) for fix, rows in zip(self.corrections, jacobian, strict=True)]
-        if self.spreads:
-            apart, by_numbers = self._weigh_spreads(u)
-            residuals.append(apart)
-            if jacobian is not None:
-                jacobian.append(by_numbers)
-        return Evaluation(fitted, np.concatenate(residuals), None if jacobian is None else np.concatenate(jacobian))
+        fitted = tuple(one for one in started(lambda job: self._evaluate_one(*job), jobs) if one is not None)
+        return fitted if len(fitted) == len(jobs) else None
 
     def split(self, residuals: Any) -> list[Any]:
         """Return the residuals of measurements that count, by experiment."""
@@ -253,27 +206,6 @@ class Problem:
         common = {free.path: i for i, free in enumerate(self.free) if free.record is None}
         return [(i, common.get(free.path)) for i, free in enumerate(self.free) if free.spread and free.record]
 
-    def _weigh_spreads(self, u: Sequence[float]) -> tuple[Any, Any]:
-        """Return distances from the centres, in spreads times the noise of measurements, and their derivatives.
-
-        (ln v - ln c)/s for a relative spread, else (v - c)/s.
-        """
-        apart, slopes = np.zeros(len(self.spreads)), np.zeros((len(self.spreads), len(self.free)))
-        for row, (i, centre) in enumerate(self.spreads):
-            free = self.free[i]
-            ends = [(i, free.value(float(u[i])), 1.0)]
-            if centre is None:
-                ends.append((-1, free.start, -1.0))
-            else:
-                ends.append((centre, self.free[centre].value(float(u[centre])), -1.0))
-            for place, value, sign in ends:
-                apart[row] += sign * (math.log(value) if free.relative else value)
-                if place >= 0:
-                    by_value = 1.0 / value if free.relative else 1.0
-                    slopes[row, place] += sign * by_value * self.free[place].slope(float(u[place]))
-            apart[row], slopes[row] = (one * self.prior_scale / free.spread for one in (apart[row], slopes[row]))
-        return apart, slopes
-
     def costs(self, points: Any) -> Any:
         """Return the costs (m,) of many points (m, free), in batches; inf where a run fails."""
         totals, counts = np.zeros(len(points)), 0
@@ -284,8 +216,15 @@ class Problem:
                 totals[i] += math.inf if fitted is None else self._sum_squares(k, fitted)
             counts += int(self.used[k].sum())
         if self.spreads:
-            totals += np.array([float(np.sum(self._weigh_spreads(u)[0] ** 2)) for u in points])
+            totals += np.array(
+                [float(np.sum(weigh_spreads(self.free, self.spreads, u, self.prior_scale)[0] ** 2)) for u in points]
+            )
         return totals / (counts + len(self.spreads))
+
+    def _list_slopes(self, k: int, fitted: FittedRecord) -> Any:
+        """Return the derivatives (n, free) of the residuals of an experiment that count."""
+        found = fitted.jacobian.transpose(1, 0, 2)[self.used[k].T]
+        return self.corrections[k].whiten(found) if self.corrections else found
 
     def _sum_squares(self, k: int, fitted: FittedRecord) -> float:
         total = float(np.sum(self._list_residuals(k, fitted) ** 2))
@@ -299,24 +238,6 @@ class Problem:
         fix = self.corrections[k]
         return fix.whiten(found + fix.shift)
 
-    def _find_moved_rows(self, k: int) -> list[tuple[int, list[tuple[int, int | None]]]]:
-        """Free parameter -> rows of values that it moves, each with the row it is counted from, if there is one."""
-        labels, paths = self.experiments[k].labels, list(self.runners[k].paths)
-        acting = [(i, x) for i, x in enumerate(self.free) if x.record in (None, *labels) and not is_nuisance(x.path)]
-        spread = [free for _, free in acting if free.record and free.spread]
-        taken = {path for path in paths for free in spread if free.moves(path)}
-
-        def find_base(free: FreeNumber, path: str) -> int | None:
-            beside = path.removesuffix(free.path) + free.base
-            ends = [j for j, one in enumerate(paths) if one == beside or one.endswith("." + free.base)]
-            return min(ends, key=lambda j: paths[j] != beside) if free.base else None
-
-        def list_rows(free: FreeNumber) -> list[tuple[int, int | None]]:
-            moved = ((j, x) for j, x in enumerate(paths) if free.moves(x) and (free.record or x not in taken))
-            return [(j, find_base(free, path)) for j, path in moved]
-
-        return [(i, list_rows(free)) for i, free in acting]
-
     @property
     def lengths(self) -> list[int]:
         """Return the number of residuals of each output of each experiment."""
@@ -324,8 +245,9 @@ class Problem:
         return [n for n in counts if n] + [1] * len(self.spreads)
 
     @cached_property
-    def _moving(self) -> list[list[tuple[int, list[tuple[int, int | None]]]]]:
-        return [self._find_moved_rows(k) for k in range(len(self.experiments))]
+    def _moving(self) -> list[MovedRows]:
+        rows = zip(self.experiments, self.runners, strict=True)
+        return [find_moved_rows(self.free, one.labels, list(runner.paths)) for one, runner in rows]
 
     def system(self, k: int, u: Sequence[float]) -> Any:
         """Return the system of an experiment with its parameters at a point.
@@ -422,26 +344,6 @@ class Problem:
 def _start_threads() -> ThreadPoolExecutor:
     """Return the runs in C release the interpreter, so that threads use all cores."""
     return ThreadPoolExecutor(max(1, cpu_count() or 1))
-
-
-def _refuse_late_base(free: Sequence[FreeNumber]) -> None:
-    for k, one in enumerate(free):
-        late = next((x.name for x in free[k:] if one.base and x.path == one.base), None)
-        if late is not None:
-            raise ParameterError(f"Free parameter `{one.name}` is counted from `{late}`, which must stand before it.")
-
-
-def _refuse_double(one: Experiment, free: Sequence[FreeNumber]) -> None:
-    own = [x for x in free if x.record in (None, *one.labels) and not is_nuisance(x.path)]
-    for leaf in one.system.leaves():
-        moving = [x for x in own if x.moves(leaf.path)]
-        movers = [x.name for x in moving]
-        centred = {x.record is None for x in moving} == {True, False} and all(x.spread or not x.record for x in moving)
-        if len(movers) > (2 if centred else 1):
-            raise ParameterError(
-                f"Free parameters `{movers[0]}` and `{movers[1]}` both move `{leaf.path}` of "
-                f"record `{one.name}`; leave one of them out."
-            )
 
 
 def build_problem(

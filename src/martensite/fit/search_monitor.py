@@ -20,7 +20,8 @@ import numpy as np
 from martensite.base.errors import DataError
 from martensite.base.files import write_file
 from martensite.base.object_text import encode
-from martensite.fit.problem import Evaluation, Problem
+from martensite.fit.evaluation import Evaluation
+from martensite.fit.problem import Problem
 
 TOGETHER = 32
 """Points after which the best so far is noted."""

@@ -19,21 +19,32 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from martensite.base.errors import InputError, SolveError, require_known
 from martensite.base.interrupts import accept_interrupt
+from martensite.fit.column_noise import FollowedNoise
+from martensite.fit.descents import (
+    CONVERGED,
+    INTERRUPTED,
+    MOST_EVALUATIONS,
+    RESUMED,
+    ROUNDING,
+    run_descents,
+    verify_optimum,
+)
+from martensite.fit.evaluation import Evaluation
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit, HeldOutRecord
 from martensite.fit.input_noise import Descend, correct_for_inputs
 from martensite.fit.losses import Loss, estimate_scale, find_loss
-from martensite.fit.problem import Evaluation, Problem
+from martensite.fit.problem import Problem
 from martensite.fit.search_monitor import SearchMonitor, Tell
 from martensite.fit.start_checks import detect_transformation, find_idle
 from martensite.search.coordinate_search import search_coordinates
-from martensite.search.least_squares import SETTLED, Descended, descend_squares
+from martensite.search.least_squares import descend_squares
 from martensite.search.quantity_text import format_quantity, join_phrases
 from martensite.search.starts import evolve_start, find_starts
 
@@ -42,29 +53,14 @@ SPREAD = 32
 """Sobol' points tried for each start."""
 OTHERS = 4
 """Starts tried where nothing transforms at the first."""
-RESUMED = "best so far"
-CONVERGED, INTERRUPTED, NOT_STATIONARY = "converged", "interrupted", "not at a stationary point"
-BOUNDED = "stopped at bounds"
-POLISHES = 5
-"""Number of restarts from an end that is not stationary."""
-STATIONARY = 0.1
-"""Step that the derivatives still ask for, in standard errors, below which a point is stationary."""
-LINE = (1.0, 0.3, 0.1, 0.03)
-"""Parts of such a step that are tried."""
 REFINING = 20
 """Evaluations of a search in one round of the correction for noise in what drives."""
-AT_BOUND = 1e-4
-"""Distance from a bound that counts as none."""
-ROUNDING = 1e-7
-"""Share of range or noise below which residuals are those of rounding."""
 SPECIMEN = "specimen"
 """The kind of group whose records are kept back together."""
 FIRST_NOISE = 0.02
 """Noise as a share of the range with which spreads are first weighed, where it is not known."""
 ROUNDS, BALANCED = 6, 0.05
 """Fits in which it is found, and the relative change that ends them."""
-MOST_EVALUATIONS = 200
-"""Evaluations of one local search."""
 
 
 def solve_problem(
@@ -111,10 +107,7 @@ def solve_problem(
     try:
         watch.resume()
         reason = _run_search(watch, method, chosen, starts, seed, most)
-        if watch.best is not None and (idle := _find_unmoved(training, watch.best)):
-            reason = _describe_rest(training, watch.best, idle)
-        elif reason == CONVERGED:
-            reason = _verify_optimum(watch, chosen, most)
+        reason = _judge_end(watch, chosen, reason, most)
     except KeyboardInterrupt:
         if watch.best is None:
             raise
@@ -126,26 +119,16 @@ def solve_problem(
             "The runs fail at the start of the fit and wherever else it was tried; run the "
             "scenario alone to see why, or start from other values."
         )
-    end, plain = np.array(watch.best), training.evaluate(watch.best, slopes=True)
+    plain = training.evaluate(watch.best, slopes=True)
     if plain is None:
         raise SolveError("The run at the best point fails when it is repeated.")
-    noise, notes = (), list[str]()
+    end = _CorrectedEnd(training, np.array(watch.best), plain)
     if inputs and reason != INTERRUPTED:
-        try:
-            training, end, noise, notes = correct_for_inputs(training, end, _make_descent(chosen, plain))
-        except (KeyboardInterrupt, SolveError):
-            accept_interrupt()
-            notes.append("The noise of columns that drive was not taken into account: that search did not end.")
-    evaluation = plain
-    if noise:
-        point = end.tolist()
-        again, found = watch.problem.evaluate(point), training.evaluate(point, slopes=True)
-        if again is not None and found is not None:
-            evaluation = Evaluation(again.fitted, found.residuals, found.jacobian)
+        end = _correct_end(end, chosen)
     return Fit(
-        training,
-        tuple(map(float, end)),
-        evaluation,
+        end.problem,
+        tuple(map(float, end.point)),
+        end.evaluation,
         method,
         loss,
         reason,
@@ -153,10 +136,36 @@ def solve_problem(
         watch.jacobians,
         time.monotonic() - begun,
         tuple(watch.history),
-        tuple(_predict_held_out(problem, one, end) for one in problem.experiments if one.held_out),
-        input_noise=tuple(noise),
-        notes=tuple(notes),
+        tuple(_predict_held_out(problem, one, end.point) for one in problem.experiments if one.held_out),
+        input_noise=end.noise,
+        notes=end.notes,
     )
+
+
+class _CorrectedEnd(NamedTuple):
+    """End of a search, corrected for noise in the drives where that counts."""
+
+    problem: Problem
+    point: Any
+    evaluation: Evaluation
+    noise: tuple[FollowedNoise, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+def _correct_end(end: _CorrectedEnd, loss: Loss) -> _CorrectedEnd:
+    """Return the end of a search with the noise of the drives; unchanged if that search fails or is interrupted."""
+    try:
+        problem, point, noise, notes = correct_for_inputs(*end[:2], _make_descent(loss, end.evaluation))
+    except (KeyboardInterrupt, SolveError):
+        accept_interrupt()
+        note = "The noise of columns that drive was not taken into account: that search did not end."
+        return end._replace(notes=(note,))
+    evaluation = end.evaluation
+    if noise:
+        again, found = (one.evaluate(point.tolist(), slopes=True) for one in (end.problem, problem))
+        if again is not None and found is not None:
+            evaluation = Evaluation(again.fitted, found.residuals, found.jacobian)
+    return _CorrectedEnd(problem, point, evaluation, tuple(noise), tuple(notes))
 
 
 def _balance_spreads(problem: Problem, solve: Callable[[Problem], Fit]) -> Problem:
@@ -232,25 +241,14 @@ def _predict_held_out(problem: Problem, one: Experiment, end: Any) -> HeldOutRec
 
 
 def _run_search(watch: SearchMonitor, method: str, loss: Loss, starts: int, seed: int, most: int) -> str:
-    problem = watch.problem
-    size = len(problem.free)
     if method == "coordinate":
-        watch.stage = "coordinate search"
-        begin = problem.start if watch.best is None else np.array(watch.best)
-
-        def cost(u: Sequence[float]) -> float:
-            found = watch.evaluate(u)
-            return math.inf if found is None else found.cost
-
-        return search_coordinates(cost, begin.tolist())[1]
+        return _search_coordinates(watch)
+    problem = watch.problem
     begins = [("scenario", problem.start)]
-
-    def costs(points: Any) -> Any:
-        return watch.costs(np.array([problem.order.find_shares(v) for v in points]))
-
     if method == "evolution" and "evolution" not in watch.done:
         watch.stage = "differential evolution"
-        begins = [("best of evolution", problem.order.find_shares(evolve_start(costs, size, seed=seed).values))]
+        best = evolve_start(_count_costs(watch), len(problem.free), seed=seed).values
+        begins = [("best of evolution", problem.order.find_shares(best))]
         watch.finished("evolution")
     if watch.best is not None:
         begins = [(RESUMED, np.array(watch.best))]
@@ -258,18 +256,54 @@ def _run_search(watch: SearchMonitor, method: str, loss: Loss, starts: int, seed
         watch.stage = f"{SPREAD * starts} points"
         if watch.best is None:  # something to show, should the points be interrupted
             watch.evaluate(problem.start.tolist())
-        spread = find_starts(costs, size, count=SPREAD * starts, keep=starts, seed=seed)
-        begins += [(f"start {k}", problem.order.find_shares(s.values)) for k, s in enumerate(spread, start=1)]
+        begins += _name_starts(_find_points(watch, starts, SPREAD * starts, seed))
     elif watch.best is None and _find_unmoved(problem, problem.start) != []:
-        watch.stage = "other starts: at the first runs fail, or nothing transforms"
-        watch.evaluate(problem.start.tolist())  # which is kept where no point is better
-        try:
-            spread = find_starts(costs, size, count=SPREAD, keep=OTHERS, seed=seed)
-        except SolveError:
-            spread = ()
-        moving = [u for u in (problem.order.find_shares(s.values) for s in spread) if not _find_unmoved(problem, u)]
-        begins = [(f"start {k}", u) for k, u in enumerate(moving, start=1)] or begins
-    return _run_descents(watch, begins, loss, most)
+        begins = _find_moving_starts(watch, seed) or begins
+    return run_descents(watch, begins, loss, most)
+
+
+def _search_coordinates(watch: SearchMonitor) -> str:
+    watch.stage = "coordinate search"
+    begin = watch.problem.start if watch.best is None else np.array(watch.best)
+
+    def cost(u: Sequence[float]) -> float:
+        found = watch.evaluate(u)
+        return math.inf if found is None else found.cost
+
+    return search_coordinates(cost, begin.tolist())[1]
+
+
+def _count_costs(watch: SearchMonitor) -> Callable[[Any], Any]:
+    """Return the costs of points whose parameters keep the order of laws by construction."""
+    return lambda points: watch.costs(np.array([watch.problem.order.find_shares(v) for v in points]))
+
+
+def _find_points(watch: SearchMonitor, keep: int, count: int, seed: int) -> list[Any]:
+    """Return the best of a Sobol' sequence of points."""
+    found = find_starts(_count_costs(watch), len(watch.problem.free), count=count, keep=keep, seed=seed)
+    return [watch.problem.order.find_shares(one.values) for one in found]
+
+
+def _find_moving_starts(watch: SearchMonitor, seed: int) -> list[tuple[str, Any]]:
+    """Return starts at which something transforms; empty if all runs fail."""
+    watch.stage = "other starts: at the first runs fail, or nothing transforms"
+    watch.evaluate(watch.problem.start.tolist())  # which is kept where no point is better
+    try:
+        found = _find_points(watch, OTHERS, SPREAD, seed)
+    except SolveError:
+        return []
+    return _name_starts([u for u in found if not _find_unmoved(watch.problem, u)])
+
+
+def _name_starts(points: Sequence[Any]) -> list[tuple[str, Any]]:
+    return [(f"start {k}", u) for k, u in enumerate(points, start=1)]
+
+
+def _judge_end(watch: SearchMonitor, loss: Loss, reason: str, most: int) -> str:
+    """Return how a search ended, after a test of its end for parameters without effect and for being stationary."""
+    if watch.best is not None and (idle := _find_unmoved(watch.problem, watch.best)):
+        return _describe_rest(watch.problem, watch.best, idle)
+    return verify_optimum(watch, loss, most) if reason == CONVERGED else reason
 
 
 def _find_unmoved(problem: Problem, u: Any) -> list[int] | None:
@@ -289,100 +323,3 @@ def _describe_rest(problem: Problem, u: Any, idle: Sequence[int]) -> str:
     where = join_phrases([f"{problem.names[i]} = {number}" for i, number in zip(idle, numbers, strict=True)])
     what = "nothing that is compared changes" if detect_transformation(problem, u) else "nothing transforms"
     return f"{what} at {where}; the fit did not move"
-
-
-def _run_descents(watch: SearchMonitor, begins: Sequence[tuple[str, Any]], loss: Loss, most: int) -> str:
-    """Return a local search from every start; how the best of them ended."""
-    reason, least = "failed at the start", math.inf
-    for k, (stage, begin) in enumerate(begins):
-        if stage in watch.done:
-            continue
-        watch.stage, watch.share = stage, k / len(begins)
-        ended = descend_from(watch, begin, loss, most)
-        if stage != RESUMED:  # which is never far from its end
-            watch.finished(stage)
-        if watch.cost < least:
-            least, reason = watch.cost, ended
-    return reason
-
-
-def _verify_optimum(watch: SearchMonitor, loss: Loss, most: int) -> str:
-    """Return whether the derivatives ask for no further step that helps; the search goes on as long as they do."""
-    watch.stage = "verifying the optimum"
-    for _ in range(POLISHES):
-        point = np.array(watch.best)
-        found = watch.evaluate(point.tolist(), slopes=True)
-        if found is None:
-            return NOT_STATIONARY
-        weights = np.sqrt(loss.weights(found.residuals, _scale_loss(loss, found)))
-        order, place = watch.problem.order, watch.problem.order.find_places(point)
-        weighted = weights * found.residuals, weights[:, None] * (found.jacobian @ order.find_slopes(place))
-        step, asked = find_step(*weighted, place)
-        if asked <= STATIONARY:
-            return CONVERGED if find_step(*weighted, 0.5 + 0.0 * point)[1] <= STATIONARY else BOUNDED
-        if loss.name != "linear":
-            return NOT_STATIONARY
-        before = watch.cost
-        for share in LINE:
-            watch.evaluate(order.find_shares(np.clip(place + share * step, 0.0, 1.0)).tolist())
-        if watch.cost >= before * (1.0 - SETTLED):  # a kink: the step that is asked for does not help
-            return CONVERGED
-        descend_from(watch, np.array(watch.best), loss, most)
-    return NOT_STATIONARY
-
-
-def _scale_loss(loss: Loss, found: Evaluation) -> float:
-    return 1.0 if loss.name == "linear" else max(estimate_scale(found.residuals), 1e-12)
-
-
-def find_step(residuals: Any, jacobian: Any, point: Any) -> tuple[Any, float]:
-    """Return the step of Gauss and Newton that bounds allow, and its length in standard errors of the residuals.
-
-    Args:
-        residuals: (n,), weighted.
-        jacobian: (n, free).
-        point: shares from 0 to 1.
-    """
-    gradient = jacobian.T @ residuals
-    held = ((point <= AT_BOUND) & (gradient > 0.0)) | ((point >= 1.0 - AT_BOUND) & (gradient < 0.0))
-    step, moving = np.zeros(len(point)), np.flatnonzero(~held)
-    spare = max(len(residuals) - len(moving), 1)
-    noise = math.sqrt(float(residuals @ residuals) / spare)
-    if not len(moving) or noise <= ROUNDING:
-        return step, 0.0
-    step[moving] = -np.linalg.lstsq(jacobian[:, moving], residuals, rcond=1e-8)[0]
-    return step, float(np.linalg.norm(jacobian @ step)) / noise / math.sqrt(len(moving))
-
-
-def descend_from(watch: SearchMonitor, begin: Any, loss: Loss, most: int = MOST_EVALUATIONS) -> str:
-    """Return one trust-region search; its points and costs are kept by the watch."""
-    first = watch.evaluate(begin, slopes=True)
-    if first is None:
-        return "failed at the start"
-    if not first.jacobian.any():
-        return "no derivative at the start"
-    scale = 1.0
-    if loss.name != "linear":
-        _descend_to_optimum(watch, begin, first, most, "linear", scale)
-        now = watch.evaluate(watch.best or begin)
-        scale = loss.tuning * max(estimate_scale((now or first).residuals), 1e-12)
-        begin = np.array(watch.best)
-        watch.cost = math.inf  # what counts is another cost from here on
-    found = _descend_to_optimum(watch, begin, first, most, loss.scipy_name, scale)
-    if loss.name != "linear":  # the least squares on the way are not what is looked for
-        watch.best = tuple(map(float, found.shares))
-    return CONVERGED if found.converged else f"stopped after {most} evaluations"
-
-
-def _descend_to_optimum(
-    watch: SearchMonitor, begin: Any, first: Evaluation, most: int, loss: str, scale: float
-) -> Descended:
-    order = watch.problem.order
-
-    def evaluate(v: Any, slopes: bool) -> Evaluation | None:
-        found = watch.evaluate(order.find_shares(v).tolist(), slopes=slopes)
-        return order.turn_slopes(found, v) if slopes and found is not None else found
-
-    place = order.find_places(begin)
-    found = descend_squares(evaluate, place, order.turn_slopes(first, place), most=most, loss=loss, scale=scale)
-    return found._replace(shares=order.find_shares(found.shares))

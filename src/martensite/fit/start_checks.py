@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 
 from martensite.base.errors import DataError, ParameterError
+from martensite.fit.evaluation import Evaluation
 from martensite.fit.free_parameters import is_nuisance
-from martensite.fit.problem import Evaluation, Problem
+from martensite.fit.problem import Problem
 from martensite.search.free_numbers import FreeNumber
 from martensite.search.quantity_text import format_change, format_number, format_quantity, join_phrases, list_names
 from martensite.search.starts import draw_points

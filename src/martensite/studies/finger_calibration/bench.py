@@ -18,8 +18,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.base.errors import SolveError
+from martensite.fit.evaluation import Evaluation
 from martensite.fit.experiment import Experiment
-from martensite.fit.problem import Evaluation, Problem, build_problem
+from martensite.fit.problem import Problem, build_problem
 from martensite.scenario.scenario import Scenario, load
 from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record

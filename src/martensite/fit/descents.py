@@ -1,0 +1,127 @@
+"""Descents of a fit: a trust-region search from every start, and a test of its end for being stationary."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from martensite.fit.evaluation import Evaluation
+from martensite.fit.losses import Loss, estimate_scale
+from martensite.fit.search_monitor import SearchMonitor
+from martensite.search.least_squares import SETTLED, Descended, descend_squares
+
+RESUMED = "best so far"
+CONVERGED, INTERRUPTED, NOT_STATIONARY = "converged", "interrupted", "not at a stationary point"
+BOUNDED = "stopped at bounds"
+POLISHES = 5
+"""Number of restarts from an end that is not stationary."""
+STATIONARY = 0.1
+"""Step that the derivatives still ask for, in standard errors, below which a point is stationary."""
+LINE = (1.0, 0.3, 0.1, 0.03)
+"""Parts of such a step that are tried."""
+AT_BOUND = 1e-4
+"""Distance from a bound that counts as none."""
+ROUNDING = 1e-7
+"""Share of range or noise below which residuals are those of rounding."""
+MOST_EVALUATIONS = 200
+"""Evaluations of one local search."""
+
+
+def run_descents(watch: SearchMonitor, begins: Sequence[tuple[str, Any]], loss: Loss, most: int) -> str:
+    """Return a local search from every start; how the best of them ended."""
+    reason, least = "failed at the start", math.inf
+    for k, (stage, begin) in enumerate(begins):
+        if stage in watch.done:
+            continue
+        watch.stage, watch.share = stage, k / len(begins)
+        ended = descend_from(watch, begin, loss, most)
+        if stage != RESUMED:  # which is never far from its end
+            watch.finished(stage)
+        if watch.cost < least:
+            least, reason = watch.cost, ended
+    return reason
+
+
+def verify_optimum(watch: SearchMonitor, loss: Loss, most: int) -> str:
+    """Return whether the derivatives ask for no further step that helps; the search goes on as long as they do."""
+    watch.stage = "verifying the optimum"
+    for _ in range(POLISHES):
+        point = np.array(watch.best)
+        found = watch.evaluate(point.tolist(), slopes=True)
+        if found is None:
+            return NOT_STATIONARY
+        weights = np.sqrt(loss.weights(found.residuals, _scale_loss(loss, found)))
+        order, place = watch.problem.order, watch.problem.order.find_places(point)
+        weighted = weights * found.residuals, weights[:, None] * (found.jacobian @ order.find_slopes(place))
+        step, asked = find_step(*weighted, place)
+        if asked <= STATIONARY:
+            return CONVERGED if find_step(*weighted, 0.5 + 0.0 * point)[1] <= STATIONARY else BOUNDED
+        if loss.name != "linear":
+            return NOT_STATIONARY
+        before = watch.cost
+        for share in LINE:
+            watch.evaluate(order.find_shares(np.clip(place + share * step, 0.0, 1.0)).tolist())
+        if watch.cost >= before * (1.0 - SETTLED):  # a kink: the step that is asked for does not help
+            return CONVERGED
+        descend_from(watch, np.array(watch.best), loss, most)
+    return NOT_STATIONARY
+
+
+def _scale_loss(loss: Loss, found: Evaluation) -> float:
+    return 1.0 if loss.name == "linear" else max(estimate_scale(found.residuals), 1e-12)
+
+
+def find_step(residuals: Any, jacobian: Any, point: Any) -> tuple[Any, float]:
+    """Return the step of Gauss and Newton that bounds allow, and its length in standard errors of the residuals.
+
+    Args:
+        residuals: (n,), weighted.
+        jacobian: (n, free).
+        point: shares from 0 to 1.
+    """
+    gradient = jacobian.T @ residuals
+    held = ((point <= AT_BOUND) & (gradient > 0.0)) | ((point >= 1.0 - AT_BOUND) & (gradient < 0.0))
+    step, moving = np.zeros(len(point)), np.flatnonzero(~held)
+    spare = max(len(residuals) - len(moving), 1)
+    noise = math.sqrt(float(residuals @ residuals) / spare)
+    if not len(moving) or noise <= ROUNDING:
+        return step, 0.0
+    step[moving] = -np.linalg.lstsq(jacobian[:, moving], residuals, rcond=1e-8)[0]
+    return step, float(np.linalg.norm(jacobian @ step)) / noise / math.sqrt(len(moving))
+
+
+def descend_from(watch: SearchMonitor, begin: Any, loss: Loss, most: int = MOST_EVALUATIONS) -> str:
+    """Return one trust-region search; its points and costs are kept by the watch."""
+    first = watch.evaluate(begin, slopes=True)
+    if first is None:
+        return "failed at the start"
+    if not first.jacobian.any():
+        return "no derivative at the start"
+    scale = 1.0
+    if loss.name != "linear":
+        _descend_to_optimum(watch, begin, first, most, "linear", scale)
+        now = watch.evaluate(watch.best or begin)
+        scale = loss.tuning * max(estimate_scale((now or first).residuals), 1e-12)
+        begin = np.array(watch.best)
+        watch.cost = math.inf  # what counts is another cost from here on
+    found = _descend_to_optimum(watch, begin, first, most, loss.scipy_name, scale)
+    if loss.name != "linear":  # the least squares on the way are not what is looked for
+        watch.best = tuple(map(float, found.shares))
+    return CONVERGED if found.converged else f"stopped after {most} evaluations"
+
+
+def _descend_to_optimum(
+    watch: SearchMonitor, begin: Any, first: Evaluation, most: int, loss: str, scale: float
+) -> Descended:
+    order = watch.problem.order
+
+    def evaluate(v: Any, slopes: bool) -> Evaluation | None:
+        found = watch.evaluate(order.find_shares(v).tolist(), slopes=slopes)
+        return order.turn_slopes(found, v) if slopes and found is not None else found
+
+    place = order.find_places(begin)
+    found = descend_squares(evaluate, place, order.turn_slopes(first, place), most=most, loss=loss, scale=scale)
+    return found._replace(shares=order.find_shares(found.shares))
