@@ -24,8 +24,9 @@ FILES = {
     name: text for page in PAGES for name, text in _FILE.findall((ROOT / f"docs/howto/{page}.md").read_text("utf-8"))
 }
 PARTS = [name for name in FILES if name.endswith(".py") or name == "my-wire.toml"]
-SHOWN_BY_OTHERS = {"ends", "fluid", "check", "study"}
-"""Kinds made like another one: fluids and ends like a heat loss, a check like a supervisor; a study is a folder."""
+SHOWN_BY_OTHERS = {"ends", "fluid", "check", "study", "experiment", "command", "exporter"}
+"""Kinds made like another one: fluids and ends like a heat loss, a check like a supervisor; a study is a folder. CONTRIBUTING
+describes experiments, commands and exporters."""
 TRY = """
 import json, sys
 from martensite.testing import check_target
