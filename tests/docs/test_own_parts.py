@@ -25,8 +25,8 @@ FILES = {
 }
 PARTS = [name for name in FILES if name.endswith(".py") or name == "my-wire.toml"]
 SHOWN_BY_OTHERS = {"ends", "fluid", "check", "study", "experiment", "command", "exporter"}
-"""Kinds made like another one: fluids and ends like a heat loss, a check like a supervisor; a study is a folder. CONTRIBUTING
-describes experiments, commands and exporters."""
+"""Kinds made like another one: fluids and ends like a heat loss, a check like a supervisor; a study is a folder.
+CONTRIBUTING describes experiments, commands and exporters."""
 TRY = """
 import json, sys
 from martensite.testing import check_target
