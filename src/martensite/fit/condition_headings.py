@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Sequence
 
 from martensite.base.errors import InputError
+from martensite.logs.heading_guess import part_heading
 from martensite.logs.layout import IGNORED, QUANTITIES, find_quantity
 from martensite.simulate.measures.base import MEASURES, parse_measure
 
@@ -32,6 +33,8 @@ def split_heading(text: str) -> tuple[str, str]:
     round_brackets = _ROUND.match(name)
     if round_brackets and not unit and round_brackets[1].strip() not in MEASURES.names():
         name, unit = round_brackets[1], round_brackets[2]
+    if not unit and "_" in name:
+        name, unit = part_heading(name)
     plain = "(" in name or "." in name or name.strip() == IGNORED
     return (name.strip() if plain else re.sub(r"[\s_-]+", " ", name.strip().lower())), unit.strip()
 
