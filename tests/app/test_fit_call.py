@@ -146,7 +146,7 @@ def test_the_report_is_that_of_the_fit(desk: Desk) -> None:
     assert made["name"].endswith(".html")
     assert "Ended: converged." in text
     assert repr(numbers(found)["A_s"]) in text
-    with pytest.raises(InputError, match="not that of a fit"):
+    with pytest.raises(InputError, match="contains no fit"):
         written({"key": made["key"], "what": "report"}, desk)
     with pytest.raises(InputError, match="must be one of material, report"):
         written({"key": found["fit"], "what": "all"}, desk)

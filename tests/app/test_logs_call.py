@@ -89,7 +89,7 @@ FILES: dict[str, tuple[Callable[[], str], str, list[tuple[str, str]], str]] = {
         _write_camera,
         "flexinol_electrothermal/trained_wire_172MPa_temperature.txt",
         [("time", "s"), ("temperature", "degC")],
-        "A temperature alone",
+        "The file has only a temperature",
     ),
 }
 

@@ -206,7 +206,7 @@ def test_faults_stand_beside_their_fields(bench: Bench) -> None:
     assert list(sample) == ["sample"] and "sobol:1024" in sample["sample"]
     many = bench.call("sweep_plan", {**GRID, "sample": "sobol:2000000"})["faults"]
     assert "at most 1,000,000" in many["sample"]
-    assert bench.call("sweep_plan", {**GRID, "over": []})["faults"][""].startswith("A sweep varies")
+    assert bench.call("sweep_plan", {**GRID, "over": []})["faults"][""].startswith("A sweep needs varied")
 
 
 def test_the_form_is_made_of_declarations(bench: Bench) -> None:

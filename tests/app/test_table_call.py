@@ -21,8 +21,8 @@ LOG = "Time_s;T (C);F/N;remark\n0;20,5;1;=cmd()\n1;;2;\n2;21,5;3;+1+1\n"
 BAD = {
     "binary": ("a.csv", bytes(range(256)) * 20, "not a text file"),
     "empty": ("a.csv", b"", "is empty"),
-    "comments": ("a.csv", b"# nothing\n\n", "holds no row of numbers"),
-    "headings": ("a.csv", b"t [s],T [C]\n", "holds no row of numbers"),
+    "comments": ("a.csv", b"# nothing\n\n", "has no numeric row"),
+    "headings": ("a.csv", b"t [s],T [C]\n", "has no numeric row"),
     "ragged": ("a.csv", b"t,T\n" + b"".join(b"1" + b",x" * (k % 7) + b"\n" for k in range(30)), "is ragged"),
     "wide": ("a.csv", b"a," * 500 + b"a\n" + b"1," * 500 + b"1\n", "501 columns; at most 200"),
     "workbook": ("a.xlsx", b"PK\x03\x04" + bytes(60), "cannot be read as .xlsx"),
@@ -92,7 +92,7 @@ def test_bad_files_are_refused_with_a_sentence(desk: Desk, case: str) -> None:
 
 def test_doubtful_files_come_with_notes(desk: Desk) -> None:
     alone = table({"key": put(desk, "strain [%]\n1\n2\n")}, desk)
-    assert any("one column only" in note for note in alone["notes"])
+    assert any("has one column" in note for note in alone["notes"])
     assert "its rows count as 1 s apart, unless you say otherwise" in alone["said"]
     ragged = table({"key": put(desk, "t [s],T [C]\n1,2\n3\n4,5,6\n7,8\n")}, desk)["said"]
     assert "left out: 2 rows (more or fewer cells" in ragged and ": 3, 4)" in ragged

@@ -196,7 +196,7 @@ def test_key_results_are_those_of_the_run() -> None:
     assert found["time beyond limits"] == "0 s"
     energies = {one["key"]: one["values"][-1] for one in describe_energy(result)["courses"]}
     assert found["electrical energy in"] == f"{energies['electrical']:.4g} J"
-    assert found["work given while pulling"] == f"{1e3 * energies['work']:.4g} mJ"
+    assert found["work during contraction"] == f"{1e3 * energies['work']:.4g} mJ"
 
 
 def test_more_power_is_hotter() -> None:

@@ -138,8 +138,8 @@ def test_the_audit_notices_faults(page: Page) -> None:
 
 def test_a_number_to_vary_is_chosen_by_arrow_keys(page: Page) -> None:
     opened(page, "sweep")
-    field = page.get_by_role("combobox", name="Add a number to vary")
-    options = page.get_by_role("listbox", name="Numbers of the scenario").get_by_role("option")
+    field = page.get_by_role("combobox", name="Add a parameter to vary")
+    options = page.get_by_role("listbox", name="Parameters of the scenario").get_by_role("option")
     field.fill("diameter")
     expect(options.first).to_have_attribute("aria-selected", "true")
     assert list_violations(page) == []  # with the list open, too

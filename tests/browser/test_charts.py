@@ -144,7 +144,7 @@ def test_a_chart_tells_values_zooms_and_is_saved(page: Page) -> None:
     over.dblclick(position={"x": 0.5 * box["width"], "y": 0.5 * box["height"]})
     expect(whole).to_have_count(0)
     files: dict[str, bytes] = {}
-    for name in ("Picture, PNG", "Picture, SVG", "Numbers, CSV"):
+    for name in ("Picture, PNG", "Picture, SVG", "Data, CSV"):
         chart.hover()
         chart.get_by_label("Save this chart").click()
         with page.expect_download() as taken:

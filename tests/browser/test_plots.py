@@ -156,7 +156,7 @@ def test_exports_are_downloads(page: Page) -> None:
     opened(page)
     page.get_by_text("Export", exact=True).click()
     with page.expect_download() as taken:
-        page.get_by_role("button", name="Numbers, CSV").click()
+        page.get_by_role("button", name="Data, CSV").click()
     assert taken.value.suggested_filename.endswith(".csv")
     assert taken.value.path().read_text("utf-8").startswith("time [s],drive [W],")
     with page.expect_download() as taken:

@@ -25,7 +25,7 @@ def test_why_it_is_slow_to_cool_and_what_would_help(page: Page) -> None:
     sentence = page.get_by_role("region", name="What limits this run")
     expect(sentence).to_contain_text(re.compile(r"Cooling takes \d+\s% of the cycle"))
     promise = page.locator(".insight-promise")
-    expect(promise).to_contain_text(re.compile(r"come back in about [\d.]+\ss, [\d.]+\stimes as fast"))
+    expect(promise).to_contain_text(re.compile(r"return in about [\d.]+\ss, [\d.]+\stimes as fast"))
     page.get_by_role("button", name="What would help?").click()
     assert page.evaluate("window.clicks") <= MOST_CLICKS
 

@@ -39,7 +39,7 @@ def test_a_link_brings_the_form_and_wires_are_found(page: Page) -> None:
     wires = page.get_by_role("region", name="Wires", exact=True)
     expect(wires.get_by_text("wires do, the best first.")).to_be_visible(timeout=FOUND)
     expect(wires.get_by_text("✗ no")).to_have_count(0)
-    wires.get_by_label("Show those that do not, too").check()
+    wires.get_by_label("Show rejected wires").check()
     expect(wires.locator("tbody tr.choosable")).to_have_count(12)
     expect(wires.get_by_text("too slow").first).to_be_visible()
 

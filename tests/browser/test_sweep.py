@@ -68,8 +68,8 @@ def ask(page: Page, bench: Bench, levels: tuple[str, str]) -> None:
     expect(page.get_by_text("41 samples")).to_be_visible()
     page.goto(f"{bench.origin}/#/sweep")
     for words, name in (("diam", "element.diameter"), ("high", "drive.waveform.high")):
-        page.get_by_label("Add a number to vary").fill(words)
-        page.get_by_role("listbox", name="Numbers of the scenario").get_by_role("option", name=name).first.click()
+        page.get_by_label("Add a parameter to vary").fill(words)
+        page.get_by_role("listbox", name="Parameters of the scenario").get_by_role("option", name=name).first.click()
     for axis, count in zip(("element.diameter", "drive.waveform.high"), levels, strict=True):
         page.get_by_role("group", name=axis).get_by_label("Levels").fill(count)
     page.get_by_text("How it is run").click()

@@ -131,7 +131,7 @@ def test_coolers_may_share_a_signal_but_not_a_name_of_something_else() -> None:
     both = CombinedCooling(convection=Fan(), radiation=Fan(still=ConstantCooling(h=5.0)))
     assert both.signals() == {"fan": "m/s"}
     for name in ("temperature", "position", "my fan"):
-        with pytest.raises(ParameterError, match="names nothing else"):
+        with pytest.raises(ParameterError, match="must be a unique name"):
             read(WIRE_TEXT + f'cooling = {{ kind = "fan", signal = "{name}" }}' + PULSE)
 
 

@@ -80,7 +80,7 @@ def test_a_carrier_drives_a_switch_only() -> None:
     volts = hanging_wire(source=VoltageSource())
     with pytest.raises(UnitError, match="is a plain number, but the drive takes V"):
         simulate(volts, carrier, 1.0)
-    with pytest.raises(UnitError, match="a duty drives `pwm-voltage`"):
+    with pytest.raises(UnitError, match="a duty cycle drives `pwm-voltage`"):
         simulate_batch(volts, carrier, 1.0, {"voltage_limit": [5.0]}, step=0.1)
     assert simulate(hanging_wire(source=PwmVoltage(supply=1.0)), carrier, 1.0, step=0.1)
 

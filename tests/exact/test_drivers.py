@@ -139,5 +139,5 @@ def test_pulses_on_a_bench_heat_as_their_average(source, duty):
 
 
 def test_pulses_need_a_duty():
-    with pytest.raises(ParameterError, match="a switch that takes a duty"):
+    with pytest.raises(ParameterError, match="a switch with a duty cycle"):
         Bench(plant=problem_a(source=LinearAmplifier()), period=0.005, switching="pulses")

@@ -191,7 +191,7 @@ def test_a_parameter_is_weak_when_it_is_uncertain_by_more_than_its_range(noise: 
         )
     else:
         assert found.sentences == (
-            "`a` and `E_M` are determined, in the least certain direction to 50 % of the search range.",
+            "All parameters are determined. The least certain direction has an error of 50 % of the search range.",
         )
 
 

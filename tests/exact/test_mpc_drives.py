@@ -125,5 +125,5 @@ def test_drives_that_do_not_fit_are_refused(changes: dict[str, Any], sentence: s
 def test_a_leader_runs_on_a_bench_only_and_finds_who_it_leads() -> None:
     with pytest.raises(ParameterError, match="runs on a bench"):
         planned()(0.0, {"angle": 0.0}, None)
-    with pytest.raises(ParameterError, match="speaks of drive `antagonist`, which has no controller"):
+    with pytest.raises(ParameterError, match="names drive `antagonist`, which has no controller"):
         Bench(plant=PAIR, period=PERIOD, controllers=Controllers(protagonist=planned()))

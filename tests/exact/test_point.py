@@ -250,7 +250,7 @@ def test_stages_say_where_a_law_transforms() -> None:
 
 
 def test_choices_that_a_path_does_not_take_are_refused() -> None:
-    with pytest.raises(ParameterError, match="takes no temperatures; it can be told stresses"):
+    with pytest.raises(ParameterError, match="takes no temperatures; its settings are stresses"):
         named_path("isobaric", law(), Choices(temperatures=(300.0,)))
     with pytest.raises(UnknownNameError, match="Did you mean `isobaric`"):
         named_path("isobarik", law())

@@ -443,8 +443,8 @@ def test_a_signal_of_a_cut_that_is_not_safe_is_refused():
     ("check", "words"),
     [
         (CHECK["overheat"](reading="warmth", limit=400.0), "reads `warmth`, which is not measured"),
-        (CHECK["overheat"](reading="temperature", limit=400.0, drives=("left",)), "speaks of drive `left`"),
-        (bound(drive="heater"), "speaks of drive `heater`"),
+        (CHECK["overheat"](reading="temperature", limit=400.0, drives=("left",)), "names drive `left`"),
+        (bound(drive="heater"), "names drive `heater`"),
     ],
 )
 def test_names_that_do_not_exist_are_refused(check, words):

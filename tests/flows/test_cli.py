@@ -368,7 +368,7 @@ def test_materials_mark_what_is_not_measured() -> None:
     material = parsed("materials", "niti-brinson-1993")
     assert material["values"]["E_A"]["kind"] == "recalled"
     printed = fine("materials", "niti-brinson-1993")
-    assert "! recalled" in printed
+    assert "! marks recalled" in printed
     assert "! assumed" in printed
     assert "! datasheet" not in fine("materials", "flexinol-90")
     assert "Did you mean `flexinol-90`" in refused("materials", "flexinol90")

@@ -61,7 +61,7 @@ def test_what_is_refused() -> None:
     assert "choose the port of one: thumb_proximal_flexor" in umat.refused(hand)
     assert "thumb_proximal_flexor" in umat.refused(hand, "--port", "thumb_proximal_flexr")
     assert "one phase state" in umat.refused(str(EXAMPLES / "clamped_wire.toml"))
-    assert "cannot begin compressed" in umat.refused(PULL, "--slack", "--preload", "-5 MPa")
+    assert "cannot start under compression" in umat.refused(PULL, "--slack", "--preload", "-5 MPa")
     assert "must be an identifier" in umat.refused(PULL, "--name", "ni-ti")
     assert "`--port` goes with" in Command("export", "c").refused(PULL, "--port", "element")
     assert "with `--ports`" in Command("export", "fmu").refused(PULL, "--port", "element")

@@ -95,7 +95,7 @@ def test_direction_that_the_data_leave_open_is_told_and_warned_of() -> None:
         "log.csv", "--scenario", "isobaric.toml", "--free", "C_A=4..16 MPa/K,A_s,A_f", "--hold-out", "none"
     )
     assert not found["identifiability"]["determined"]
-    assert any("direction that the data do not determine" in w for w in found["warnings"])
+    assert any("The data determine only a combination" in w for w in found["warnings"])
     assert "weak" in FIT.fine(
         "log.csv", "--scenario", "isobaric.toml", "--free", "C_A=4..16 MPa/K,A_s,A_f", "--hold-out", "none"
     )
@@ -175,7 +175,7 @@ def test_fit_file_stands_alone() -> None:
     Path("fit.toml").write_text(text, encoding="utf-8")
     found = FIT.report("fit.toml", "--set", "element.law.E_M=28 GPa", "--starts", "1")
     assert list(found["parameters"]) == ["A_s", "A_f"]
-    assert "the fit file says that" in FIT.refused("fit.toml", "--free", "A_s")
+    assert "the fit file sets it" in FIT.refused("fit.toml", "--free", "A_s")
     assert "stands alone" in FIT.refused("fit.toml", "log.csv")
 
 
@@ -341,7 +341,7 @@ def test_numbers_that_are_none() -> None:
 
 def test_free_parameter_without_effect() -> None:
     sentence = FIT.refused("log.csv", "--scenario", "isobaric.toml", "--free", "A_s,rho_A")
-    assert "Free parameter `rho_A` changes nothing in what is compared (`strain`)" in sentence
+    assert "Free parameter `rho_A` changes no compared output (`strain`)" in sentence
     assert "it moves `resistance`" in sentence
     sentence = FIT.refused("log.csv", "--scenario", "isobaric.toml", "--free", "A_s,strain_limit")
     assert "needs a log in which it comes to bear" in sentence

@@ -48,8 +48,8 @@ def test_a_single_stage() -> None:
     assert "3 of 3 refined searches agree" in text
     assert "estimation" in text
     assert "validation" in text
-    assert "no proof" not in text
-    assert "poor optimum" not in text
+    assert "prediction error is unknown" not in text
+    assert "optimum may be local" not in text
 
 
 def test_columns_of_which_there_is_no_choice_need_not_be_named() -> None:

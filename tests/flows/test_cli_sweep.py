@@ -98,7 +98,7 @@ def test_modules_of_ones_own_are_found_by_the_workers(here: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        ((), "say what by `--over`"),
+        ((), "Add `--over`"),
         (("--over", "diametr=0.1..0.2 mm:2"), "Did you mean"),
         (("--over", "diameter"), "is no free parameter"),
         (("--over", "diameter=0.1..0.2:2"), "`element.diameter`: "),

@@ -91,7 +91,7 @@ def test_what_people_read(scenario: Path, c_compiler: str) -> None:
     assert found.exit_code == 1, found.output
     for words in ("pid by rule ziegler-nichols", "K_u", "controller.Kp [1/m]", "mm s^2", "degC"):
         assert words in found.stdout
-    assert "`check` of the tuned loop: " in found.stdout
+    assert "Tests of the tuned loop: " in found.stdout
 
 
 WEAK = "--set", "controller.Kp=400", "--set", "controller.Ki=200"

@@ -88,7 +88,7 @@ def test_raw_error_stands_beside_that_with_a_fitted_offset() -> None:
     kept = next(row for row in table.rows if row[0] == "r1")
     assert kept[place] == "1 %"
     assert float(kept[2].split()[0]) < 0.2
-    assert any("Without it errors there are 1 %" in sentence for sentence in describe_predictions(fit))
+    assert any("Without this fit the held-out error is 1 %" in sentence for sentence in describe_predictions(fit))
 
 
 def test_other_cadence_that_is_predicted_worse_is_named() -> None:

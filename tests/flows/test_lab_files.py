@@ -195,9 +195,9 @@ ROWS = "".join(f"{k},{20 + k}\n" for k in range(20))
 BROKEN: dict[str, tuple[str | bytes, str]] = {
     "empty.csv": ("", "is empty"),
     "junk.csv": (bytes(range(256)) * 20, "is not a text file"),
-    "headings.csv": ("time [s],T [degC]\n", "holds no row of numbers"),
+    "headings.csv": ("time [s],T [degC]\n", "has no numeric row"),
     "ragged.csv": ("time [s],T [degC]\n" + "".join(f"{k}" + ",x" * (k % 7) + "\n" for k in range(30)), "is ragged: of"),
-    "words.txt": ("Lorem ipsum dolor\nsit amet, consectetur\n", "holds no row of numbers"),
+    "words.txt": ("Lorem ipsum dolor\nsit amet, consectetur\n", "has no numeric row"),
     "cut.xlsx": (b"PK\x03\x04" + bytes(range(200)), "cannot be read as .xlsx"),
     "image.png": (b"\x89PNG\r\n\x1a\n" + bytes(range(32)) * 10, "is not a text file"),
     "back.csv": (f"time [s],T [degC]\n{ROWS}5,22\n6,23\n", "time runs backwards at row 22"),

@@ -209,7 +209,7 @@ def test_arguments_that_are_refused() -> None:
     one = actuator(start_force=1.0)
     with pytest.raises(InputError, match=r"No coupling `centered`\. Did you mean `centred`"):
         lifted(coupling="centered")
-    with pytest.raises(InputError, match="each at a tendon of its own"):
+    with pytest.raises(InputError, match="each at its own tendon"):
         MujocoActuators(hanging(1e-3, MASS), [one, one])
     with pytest.raises(InputError, match="No keyframe of the model is named `home`"):
         lifted(keyframe="home")

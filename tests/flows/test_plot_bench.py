@@ -181,5 +181,5 @@ def test_texts_do_not_cover_one_another() -> None:
 
 def test_result_without_a_bench_is_refused() -> None:
     plain = simulate(problem_a(), Constant(level=1.0), 0.2, step=0.1)
-    with pytest.raises(InputError, match="This figure is that of a bench"):
+    with pytest.raises(InputError, match="This figure needs a bench"):
         plot_bench(plain)

@@ -116,7 +116,7 @@ def test_a_run_goes_on_otherwise_from_a_state(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "how, said",
     [
-        ({"at": "1 s"}, "give what it shall `start` from"),
+        ({"at": "1 s"}, "Add the result to `start` from"),
         ({"restart_at": ["26 s"]}, "not within the run, which ends at 25 s"),
         ({"over": {"mechanism.arm": ["6 mm"]}, "initial": {"temperature": "300 K"}}, "starts at home and at rest"),
         ({"over": {"mechanism.arm": ["6 mm"]}, "restart_at": ["6 s"]}, "keep no states"),
@@ -171,7 +171,7 @@ def test_a_damaged_number_in_a_file_is_noticed(tmp_path: Path) -> None:
     raw = bytearray(path.read_bytes())
     raw[raw.index(np.array(whole.restarts[-1].state).tobytes()) + 6] ^= 1
     path.write_bytes(raw)
-    with pytest.raises(DataError, match=r"`out\.nc` is damaged: its numbers differ from their checksums"):
+    with pytest.raises(DataError, match=r"`out\.nc` is damaged: its values differ from their checksums"):
         read_labelled(path)
 
 

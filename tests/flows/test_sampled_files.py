@@ -92,7 +92,7 @@ def test_columns_of_a_matrix(tmp_path: Path) -> None:
     with pytest.raises(DataError, match="give the interval"):
         read_sampled(tmp_path / "log.mat", ["u"], ["y2"])
     savemat(tmp_path / "words.mat", {"log": {"u": "nothing"}})
-    with pytest.raises(DataError, match="no arrays of numbers"):
+    with pytest.raises(DataError, match="no numeric arrays"):
         read_sampled(tmp_path / "words.mat", ["u"], ["y"])
 
 

@@ -106,7 +106,7 @@ def test_printed_numbers(printed: Printed) -> None:
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ('source = "a"\nforce = 2.0', "`force` .* must stand under a place"),
+        ('source = "a"\nforce = 2.0', "`force` .* needs a place"),
         ('source = "a"\n["T 1"]\nf = { value = 1.0 }', "must have `unit`"),
         ('source = "a"\n["T 1"]\nf = { value = 1.0, unit = "N", page = 3 }', "no key `page`"),
         ('source = "a"\n["T 1"]\nf = {value=1.0, unit="N"}\n["T 2"]\nf = {value=1.0, unit="N"}', "must have one place"),

@@ -224,7 +224,7 @@ def test_force_replaces_a_sweep_once_all_is_right(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("over", "more", "sentence"),
     [
-        ((), {"over": ()}, "varies something"),
+        ((), {"over": ()}, "needs varied parameters"),
         (("diametr=0.1..0.2 mm:2",), {}, "Did you mean"),
         (("diameter=0.1..0.2 mm:2", "element.diameter=0.1, 0.2 mm"), {}, "varied twice"),
         (("diameter=0..0.2 mm:2",), {}, "diameter"),

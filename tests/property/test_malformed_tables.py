@@ -116,7 +116,7 @@ def test_without_drop_garbage_is_an_error(garbage) -> None:
 
 
 def test_nothing_but_garbage_is_an_error() -> None:
-    with pytest.raises(DataError, match="has nothing to read"):
+    with pytest.raises(DataError, match="has no numeric"):
         read(["Calibrating", "7.0", "ng"], "whitespace", drop=True)
 
 

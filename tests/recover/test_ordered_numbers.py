@@ -41,7 +41,7 @@ def test_derivatives_are_those_of_finite_differences() -> None:
 
 
 def test_order_and_units_are_checked() -> None:
-    with pytest.raises(ParameterError, match="must stand before it"):
+    with pytest.raises(ParameterError, match="must come before it"):
         problem(["A_f-A_s=2..60 K", "A_s"])
     with pytest.raises(ParameterError, match="no difference"):
         problem(["A_f-eps_L"])

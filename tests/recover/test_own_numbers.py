@@ -68,8 +68,8 @@ def test_a_specimen_kept_back_has_the_centre(fit: Fit):
     assert kept.numbers == {}
     assert next(leaf.value for leaf in kept.experiment.system.leaves() if leaf.path.endswith("cooling.h")) == 62.0
     said = " ".join(describe_predictions(fit))
-    assert "drawn to its centre (62 W/m^2/K, as declared) by a spread of ± 20 %, which counts as 2 of 20 data" in said
-    assert "nothing is fitted to that" in said
+    assert "has a prior of ± 20 % around 62 W/m^2/K, as declared, which counts as 2 of 20 data" in said
+    assert "Held-out data use the centre." in said
 
 
 def test_a_spread_counts_as_data(table: Path):
@@ -134,7 +134,7 @@ def test_each_specimen_is_left_out_in_turn(table: Path):
     naive = pool_baselines(score_baselines(fit), "stroke")
     assert set(naive) == {MEAN, SCALING}
     assert compute_rms(rows, HELD_OUT) < 0.5 * naive[SCALING] < naive[MEAN]
-    assert any("A, B and C were left out in turn" in one for one in describe_predictions(fit))
+    assert any("held out in turn (A, B and C)" in one for one in describe_predictions(fit))
 
 
 def make_log(name: str, seed: int = 0, noise: float = 0.0) -> Record:
@@ -187,7 +187,7 @@ def test_a_fit_that_does_not_beat_the_last_cycle_says_so(wire: Path):
     fit = fit_logs(wire, make_log("log"), "A_s,A_f,M_s,M_f", hold_out="25 %")
     (found,) = [one for one in list_fit_warnings(fit) if "naive baseline" in one]
     assert "`strain` of the held-out data is not predicted better than without a model" in found
-    assert "(last cycle). The fit does not beat it." in found
+    assert "(last cycle). Do not use the fit for predictions." in found
 
 
 def test_groups_of_a_fit_file_share_numbers(tmp_path: Path, wire: Path):

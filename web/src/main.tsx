@@ -44,7 +44,7 @@ class Guarded extends Component<{ children: ComponentChildren }, { fault: string
   render(): ComponentChildren {
     const { fault } = this.state;
     if (!fault) return this.props.children;
-    return <Message kind="error">This page cannot be drawn from what is kept: {fault}. “Project, Begin anew” leaves that behind.</Message>;
+    return <Message kind="error">This page cannot be drawn from what is kept: {fault}. “Project, Start again” leaves that behind.</Message>;
   }
 }
 
@@ -65,7 +65,7 @@ function Current() {
         if (place.peek().page === name) shown.value = { name, Page };
       },
       () => {
-        failed.value = "This page could not be loaded; is `martensite app` still running?";
+        failed.value = "This page could not be loaded. Start “martensite app” again.";
         void awaitServer().then(reloadOnce);
       },
     );

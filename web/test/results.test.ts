@@ -40,7 +40,7 @@ test("times go from the ends of heat to 90 % and 10 % of the stroke", () => {
 test("what does not come back within the run has no time down, and no energy of a cycle", () => {
   const run = made(40);
   assert.equal(cycleOf(run)?.down, null);
-  assert.match(insightOf(run)?.sentence ?? "", /does not come back/);
+  assert.match(insightOf(run)?.sentence ?? "", /does not return/);
   assert.equal(measures(run).find((one) => one.key === "energy")?.name, "Energy");
 });
 
@@ -52,8 +52,8 @@ test("pulses with short pauses are one heating", () => {
 
 test("the sentence tells the share that the numbers have, and a promise is the ratio of two runs", () => {
   const [slow, fast] = [made(4), made(2, 0.5)];
-  assert.match(insightOf(slow)?.sentence ?? "", /^Cooling takes 66 % of the cycle: 3\.7 s back \(the first 1\.3 s from 127 °C without moving\), 1\.9 s out\.$/);
-  assert.match(writePromise(slow, fast, "cooling", "a fan"), /^With a fan, it would come back in about 1\.8 s, 2 times as fast\.$/);
+  assert.match(insightOf(slow)?.sentence ?? "", /^Cooling takes 66 % of the cycle: 3\.7 s to return \(including 1\.3 s of cooling from 127 °C before it moves\), 1\.9 s to contract\.$/);
+  assert.match(writePromise(slow, fast, "cooling", "a fan"), /^With a fan, the actuator would return in about 1\.8 s, 2 times as fast\.$/);
   assert.match(writePromise(slow, fast, "cooling", "two", 2), /for 2 times the energy/);
   assert.equal(writePromise(fast, slow, "cooling", "a jacket"), "");
 });
@@ -64,7 +64,7 @@ test("a loop is told by its deviation from the reference", () => {
   const loop = { ...run, columns, outputs: { ...run.outputs, reference: how("m", "mm", 1000) } } as Run;
   near(1e3 * (measureDeviation(loop)?.rms ?? 0), 1);
   assert.equal(measureDeviation(loop)?.cooling, 0);
-  assert.match(insightOf(loop)?.sentence ?? "", /off by 1 mm RMS, 10 % of the stroke; 100 % .* has to heat/);
+  assert.match(insightOf(loop)?.sentence ?? "", /error is 1 mm RMS, 10 % of the stroke; 100 % .* must heat/);
 });
 
 test("what a law says about a stress concerns a run that comes half as far", () => {

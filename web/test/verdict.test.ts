@@ -7,8 +7,8 @@ const NONE: Tally = { reproduced: 0, disagrees: 0, misprint: 0, "self-contradict
 
 test("a tally says what could fail, and what could not", () => {
   const said = describeTally({ ...NONE, reproduced: 3, disagrees: 1, misprint: 1, "not comparable": 2 });
-  assert.equal(said, "Of 4 printed numbers that can be compared, 3 are found again. 1 contradicts the source itself. 2 cannot be judged: their ground stands beside them.");
-  assert.equal(describeTally(NONE), "No printed number can be compared.");
+  assert.equal(said, "Of 4 printed values that can be compared, 3 are reproduced. 1 contradicts the source itself. 2 cannot be compared; the table gives the reasons.");
+  assert.equal(describeTally(NONE), "No printed value can be compared.");
 });
 
 test("what was compared comes first", () => {

@@ -73,7 +73,7 @@ def check_files(text: str, changes: Request) -> None:
         if odd or not (FOLDER / name).resolve().is_relative_to(FOLDER.resolve()):
             raise DataError(
                 f"The bench reads no file `{name[:80]}`: on it a scenario reads only files beside "
-                "the packaged ones. Use `martensite run` for a scenario with files of its own."
+                "the packaged ones. Use `martensite run` for a scenario with its own files."
             )
 
 

@@ -114,7 +114,7 @@ class UploadFolder:
         if self.taken > MOST_IN_ALL:
             raise Refusal(
                 f"All files uploaded since the bench began have more than {MOST_IN_ALL // 2**20:,} MiB together; "
-                "thin this one out, or start the bench anew.",
+                "thin this one out, or restart the bench.",
                 413,
             )
 

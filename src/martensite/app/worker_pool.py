@@ -30,7 +30,7 @@ LOOKED_AFTER = 1.0
 LOST_SENTENCE = (
     "The process that computed this ended unexpectedly (out of memory?); try a shorter run or fewer samples."
 )
-STOPPED_SENTENCE = "Cancelled; what is shown is what was there before."
+STOPPED_SENTENCE = "Cancelled. The previous results are shown."
 GARBLED_SENTENCE = "The process that computed this gave an answer that cannot be read. Please report it."
 
 Tell = Callable[[JsonTable], None]

@@ -228,7 +228,7 @@ def toml_document(text: str, name: str = "The scenario") -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         raise DataError(
             f"{name} is not valid TOML: {error}; "
-            'text and quantities stand in double quotes, such as `diameter = "0.381 mm"`.'
+            'put text and quantities in double quotes, such as `diameter = "0.381 mm"`.'
         ) from None
 
 

@@ -117,7 +117,7 @@ def calibrate_resistor(session: Session, ohms: float, *, word: str) -> float:
         SolveError: no current flows.
     """
     if "current" not in list_channels(session.firmware):
-        raise InputError("This board measures no current, so that a resistor says nothing to it.")
+        raise InputError("This board measures no current, so a resistor cannot calibrate it.")
     session.set("calibrated", 1.0)
     log = session.play([(RESISTOR_FOR, RESISTOR_DUTY)], word=word)
     table, names = log.table(), log.names

@@ -66,5 +66,5 @@ def choose_free(rigs: Sequence[Scenario], logs: Sequence[str]) -> list[str]:
     told = np.zeros(len(names)) if found is None else np.linalg.norm(found.jacobian, axis=0)
     kept = [name for name, own in zip(names, told, strict=True) if own > SILENT * max(told)]
     if not kept:
-        raise ParameterError("The logs tell nothing of the wire; say what is to be found by --free.")
+        raise ParameterError("The logs determine no parameter of the wire. Choose parameters by --free.")
     return kept

@@ -248,7 +248,9 @@ def read_levels(text: str) -> list[tuple[float, float]]:
             sign = ""
             duty = 0.0
         if not sign or not 0.0 <= duty <= 1.0:
-            raise InputError(f"Levels are times and duties such as `2 s:0.4, 5 s:0`, but `{piece.strip()}` is none.")
+            raise InputError(
+                f"Levels are times and duty cycles such as `2 s:0.4, 5 s:0`, but `{piece.strip()}` is none."
+            )
         seconds = units.parse_quantity(length.strip(), "s")
         if not seconds > 0.0:
             raise InputError(f"Levels last longer than 0 s, but `{piece.strip()}` lasts {seconds:g} s.")

@@ -128,7 +128,7 @@ def steady_running(voltages: Sequence[float], currents: Sequence[float], speeds:
     """
     check_columns("a motor", "states", 2, voltages=voltages, currents=currents, speeds=speeds)
     if 0.0 in speeds:
-        raise DataError("Steady speeds must not be 0 rad/s: a motor at rest shows no constant.")
+        raise DataError("Steady speeds must not be 0 rad/s: a stopped motor shows no constant.")
     signs = [math.copysign(1.0, speed) for speed in speeds]
     columns = [
         tuple(sign * number for sign, number in zip(signs, numbers, strict=True))

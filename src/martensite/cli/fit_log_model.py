@@ -44,7 +44,7 @@ class ModelOptions:
         """Raise `InputError` where a scenario is given, which says all that."""
         for name, given in (("--experiment", self.experiment), ("--save-scenario", self.save_scenario)):
             if given is not None:
-                raise InputError(f"Option `{name}` has no effect beside --scenario, which says what is fitted.")
+                raise InputError(f"Option `{name}` has no effect with --scenario.")
 
     def find_scenario_file(self, report: Path | None) -> Path | None:
         """Return the path of the scenario: as given, or next to the report."""

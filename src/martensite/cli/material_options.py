@@ -49,7 +49,7 @@ class MaterialOptions:
         called = choose_identifier(self.name, source.file.stem)
         stress = read_quantity("preload", self.preload, "Pa") or 0.0
         if self.slack and stress < 0.0:
-            raise InputError("What goes slack under compression cannot begin compressed: leave out `--slack`.")
+            raise InputError("A slack wire cannot start under compression. Leave out `--slack`.")
         side = "slack" if self.slack else "carries"
         system = source.load().system
         return compile_port(build_material_port(system, port=self.port, preload=stress, compressed=side)), called

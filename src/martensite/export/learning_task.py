@@ -83,11 +83,11 @@ class LearningTask:
             raise ParameterError(f"A task needs a kind of reference: {', '.join(KINDS)}.")
         for kind in self.references:
             if kind not in KINDS:
-                raise ParameterError(f"No reference is named `{kind}`. {suggest_name(kind, KINDS)}")
+                raise ParameterError(f"There is no reference `{kind}`. {suggest_name(kind, KINDS)}")
         if min(self.preview, default=0.0) < 0.0:
             raise ParameterError(f"A preview is ahead, but one is {min(self.preview):g} s.")
         if not self.outputs:
-            raise ParameterError("A task needs an output that shall follow a reference.")
+            raise ParameterError("A task needs an output that follows a reference.")
 
     @property
     def outputs(self) -> tuple[str, ...]:

@@ -125,7 +125,7 @@ class MujocoActuators:
             raise InputError(f"No coupling `{coupling}`. {suggest_name(coupling, COUPLINGS)}")
         self.tendons = [one.tendon for one in actuators]
         if not actuators or len(set(self.tendons)) < len(actuators):
-            raise InputError("There must be actuators, each at a tendon of its own.")
+            raise InputError("There must be actuators, each at its own tendon.")
         spec = read_spec(model)
         bare = compile_spec(spec)
         self.strands = trace_strands(bare, begin_data(bare, keyframe), actuators)

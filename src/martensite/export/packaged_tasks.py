@@ -97,7 +97,7 @@ def find_bench(bench: Bench | str, task: LearningTask | Mapping[str, Any] | None
     if isinstance(task, LearningTask):
         return load_bench(bench) if isinstance(bench, str) else bench, task
     if not isinstance(bench, str):
-        raise InputError("A bench of one's own needs a `task`, a `LearningTask`.")
+        raise InputError("Your own bench needs a `task`, a `LearningTask`.")
     known = [one.name for one in fields(LearningTask)]
     for name in task or {}:
         if name not in known:

@@ -69,7 +69,7 @@ def read_fit_file(path: str | Path) -> FitTask:
             raise DataError(f"{where} needs `{name}`; none given.")
     records = document["record"]
     if not isinstance(records, list):
-        raise DataError(f"{where}: every record is a section `[[record]]` of its own.")
+        raise DataError(f"{where}: write a separate section `[[record]]` for each record.")
     return FitTask(
         logs=tuple(_read_log(document, one, path) for one in cast("list[Any]", records)),
         free=_read_texts(document, "free", where),

@@ -320,7 +320,7 @@ def _search_rows(runs: Sequence[_FollowedRuns], u: Any, noise: float) -> float:
 def _require_run(problem: Problem, u: Any) -> Evaluation:
     found = problem.evaluate(u, slopes=True)
     if found is None:
-        raise SolveError("The runs fail with the rows that are estimated of what drove.")
+        raise SolveError("The runs fail with the estimated inputs.")
     return found
 
 

@@ -127,7 +127,7 @@ class LogModel:
         problem = task.arrange(check=False).problem
         found = problem.evaluate(problem.start)
         if found is None:
-            raise SolveError(f"The run of record `{record.name}` fails with the numbers found.")
+            raise SolveError(f"The run of record `{record.name}` fails with the fitted parameters.")
         outputs = problem.experiments[0].outputs
         zeros = {one: [x for n, x in numbers.items() if n.startswith(f"offset.{one}@")] for one in outputs}
         return {

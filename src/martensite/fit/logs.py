@@ -166,7 +166,7 @@ def choose_held_out(
             return [ALL if k == len(names) // 2 else () for k in range(len(names))]
         return [_choose_stretches(rows) for rows in times]
     if hold_out == EACH and len(names) < 2:
-        raise InputError("Only one record is given, and none is left to be fitted without it.")
+        raise InputError("There is only one record, so no data are left for the fit.")
     if hold_out in (NONE, EACH):
         return [() for _ in names]
     if isinstance(hold_out, str) and hold_out.strip().endswith("%"):
@@ -200,5 +200,5 @@ def read_share(text: str) -> float:
     except ValueError:
         share = math.nan
     if not 0.0 < share < 1.0:
-        raise InputError(f"A share to hold out must be between 0 and 100 %, but is `{text}`.")
+        raise InputError(f"A held-out percentage must be between 0 and 100 %, but is `{text}`.")
     return share

@@ -69,11 +69,11 @@ def weigh_spreads(
 
 
 def refuse_late_base(free: Sequence[FreeNumber]) -> None:
-    """Raise `ParameterError` if a parameter is counted from one that stands behind it."""
+    """Raise `ParameterError` if a parameter is relative to one that comes after it."""
     for k, one in enumerate(free):
         late = next((x.name for x in free[k:] if one.base and x.path == one.base), None)
         if late is not None:
-            raise ParameterError(f"Free parameter `{one.name}` is counted from `{late}`, which must stand before it.")
+            raise ParameterError(f"Free parameter `{one.name}` is relative to `{late}`, which must come before it.")
 
 
 def refuse_double(one: Experiment, free: Sequence[FreeNumber]) -> None:

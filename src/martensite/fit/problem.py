@@ -71,7 +71,7 @@ class Problem:
             if double is not None:
                 raise ParameterError(f"There are two of {kind} `{double}`; give each its own name.")
         if all(one.held_out for one in self.experiments):
-            raise ParameterError("All records are kept back, and none is left to be fitted.")
+            raise ParameterError("All records are held out, so no data are left for the fit.")
         refuse_late_base(self.free)
         for one in self.experiments:
             refuse_double(one, self.free)

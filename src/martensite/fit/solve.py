@@ -231,7 +231,7 @@ def _predict_held_out(problem: Problem, one: Experiment, end: Any) -> HeldOutRec
     own = tuple(f for f in problem.later if f.record in one.labels)
     found = whole.evaluate(at)
     if found is None:
-        raise SolveError(f"The run of record `{one.name}`, which was kept back, fails.")
+        raise SolveError(f"The run of record `{one.name}`, which was held out, fails.")
     raw = found.fitted[0].model
     if own:  # fitted to it, everything else as found
         alone = replace(one, held=(), system=whole.system(0, at))

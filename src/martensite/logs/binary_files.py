@@ -101,7 +101,7 @@ def _read_columns(reader: str, path: Path) -> Columns:
     except Exception as error:  # readers of binary files let errors of any kind pass
         raise DataError(f"`{path.name}` cannot be read as {path.suffix}: {error!r}.") from None
     if not found:
-        raise DataError(f"`{path.name}` holds no columns of numbers over time.")
+        raise DataError(f"`{path.name}` has no numeric columns over time.")
     return found
 
 
@@ -139,7 +139,7 @@ def read_mat(path: Path) -> Columns:
             columns |= _flatten_value(name, value)
     if not columns:
         raise DataError(
-            f"`{path.name}` holds no arrays of numbers. Objects such as timeseries, timetable and Dataset cannot be "
+            f"`{path.name}` has no numeric arrays. Objects such as timeseries, timetable and Dataset cannot be "
             "read outside MATLAB: save plain variables, or a struct such as `s.time = ts.Time; s.force = ts.Data`."
         )
     return {"time" if name == "t" and "time" not in columns else name: column for name, column in columns.items()}

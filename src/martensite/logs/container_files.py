@@ -184,7 +184,7 @@ def read_mcap(path: Path) -> Columns:
                 topics.setdefault(channel.topic.strip("/"), []).append((message.log_time * 1e-9, fields))
     if not topics:
         said = f"; its messages are encoded as {', '.join(sorted(others))}" if others else ""
-        raise DataError(f"`{path.name}` holds no messages of numbers in JSON{said}. Export it as CSV.")
+        raise DataError(f"`{path.name}` has no numeric messages in JSON{said}. Export it as CSV.")
     main = max(topics, key=lambda topic: len(topics[topic]))
     times = np.array([time for time, _ in topics[main]])
     columns: Columns = {"time [s]": times - times[0]}

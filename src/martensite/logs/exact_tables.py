@@ -304,7 +304,7 @@ def _choose_rows(raw: RawTable, wanted: Sequence[tuple[RawColumn, FileColumn]], 
     wrong = {cell.row for column, _ in wanted for cell in column.wrong}
     kept = np.array([k for k, number in enumerate(raw.numbers) if number not in wrong], dtype=np.intp)
     if not wanted or not kept.size:
-        raise DataError(f"`{raw.name}` has nothing to read: no column, or no row of numbers.")
+        raise DataError(f"`{raw.name}` has no numeric column or row.")
     times = next((column.numbers for column, head in wanted if head.name == "time"), None)
     return kept if times is None or not drop else kept[np.append(True, np.diff(times[kept]) != 0.0)]
 

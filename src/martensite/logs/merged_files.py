@@ -84,8 +84,8 @@ def find_offset(first: LabFile, other: LabFile) -> tuple[float, str]:
     best = max(_list_matches(first.record, other.record), default=(0.0, 0.0, "", ""))
     if best[0] < LEAST_CORRELATION:
         raise DataError(
-            f"How the clocks of `{first.path.name}` and `{other.path.name}` stand to one another cannot be told: one "
-            'has no absolute time, and no quantity of the two goes together; give the offset (`--offset "2.5 s"`).'
+            f"The offset between the clocks of `{first.path.name}` and `{other.path.name}` is unknown: one has no "
+            'absolute time, and the files have no common quantity. Give the offset (`--offset "2.5 s"`).'
         )
     return best[1], f"estimated: `{best[2]}` and `{best[3]}` go together best there (correlation {best[0]:.2f})"
 

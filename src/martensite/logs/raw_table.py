@@ -123,7 +123,7 @@ def find_table(
     alike = [k for k in sorted(numeric) if len(rows[k][1]) == width]
     places = _find_places([rows[k][1] for k in alike])
     if not places:
-        raise DataError(f"{where} holds no column of numbers.")
+        raise DataError(f"{where} has no numeric column.")
     body = _find_body(rows, alike, places, where)
     if 3 * len(body) < len(numeric):
         first, last = rows[body[0]][0], rows[body[-1]][0]
@@ -174,7 +174,7 @@ def _find_width(rows: Sequence[Row], numeric: set[int], where: str) -> int:
     widths = Counter(len(rows[k][1]) for k in numeric)
     if not widths:
         begin = " ".join(rows[0][1]).strip()[:40]
-        raise DataError(f"{where} holds no row of numbers: of {len(rows)} rows the first begins `{begin}`.")
+        raise DataError(f"{where} has no numeric row: of {len(rows)} rows the first begins `{begin}`.")
     width = max(widths, key=lambda n: (widths[n] * n**0.5, n))
     if width > MOST_COLUMNS:
         raise DataError(f"{where} has {width} columns; at most {MOST_COLUMNS} are read. Is the separator right?")
@@ -307,7 +307,7 @@ def describe_arrays(path: Path, arrays: Mapping[str, Numbers], form: str) -> Raw
     """
     lengths = Counter(len(array) for array in arrays.values() if len(array) > 1)
     if not lengths:
-        raise DataError(f"`{path.name}` holds no columns of numbers.")
+        raise DataError(f"`{path.name}` has no numeric columns.")
     time = next((len(array) for name, array in arrays.items() if name_column(name) == "time" and len(array) > 1), 0)
     length = time or max(lengths, key=lambda n: n * lengths[n])
     kept = {name: np.asarray(array, dtype=float) for name, array in arrays.items() if len(array) == length}

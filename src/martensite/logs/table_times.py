@@ -101,7 +101,7 @@ def build_times(raw: RawTable, times: Numbers, start: float | None, counted: boo
         row = raw.numbers[int(known[back[0] + 1])]
         raise DataError(
             f"`{raw.name}`: time runs backwards at row {row}, from {found[back[0]]:.9g} s to {found[back[0] + 1]:.9g} "
-            "s, and no counter explains it; save the parts before and behind as files of their own."
+            "s, and no counter explains it; save the parts before and after as separate files."
         )
     again = np.flatnonzero(steps == 0.0) + 1
     if again.size > COARSE * found.size and found[-1] > found[0]:

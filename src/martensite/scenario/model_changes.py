@@ -57,8 +57,7 @@ def list_changes(table: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
     """
     if not isinstance(table, dict):
         raise ParameterError(
-            f"A model is a table of what is different, such as "
-            f'`{{ "element.diameter" = "0.37 mm" }}`, but is {table!r}.'
+            f'A model is a table of changed values, such as `{{ "element.diameter" = "0.37 mm" }}`, but is {table!r}.'
         )
     for key, value in cast("dict[str, Any]", table).items():
         if isinstance(value, dict) and KIND not in value:

@@ -57,7 +57,7 @@ def write_model(chain: Chain, path: str | Path, provenance: Mapping[str, Any] | 
 def model_text(chain: Chain, provenance: Mapping[str, Any] | None = None) -> str:
     """Return the text of a model file; arguments and errors as of `write_model`."""
     if not np.all(np.isfinite(chain.theta)):
-        raise InputError(f"Model `{chain.name}` has free numbers that are not finite.")
+        raise InputError(f"Model `{chain.name}` has free parameters that are not finite.")
     document = {
         "format": FORMAT,
         "version": VERSION,
@@ -176,7 +176,7 @@ def _read_chain(document: dict[str, Any]) -> Chain:
         given, names = dict(table["numbers"]), block.numbers()
         if set(given) != set(names):
             lost = ", ".join(sorted(set(names) ^ set(given)))
-            raise DataError(f"the free numbers of block {number} do not fit its kind: {lost}.")
+            raise DataError(f"the free parameters of block {number} do not fit its kind: {lost}.")
         blocks.append(block)
         theta += [_require_finite(given[name], f"`{name}` of block {number}") for name in names]
     interval = _require_finite(document["interval"], "`interval`")

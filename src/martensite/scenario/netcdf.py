@@ -233,7 +233,7 @@ def read_variables(path: Path) -> dict[str, Any]:
         try:
             arrays = {name: np.asarray(one[...]) for name, one in file.variables.items()}
         except OSError:
-            raise DataError(f"`{path.name}` is damaged: its numbers differ from their checksums.") from None
+            raise DataError(f"`{path.name}` is damaged: its values differ from their checksums.") from None
         about = {
             name: (one.dimensions, {key: plain(value) for key, value in one.attrs.items()})
             for name, one in file.variables.items()

@@ -90,7 +90,9 @@ def run(
     if start is not None:
         scenario = go_on_from(scenario, start, at)
     elif at is not None:
-        raise InputError("Argument `at` of `run` says when a run goes on; give what it shall `start` from.")
+        raise InputError(
+            "Argument `at` of `run` sets the time at which a run continues. Add the result to `start` from."
+        )
     if over is not None:
         return _run_batch(scenario, over, outputs, runtime)
     if outputs is not None:

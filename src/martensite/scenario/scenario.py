@@ -240,7 +240,9 @@ class Scenario:
     def require_home(self, what: str) -> Scenario:
         """Return it, or raise `InputError` if it starts elsewhere than at home and at rest, which `what` does not."""
         if self.initial or self.start is not None:
-            raise InputError(f"{what} starts at home and at rest; take [initial] out of the scenario.")
+            raise InputError(
+                f"{what} needs a start at home and in the steady state. Remove [initial] from the scenario."
+            )
         return self
 
     def find_start(self, tolerance: float) -> Restart:

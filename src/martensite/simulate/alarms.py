@@ -254,7 +254,7 @@ def _watch_first_cycle(times: Numbers, columns: Columns, alone: bool) -> Alarm |
     sentence = (
         f"Warning: the first cycle drifts: {100 * start:.3g} % of the martensite is oriented at "
         f"the start (strain {long}), {100 * share:.3g} % at t = {times[at]:.4g} s (strain "
-        f"{short}); judge by later cycles."
+        f"{short}); use later cycles."
     )
     when = Excursion(float(times[at]), float(times[-1] - times[at]), at)
     what = "drift", "oriented_fraction", "1"

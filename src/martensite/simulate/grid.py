@@ -203,7 +203,7 @@ def require_unit(waveform: AbstractWaveform | type[AbstractWaveform], unit: str)
         kind = "a plain number" if waveform.unit == "1" else f"in {waveform.unit}"
         raise UnitError(
             f"The signal of waveform `{waveform.registered_name}` is {kind}, but the drive takes "
-            f"{unit}; a duty drives `pwm-voltage`."
+            f"{unit}; a duty cycle drives `pwm-voltage`."
         )
 
 

@@ -44,7 +44,7 @@ def list_initial(system: AbstractSystem) -> dict[str, str]:
     """
     if not isinstance(system, AbstractAssembly):
         raise InputError(
-            f"{WHERE} says where a mechanism with elements starts; it has no effect on a bench or a model."
+            f"{WHERE} sets the start of a mechanism with elements; it has no effect on a bench or a model."
         )
     found = dict(system.mechanism.initial_numbers())
     for port in system.actuators():
@@ -78,7 +78,7 @@ def require_search(given: Mapping[str, Any]) -> None:
     allowed = (AT, PERIOD) if given[AT] == CYCLE else (AT,)
     other = next((name for name in given if name not in allowed), None)
     if other is not None:
-        raise InputError(f"{WHERE} has `{other}` beside `at`; give numbers, or what is to be found, not both.")
+        raise InputError(f"{WHERE} has `{other}` beside `at`; give either values or `at`.")
 
 
 def _suggest(system: AbstractSystem, name: str, known: Sequence[str]) -> str:

@@ -32,7 +32,9 @@ def march_floats(
         walk, observe = FloatWalk(functions, size, grid.sampled[0], start), functions["observe"]
         rows = [observe(*walk.state, *grid.sampled[0])]
     except ArithmeticError as error:
-        raise SolveError(f"The run fails at its start, 0 s: {error}; look for a length, width or range of 0.") from None
+        raise SolveError(
+            f"The run fails at its start, 0 s: {error}; check for a length, width or range of 0."
+        ) from None
     steps = zip(grid.drives, grid.lengths, strict=True)
     try:
         for count, drives in zip(grid.counts, grid.sampled[1:], strict=True):

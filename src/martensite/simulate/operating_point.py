@@ -169,7 +169,7 @@ class _RestingLanes:
         """Return the state of one lane under the signals of a row."""
         failed = lanes.status[lane]
         if failed.failed:
-            raise SolveError(f"The plant failed on its way to rest. {failed.sentence}")
+            raise SolveError(f"The plant failed before its steady state. {failed.sentence}")
         signals = self.signals(row)
         seen = cast("list[float]", lanes.observe(signals)[:, lane].tolist())
         return SteadyPoint(
@@ -202,6 +202,6 @@ def settle_lanes(lanes: Lanes, signals: Numbers, doublings: int = DOUBLINGS, set
             return
         last, stretch = now, stretch * 2
     raise SolveError(
-        f"The system does not come to rest within {stretch * dt:.3g} s under held drives: it vibrates or turns, or is "
-        "very slow."
+        f"The system does not reach a steady state within {stretch * dt:.3g} s under held drives: it vibrates, turns "
+        "or is very slow."
     )

@@ -97,7 +97,7 @@ class Guide:
         if any(math.isnan(value) for value in found):
             raise ParameterError(
                 f"The law `{self.law.registered_name}` does not transform fully between 100 K and "
-                f"800 K at {stress / 1e6:.4g} MPa; choose other numbers, or a path of your own."
+                f"800 K at {stress / 1e6:.4g} MPa; choose other parameters or your own path."
             )
         return found
 

@@ -81,7 +81,7 @@ def named_path(name: str, law: AbstractLaw, choices: Choices | None = None) -> l
         None,
     )
     if idle is not None:
-        raise ParameterError(f"The path `{name}` takes no {idle}; it can be told {', '.join(found.uses)}.")
+        raise ParameterError(f"The path `{name}` takes no {idle}; its settings are {', '.join(found.uses)}.")
     return found.lay(Guide(law, chosen))
 
 

@@ -70,7 +70,7 @@ class _Search:
             moved.append(by)
             length *= 2.0
         raise InputError(
-            f"{WHERE} The system does not come to rest under the first values of its drives: in the last "
+            f"{WHERE} The system does not reach a steady state under the first values of its drives: in the last "
             f"{0.25 * length:.4g} s what is judged still moved by {moved[-1]:.2g} times the least range that counts."
         )
 

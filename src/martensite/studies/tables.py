@@ -185,7 +185,7 @@ def read_printed(path: Path) -> Printed:
     numbers: dict[str, Any] = {"source": table.pop("source"), "unprinted": ()}
     for place, entries in table.items():
         if not isinstance(entries, dict):
-            raise DataError(f"Number `{place}` of {path} must stand under a place in the source.")
+            raise DataError(f"Number `{place}` of {path} needs a place in the source.")
         for name, entry in entries.items():
             if name in numbers:
                 raise DataError(f"Number `{name}` of {path} must have one place, but has two.")

@@ -25,12 +25,12 @@ function follow(): () => void {
 
 export function Busy() {
   useEffect(follow, []);
-  const what = run.value ? "The run of what has changed is being made" : "The first run is being made";
+  const what = run.value ? "Simulating the changed scenario" : "Simulating";
   return (
     <div class="busy small row">
       <p role="status">
         {busy.value > 0 && `${what} …`}
-        {busy.value > 1 && " What is new in kind is compiled once, in some seconds."}
+        {busy.value > 1 && " A new kind of part is compiled once, which takes some seconds."}
       </p>
       {busy.value > 0 && !isStatic() && !host && ( // the kernel of a notebook answers when it is done
         <button type="button" onClick={cancelRun}>

@@ -37,7 +37,7 @@ function Trials({ now }: { now: Run }) {
     ...cells(trial.run, trial.remedy.wires),
     trial.run?.alarms.length ? `${trial.run.alarms.length} beyond limits` : "",
     trial.run ? (
-      <button type="button" onClick={() => tryOut(trial)} aria-label={`Try it: ${trial.remedy.words}`} title="Pins this run and puts the other on the bench">
+      <button type="button" onClick={() => tryOut(trial)} aria-label={`Try it: ${trial.remedy.words}`} title="Pin this run and open the changed scenario on the bench">
         Try it
       </button>
     ) : (
@@ -59,10 +59,10 @@ function About() {
     <details class="small insight-about">
       <summary>How this is computed</summary>
       <p>
-        Times are read from the curves of this run: out from the beginning of heat to 90 % of the stroke, back from its end until 10 % are left. What would help is not
+        Times come from the curves of this run: contraction from the start of heating to 90 % of the stroke, return from the end of heating to 10 %. What would help is not
         estimated: the scenario is run again with the change. Where wires are to get as hot as they did, up to four runs find the heat for that.
       </p>
-      <p>Life is left out: the sources at hand name a number of cycles for one stress of straight wires only, and no model here turns a run into cycles. Size tells what they name.</p>
+      <p>There is no fatigue model. The available sources give a number of cycles only for one stress of straight wires; see the page Size.</p>
     </details>
   );
 }

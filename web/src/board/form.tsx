@@ -75,7 +75,7 @@ function Firmware() {
           ))}
         </select>
       </label>
-      <button type="button" title="A board at a port must hold this firmware; an emulator gets it by itself." disabled={!document.value || busy.value !== ""} onClick={() => void write()}>
+      <button type="button" title="Flash this firmware to a board at a port; an emulator loads it automatically." disabled={!document.value || busy.value !== ""} onClick={() => void write()}>
         {busy.value || "Download its firmware"}
       </button>
     </>
@@ -119,7 +119,7 @@ function Arming() {
         <input type="text" autocomplete="off" spellcheck={false} value={word.value} onInput={(event) => (word.value = event.currentTarget.value)} />
       </label>
       <p class="small soft">
-        {typed && !heats ? `“${typed}” is not the word.` : heats ? "The board will be armed, and disarmed when the run ends." : "Without it this is a dry run: the board is listened to, nothing is heated."}
+        {typed && !heats ? `“${typed}” is not the word ARM.` : heats ? "The board will be armed, and disarmed when the run ends." : "Without the word this is a dry run: the board reports, and nothing is heated."}
       </p>
       <button type="button" class="main" disabled={isRunning.value || !document.value || (typed !== "" && !heats)} onClick={() => void beginRun()}>
         {heats ? "Arm and run" : "Dry run"}

@@ -26,7 +26,7 @@ export function findKnown(manifest: Manifest, text: string): Known {
     const written = new Map([...own].filter(([path, value]) => base.get(path) !== value));
     if (!best || written.size < best.written.size) best = { name: one.name, written };
   }
-  if (!best) throw new Refusal(`This page runs the scenarios that come with it, and their numbers. ${SERVER}`, "server", 501);
+  if (!best) throw new Refusal(`This page runs its own scenarios only. ${SERVER}`, "server", 501);
   return best;
 }
 

@@ -5,7 +5,7 @@ import { Refusal } from "../lib/refusal.ts";
 /** What the file server has at an address; refuses what is missing, by a name. */
 export async function fetchFile(address: string, name = address): Promise<Response> {
   const response = await fetch(address).catch(() => null);
-  if (!response?.ok) throw new Refusal(`The page cannot be read further: ${name} is missing.`, "lost", response?.status ?? 0);
+  if (!response?.ok) throw new Refusal(`The page is incomplete: ${name} is missing.`, "lost", response?.status ?? 0);
   return response;
 }
 

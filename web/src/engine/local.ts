@@ -153,6 +153,6 @@ const calls: Record<string, (request: Request) => Promise<unknown>> = {
 /** The answer to a call, as the server would give it. */
 export async function answerLocally<T>(name: string, request: object): Promise<T> {
   const own = calls[name];
-  if (!own) throw new Refusal(`This page has no server, which \`${name}\` needs. ${SERVER}`, "server", 501);
+  if (!own) throw new Refusal(`This page has no server, which this function needs. ${SERVER}`, "server", 501);
   return (await own(request as Request)) as T;
 }

@@ -88,7 +88,7 @@ export class Stepping {
 /** A model at rest; throws the sentence where there is none. */
 export function beginStepping(scenario: Scenario, module: RunModule, changes: Changes): Stepping {
   if (scenario.layout.march === "given") {
-    throw new Refusal("A controller in discrete time drives this mechanism: it does not run by hand. Open one without, such as `Wire and dead weight`.", "input", 400);
+    throw new Refusal("A mechanism with a controller cannot run by hand. Open a scenario without a controller, such as “Wire and dead weight”.", "input", 400);
   }
   return new Stepping(scenario, module, changes);
 }

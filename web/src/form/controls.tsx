@@ -53,7 +53,7 @@ export function Controls() {
   const now = form.value;
   if (!now) {
     return trouble.value ? (
-      <Message kind="note">There is no form, since the scenario cannot be built. Edit its text, undo, or choose another one.</Message>
+      <Message kind="note">The scenario has an error, so there is no form. Edit its text, undo, or choose another scenario.</Message>
     ) : null;
   }
   return (
@@ -80,7 +80,7 @@ function All() {
       {sections.map((section) => (
         <Section key={section.path} group={section} open={!CLOSED.includes(section.path)} />
       ))}
-      {sections.length === 0 && <p class="soft small">No parameter has “{search.value}” in its name or meaning, beside those on top.</p>}
+      {sections.length === 0 && <p class="soft small">No parameter has “{search.value}” in its name or meaning, except those on top.</p>}
     </>
   );
 }

@@ -92,7 +92,7 @@ export function Documents() {
         onChange={(event) => void put(packaged.value.find((one) => one.name === event.currentTarget.value)?.text ?? NEW)}
       >
         <option value={NEW} disabled>
-          {chosen ? "Packaged scenarios …" : "Scenario of your own"}
+          {chosen ? "Packaged scenarios …" : "Your own scenario"}
         </option>
         {packaged.value.map((one) => (
           <option key={one.name} value={one.name}>
@@ -104,7 +104,7 @@ export function Documents() {
         <button type="button" title="A wire with a dead weight" onClick={() => void put(NEW)}>
           New
         </button>
-        <button type="button" title="A TOML file; it can be dropped here as well" onClick={() => chooser.current?.click()}>
+        <button type="button" title="A TOML file; you can also drop it here" onClick={() => chooser.current?.click()}>
           Open …
         </button>
         <button type="button" title="Edit the scenario as text" onClick={() => (editing.value = true)}>

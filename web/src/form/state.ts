@@ -118,7 +118,7 @@ async function through(request: { text: string; changes?: Changes; removed?: str
 function assumed(found: ScenarioForm): string[] {
   if (found.assumed.length === 0) return [];
   const names = found.assumed.map((path) => path.split(".").slice(-2).join(" ").replaceAll("_", " "));
-  return [`Assumed start values, no data of a source: ${names.join(", ")}.`];
+  return [`Assumed start values without a source: ${names.join(", ")}.`];
 }
 
 // ---------------------------------------------------------------- numbers

@@ -100,7 +100,7 @@ export function ColumnRows() {
   return (
     <div class="scrolling panel" tabIndex={0} role="region" aria-label="Columns">
       <table>
-        <caption>Columns: what they are, and in which unit</caption>
+        <caption>Meaning and unit of each column</caption>
         <thead>
           <tr>
             {["heading in the file", "means", "unit", "known by", "numbers as written", "curve"].map((name, k) => (

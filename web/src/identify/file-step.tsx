@@ -27,8 +27,8 @@ function Drop() {
       onDrop={(event) => (event.preventDefault(), (over.value = false), take(event.dataTransfer?.files))}
     >
       <label>
-        <strong>{state.value.file ? "Drop a log here to add it, or choose files" : "Drop a log here, or choose a file or several"}</strong>
-        <span class="small soft">A table over time, or loops without one: text of any layout, Excel, MAT, netCDF, Parquet, TDMS or MCAP, up to 64 MiB. It stays on this machine.</span>
+        <strong>{state.value.file ? "Drop a log here to add it, or choose files" : "Drop logs here, or choose files"}</strong>
+        <span class="small soft">A table over time or a loop without times: text of any layout, Excel, MAT, netCDF, Parquet, TDMS or MCAP, up to 64 MiB. The file stays on this machine.</span>
         <input type="file" multiple accept={KINDS} onChange={(event) => take(event.currentTarget.files)} />
       </label>
     </div>
@@ -39,14 +39,14 @@ function Drop() {
 function Samples() {
   return (
     <div class="row identify-samples">
-      <span>None at hand?</span>
+      <span>No log?</span>
       <button type="button" onClick={() => void takeFile([...LOADS])}>
-        Take four measured loops: Flexinol 0.38 mm under 50, 100, 172 and 200 MPa
+        Use four measured loops: Flexinol 0.38 mm under 50, 100, 172 and 200 MPa
       </button>
       <button type="button" onClick={() => void takeFile(172)}>
-        Take one: the loop under 172 MPa
+        Use one loop: 172 MPa
       </button>
-      <span class="soft small">Heated and cooled once, strain over temperature; published by P. Leal, 2016.</span>
+      <span class="soft small">One heating and cooling each, strain over temperature; published by P. Leal, 2016.</span>
     </div>
   );
 }
@@ -58,7 +58,7 @@ function Preview() {
   const places = Array.from({ length: width }, (_, k) => k);
   return (
     <details class="panel">
-      <summary>First {found.preview.length} rows, as they stand in the file</summary>
+      <summary>First {found.preview.length} rows of the file</summary>
       <div class="scrolling" tabIndex={0} role="region" aria-label="First rows of the file">
         <table>
           <thead>
@@ -120,7 +120,7 @@ export function FileStep() {
     <div class="stack">
       <Drop />
       {!file && <Samples />}
-      {!file && <Empty picture="log">What the log holds is recognised and said; then a model is fitted to it, with what the log tells and what it does not.</Empty>}
+      {!file && <Empty picture="log">The page recognises the columns, proposes a model, fits it and reports which parameters the log determines.</Empty>}
       <LogList />
       {file && found && (
         <>
@@ -140,9 +140,9 @@ export function FileStep() {
               Next: records
             </button>
             <button type="button" onClick={() => void takeFile([])}>
-              Begin anew
+              Start again
             </button>
-            <span class="soft small">The fit takes the simplest scenario that may explain what was recognised; the steps between change everything.</span>
+            <span class="soft small">The fit uses the simplest scenario for these columns. The steps in between let you change it.</span>
           </div>
           {found.notes.map((note) => (
             <Message key={note} kind="caution">

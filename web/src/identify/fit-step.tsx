@@ -22,11 +22,11 @@ function newest<Name extends keyof Note>(trail: Note[], name: Name): NonNullable
 
 function Cost({ trail, noisy }: { trail: Note[]; noisy: boolean }) {
   const told = trail.filter((note) => note.cost && note.simulations !== undefined && note.cost > 0);
-  if (told.length < 1) return <p class="soft">The search has not told of a run yet.</p>;
+  if (told.length < 1) return <p class="soft">The search has not finished a run yet.</p>;
   const scale = noisy ? 1 : 100;
   return (
     <Plot
-      label="Root-mean-square error of the best so far over the runs of the search"
+      label="Lowest root-mean-square error over the runs of the search"
       x={told.map((note) => note.simulations ?? 0)}
       xLabel="runs"
       yLabel={noisy ? "rms error / noise" : "rms error [% of range]"}
@@ -104,9 +104,9 @@ function Ended() {
   const dropped = job.id === state.value.dropped;
   return (
     <div class="stack">
-      {dropped && <Message kind="note">The fit was cancelled; nothing of it is kept.</Message>}
+      {dropped && <Message kind="note">The fit was cancelled without a result.</Message>}
       {!dropped && outcome.value && <Message kind="note">The fit has ended: {outcome.value.reason}.</Message>}
-      {!dropped && job.state !== "done" && <Message kind="error">{typeof job.outcome === "string" ? job.outcome : "The fit did not end by itself."}</Message>}
+      {!dropped && job.state !== "done" && <Message kind="error">{typeof job.outcome === "string" ? job.outcome : "The fit was ended from outside."}</Message>}
       <div class="row">
         {outcome.value && (
           <button type="button" class="main" onClick={() => put({ step: 4 })}>

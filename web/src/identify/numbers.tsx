@@ -82,9 +82,9 @@ export function Numbers() {
         <label>
           <input type="checkbox" checked={onlyFree.value} onChange={(event) => (onlyFree.value = event.currentTarget.checked)} /> only those that are free
         </label>
-        <span class="soft small">Left empty: start from the scenario, bounds as shown in grey.</span>
+        <span class="soft small">Empty fields use the start value of the scenario and the grey bounds.</span>
       </div>
-      <div class="scrolling identify-numbers" tabIndex={0} role="region" aria-label="Numbers of the scenario">
+      <div class="scrolling identify-numbers" tabIndex={0} role="region" aria-label="Parameters of the scenario">
         <table>
           <thead>
             <tr>

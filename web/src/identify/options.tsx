@@ -31,7 +31,7 @@ function OfRecords() {
   const offsets = (scenario.value?.outputs ?? []).filter((one) => !ignored.includes(one.name)).map((one) => `offset.${one.name}`);
   return (
     <div class="row">
-      <span>Every record has for itself:</span>
+      <span>Separate values for each log:</span>
       {[...offsets, "delay", "initial_fraction"].map((name) => (
         <label key={name}>
           <input type="checkbox" checked={each.includes(name)} onChange={() => put({ each: toggled(each, name) })} />{" "}
@@ -79,7 +79,7 @@ export function Options() {
       <Compared />
       <OfRecords />
       {held.length ? (
-        <p class="small">Held out, to see how well the fit predicts: {held.join(", ")}.</p>
+        <p class="small">Held out to test the prediction: {held.join(", ")}.</p>
       ) : (
         <Pick label="Hold out" value={holdOut} choices={HOLD_OUT} onPick={(value) => put({ holdOut: value })} />
       )}

@@ -47,7 +47,7 @@ export function Preparation() {
   };
   return (
     <fieldset class="panel stack">
-      <legend>Done to the log before the fit{steps.length ? "" : ": nothing"}</legend>
+      <legend>Preparation of the log{steps.length ? "" : ": none"}</legend>
       {steps.length > 0 && (
         <ol class="identify-steps-done">
           {steps.map((step, k) => (
@@ -93,7 +93,7 @@ export function Preparation() {
           </>
         )}
         <button type="button" onClick={add}>
-          Do it
+          Apply
         </button>
       </div>
     </fieldset>

@@ -37,8 +37,8 @@ function score(one: Score): preact.ComponentChildren[] {
 
 function Open({ found }: { found: Outcome }) {
   return (
-    <section class={`message ${found.determined ? "note" : "caution"} identify-open`} aria-label="What the data cannot tell">
-      <h2>{found.determined ? "The data determine all that was free" : "⚠ What the data cannot tell"}</h2>
+    <section class={`message ${found.determined ? "note" : "caution"} identify-open`} aria-label="Parameters that the data do not determine">
+      <h2>{found.determined ? "All free parameters are determined" : "⚠ Parameters that the data do not determine"}</h2>
       <ul>
         {[...found.open, ...found.uncertainty.filter((one) => !found.open.includes(one))].map((sentence) => (
           <li key={sentence}>
@@ -62,7 +62,7 @@ function Correlations({ found }: { found: Outcome }) {
   return (
     <details class="panel">
       <summary>Correlations of the parameters</summary>
-      <Table caption="Correlation; above 0.95 two parameters are hardly told apart" headings={["parameter", ...names]} rows={rows} right={names.map((_, k) => k + 1)} />
+      <Table caption="Correlation; above 0.95 the data hardly separate two parameters" headings={["parameter", ...names]} rows={rows} right={names.map((_, k) => k + 1)} />
     </details>
   );
 }
@@ -81,24 +81,24 @@ function Files({ found }: { found: Outcome }) {
   return (
     <div class="row">
       <button type="button" class="main" disabled={writing !== ""} onClick={() => write("material")}>
-        {writing === "material" ? "Writing the material …" : "Save the material"}
+        {writing === "material" ? "Saving the material …" : "Save the material"}
       </button>
       <button type="button" disabled={writing !== ""} onClick={() => write("report")}>
-        {writing === "report" ? "Drawing the report …" : "Save the report"}
+        {writing === "report" ? "Writing the report …" : "Save the report"}
       </button>
       <button type="button" onClick={() => openInBench(found.scenario)}>
         Open in bench
       </button>
       {found.reason === "interrupted" && (
         <button type="button" onClick={() => void beginFit({ state: bestKept.value })}>
-          Go on with the search
+          Continue the search
         </button>
       )}
       <button type="button" onClick={() => void goTo(2)}>
-        Fit something else
+        Start another fit
       </button>
       <button type="button" disabled={writing !== ""} onClick={() => write("terminal")}>
-        {writing === "terminal" ? "Packing …" : "Save all for the command line"}
+        {writing === "terminal" ? "Saving …" : "Save all for the command line"}
       </button>
       <label class="identify-another">
         Judge it by another log{" "}
@@ -150,9 +150,9 @@ export function ResultStep() {
       </div>
       <ResultCurves found={found} />
       <details class="panel">
-        <summary>Residuals: are they noise?</summary>
+        <summary>Residuals: test for noise</summary>
         <ul>
-          {(found.whiteness.length ? found.whiteness : ["Too few rows for a test of whiteness."]).map((sentence) => (
+          {(found.whiteness.length ? found.whiteness : ["There are too few rows for a test of whiteness."]).map((sentence) => (
             <li key={sentence}>
               <Said>{sentence}</Said>
             </li>

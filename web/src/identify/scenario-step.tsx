@@ -52,7 +52,7 @@ function Choose() {
         </select>
       </label>
       <button type="button" disabled={!benchText.value} onClick={() => void taken(benchText.value, "the bench")}>
-        Take the one on the bench
+        Use the scenario on the bench
       </button>
       <label>
         or a file (TOML) <input type="file" accept=".toml" onChange={(event) => void file(event.currentTarget.files?.[0])} />
@@ -119,7 +119,7 @@ function Drives() {
   const columns = Object.keys(found.columns);
   return (
     <fieldset class="panel">
-      <legend>What drove the test</legend>
+      <legend>Drives of the test</legend>
       {found.drives.map((drive) => (
         <div class="row" key={drive.path}>
           <span>
@@ -177,13 +177,13 @@ export function ScenarioStep() {
                 <button type="button" class="main" disabled={!ready} onClick={() => void beginFit()}>
                   Fit {count} parameter{count === 1 ? "" : "s"}
                 </button>
-                {!count && <span class="soft">Choose at least one parameter to be found.</span>}
+                {!count && <span class="soft">Choose at least one parameter to fit.</span>}
               </div>
             </>
           )}
         </>
       )}
-      {!text && <p class="soft">The scenario says what was tested and with which law; the fit finds the numbers of it that you set free.</p>}
+      {!text && <p class="soft">The scenario describes the test and the law. The fit finds its free parameters.</p>}
     </div>
   );
 }

@@ -243,7 +243,7 @@ function forget(): void {
 /** A file of the reader, one that the server has, or a measured one that comes with the package, by its stress [MPa]. */
 export type Given = File | Uploaded | number;
 
-/** Begin anew with a file, or with several; a scenario may come along. */
+/** Start again with a file, or with several; a scenario may come along. */
 export async function takeFile(file: Given | Given[], text = ""): Promise<void> {
   put({ ...NO_LOG, others: [], at: 0, step: 0, proposed: "", ...(text && { text, origin: "the board", free: {}, ignored: [], each: [] }) });
   table.value = null;

@@ -36,12 +36,12 @@ export function VerdictPanel({ found }: { found: Outcome }) {
       <div class="identify-panels">
         <Sentences title="Why not better" of={verdict.reasons.slice(0, 6)} />
         <Sentences title="The logs told" of={verdict.told} />
-        <Sentences title="They did not tell" of={verdict.untold} />
-        <Sentences title="What to record next" of={verdict.next} />
-        <Sentences title="Done to the logs, and assumed" of={found.prepared} />
+        <Sentences title="Not determined" of={verdict.untold} />
+        <Sentences title="Next recordings" of={verdict.next} />
+        <Sentences title="Preparation and assumptions" of={found.prepared} />
       </div>
       <details>
-        <summary>The same on the command line</summary>
+        <summary>Command line</summary>
         <code class="identify-command">{found.command}</code>
         <p class="soft small">“Save all for the command line” packs the records as they were fitted, the scenario, and these words.</p>
       </details>

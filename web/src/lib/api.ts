@@ -6,14 +6,14 @@ import { completeAnswer } from "../views/answer.ts";
 import { COLUMNS_TYPE, unpackColumns } from "./columns.ts";
 import { awaitServer } from "./connection.ts";
 import { host } from "./host.ts";
-import { Refusal } from "./refusal.ts";
+import { dropMarks, Refusal } from "./refusal.ts";
 import { makeId } from "./identity.ts";
 import { tab } from "./tab.ts";
 
 export { Refusal };
 
 /** What went wrong, in words. */
-export const sentence = (error: unknown): string => (error instanceof Error ? error.message : String(error));
+export const sentence = (error: unknown): string => dropMarks(error instanceof Error ? error.message : String(error));
 
 /** Whether a call ended because a newer one of its lane came. */
 export const superseded = (error: unknown): boolean => error instanceof Refusal && error.kind === "superseded";
@@ -48,7 +48,7 @@ async function asked<T>(path: string, options: RequestInit = {}): Promise<T> {
   } catch (error) {
     if (error instanceof DOMException && error.name === "AbortError") throw error;
     void awaitServer();
-    throw new Refusal("The server does not answer; is `martensite app` still running?", "lost", 0);
+    throw new Refusal("The server does not answer. Start “martensite app” again.", "lost", 0);
   }
   return answered<T>(response);
 }
@@ -95,7 +95,7 @@ export async function call<T>(name: string, request: object = {}, lane = ""): Pr
   }
 }
 
-const BUSY = new Refusal("The kernel of the notebook ends this run by itself, or by its own interrupt.", "failed", 409);
+const BUSY = new Refusal("Interrupt the kernel of the notebook to end this run.", "failed", 409);
 
 /** End the call of a lane that the server is at; it then ends with a sentence. */
 export const cancelCall = (lane: string): Promise<unknown> =>

@@ -17,7 +17,7 @@ export const setHost = (next: Host): void => void (host = next);
 export async function readAsset(name: string): Promise<string> {
   if (host) return (await host.asset(name)).text();
   const found = await fetch(name);
-  if (!found.ok) throw new Error(`The page cannot be read further: ${name} is missing.`);
+  if (!found.ok) throw new Error(`The page is incomplete: ${name} is missing.`);
   return found.text();
 }
 

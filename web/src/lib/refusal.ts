@@ -11,14 +11,17 @@ export class Refusal extends Error {
 }
 
 const SECTION = /^\[[^\]]*\] /;
-const NAMED = /^Parameter `([^`]+)` of `([^`]+)` /;
+const NAMED = /^Parameter `?([^` ]+)`? of `?([^` ]+)`? /;
 const beginUpper = (words: string): string => words.charAt(0).toUpperCase() + words.slice(1);
+
+/** A sentence of the library without the marks of names, which a page does not need. */
+export const dropMarks = (sentence: string): string => sentence.replaceAll("`", "");
 
 /** A refusal of the library for who sees a form, not a file: without the place in the text of the scenario. */
 export const tellRefusal = (sentence: string): string => {
   const plain = sentence.replace(SECTION, "");
-  return beginUpper(plain.replace(NAMED, (_, name: string, kind: string) => `${name.replaceAll("_", " ")} of ${kind} `));
+  return beginUpper(dropMarks(plain.replace(NAMED, (_, name: string, kind: string) => `${name.replaceAll("_", " ")} of ${kind} `)));
 };
 
 /** The same beside the field that it is about. */
-export const tellBesideField = (sentence: string): string => beginUpper(sentence.replace(SECTION, "").replace(NAMED, ""));
+export const tellBesideField = (sentence: string): string => beginUpper(dropMarks(sentence.replace(SECTION, "").replace(NAMED, "")));

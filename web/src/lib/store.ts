@@ -22,7 +22,7 @@ const MOST = 20;
 function asked<T>(request: IDBRequest<T>): Promise<T> {
   return new Promise((done, failed) => {
     request.onsuccess = () => done(request.result);
-    request.onerror = () => failed(request.error ?? new Error("The browser keeps nothing."));
+    request.onerror = () => failed(request.error ?? new Error("The browser does not store data."));
   });
 }
 

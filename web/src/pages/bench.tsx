@@ -86,7 +86,7 @@ export function Page() {
           {!hand.value && <Compare />}
         </div>
         <Busy />
-        {refused.value && <Message kind="error">{tellRefusal(refused.value)}{run.value && " What is shown is the run before."}</Message>}
+        {refused.value && <Message kind="error">{tellRefusal(refused.value)}{run.value && " The previous run is shown."}</Message>}
         {hand.value ? (
           <LivePanel />
         ) : (

@@ -24,7 +24,7 @@ export function Page() {
           <Form />
           <div class="stack board-results">
             <Live />
-            {!work.job.value && !columns.value["time"] && <Empty picture="hold">Curves, and what the link counts, come here while the board runs.</Empty>}
+            {!work.job.value && !columns.value["time"] && <Empty picture="hold">Curves and link statistics appear here while the board runs.</Empty>}
             <Curves />
           </div>
         </div>

@@ -9,7 +9,7 @@ import { place } from "../state/route.ts";
 
 const TABS: [tab: Tab, title: string][] = [
   ["wires", "Choose a wire"],
-  ["catalogue", "Model beside the maker's table"],
+  ["catalogue", "Check of the maker's table"],
 ];
 
 export function Page() {

@@ -27,7 +27,7 @@ export function Page() {
   return (
     <div class="start stack">
       <h1>What do you want to know?</h1>
-      <p class="soft start-about">A bench for actuators of shape memory alloy: change a number, and see what the wire does, how hot it gets, and how long it takes.</p>
+      <p class="soft start-about">A test bench for shape-memory-alloy (nitinol) actuators: change a parameter and see stroke, temperature and time.</p>
       {shut.value && <Message kind="error">{shut.value}</Message>}
       <ul class="doors">
         {DOORS.map((door) => (
@@ -35,7 +35,7 @@ export function Page() {
         ))}
       </ul>
       <p class="small">
-        <a href="#/bench">{text.value ? "Back to what is on the bench" : "Straight to the bench, with all packaged scenarios"}</a>
+        <a href="#/bench">{text.value ? "Back to the bench" : "Open the bench with all packaged scenarios"}</a>
       </p>
     </div>
   );

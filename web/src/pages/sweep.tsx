@@ -40,7 +40,7 @@ export function Page() {
         <Title />
         {refused.value && <Message kind="error">{refused.value}</Message>}
         <Live />
-        {!key.value && !running.value && <Empty picture="sweep">Every number of a scenario can be varied: one gives a curve, two a map, more a scatter. They are drawn while the runs come.</Empty>}
+        {!key.value && !running.value && <Empty picture="sweep">Vary any parameter of a scenario: one gives a curve, two a map, more a scatter plot. Results appear during the runs.</Empty>}
         <Pictures key={key.value} />
         <Export key={`export ${key.value}`} />
         <List />

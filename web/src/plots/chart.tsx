@@ -63,7 +63,7 @@ export function Chart(props: ChartProps) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const over = useRef<HTMLDivElement>(null);
   const part = useSignal<{ x: Scale; y: Scale } | null>(null);
-  const { picture, shared, keys = "Arrow keys tell values along it." } = props;
+  const { picture, shared, keys = "Arrow keys show the values along the curve." } = props;
   const shown = useMemo(() => (part.value && !shared ? { ...picture, ...labelled(picture, part.value) } : picture), [picture, part.value, shared]);
   const now = useRef({ props, shown, at: null as Found | null });
   Object.assign(now.current, { props, shown });

@@ -38,7 +38,7 @@ export function Panels({ of }: { of: Run }) {
   return (
     <Menu name="Curves">
       <fieldset>
-        <legend>Shown over time</legend>
+        <legend>Curves over time</legend>
         {of.traces.map((panel) => (
           <Choice key={panel.key} name={panel.key} title={panel.title} on={isShown(panel)} />
         ))}

@@ -39,7 +39,7 @@ function One({ one }: { one: Pinned }) {
       <button type="button" aria-pressed={!off} onClick={() => toggle(one.id)} aria-label={`${off ? "Show" : "Hide"} ${one.name}`}>
         {off ? "Show" : "Hide"}
       </button>
-      <button type="button" onClick={() => openInBench(one.run.text)} aria-label={`Open ${one.name}`} title="Put its document on the bench; undo brings back what is there">
+      <button type="button" onClick={() => openInBench(one.run.text)} aria-label={`Open ${one.name}`} title="Open its scenario on the bench; undo restores the present one">
         Open
       </button>
       <button type="button" class="quiet" onClick={() => drop(one.id)} aria-label={`Unpin ${one.name}`} title="Unpin">
@@ -80,7 +80,7 @@ export function Compare() {
           <Coming key={one.id} one={one} />
         ))}
         <li>
-          <button type="button" onClick={pin} title="Keep this run in all charts beneath those to come">
+          <button type="button" onClick={pin} title="Keep this run in all charts, below new runs">
             Pin this run
           </button>
         </li>

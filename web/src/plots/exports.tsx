@@ -10,8 +10,8 @@ import { Message } from "../ui/message.tsx";
 const FILES: [what: string, name: string, about: string][] = [
   ["png", "Figure, PNG", "Figure of the run, for the screen"],
   ["svg", "Figure, SVG", "Figure of the run, for print"],
-  ["csv", "Numbers, CSV", "All samples in SI, for a spreadsheet"],
-  ["nc", "Numbers, netCDF", "All samples in SI with where they came from, as `martensite run` writes them"],
+  ["csv", "Data, CSV", "All samples in SI, for a spreadsheet"],
+  ["nc", "Data, netCDF", "All samples in SI with their sources"],
 ];
 
 export function Exports() {
@@ -43,12 +43,12 @@ export function Exports() {
   return (
     <Menu name="Export">
       <div class="stack">
-        <button type="button" onClick={document} title="The document of this run; `martensite run` takes it">
+        <button type="button" onClick={document} title="The scenario of this run">
           Scenario, TOML
         </button>
         <button
           type="button"
-          title="One file for somebody without an installation: charts that answer, results, sources, notes, scenario"
+          title="One file for readers without an installation: interactive charts, results, sources, notes, scenario"
           disabled={busy.value !== ""}
           onClick={() => void make("Live report", report)}
         >

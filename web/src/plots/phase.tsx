@@ -65,7 +65,7 @@ export function Phase({ of, height }: { of: Run; height: number }) {
       <Drawn>
       <LoopChart
         title="Phase diagram"
-        about="Phase diagram: stress over temperature, with the bands in which the law transforms; a band begins at its dashed line"
+        about="Phase diagram: stress over temperature, with the transformation bands of the law; a band begins at its dashed line"
         picture={found.picture}
         height={height}
       />

@@ -54,7 +54,7 @@ export function Saving({ about, picture, size }: SavingProps) {
           Picture, SVG
         </button>
         <button type="button" onClick={() => save(`${name}.csv`, new Blob([writeNumbers(picture)], { type: "text/csv" }))}>
-          Numbers, CSV
+          Data, CSV
         </button>
       </div>
     </Menu>

@@ -1,5 +1,6 @@
 // What the run must warn about: limits that were exceeded, with when; cautions about the document.
 
+import { dropMarks } from "../lib/refusal.ts";
 import { digits, toShown, difference } from "../lib/numbers.ts";
 import type { Alarm, Run } from "../lib/types.ts";
 import { cursor, run } from "../state/run.ts";
@@ -28,7 +29,7 @@ function sizes({ kind, worst, limit, how }: Alarm): string {
 function When({ alarm }: { alarm: Alarm }) {
   return (
     <>
-      <button type="button" onClick={() => jump(alarm.first)} title="Move the time cursor to where it begins">
+      <button type="button" onClick={() => jump(alarm.first)} title="Move the time cursor to the start of the alarm">
         from {digits(alarm.first)} s
       </button>
       {alarm.worst_time !== alarm.first && (
@@ -42,7 +43,7 @@ function When({ alarm }: { alarm: Alarm }) {
 
 function One({ alarm }: { alarm: Alarm }) {
   return (
-    <li class="alarm" title={alarm.sentence}>
+    <li class="alarm" title={dropMarks(alarm.sentence)}>
       <strong>
         <span aria-hidden="true">▲</span> {KINDS[alarm.kind] ?? alarm.kind}
         {alarm.port && ` (${alarm.port})`}
@@ -71,7 +72,7 @@ function Notes({ sentences }: { sentences: string[] }) {
       </summary>
       <ul>
         {sentences.map((sentence) => (
-          <li key={sentence}>{sentence}</li>
+          <li key={sentence}>{dropMarks(sentence)}</li>
         ))}
       </ul>
     </details>
@@ -92,7 +93,7 @@ export function Warnings() {
         ))}
         {near.map((sentence) => (
           <li key={sentence}>
-            <span aria-hidden="true">△</span> {sentence}
+            <span aria-hidden="true">△</span> {dropMarks(sentence)}
           </li>
         ))}
       </ul>)}

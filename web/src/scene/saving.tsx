@@ -22,7 +22,7 @@ interface Props {
 }
 
 const FILES: [Taken, string, string][] = [
-  ["gif", "Picture that moves, GIF", "The whole run as it is seen now, 640 by 360 pixels"],
+  ["gif", "Animation, GIF", "The whole run as it is seen now, 640 by 360 pixels"],
   ["video", "Video, MP4 or WebM", "The whole run as it is seen now, 1280 by 720 pixels; takes as long as it plays"],
   ["glb", "Model, GLB", "Parts with their motion, for Blender, slides or a web page; colours are those at the cursor"],
 ];
@@ -31,7 +31,7 @@ const LONGEST = 20;
 
 async function made(kind: Taken, props: Props, told: (share: number) => void, stop: AbortSignal): Promise<Blob> {
   const stage = props.stage.current;
-  if (!stage) throw new Error("The picture in space is not there yet.");
+  if (!stage) throw new Error("The 3-D picture is not ready yet.");
   const seconds = Math.min((end.peek() - begin.peek()) / rate(), LONGEST);
   if (kind === "glb") return (await import("./glb.ts")).exportModel(stage, seconds, cursor.peek());
   const { recordGif, recordVideo } = await import("./recording.ts");

@@ -165,7 +165,7 @@ function Space(props: PictureProps & { stage: { current: Stage | null }; whole: 
       aria-roledescription="3-D view; arrow keys turn it, plus and minus zoom, 0 fits, space plays"
       tabIndex={0}
       onKeyDown={press}
-      title="Drag turns, wheel zooms, right button moves; arrow keys, + and - likewise"
+      title="Drag to turn, wheel to zoom, right button to move; or arrow keys, + and -"
     >
       {!ready.value && <span class="scene-waiting soft">Loading …</span>}
     </div>

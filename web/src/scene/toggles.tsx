@@ -22,11 +22,11 @@ export function Toggles({ stage, broken, whole, choose }: Props) {
       <button type="button" aria-pressed={named.value} title="Names and values of all parts" onClick={switched(named, "named")}>
         Names
       </button>
-      <button type="button" aria-pressed={forces.value} title="Forces as arrows, as long as they are large" onClick={switched(forces, "forces")}>
+      <button type="button" aria-pressed={forces.value} title="Forces as arrows with proportional length" onClick={switched(forces, "forces")}>
         Forces
       </button>
       {broken && (
-        <button type="button" aria-pressed={whole} title="Long straight parts as long as they are, or broken" onClick={() => choose(!whole)}>
+        <button type="button" aria-pressed={whole} title="Long straight parts in full length, or shortened" onClick={() => choose(!whole)}>
           Whole length
         </button>
       )}

@@ -41,7 +41,7 @@ function Row({ found, number, chosen, onChoose }: RowProps) {
             {number}
           </button>
         </td>
-        <td class={found.feasible ? "does" : "does-not"}>{found.feasible ? (found.frail.length ? "✓ does" : "✓ robust") : "✗ no"}</td>
+        <td class={found.feasible ? "does" : "does-not"}>{found.feasible ? (found.frail.length ? "✓ meets" : "✓ robust") : "✗ no"}</td>
         {cells.map((cell, k) => (
           <td key={k} class={k + 1 >= WORDS ? "right" : undefined}>
             {cell}
@@ -81,7 +81,7 @@ export function Candidates({ sizing, all, onAll, chosen, onChoose }: Props) {
     <section class="panel stack candidates" aria-label="Wires">
       <div class="row">
         <span role="status">
-          {good === 0 ? "No wire meets the request; the nearest come first." : `${good} of ${candidates.length} wires do, the best first. ${robust || "None"} of them ${robust < 2 ? "withstands" : "withstand"} a warmer day and more load.`}
+          {good === 0 ? "No wire meets the request. The nearest come first." : `${good} of ${candidates.length} wires meet the request, best first. ${robust || "None"} of them ${robust < 2 ? "is" : "are"} robust (10 K warmer, 20 % more load).`}
         </span>
         <label class="row">
           Order
@@ -95,7 +95,7 @@ export function Candidates({ sizing, all, onAll, chosen, onChoose }: Props) {
         </label>
         <label class="row">
           <input type="checkbox" checked={all} onChange={(event) => onAll(event.currentTarget.checked)} />
-          Show those that do not, too
+          Show rejected wires
         </label>
       </div>
       <div class="scrolling" tabIndex={0} role="region" aria-label="Table of wires">

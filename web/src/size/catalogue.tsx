@@ -13,7 +13,7 @@ function Answer({ found }: { found: Checked }) {
   return (
     <section class="panel stack" aria-label="Check of the catalogue">
       <p>{found.conditions}</p>
-      <Table caption="Model beside table" headings={found.columns} rows={found.rows} right={found.columns.map((_, k) => k).slice(2)} />
+      <Table caption="Model and table" headings={found.columns} rows={found.rows} right={found.columns.map((_, k) => k).slice(2)} />
       <ul class="sentences">
         {found.spread.map((sentence) => (
           <li key={sentence}>{sentence}</li>
@@ -49,7 +49,7 @@ export function Catalogue() {
       </form>
       <div class="stack">
         <Work watched={check} what="Simulating wires" />
-        {found ? <Answer found={found} /> : !busy && <p class="soft">Currents and cooling times of every size, simulated, beside those that the maker prints.</p>}
+        {found ? <Answer found={found} /> : !busy && <p class="soft">Simulated currents and cooling times of every size, compared with the maker's table.</p>}
       </div>
     </div>
   );

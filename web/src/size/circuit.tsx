@@ -33,11 +33,11 @@ function Strands({ found }: { found: Candidate }) {
 function listParts(found: Candidate, supply: string): string[] {
   const { current, voltage, power } = found.drive ?? { current: 0, voltage: 0, power: 0 };
   const volts = Number.parseFloat(readComma(supply));
-  const share = /^[\d.,]+\s*V?$/.test(supply.trim()) && volts >= voltage ? `, which a duty of ${digits(100 * (voltage / volts) ** 2, 2)} % gives, if nothing else limits the current` : "";
+  const share = /^[\d.,]+\s*V?$/.test(supply.trim()) && volts >= voltage ? `, which a duty cycle of ${digits(100 * (voltage / volts) ** 2, 2)} % gives, if nothing else limits the current` : "";
   return [
     `Supply: ${supply}, at least ${digits(SPARE * current, 2)} A. The wires take ${digits(voltage, 3)} V and ${digits(current, 3)} A, ${digits(power, 3)} W, while they heat${share}.`,
     `Transistor: n-channel MOSFET at the ground side, driven by the logic level of the board, for ${digits(SPARE * current, 2)} A and above.`,
-    `Fuse: ${digits(1.25 * current, 2)} A, slow, for a transistor that does not open again.`,
+    `Fuse: ${digits(1.25 * current, 2)} A, slow, in case the transistor fails closed.`,
     `Wires: ${found.count} of ${found.size}${found.count > 1 ? `, in ${found.wiring}` : ""}, ${digits(found.strand_resistance, 3)} Ω each; crimped, not soldered.`,
   ];
 }

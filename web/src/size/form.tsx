@@ -92,7 +92,7 @@ export function Form({ onBegin, busy }: { onBegin: () => void; busy: boolean }) 
       {now.contradiction && <Message kind="error">{now.contradiction}</Message>}
       {trouble.value && <Message kind="error">{trouble.value}</Message>}
       <details open={others.some((field) => fields.value[field.name]?.trim())}>
-        <summary>Limits, return and surroundings</summary>
+        <summary>Limits, return and ambient</summary>
         <div class="size-fields">
           {others.map((field) => (
             <FormField key={field.name} field={field} />

@@ -42,7 +42,7 @@ function nameCell(cell: Cell, axes: Axes): string {
   const where = `${digits(axes.forces[cell.column], 3)} N over ${digits(1e3 * (axes.strokes[cell.row] ?? 0), 3)} mm`;
   if (!cell.best) return `${where}: none. ${cell.reason}`;
   const { size, alloy, count } = cell.best;
-  return `${where}: ${cell.does} wires do, ${cell.robust} of them robust; best ${count} × ${size}, ${alloy} °C`;
+  return `${where}: ${cell.does} wires meet the request, ${cell.robust} of them robust; best ${count} × ${size}, ${alloy} °C`;
 }
 
 function Cells({ cells, axes }: { cells: Cell[]; axes: Axes }) {
@@ -112,7 +112,7 @@ function Wish({ axes }: { axes: Axes }) {
   const [x, y] = [LEFT + Math.min(Math.max(now[0], 0), axes.forces.length) * w, TOP + HIGH - Math.min(Math.max(now[1], 0), axes.strokes.length) * h];
   return (
     <g
-      ref={host} class="map-wish" tabIndex={0} role="slider" aria-label="Wish: force over stroke" aria-valuetext={words} aria-valuenow={force}
+      ref={host} class="map-wish" tabIndex={0} role="slider" aria-label="Request: force over stroke" aria-valuetext={words} aria-valuenow={force}
       transform={`translate(${x} ${y})`} onKeyDown={press}
       onPointerDown={(event) => {
         event.currentTarget.setPointerCapture(event.pointerId);
@@ -135,28 +135,28 @@ export function WishMap() {
   return (
     <section class="panel stack size-map" aria-label="Map of force and stroke">
       <div class="row">
-        <h2>What else would do</h2>
+        <h2>Other forces and strokes</h2>
         {!busy && (
           <button type="button" onClick={() => void beginMap()}>
-            {found ? "Map around this wish" : "Draw the map"}
+            {found ? "Map around this request" : "Draw the map"}
           </button>
         )}
       </div>
-      <Work watched={mapping} what="Judging forces and strokes" />
+      <Work watched={mapping} what="Simulating forces and strokes" />
       {found ? (
         <>
-          <svg viewBox={`0 0 ${LEFT + WIDE + 8} ${TOP + HIGH + 38}`} role="group" aria-label="Map: each field says how many wires of which diameter, in mm, are the best there">
+          <svg viewBox={`0 0 ${LEFT + WIDE + 8} ${TOP + HIGH + 38}`} role="group" aria-label="Map: each field shows the best number and diameter (mm) of wires">
             <Cells cells={found.cells} axes={found} />
             <Ticks axes={found} />
             <Wish axes={found} />
           </svg>
           <p class="small soft">
-            <span class="map-key robust" /> does, also 10 K warmer and under 20 % more load <span class="map-key frail" /> does <span class="map-key none" /> none does.
-            Each field names the best wires, number × diameter in mm. Drag the point, or move it by the arrow keys and Enter.
+            <span class="map-key robust" /> meets the request, also at +10 K and +20 % load <span class="map-key frail" /> meets the request <span class="map-key none" /> no wire.
+            Each field shows the best wires, number × diameter in mm. Drag the point, or use the arrow keys and Enter.
           </p>
         </>
       ) : (
-        !busy && <Message kind="note">Every wire is put to 63 pairs of force and stroke around the wish: a minute or two, filled in from the wish outwards.</Message>
+        !busy && <Message kind="note">The map simulates 63 pairs of force and stroke around the request, starting at the request. It takes one to two minutes.</Message>
       )}
     </section>
   );

@@ -24,7 +24,7 @@ function words({ share, chosen }: Margin): string {
 export function Margins({ margins }: { margins: Margin[] }) {
   return (
     <table class="margins">
-      <caption>Used of each limit</caption>
+      <caption>Utilisation of each limit</caption>
       <thead>
         <tr>
           <th scope="col">limit</th>

@@ -88,7 +88,7 @@ export async function ask(): Promise<void> {
     if (exemplary && Object.keys(written(fields.value)).length === 0) fill({ ...found.example });
     exemplary = false;
     if (found.unknown.length === 0) return;
-    trouble.value = `The address names fields that there are not: ${found.unknown.join(", ")}.`;
+    trouble.value = `The address contains unknown fields: ${found.unknown.join(", ")}.`;
     fields.value = Object.fromEntries(Object.entries(fields.value).filter(([name]) => !found.unknown.includes(name)));
     keep();
   } catch (error) {

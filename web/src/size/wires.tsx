@@ -14,7 +14,7 @@ import { Work } from "./work.tsx";
 
 function Outdated({ found }: { found: Sizing }) {
   const asked = Object.entries(found.asked).map(([name, text]) => `${name.replaceAll("_", " ")} ${text}`);
-  return <Message kind="caution">The form has changed since; these wires are for {asked.join(", ")}.</Message>;
+  return <Message kind="caution">The form has changed; these wires are for {asked.join(", ")}.</Message>;
 }
 
 function Answer({ found }: { found: Sizing }) {
@@ -30,7 +30,7 @@ function Answer({ found }: { found: Sizing }) {
       {outdated.value && <Outdated found={found} />}
       {found.candidates.length < found.of && (
         <Message kind="caution">
-          Cancelled: {found.candidates.length} of {found.of} wires were judged.
+          Cancelled: {found.candidates.length} of {found.of} wires were simulated.
         </Message>
       )}
       {found.candidates.length > 0 && (
@@ -51,7 +51,7 @@ export function Wires() {
         <Work watched={sizing} what="Simulating wires" />
         {(found || busy) && <WishMap />}
         {found && <Answer found={found} />}
-        {!found && !busy && <Empty picture="wire">Every size and alloy of the maker's catalogue is simulated against the request; the best wires come first, each with its electronics.</Empty>}
+        {!found && !busy && <Empty picture="wire">The page simulates every size and alloy of the maker's catalogue and lists the best wires first, with their electronics.</Empty>}
       </div>
     </div>
   );

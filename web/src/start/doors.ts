@@ -16,12 +16,12 @@ export interface Door {
 }
 
 export const DOORS: Door[] = [
-  { key: "lift", title: "Lift a weight", about: "A heated wire lifts 300 g and lets it down. How far, how fast, and how hot?", scenario: "dead_weight", page: "bench" },
+  { key: "lift", title: "Lift a weight", about: "A heated wire lifts 300 g and lets it down. How far, how fast, how hot?", scenario: "dead_weight", page: "bench" },
   { key: "finger", title: "Bend a finger", about: "A tendon of wire bends a joint against a spring, and cools to let it go.", scenario: "finger", page: "bench" },
-  { key: "hold", title: "Hold a position", about: "A controller takes a wire through steps of one millimetre and keeps it there.", scenario: "closed_loop", page: "bench" },
-  { key: "log", title: "I have a log", about: "Fit a material to your measurement, or to one that is at hand.", scenario: "", page: "identify" },
-  { key: "wire", title: "Which wire?", about: "From force, stroke and rate to wires of the catalogue with their margins.", scenario: "", page: "size?example" },
-  { key: "paper", title: "Check a paper", about: "Published results, computed anew beside what is printed.", scenario: "", page: "studies" },
+  { key: "hold", title: "Hold a position", about: "A controller moves a wire in steps of one millimetre and holds each position.", scenario: "closed_loop", page: "bench" },
+  { key: "log", title: "I have a log", about: "Fit a material to your measurement, or to a sample log.", scenario: "", page: "identify" },
+  { key: "wire", title: "Which wire?", about: "Find wires of the catalogue for a force, a stroke and a rate.", scenario: "", page: "size?example" },
+  { key: "paper", title: "Check a paper", about: "Published results compared with new computations.", scenario: "", page: "studies" },
 ];
 
 /** Why a door did not open. */

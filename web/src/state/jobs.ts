@@ -21,7 +21,7 @@ const AGAIN = 1000;
 const GRACE = 0.6;
 /** The longest job that is kept with the session [characters of JSON]. */
 const MOST_KEPT = 2 ** 20;
-const ENDED = "The server was ended before this was done. Begin it again.";
+const ENDED = "The server stopped before the end. Start again.";
 
 /** Newest job of every kind, so far as it is known. */
 const known = signal<Record<string, Job>>({});

@@ -37,7 +37,7 @@ export interface Waiting {
   only?: boolean;
 }
 
-const ONLY_THERE = "This run was recorded by hand, with more changes than a document can hold: it was lost with the page.";
+const ONLY_THERE = "This run was recorded by hand with more changes than a scenario can store, so it was lost when the page closed.";
 
 export const waiting = signal<Waiting[]>([]);
 

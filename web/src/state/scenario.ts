@@ -87,7 +87,7 @@ keepPart(
 
 /** Why the scenario of the address cannot be read; empty if it can. */
 export const broken = signal("");
-const BROKEN = "This link is damaged: letters are missing at its end, or were changed on the way. The scenario in it cannot be read. Ask for it once more, or copy it whole.";
+const BROKEN = "This link is damaged: characters are missing or were changed, so its scenario cannot be read. Copy the whole link again.";
 
 /** The link to what is on the bench: scenario, pinned runs, cursor, view. */
 export function makeLink(): Promise<string> {

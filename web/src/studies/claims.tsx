@@ -106,7 +106,7 @@ export function Claims({ claims }: { claims: Claim[] }) {
       </div>
       <div class="scrolling" tabIndex={0} role="region" aria-label="Table of claims">
         <table>
-          <caption>Published against computed</caption>
+          <caption>Published and computed values</caption>
           <thead>
             <tr>
               {COLUMNS.map(([heading], column) => (
@@ -121,7 +121,7 @@ export function Claims({ claims }: { claims: Claim[] }) {
           </tbody>
         </table>
       </div>
-      {rows.length === 0 && <p class="soft">No claim has these words and this verdict.</p>}
+      {rows.length === 0 && <p class="soft">No claim matches these words and this verdict.</p>}
     </section>
   );
 }

@@ -91,9 +91,9 @@ function Compute({ study }: { study: StudyPage }) {
       <h2>Compute</h2>
       <p class="small soft">
         {results?.made_by
-          ? `These numbers came with ${results.made_by}. A figure is drawn when they are computed: seconds to minutes.`
+          ? `These results are part of ${results.made_by}. Compute the study to draw its figure, which takes seconds to minutes.`
           : results
-            ? `Computed in ${results.seconds.toFixed(0)} s; the results are kept.`
+            ? `Computed in ${results.seconds.toFixed(0)} s; the results are stored.`
             : `${study.parts.length} part${study.parts.length > 1 ? "s" : ""} and a figure: seconds to minutes, the longest for fits and searches.`}
       </p>
       {study.missing.map((set) => (

@@ -3,12 +3,12 @@
 import type { Tally, Verdict } from "./types.ts";
 
 export const VERDICTS: [verdict: Verdict, sign: string, about: string][] = [
-  ["reproduced", "✓", "the computed number is within the tolerance of the published one"],
-  ["disagrees", "✗", "the computed number is outside of the tolerance, and nothing printed says why"],
-  ["misprint", "!", "what is printed is wrong, as other numbers of the source or the corrected equation say"],
+  ["reproduced", "✓", "the computed value is within the tolerance of the published value"],
+  ["disagrees", "✗", "the computed value is outside the tolerance, for an unknown reason"],
+  ["misprint", "!", "the printed value is wrong, as other values of the source or the corrected equation show"],
   ["self-contradictory", "↯", "two printed statements cannot both hold"],
-  ["not comparable", "?", "another wire or record, or something that was needed is not published"],
-  ["recovery", "≈", "the number was chosen, fitted or found again with published ones; agreement says nothing"],
+  ["not comparable", "?", "another wire or record, or required information is not published"],
+  ["recovery", "≈", "the value was chosen or fitted with published values, so agreement is no evidence"],
 ];
 
 const known = (verdict: Verdict): [Verdict, string, string] => VERDICTS.find(([name]) => name === verdict) ?? [verdict, "", ""];
@@ -22,9 +22,9 @@ export function describeTally(tally: Tally): string {
   const [found, apart] = [tally.reproduced, tally.disagrees];
   const wrong = tally.misprint + tally["self-contradictory"];
   const open = tally["not comparable"] + tally.recovery;
-  const first = found + apart ? `Of ${found + apart} printed numbers that can be compared, ${found} ${found === 1 ? "is" : "are"} found again.` : "No printed number can be compared.";
+  const first = found + apart ? `Of ${found + apart} printed values that can be compared, ${found} ${found === 1 ? "is" : "are"} reproduced.` : "No printed value can be compared.";
   const second = wrong ? ` ${wrong} ${wrong === 1 ? "contradicts" : "contradict"} the source itself.` : "";
-  return `${first}${second}${open ? ` ${open} cannot be judged: their ground stands beside them.` : ""}`;
+  return `${first}${second}${open ? ` ${open} cannot be compared; the table gives the reasons.` : ""}`;
 }
 
 export function VerdictMark({ verdict }: { verdict: Verdict }) {

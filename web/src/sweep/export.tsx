@@ -47,7 +47,7 @@ export function Export() {
         The store lies in <code>{path}</code>
       </p>
       <p class="small" id="sweep-command">
-        The same on the command line, beside the scenario:
+        Command line, in the folder of the scenario:
       </p>
       <pre class="sweep-command" tabIndex={0} aria-labelledby="sweep-command">
         {command}

@@ -12,7 +12,7 @@ function Source() {
   return (
     <>
       <Choice id="sweep-source" label="Scenario" value={choices.value.source} onChange={choose}>
-        <option value={BENCH}>The one on the bench</option>
+        <option value={BENCH}>Scenario on the bench</option>
         {packaged.value.map((one) => (
           <option key={one.name} value={one.name}>
             {one.title}
@@ -97,7 +97,7 @@ export function Form() {
         <Sample />
       </section>
       <section aria-label="Outputs">
-        <h3>Kept of every run</h3>
+        <h3>Stored for every run</h3>
         <Outputs />
       </section>
       <How />

@@ -90,7 +90,7 @@ export function IndicesView({ now }: { now: Runs }) {
           {busy.value ? "Computing …" : "Compute the indices"}
         </button>
       </div>
-      <p class="soft small">First: share of the variance that vanishes if the number is known. Total: what is left if all others are.</p>
+      <p class="soft small">First order: fraction of the variance that the parameter alone explains. Total: fraction that includes its interactions.</p>
       {refused.value && <Message kind="note">{refused.value}</Message>}
       {found.value && <Indices found={found.value} />}
       {found.value?.remarks.map((remark) => (

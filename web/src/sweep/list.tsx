@@ -92,7 +92,7 @@ export function List() {
   return (
     <section class="panel" aria-label="Sweeps in this folder">
       <h2>Sweeps in this folder</h2>
-      {!found.length && <p class="soft">There is none yet.</p>}
+      {!found.length && <p class="soft">There are no sweeps yet.</p>}
       {found.length > 0 && (
         <div class="scrolling" tabIndex={0} role="region" aria-label="List of sweeps">
           <table>

@@ -16,7 +16,7 @@ export function counted(counts: Record<string, number>): string {
 }
 
 function words(note: Note | null): string {
-  if (!note || note.phase === "preparing") return "Preparing: step, compiler and a first block of runs …";
+  if (!note || note.phase === "preparing") return "Preparing the first runs …";
   const rate = note.rate ? `; ${note.rate < 10 ? note.rate.toFixed(1) : Math.round(note.rate)} runs/s` : "";
   const left = note.left ? `; ${about(note.left)} left` : "";
   return `${grouped(note.done ?? 0)} of ${grouped(note.runs ?? 0)} runs${rate}${left}`;

@@ -10,7 +10,7 @@ function Kept({ words, place }: { words: string; place: number }) {
     <li>
       <span class="sweep-chip">
         {words}
-        <button type="button" class="quiet" aria-label={`Do not keep ${words}`} onClick={drop}>
+        <button type="button" class="quiet" aria-label={`Remove ${words}`} onClick={drop}>
           ×
         </button>
       </span>
@@ -31,7 +31,7 @@ export function Outputs() {
   };
   return (
     <>
-      <ul class="sweep-chips" aria-label="Kept of every run">
+      <ul class="sweep-chips" aria-label="Stored for every run">
         {choices.value.measures.map((words, place) => (
           <Kept key={words} words={words} place={place} />
         ))}

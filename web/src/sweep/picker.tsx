@@ -68,7 +68,7 @@ export function Picker() {
   };
   return (
     <div class="sweep-picker" onFocusOut={left}>
-      <label for="sweep-search">Add a number to vary</label>
+      <label for="sweep-search">Add a parameter to vary</label>
       <input
         id="sweep-search" ref={field} type="search" autocomplete="off" placeholder="diameter, A_s, duty …" value={typed.value}
         role="combobox" list={undefined} aria-autocomplete="list" aria-expanded={open.value} aria-controls="sweep-found"
@@ -79,7 +79,7 @@ export function Picker() {
           show();
         }}
       />
-      <ul id="sweep-found" class="sweep-found" role="listbox" aria-label="Numbers of the scenario" hidden={!open.value || !found.length}>
+      <ul id="sweep-found" class="sweep-found" role="listbox" aria-label="Parameters of the scenario" hidden={!open.value || !found.length}>
         {open.value && found.slice(0, MOST).map((one, k) => (
           <li
             key={one.name} id={`sweep-found-${k}`} role="option" aria-selected={k === active.value}
@@ -121,6 +121,6 @@ export function Suggested() {
 /** What is not in the list, in words. */
 function counted(found: number, known: boolean): string {
   if (!known) return "Reading the scenario …";
-  if (!found) return "Nothing of that name can be varied.";
+  if (!found) return "No parameter with this name can be varied.";
   return found > MOST ? `${found - MOST} more; type to narrow them.` : `${found} found; the arrow keys choose.`;
 }

@@ -153,7 +153,7 @@ export function Pictures() {
       )}
       {view === "indices" && <IndicesView now={now} />}
       {(view === "map" || view === "curve" || view === "scatter") && <Readout over={over.value} />}
-      {thinned && <p class="soft small">The picture is thinned out: not every run is drawn. The front, the indices and the exports have all.</p>}
+      {thinned && <p class="soft small">The picture shows a part of the runs. The front, the indices and the exports use all runs.</p>}
     </section>
   );
 }

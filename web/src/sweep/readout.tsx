@@ -26,7 +26,7 @@ export function Readout({ over }: { over: number | null }) {
   const now = runs.value;
   const row = over ?? chosen.value;
   if (!now || !key.value) return null;
-  if (row === null) return <p class="soft small">Choose a run in the picture to see its numbers and to open it in the bench.</p>;
+  if (row === null) return <p class="soft small">Choose a run in the picture to see its values and to open it on the bench.</p>;
   const at = now.at(row);
   const code = at === undefined ? null : now.status[at];
   const state = code === null ? "not made yet" : (now.layout.statuses.find(([one]) => one === code)?.[1] ?? "");

@@ -9,7 +9,7 @@ import { Message } from "../ui/message.tsx";
 
 function Estimated() {
   const found = estimate.value;
-  if (estimating.value) return <p role="status">Timing some runs …</p>;
+  if (estimating.value) return <p role="status">Measuring the time of some runs …</p>;
   if (!found) return null;
   return (
     <p role="status">
@@ -31,7 +31,7 @@ export function Start() {
   return (
     <div class="stack sweep-start">
       <p role="status">
-        <strong>{ready ? `${grouped(now?.runs ?? 0)} runs` : choices.value.axes.length ? "Not ready" : "Nothing is varied yet"}</strong>
+        <strong>{ready ? `${grouped(now?.runs ?? 0)} runs` : choices.value.axes.length ? "Not ready" : "Choose a parameter to vary"}</strong>
         {ready && choices.value.design === "saltelli" && " (a block has two more than there are axes)"}
       </p>
       {now?.cautions.map((words) => (

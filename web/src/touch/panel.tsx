@@ -13,7 +13,7 @@ const KEY = "h";
 
 export function LiveButton() {
   const on = hand.value !== null;
-  const title = on ? "Pause: what was recorded stays as a run, to pin and to save" : "Run forward by hand: hold the heat, drag the load, see the loop grow";
+  const title = on ? "Pause; the recording stays as a run that you can pin and save" : "Run by hand: hold to heat, drag the load, watch the loop grow";
   return (
     <>
       <button type="button" class={`live-button ${on ? "main" : ""}`} aria-pressed={on} title={title} disabled={preparing.value} onClick={() => (on ? stopLive() : void beginLive())}>
@@ -62,7 +62,7 @@ export function LivePanel() {
         {now.load && <LoadSlider load={now.load} turn={turned.value} />}
       </div>
       <p class="soft small">
-        Hold to heat, let go to cool. {now.load ? `Drag the ${now.load.shapes[0]} in the picture for the load, or draw` : "Draw"} the point of the phase diagram to where it should go.
+        Hold to heat, release to cool. {now.load ? `Drag the ${now.load.shapes[0]} in the picture to change the load, or drag` : "Drag"} the point of the phase diagram.
       </p>
       {said.value && <Message kind="caution">{said.value}</Message>}
     </section>

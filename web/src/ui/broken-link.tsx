@@ -13,7 +13,7 @@ export function BrokenLink({ onFirst }: { onFirst: () => void }) {
     <section class="stack" aria-label="Damaged link">
       <h1>Bench</h1>
       <Message kind="error">{broken.value}</Message>
-      <p>The address is left as it is. Nothing else was opened.</p>
+      <p>The address is unchanged, and no scenario was opened.</p>
       <div class="row">
         {last && (
           <button type="button" class="main" onClick={last.open}>
@@ -21,7 +21,7 @@ export function BrokenLink({ onFirst }: { onFirst: () => void }) {
           </button>
         )}
         <button type="button" onClick={first}>
-          Begin with an example
+          Open an example
         </button>
       </div>
     </section>

@@ -5,8 +5,8 @@ import { Message } from "./message.tsx";
 
 const WORDS = {
   there: "",
-  lost: "The connection to the server is lost; trying again … What you do is kept in this browser, and goes on when “martensite app” runs again on the same port.",
-  stranger: "The server was started anew and does not know this browser: open the address that “martensite app” printed, in any tab. This one then goes on where it was.",
+  lost: "The connection to the server is lost; trying again … Your work is stored in this browser and continues when “martensite app” runs again on the same port.",
+  stranger: "The server was restarted and does not know this browser. Open the address that “martensite app” printed in any tab; this tab then continues.",
 };
 
 export function Connection() {

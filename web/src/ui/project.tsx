@@ -64,11 +64,11 @@ export function ProjectMenu() {
           <button type="button" title="Scenario, pinned runs, fits, sizings, sweeps, notes, in one file" onClick={() => void attempt(saveProject)}>
             Save as a file
           </button>
-          <button type="button" title={`A file ${ENDING}; it can be dropped anywhere as well`} onClick={() => chooser.current?.click()}>
+          <button type="button" title={`A file ${ENDING}; you can also drop it anywhere on the page`} onClick={() => chooser.current?.click()}>
             Open …
           </button>
-          <button type="button" title="What is here stays among the earlier sessions" onClick={() => void attempt(beginAnew)}>
-            Begin anew
+          <button type="button" title="The present session stays in the list of earlier sessions" onClick={() => void attempt(beginAnew)}>
+            Start again
           </button>
           <label class="small">
             Notes
@@ -83,11 +83,11 @@ export function ProjectMenu() {
                 </button>
               ))}
               <button type="button" class="quiet small" onClick={() => void attempt(forgetEarlier).then(list)}>
-                Forget all of these
+                Delete all of these
               </button>
             </div>
           )}
-          <p class="small soft">All of it is kept in this browser as you work.</p>
+          <p class="small soft">The session is stored in this browser as you work.</p>
         </div>
       </Menu>
       <input

@@ -155,7 +155,7 @@ function watchFirstCycle(run: Run, name: (output: string) => string, alone: bool
   const percent = (value: number): string => `${formatGeneral(100 * value, 3)} %`;
   const sentence =
     `Warning: the first cycle drifts: ${percent(start)} of the martensite is oriented at the start (strain ${percent(strain[0]!)}), ` +
-    `${percent(share)} at t = ${formatGeneral(times[at]!, 4)} s (strain ${percent(strain[at]!)}); judge by later cycles.`;
+    `${percent(share)} at t = ${formatGeneral(times[at]!, 4)} s (strain ${percent(strain[at]!)}); use later cycles.`;
   const when = { first: times[at]!, duration: times[times.length - 1]! - times[at]!, worst: at };
   const alarm = make(times, when, "drift", "oriented_fraction", "1", share, start, sentence);
   return { alarm, column: name("oriented_fraction"), margins: differences(oriented, start), level: null };

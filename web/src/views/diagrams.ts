@@ -14,7 +14,7 @@ const TEMPERATURES = 10;
 /** How far below the finish of the transformation a diagram reaches [K]. */
 const COLDER = 15;
 const OTHER_NUMBERS =
-  "The lines of this law are found by driving it, which the page does not do; they are known for other numbers of the law only.";
+  "This page cannot compute the phase diagram for these parameters of the law.";
 
 interface Limits {
   stress: number;

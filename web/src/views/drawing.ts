@@ -14,7 +14,7 @@ const MOST_NUMBERS = 60_000;
 /** Quantum as a share of the size of the picture. */
 const FINENESS = 1e-5;
 
-const OTHER_PARTS = "With these numbers the mechanism has other parts than the drawing that the page has of it.";
+const OTHER_PARTS = "The mechanism has other parts with these parameters; this page cannot draw it.";
 
 type Point = [number, number, number];
 

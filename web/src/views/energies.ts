@@ -7,9 +7,9 @@ import type { Numbers } from "./excursions.ts";
 import { Computed, fillRow, type Values } from "./formulas.ts";
 import type { Views } from "./types.ts";
 
-const PRESCRIBED = "A drive that prescribes the temperature takes whatever energy it needs; there is no balance.";
-const NO_ELEMENT = "Nothing is heated here, so there is no energy to be balanced.";
-const NO_WORK = "The work is left out: this element does not say how far it pulls.";
+const PRESCRIBED = "A prescribed temperature has no energy balance.";
+const NO_ELEMENT = "No element is heated, so there is no energy balance.";
+const NO_WORK = "The work is unknown: this element does not report its elongation.";
 
 export interface Energies {
   electrical: Float64Array;
@@ -113,13 +113,13 @@ export function describeEnergy(found: Energies | string, rows: number[]): Energy
     ({ key, symbol, long_name, shown, factor, values: pickRows(values, rows) });
   const courses = [
     course("electrical", "E", "electrical energy in", "J", 1, electrical),
-    course("lost", "Q", "heat to the surroundings", "J", 1, lost),
+    course("lost", "Q", "heat lost to the ambient", "J", 1, lost),
     course("stored", "E − Q", "stored in the elements", "J", 1, electrical.map((value, k) => value - lost[k]!)),
   ];
   if (!work || !returned) return { courses, efficiency: null, sentence: NO_WORK };
   courses.push(
-    course("work", "W", "work given while pulling", "mJ", 1e3, work),
-    course("returned", "W_b", "work taken back while stretched", "mJ", 1e3, returned),
+    course("work", "W", "work during contraction", "mJ", 1e3, work),
+    course("returned", "W_b", "work returned during extension", "mJ", 1e3, returned),
   );
   const share = (k: number): number | null => (electrical[k]! > 0 ? efficiencyAt(found, k) : null);
   return { courses, efficiency: rows.map(share), sentence: "" };

@@ -37,28 +37,28 @@ export function insightOf(run: Run): Insight | null {
   if (error) return ofLoop(run, error);
   const cycle = cycleOf(run);
   if (!cycle && measureTravel(run)) return null;
-  if (!cycle || cycle.up === null) return { aim: "motion", sentence: `It hardly moves: the wire gets ${hottest(run)} hot, and that does not transform it far.` };
+  if (!cycle || cycle.up === null) return { aim: "motion", sentence: `The mechanism hardly moves: the wire reaches only ${hottest(run)}, too cold for a full transformation.` };
   const { up, down, wait } = cycle;
   if (cycle.isOfCurve) return ofSeveral(run, up, down);
-  if (down === null) return { aim: "return", sentence: `It does not come back within this run: it takes ${seconds(up)} out, and is not yet down when the run ends.` };
+  if (down === null) return { aim: "return", sentence: `The actuator extends in ${seconds(up)} but does not return within this run.` };
   const share = down / (up + down);
-  if (share < 0.5) return { aim: "heating", sentence: `Heating takes ${percent(1 - share)} of the cycle: ${seconds(up)} out, and ${seconds(down)} back.` };
-  const idle = wait !== null && wait > 0.2 * down ? ` (the first ${seconds(wait)} from ${hottest(run)} without moving)` : "";
-  return { aim: "cooling", sentence: `Cooling takes ${percent(share)} of the cycle: ${seconds(down)} back${idle}, ${seconds(up)} out.` };
+  if (share < 0.5) return { aim: "heating", sentence: `Heating takes ${percent(1 - share)} of the cycle: ${seconds(up)} to contract, ${seconds(down)} to return.` };
+  const idle = wait !== null && wait > 0.2 * down ? ` (including ${seconds(wait)} of cooling from ${hottest(run)} before it moves)` : "";
+  return { aim: "cooling", sentence: `Cooling takes ${percent(share)} of the cycle: ${seconds(down)} to return${idle}, ${seconds(up)} to contract.` };
 }
 
 /** Of elements that pull against each other: what they turn into heat. */
 function ofSeveral(run: Run, up: number, down: number | null): Insight {
-  const back = down === null ? "it does not come back within this run" : `${seconds(down)} back`;
+  const back = down === null ? "no return within this run" : `return in ${seconds(down)}`;
   const share = run.energy.efficiency?.at(-1);
-  const heat = share ? `; of the electrical energy ${digits(100 * share, 2)} % become work` : "";
-  return { aim: null, sentence: `From 10 % to 90 % of the stroke it takes ${seconds(up)}, ${back}${heat}.` };
+  const heat = share ? `; efficiency ${digits(100 * share, 2)} %` : "";
+  return { aim: null, sentence: `10 % to 90 % of the stroke in ${seconds(up)}, ${back}${heat}.` };
 }
 
 function ofLoop(run: Run, { rms, cooling }: { rms: number; cooling: number }): Insight {
   const [share, action] = cooling >= 0.5 ? [cooling, "cool"] : [1 - cooling, "heat"];
   const size = `${way(run, rms)} RMS, ${percent(rms / (run.stroke || rms))} of the stroke`;
-  return { aim: "error", sentence: `The position is off by ${size}; ${percent(share)} of the squared error arise while the wire has to ${action}.` };
+  return { aim: "error", sentence: `The position error is ${size}; ${percent(share)} of the squared error arises while the wire must ${action}.` };
 }
 
 /** Time or error that is judged [SI]; null if the run does not show it. */
@@ -75,13 +75,13 @@ export function findJudged(run: Run, aim: Aim): number | null {
 export function writePromise(before: Run, after: Run, aim: Aim, words: string, wires = 1): string {
   const [then, now] = [findJudged(before, aim), findJudged(after, aim)];
   if (now === null) return "";
-  if (aim === "return") return `With ${words}, it comes back in about ${seconds(now)}.`;
+  if (aim === "return") return `With ${words}, the actuator returns in about ${seconds(now)}.`;
   if (then === null || then === 0) return "";
-  if (aim === "motion") return now > 1.2 * then ? `With ${words}, it moves by about ${way(after, now)}.` : "";
+  if (aim === "motion") return now > 1.2 * then ? `With ${words}, the stroke is about ${way(after, now)}.` : "";
   if (now > 0.95 * then) return "";
-  if (aim === "error") return `With ${words}, it would be off by about ${way(after, now)}.`;
-  const action = aim === "heating" ? "go out" : "come back";
+  if (aim === "error") return `With ${words}, the error is about ${way(after, now)}.`;
+  const action = aim === "heating" ? "contract" : "return";
   const cost = (wires * (energyOf(after) ?? 0)) / (energyOf(before) ?? 1);
   const price = Math.abs(cost - 1) > 0.05 && cost > 0 ? `, for ${digits(cost, 2)} times the energy` : "";
-  return `With ${words}, it would ${action} in about ${seconds(now)}, ${digits(then / now, 2)} times as fast${price}.`;
+  return `With ${words}, the actuator would ${action} in about ${seconds(now)}, ${digits(then / now, 2)} times as fast${price}.`;
 }

@@ -99,8 +99,8 @@ function thinner(entries: Entries): Remedy | null {
   };
   const isDriven = listHeats(entries).length > 0;
   return {
-    key: "thinner", words: `four wires of half the diameter side by side${isDriven ? ", heated as hot" : ""}`, changes, share: isDriven ? 0.5 : null, wires: 4,
-    about: "The same section and stress with twice the surface. It is run as one of the four, with a quarter of the load.",
+    key: "thinner", words: `four parallel wires of half the diameter${isDriven ? ", heated to the same temperature" : ""}`, changes, share: isDriven ? 0.5 : null, wires: 4,
+    about: "Same cross-section and stress, twice the surface. The run simulates one of the four wires with a quarter of the load.",
   };
 }
 
@@ -112,8 +112,8 @@ function blown(entries: Entries, off: number | null): Remedy | null {
   if (!kind || off === null || !(free.includes(kind) || (kind === "constant" && h))) return null;
   const still = kind === "constant" && h ? { kind, h: quantity(h, toShown(h.value ?? 0, h)) } : { kind };
   return {
-    key: "blown", words: "air of 2 m/s blown at it while it cools",
-    about: "A fan of the drive's switch; its stream is that of Churchill and Bernstein.",
+    key: "blown", words: "a fan of 2 m/s during cooling",
+    about: "A fan that follows the switch of the drive, with the correlation of Churchill and Bernstein.",
     ...plain({ "environment.cooling": { kind: "fan", still }, "signals.fan": { kind: "step", high: "2 m/s", at: `${Number(off.toPrecision(6))} s` } }),
   };
 }
@@ -125,7 +125,7 @@ function warmer(entries: Entries, factor: number): Remedy | null {
   const word = { W: "power", A: "current", V: "voltage" }[unitOf(nodes[0]!)] ?? "drive";
   return {
     key: factor < 1 ? "weaker" : "stronger", words: `${size} ${factor < 1 ? "less" : "more"} ${word}`,
-    about: factor < 1 ? "It gets less hot, and begins to return sooner." : "It transforms sooner, and gets hotter.",
+    about: factor < 1 ? "The wire stays cooler and returns sooner." : "The wire transforms sooner and gets hotter.",
     ...plain(Object.fromEntries(nodes.map((node) => [node.path, scaled(node, factor)]))),
   };
 }
@@ -134,20 +134,20 @@ function colder(entries: Entries): Remedy | null {
   const node = entries.numbers.get("environment.temperature");
   if (!node?.value) return null;
   const value = quantity(node, Number(toShown(node.value - 10, node).toPrecision(12)));
-  return { key: "colder", words: "surroundings that are 10 K colder", about: "More heat leaves at every temperature, also while it is heated.", ...plain({ [node.path]: value }) };
+  return { key: "colder", words: "an ambient temperature 10 K lower", about: "More heat is lost at every temperature, also during heating.", ...plain({ [node.path]: value }) };
 }
 
 function loaded(entries: Entries): Remedy | null {
   const names = { "dead-weight": "mass", "bias-spring": "preload" }[entries.kinds.get("mechanism.kind") ?? ""];
   const node = names && entries.numbers.get(`mechanism.${names}`);
   if (!node || !node.value) return null;
-  return { key: "loaded", words: `a quarter more ${names}`, about: "Stress shifts the transformation to higher temperatures, so that it returns sooner.", ...plain({ [node.path]: scaled(node, 1.25) }) };
+  return { key: "loaded", words: `a quarter more ${names}`, about: "Stress shifts the transformation to higher temperatures, so the wire returns sooner.", ...plain({ [node.path]: scaled(node, 1.25) }) };
 }
 
 function gained(entries: Entries): Remedy | null {
   const node = [...entries.numbers.values()].find((one) => /^controllers?\.(\w+\.)?Kp$/.test(one.path));
   if (!node?.value) return null;
-  return { key: "gained", words: "twice the proportional gain", about: "It heats more for the same error, if the drive has it to give.", ...plain({ [node.path]: scaled(node, 2) }) };
+  return { key: "gained", words: "twice the proportional gain", about: "The controller heats more for the same error, if the drive has the power.", ...plain({ [node.path]: scaled(node, 2) }) };
 }
 
 /** What might help, the likeliest first. */

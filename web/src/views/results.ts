@@ -217,7 +217,7 @@ function motions(run: Run): Measure[] {
     { key: "stroke", name: "Stroke", value: run.stroke, how: own, about: `Range of the ${how.long_name}`, better: 1 },
   ];
   if (error) {
-    found.push({ key: "error", name: "Error, RMS", value: error.rms, how: own, about: "Root mean square of position less reference, over the whole run", better: -1 });
+    found.push({ key: "error", name: "Error, RMS", value: error.rms, how: own, about: "Root mean square of position minus reference over the whole run", better: -1 });
   }
   const [up, down] = cycle?.isOfCurve
     ? ["From 10 % to 90 % of the stroke, the first time", "From 90 % back to 10 % of the stroke, the first time"]
@@ -231,8 +231,8 @@ function motions(run: Run): Measure[] {
 
 function peaks(run: Run): Measure[] {
   const rows: [key: string, name: string, column: string, about: string][] = [
-    ["temperature", "Peak temperature", "hottest", "Of the hottest place of all elements"],
-    ["stress", "Peak stress", "stress", "Of all elements"],
+    ["temperature", "Peak temperature", "hottest", "Hottest place of all elements"],
+    ["stress", "Peak stress", "stress", "Largest stress of all elements"],
   ];
   return rows.flatMap(([key, name, column, about]) => {
     const value = peakOf(run, column);
@@ -253,7 +253,7 @@ function energies(run: Run): Measure[] {
       key: "energy", name: came ? "Energy per cycle" : "Energy", value, how: { shown: "J", factor: 1, offset: 0 }, better: -1,
       about: came ? `Electrical energy of the run, ${count === 1 ? "which is one cycle" : `over its ${count} cycles`}` : "Electrical energy of the whole run",
     },
-    ...(share === null || !Number.isFinite(share) ? [] : [{ key: "efficiency", name: "Efficiency", value: share, how: SHARE, about: "Work given while pulling, over electrical energy", better: 1 as const }]),
+    ...(share === null || !Number.isFinite(share) ? [] : [{ key: "efficiency", name: "Efficiency", value: share, how: SHARE, about: "Work during contraction divided by electrical energy", better: 1 as const }]),
   ];
 }
 

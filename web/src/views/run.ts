@@ -81,13 +81,13 @@ function listEnergies(found: Energies | string): KeyResult[] {
   const last = found.electrical.length - 1;
   const told: KeyResult[] = [
     ["electrical energy in", `${formatGeneral(found.electrical[last]!, 4)} J`],
-    ["heat to the surroundings", `${formatGeneral(found.lost[last]!, 4)} J`],
+    ["heat lost to the ambient", `${formatGeneral(found.lost[last]!, 4)} J`],
   ];
   if (!found.work || !found.returned) return told;
   return [
     ...told,
-    ["work given while pulling", `${formatGeneral(1e3 * found.work[last]!, 4)} mJ`],
-    ["work taken back while stretched", `${formatGeneral(1e3 * found.returned[last]!, 4)} mJ`],
+    ["work during contraction", `${formatGeneral(1e3 * found.work[last]!, 4)} mJ`],
+    ["work returned during extension", `${formatGeneral(1e3 * found.returned[last]!, 4)} mJ`],
     ["efficiency (work over electrical)", `${formatGeneral(100 * efficiencyAt(found, last), 4)} %`],
   ];
 }

@@ -46,7 +46,7 @@ function describeDoubt(doubts: Doubt[], values: Values, most: number): string[] 
     if (one.stress === null || one.sentence === null || !(most > NEAR * known.one(one.stress))) return [];
     return [`Caution: ${known.write(one.sentence)} The stress comes to ${formatGeneral(most / 1e6, 4)} MPa.`];
   }
-  return doubts.length ? ["Caution: from which stress on this law is doubtful is not known in the page for its numbers."] : [];
+  return doubts.length ? ["Caution: the page does not know the stress limit of this law for these parameters."] : [];
 }
 
 /** The most turning points at a time that are not wiped out by a larger loop around them. */

@@ -363,7 +363,7 @@ class AbstractAssembly(AbstractSystem):
             for name, unit in one.environment.cooling.signals().items():
                 if name in taken or units.setdefault(name, unit) != unit or not name.isidentifier():
                     raise ParameterError(
-                        f"`signal` of what cools must be a word that names nothing else of its system, but is `{name}`."
+                        f"`signal` of the cooling must be a unique name in its system, but is `{name}`."
                     )
 
 

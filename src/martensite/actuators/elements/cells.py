@@ -53,7 +53,7 @@ class AbstractCut(AbstractElement):
             raise ParameterError(f"The `wire` of `{owner}` must have no `wear`; take a lumped one, such as `wire`.")
         if wire.law.grouped:
             raise ParameterError(
-                f"Law `{wire.law.registered_name}` has groups of its own, which a `{owner}` "
+                f"Law `{wire.law.registered_name}` has its own groups, which a `{owner}` "
                 "cannot divide further; try law `mas`."
             )
         if wire.law.rphase:

@@ -153,4 +153,4 @@ def _read_kept(drawer: UploadFolder, key: str) -> JsonTable:
             return found
     except ValueError:
         pass
-    raise DataError("This file is not that of a fit.")
+    raise DataError("This file contains no fit.")

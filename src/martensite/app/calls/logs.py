@@ -123,11 +123,11 @@ def _list_notes(raw: RawTable, meant: list[Meaning], clock: int) -> Iterator[str
     yield from raw.notes
     unsure = [str(at) for at, one in enumerate(meant, start=1) if one.name and one.known == "values" and not one.sure]
     if unsure:
-        yield f"Column {', '.join(unsure)}: a guess by the values alone; look whether it is right."
+        yield f"Column {', '.join(unsure)}: guessed from the values; check the meaning."
     if len(raw.columns) == 1:
-        yield "There is one column only; if the file has more, choose its separator."
+        yield "The file has one column; if that is wrong, choose another separator."
     if any(column.wrong for column in raw.columns):
-        yield "Some cells are no numbers. Do not use their columns, or leave out such cells."
+        yield "Some cells are not numeric. Leave out their columns or rows."
     if raw.rows > LONG:
         yield f"The file has {raw.rows:,} rows; thin it out in the next step."
 

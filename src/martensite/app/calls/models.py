@@ -18,12 +18,10 @@ def build_model(request: Request, desk: Desk) -> JsonTable:
     """
     paths = require_entry(request, "paths", list)
     if not all(isinstance(path, str) for path in paths):
-        raise BadMessageError("`paths` must be names of numbers.")
+        raise BadMessageError("`paths` must be names of parameters.")
     scenario = read_request_scenario(request, desk)
     if scenario.initial or scenario.restart_at:
-        raise InputError(
-            "This scenario names the state in which it begins: it does not run by hand, which begins at rest."
-        )
+        raise InputError("This scenario sets its initial state, so it cannot run by hand.")
     if scenario.whole.sample_time():
         raise InputError(
             "A controller in discrete time drives this mechanism: it does not run by hand. "

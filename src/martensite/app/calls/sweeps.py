@@ -96,7 +96,7 @@ def run_sweep(request: Request, desk: Desk) -> JsonTable:
     desk.tell({"phase": "preparing", "number": 0})
     key, path, scenario, asked = _find_store(request, desk)
     if desk.stop.is_set():
-        return {"key": None, "stopped": "Cancelled before the first run; nothing was made."}
+        return {"key": None, "stopped": "Cancelled before the first run."}
     begun = begin_sweep(scenario, asked, path, read_workers(request))
     live = SweepProgress(begun, key, desk)
     began = time.monotonic()

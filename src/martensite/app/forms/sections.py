@@ -202,7 +202,7 @@ class FormSections:
     def _actuators(self) -> Iterator[GroupNode]:
         if not self._has_ports:
             return
-        made = build_group(GROUP, ACTUATORS, note="What every port has for itself.")
+        made = build_group(GROUP, ACTUATORS, note="Settings of each port.")
         system, drive = self.scenario.system, self.scenario.places.drive
         for port, actuator in system.actuators().items():
             place = f"{GROUP}.{port}"
@@ -228,7 +228,7 @@ class FormSections:
 
     def _model(self) -> GroupNode:
         file = documents.find_entry(self.document, f"{MODEL}.file")
-        note = f"A model of blocks from the file `{file}`: its numbers are those of the file."
+        note = f"A model of blocks from the file `{file}`: its parameters are in the file."
         return build_group(MODEL, "Model", note=note)
 
 

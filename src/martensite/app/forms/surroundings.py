@@ -35,7 +35,7 @@ def relax_surroundings(scenario: Scenario, one: ChangedScenario) -> Iterator[Cha
         for name in around:
             del bare.document[name]
         _add_waveform(bare, scenario)
-        bare.notes.append(f"What does not fit any more was taken out: {', '.join(f'[{n}]' for n in around)}.")
+        bare.notes.append(f"Sections that do not fit the new part were removed: {', '.join(f'[{n}]' for n in around)}.")
         yield bare
 
 
@@ -48,7 +48,7 @@ def change_reference(scenario: Scenario, one: ChangedScenario, place: str) -> It
     for unit in dict.fromkeys(o.unit for o in reversed(scenario.system.outputs().values())):
         made = deepcopy(one)
         _change_levels(made, path, unit)
-        made.notes.append(f"The reference is a start value in {unit}, which this kind follows.")
+        made.notes.append(f"The reference has a start value in {unit}, the unit of this kind.")
         yield made
 
 

@@ -63,7 +63,7 @@ def describe_judgement(fit: Fit, proposal: Proposal | None) -> JsonTable:
 def _write_headline(fit: Fit, found: FitJudgement) -> str:
     error = describe_predictions(fit)[0]
     if found.word == "good":
-        return f"Good: it predicts what it was not fitted to, and the logs determine all that was free. {error}"
+        return f"Good: the model predicts held-out data, and the logs determine all free parameters. {error}"
     more = len(found.against) + len(found.care) - 1
     rest = f" ({more} more below)" if more else ""
     word = "Not usable" if found.against else "Usable with care"

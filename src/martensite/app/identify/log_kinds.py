@@ -35,14 +35,14 @@ def describe_reading(file: LabFile, timed: bool) -> str:
     known = [one.replace("`time` in clock", "`time` by the clock") for one in known]
     by_values = any(one.si and one.known == "values" for one in file.columns)
     form = f"{file.format[:1].upper()}{file.format[1:]}"
-    said = f"{form}: {join_phrases(known)}{', told by their values' if by_values else ''}"
+    said = f"{form}: {join_phrases(known)}{', recognised by their values' if by_values else ''}"
     unused = sum(not one.si for one in file.columns)
     said += f"; {unused} more column{'s are' if unused > 1 else ' is'} not used" if unused else ""
     lost = [_describe_lost(one) for one in file.dropped]
     said += f"; left out: {join_phrases(lost)}" if lost else ""
     found = find_experiment([file.record])
     warm = [one.name for one in file.columns if one.si and one.name != "time"] == ["temperature"]
-    alone = "A temperature alone: take the log of what heated it beside it, and merge the two." if warm else ""
+    alone = "The file has only a temperature: add the log of its drive, and merge the two." if warm else ""
     experiment = alone if alone and not found else _describe_experiment(found)
     return f"{said}. {experiment}{_describe_times(found, timed)}"
 
@@ -53,9 +53,7 @@ def _describe_lost(one: LeftOut) -> str:
 
 
 def _describe_experiment(found: RecognisedExperiment | None) -> str:
-    return (
-        f"Taken as {found.name}: {found.kind.meaning}." if found else "By itself it holds no experiment that is known."
-    )
+    return f"Taken as {found.name}: {found.kind.meaning}." if found else "No known experiment is recognised."
 
 
 def _describe_times(found: RecognisedExperiment | None, timed: bool) -> str:

@@ -157,7 +157,7 @@ def _read_columns(request: Request) -> list[tuple[int, str, str]]:
         for x in found
     ]
     if not columns:
-        raise DataError("No column is used; say what at least two of them are.")
+        raise DataError("No column is used. Choose the meaning of at least two columns.")
     return columns
 
 

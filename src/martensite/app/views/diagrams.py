@@ -27,9 +27,9 @@ from martensite.simulate.energy import find_ways, integrate_energies
 from martensite.simulate.result import Result
 from martensite.simulate.transformation_points import find_isobar
 
-PRESCRIBED = "A drive that prescribes the temperature takes whatever energy it needs; there is no balance."
-NO_ELEMENT = "Nothing is heated here, so there is no energy to be balanced."
-NO_WORK = "The work is left out: this element does not say how far it pulls."
+PRESCRIBED = "A prescribed temperature has no energy balance."
+NO_ELEMENT = "No element is heated, so there is no energy balance."
+NO_WORK = "The work is unknown: this element does not report its elongation."
 HEADROOM = 1.12
 """The diagram reaches so far beyond the highest stress of the run."""
 STRESSES, TEMPERATURES = 100e6, 10.0
@@ -53,13 +53,13 @@ def describe_energy(result: Result) -> JsonTable:
     stored = found.electrical - found.lost
     named: list[tuple[str, str, str, str, float, Any]] = [
         ("electrical", "E", "electrical energy in", "J", 1.0, found.electrical),
-        ("lost", "Q", "heat to the surroundings", "J", 1.0, found.lost),
+        ("lost", "Q", "heat lost to the ambient", "J", 1.0, found.lost),
         ("stored", "E − Q", "stored in the elements", "J", 1.0, stored),
     ]
     if ways is not None:
         named += [
-            ("work", "W", "work given while pulling", "mJ", 1e3, found.work),
-            ("returned", "W_b", "work taken back while stretched", "mJ", 1e3, found.returned),
+            ("work", "W", "work during contraction", "mJ", 1e3, found.work),
+            ("returned", "W_b", "work returned during extension", "mJ", 1e3, found.returned),
         ]
     courses = [
         {

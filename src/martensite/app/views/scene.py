@@ -19,7 +19,7 @@ SHOWN = ("temperature", "martensite_fraction", "force", "stress")
 TURNING = ("pulley", "rotor")
 """Kinds of shapes that turn."""
 NOT_RECORDED = (
-    "The drawing of `{}` asks for the value of a number that the page computes: in `draw_shapes` use the functions of "
+    "The drawing of `{}` needs the value of a traced number: in `draw_shapes` use the functions of "
     "`martensite.kernels.recordable_numbers.xp`, such as `xp.cos` and `xp.maximum`."
 )
 

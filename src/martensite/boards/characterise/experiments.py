@@ -74,7 +74,9 @@ def measure_pace(plant: AbstractSystem, longest: float = 60.0) -> WirePace:
     up = lanes.advance(np.broadcast_to(duties, (steps, 1, DUTIES)), STEP)[:, place, :]
     strong = np.flatnonzero(up[-1] < AUSTENITE)
     if not len(strong):
-        raise SolveError(f"No duty makes the wire of the model austenite within {longest:g} s: more volts would.")
+        raise SolveError(
+            f"No duty cycle transforms the wire of the model within {longest:g} s. Use a higher supply voltage."
+        )
     k = int(strong[0])
     down = lanes.advance(np.zeros((steps, 1, DUTIES)), STEP)[:, place, k]
     cold = np.flatnonzero(down > 1.0 - AUSTENITE)

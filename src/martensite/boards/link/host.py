@@ -107,10 +107,10 @@ class BoardLink:
         version = found.values["version"]
         if version != VERSION:
             raise InputError(
-                f"The board speaks version {version} of the link, this program {VERSION}: write the firmware anew."
+                f"The board speaks version {version} of the link, this program {VERSION}: write the firmware again."
             )
         if digest not in (None, found.values["digest"]):
-            raise InputError("The board holds another firmware than this project: write it to the board anew.")
+            raise InputError("The board holds another firmware than this project: write it to the board again.")
         return found
 
     @property

@@ -187,7 +187,7 @@ def require_written(scenario: Scenario, free: Sequence[str]) -> None:
         before, _, last = name.rpartition(".")
         if last == PEAK and isinstance(_find_waveform(scenario, f"{before}.").get("file"), str):
             raise InputError(
-                f"`{name}` is the peak of a waveform in a file of its own, so no scenario can be "
+                f"`{name}` is the peak of a waveform in a separate file, so no scenario can be "
                 "written with another; leave out --out."
             )
 

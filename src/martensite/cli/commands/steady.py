@@ -60,7 +60,7 @@ class CurveOptions:
             refuse_idle(f"--{name}", bool(getattr(self, name)) and self.over is None, "there is no --over")
         refuse_idle("--hold", self.hold is not None and not self.runs, "there are no --runs")
         if self.runs and self.hold is None:
-            raise InputError("Runs hold each level for a while; say how long by `--hold`, such as 20 s.")
+            raise InputError('Option `--runs` needs the duration of each level: add `--hold "20 s"`.')
         return self
 
 

@@ -263,7 +263,7 @@ class Mpc(AbstractController, SignalLimits):
     def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Any]:
         """Return the signal at `time` [s] and the new memory; called once in every period."""
         if self._leads:
-            raise ParameterError("A controller that leads others runs on a bench, not as a drive beside it.")
+            raise ParameterError("A controller that leads others runs on a bench, not as a separate drive.")
         (times,) = self.list_previews().values()
         waves = (Ahead(waveform=self.reference, lead=lead) for lead in times)
         ahead = {f"{AHEAD}{self._own}.{k}": wave.value(time) for k, wave in enumerate(waves, 1)}

@@ -183,8 +183,7 @@ def _check_readings(bench: Bench) -> None:
         for name in bench.supervisor.drives():
             if name not in drives:
                 raise ParameterError(
-                    f"The supervisor speaks of drive `{name}`, which the plant does not have. "
-                    f"{suggest_name(name, drives)}"
+                    f"The supervisor names drive `{name}`, which the plant does not have. {suggest_name(name, drives)}"
                 )
 
 
@@ -208,7 +207,7 @@ def _check_leaders(bench: Bench) -> None:
         for name in (*one.led_drives(), *one.list_previews()):
             if name not in members:
                 raise ParameterError(
-                    f"The controller of `{drive}` speaks of drive `{name}`, which has no controller. "
+                    f"The controller of `{drive}` names drive `{name}`, which has no controller. "
                     f"{suggest_name(name, members)}"
                 )
         led += one.led_drives()
@@ -242,5 +241,5 @@ def _check_switching(bench: Bench) -> None:
     duty = one and isinstance(sources[0], AbstractSwitch) and sources[0].unit == "1"
     if bench.switching == "pulses" and not duty:
         raise ParameterError(
-            "Pulses are for a plant with one drive, a switch that takes a duty, such as `pwm-voltage`."
+            "Pulses are for a plant with one drive, a switch with a duty cycle, such as `pwm-voltage`."
         )

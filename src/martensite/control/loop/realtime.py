@@ -173,7 +173,7 @@ class RealtimeStep:
             if name not in given:
                 raise ParameterError(
                     f"A step needs the signal of `{name}`, which no controller of the bench has: write "
-                    f'`free={{"{name}": 0.0}}` with what it shall be. {suggest_name(name, given)}'
+                    f'`free={{"{name}": 0.0}}` with its value. {suggest_name(name, given)}'
                 )
         return [given[name] for name in self.free]
 

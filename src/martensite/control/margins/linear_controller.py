@@ -110,7 +110,7 @@ def settle_controller(
         step = np.linalg.lstsq(slopes[:, free] * size[free], left, rcond=1e-12)[0]
         x[free] -= size[free] * step
         x[np.isclose(x, x[-1], rtol=SAME, atol=0.0)] = x[-1]  # a reference that is remembered has not moved
-    raise InputError(f"`{controller.registered_name}` does not come to rest at a signal of {signal:.4g}")
+    raise InputError(f"`{controller.registered_name}` does not reach a steady state at a signal of {signal:.4g}")
 
 
 def find_reached(a: Numbers, b: Numbers) -> Numbers:

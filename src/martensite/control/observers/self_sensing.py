@@ -120,7 +120,7 @@ class SelfSensing(UnscentedKalman):
             if not set(wanted) & set(names):
                 raise ParameterError(f"Observer `self-sensing` estimates {what}, which its model does not have.")
         if math.isinf(self.hot) and "A_f" not in names:
-            raise ParameterError("Observer `self-sensing`: its law has no `A_f`; say how `hot` it soaks.")
+            raise ParameterError("Observer `self-sensing`: its law has no `A_f`. Set the soak temperature `hot`.")
 
     def free_parameters(self) -> list[FreeParameter]:
         """Return the drifting parameters, then the parameters with a tolerance in the data sheet."""

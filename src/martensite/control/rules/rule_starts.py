@@ -46,7 +46,7 @@ def find_pid(bench: Bench, drive: str | None = None) -> tuple[str, Pid]:
     controller = bench.controllers.members()[name]
     if not isinstance(controller, Pid):
         raise ParameterError(
-            f"Tuning rules are for a `pid` controller, but that of `{name}` is `{controller.registered_name}`."
+            f"Tuning rules need a `pid` controller, but the controller of `{name}` is `{controller.registered_name}`."
         )
     return name, controller
 

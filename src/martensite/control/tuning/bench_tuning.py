@@ -201,7 +201,7 @@ def _find_scales(runs: LoopRuns, starts: Sequence[Mapping[str, float]]) -> Cours
         found = runs.run(runs.table(start, 1))
         if _is_finite(found):
             return Course(found.one(0), runs.bench.period)
-    raise SolveError("The loop cannot be run with its own numbers, nor with those of any start.")
+    raise SolveError("The loop fails with its present parameters and with all starting points.")
 
 
 def _list_bounds(free: Sequence[FreeNumber], shares: Numbers) -> list[str]:

@@ -50,13 +50,13 @@ class TuningGoal:
     def __post_init__(self) -> None:
         """Raise `ParameterError` for an invalid goal."""
         if self.error not in ERRORS:
-            raise ParameterError(f"No goal is named `{self.error}`. {suggest_name(self.error, ERRORS)}")
+            raise ParameterError(f"There is no goal `{self.error}`. {suggest_name(self.error, ERRORS)}")
         weights = self.overshoot, self.energy, self.activity
         if not all(0.0 <= weight < math.inf for weight in weights):
             raise ParameterError("Weights of a goal must be at least 0 and finite.")
         if not 0.0 < self.worst <= 1.0:
             raise ParameterError(
-                f"The share of a batch that counts must be above 0 and at most 1, but is {self.worst:g}."
+                f"The fraction of a batch that counts must be above 0 and at most 1, but is {self.worst:g}."
             )
 
     def over_plants(self, costs: Numbers) -> tuple[float, Numbers]:

@@ -67,7 +67,7 @@ def draw_plants(
         ParameterError: an unknown name, an invalid spread, a value outside its limits, or no plant.
     """
     if method not in METHODS:
-        raise ParameterError(f"No draw is named `{method}`. {suggest_name(method, METHODS)}")
+        raise ParameterError(f"There is no draw `{method}`. {suggest_name(method, METHODS)}")
     if count < 1 or not spreads:
         raise ParameterError(
             f"Plants need a spread and must be at least 1, but are {count} with {len(spreads)} spreads."
@@ -94,7 +94,7 @@ def _draw_parameter(bench: Bench, name: str, spread: float, z: NDArray[np.float6
     if not (math.isfinite(spread) and spread > 0.0):
         raise ParameterError(f"The spread of `{name}` must be above 0, but is {spread:g}.")
     if leaf.value == 0.0 and leaf.declared.unit != "K":
-        raise ParameterError(f"`{name}` is 0, and a spread is a share of it.")
+        raise ParameterError(f"`{name}` is 0, and a relative spread needs another value.")
     found = leaf.value + parse_half_width(leaf, spread) * z
     require_allowed(leaf, float(found.min()), float(found.max()))
     return PLANT + leaf.path, found

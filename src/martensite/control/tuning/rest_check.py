@@ -29,7 +29,7 @@ def check_static_curve(chain: Chain, idle: float, targets: Sequence[float] = (),
     beside = REST_MARGIN * (high - low)
     if not low - beside <= idle <= high + beside:
         raise ParameterError(
-            f"Model `{chain.name}` would be controlled from rest at {name} = {idle:.6g}, but its records hold {name} "
+            f"Model `{chain.name}` would start in a steady state at {name} = {idle:.6g}, but its records hold {name} "
             f"from {low:.6g} to {high:.6g} alone{ways}."
         )
     room = most - least

@@ -132,7 +132,7 @@ def read_question(
     paths = [target.path for one in freed for target in one.targets]
     twice = next((path for path in paths if paths.count(path) > 1), None)
     if twice is not None:
-        raise ParameterError(f"`{twice}` is named as free more than once.")
+        raise ParameterError(f"`{twice}` is listed as free more than once.")
     aim = read_aim(goal, steering, freed)
     limits = tuple(read_constraint(text, steering, freed) for text in subject)
     return DesignQuestion(freed, aim, most, limits, ({}, *(_read_case(text, known, freed) for text in cases)))
@@ -151,7 +151,7 @@ def read_aim(words: str, steering: WaveformLevels, freed: Sequence[FreeNumber]) 
     name = words.partition("(")[0].strip()
     if name not in MEASURES.names():
         valid = [*MEASURES.names(), *(one.name for one in freed)]
-        raise ParameterError(f"`{words}` is neither a measure nor a free number. {suggest_name(name, valid)}")
+        raise ParameterError(f"`{words}` is neither a measure nor a free parameter. {suggest_name(name, valid)}")
     found = parse_measure(words)
     return DesignAim(words, found.unit_in(steering.system), found)
 

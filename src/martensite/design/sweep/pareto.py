@@ -56,7 +56,7 @@ def find_pareto_front(found: SweepTable, minimise: Sequence[str] = (), maximise:
     goals = tuple(found.column(name) for name in (*minimise, *maximise))
     names = [one.name for one in goals]
     if not goals:
-        raise ParameterError("A front needs goals; say what is wanted by --minimise or --maximise.")
+        raise ParameterError("A front needs goals. Add --minimise or --maximise.")
     twice = next((n for n in names if names.count(n) > 1), None)
     if twice:
         raise ParameterError(f"`{twice}` is a goal twice.")

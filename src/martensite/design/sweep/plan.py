@@ -83,7 +83,7 @@ class SweepPlan:
     def __post_init__(self) -> None:
         """Raise `ParameterError` where the plan cannot be run."""
         if not self.axes:
-            raise ParameterError("A sweep varies something; say what by `--over`.")
+            raise ParameterError("A sweep needs varied parameters. Add `--over`.")
         names = [one.target.name for one in self.axes]
         twice = next((n for n in names if names.count(n) > 1), None)
         if twice:

@@ -217,7 +217,7 @@ class SlurmArray:
         except OSError:
             return Counter()
         if told.returncode and "nvalid job id" not in told.stderr:
-            raise StoppedError(f"SLURM does not say how job {number} is: {_find_reason(told.stderr)}")
+            raise StoppedError(f"SLURM does not report the state of job {number} is: {_find_reason(told.stderr)}")
         return Counter(told.stdout.lower().split())
 
     def _settings(self) -> dict[str, Any]:

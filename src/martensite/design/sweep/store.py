@@ -86,7 +86,7 @@ def create_store(path: Path, plan: SweepPlan, spec: Mapping[str, Any]) -> Store:
     apart = list_differences(store.spec, spec)
     if apart:
         raise DataError(
-            f"`{path}` holds another sweep: {'; '.join(apart)}. Choose another --out, or replace it by --force."
+            f"`{path}` holds another sweep: {'; '.join(apart)}. Choose another --out, or use --force to replace it."
         )
     store.restore_arrays(plan)
     return store
@@ -187,9 +187,13 @@ class Store:
         """Return the request and the metadata of arrays, as JSON, if both are sound."""
         known = self._root.attrs.asdict()
         if LAYOUT not in known:
-            raise DataError(f"`{self.path}` was made without checksums, by an earlier version; replace it by --force.")
+            raise DataError(
+                f"`{self.path}` was made without checksums, by an earlier version; use --force to replace it."
+            )
         if zlib.crc32((known[SPEC] + known[LAYOUT]).encode()) != known.get(CHECK):
-            raise DataError(f"What `{self.path}` says of its sweep is damaged (`zarr.json`); replace it by --force.")
+            raise DataError(
+                f"What `{self.path}` says of its sweep is damaged (`zarr.json`); use --force to replace it."
+            )
         return known[SPEC], known[LAYOUT]
 
     @cached_property

@@ -102,7 +102,7 @@ def to_fmu(
     targets = checked_targets(platforms)
     called = choose_identifier(name, path.stem)
     if port is not None and not ports:
-        raise InputError("Argument `port` chooses the element of an FMU with ports; give `ports` too.")
+        raise InputError("Argument `port` chooses the element of an FMU with ports; add `ports`.")
     plan = plan_port(model, called, step, port) if ports else plan_of(model, called, step)
     if model_exchange:
         require_rates(plan.system)

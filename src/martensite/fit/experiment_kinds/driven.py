@@ -126,7 +126,7 @@ class AbstractDrivenKind(AbstractExperimentKind):
         """Yield other cadences, steps, slow ramps, and a measured temperature."""
         ones, unknown = evidence.experiments, evidence.undetermined
         if len(ones) < 2:
-            yield "A second record with another cadence: only a record that was left out whole shows what is predicted."
+            yield "Record a second log with another period: only a held-out log tests the prediction."
         yield from _suggest_periods([find_period(one) for one in ones])
         if {"heat_capacity", "latent_heat", "environment.cooling.h"} & unknown:
             yield (

@@ -91,7 +91,7 @@ class LinearSystem:
         """
         slim = self.reduce_states()
         if len(slim.a) and np.min(np.abs(slim.poles() - 1.0)) < CIRCLE:
-            raise ParameterError("The linear system integrates: it has no gain at rest.")
+            raise ParameterError("The linear system integrates, so it has no steady-state gain.")
         return self.d + slim.c @ np.linalg.solve(np.eye(len(slim.a)) - slim.a, slim.b)
 
     def frequency_response(self, frequencies: Any) -> Numbers:

@@ -77,7 +77,7 @@ def _settle_state(chain: Chain, u: Numbers, state: Numbers) -> None:
             return
         samples *= 2
     raise SolveError(
-        f"Model `{chain.name}` does not come to rest under a constant input of "
+        f"Model `{chain.name}` does not reach a steady state under a constant input of "
         f"{', '.join(f'{x:.6g}' for x in u)} within {samples} samples."
     )
 

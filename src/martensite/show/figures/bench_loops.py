@@ -38,9 +38,7 @@ class Loop:
 def find_bench(result: Result) -> Bench:
     """Return the bench that was run; `InputError` if the result is that of a system alone."""
     if not isinstance(result.system, Bench):
-        raise InputError(
-            "This figure is that of a bench; use `plot_result` for a system without controllers and sensors."
-        )
+        raise InputError("This figure needs a bench; use `plot_result` for a system without controllers and sensors.")
     return result.system
 
 

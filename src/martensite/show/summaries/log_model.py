@@ -38,12 +38,12 @@ def summarise_log_model(model: LogModel, command: str = "") -> Summary:
         *_list_input_noise(model),
         Heading("Assumed and done"),
         BulletList(model.notes or ("Nothing.",)),
-        Heading("What to record next"),
+        Heading("Next recordings"),
         BulletList(list_next_records(model)),
         Picture(figure[1], lambda: figure[0](fit), "Measured and modelled, fitted to all records."),
     ]
     if command:
-        blocks.insert(-1, Sentence(f"The scenario is kept; this fits it again: `{command}`"))
+        blocks.insert(-1, Sentence(f"The scenario is saved. Repeat the fit by `{command}`"))
     return Summary(f"A model of {which}", blocks, _collect_numbers(model) | {"again": command}, lead)
 
 
@@ -56,7 +56,7 @@ def _make_verdict(model: LogModel) -> Notice:
 def _describe_output(one: PooledError, errors: Sequence[HeldOutError]) -> str:
     own = [x for x in errors if x.output == one.output]
     size, naive = (format_error(one.output, x, one.unit) for x in (one.rms, one.naive[one.best_naive]))
-    what = "each record left out in turn" if own[0].whole else "what was kept back of the same records"
+    what = "each record left out in turn" if own[0].whole else "held-out rows of the same records"
     said = f"`{one.output}`: rms error {size} in {what} ({one.fit_percent:.0f} % fit)"
     if one.predicts:
         said += f"; the best prediction without a model ({one.best_naive}) errs by {naive}."
@@ -85,7 +85,7 @@ def _tabulate_errors(errors: Sequence[HeldOutError]) -> DataTable:
         for one in errors
     ]
     note = (
-        f"A model is said to predict if its error is below {BETTER:g} of the best column on the right, which need no "
+        f"A model predicts if its error is below {BETTER:g} of the best column on the right, which need no "
         f"model, and at least {100.0 * EXPLAINED:.0f} % fit."
     )
     return DataTable(head, rows, right=tuple(range(2, len(head))), note=note)
@@ -100,7 +100,7 @@ def _describe_choice(model: LogModel) -> str:
     chosen = model.chosen.proposal.name
     if len(model.tried) == 1:
         return f"Model: {chosen}."
-    return f"Chosen by its error in what was left out: {chosen}. Tried: {', '.join(map(error, model.tried))}."
+    return f"Chosen by its held-out error: {chosen}. Tried: {', '.join(map(error, model.tried))}."
 
 
 def _tabulate_numbers(model: LogModel) -> DataTable:
@@ -118,7 +118,7 @@ def _tabulate_numbers(model: LogModel) -> DataTable:
     if model.time_constant is not None:
         tau, low, high = (f"{x:.4g} s" for x in model.time_constant)
         rows.insert(0, ("time constant", tau, f"{low} to {high}", "yes"))
-    note = "Intervals are those of this model, widened where residuals repeat each other."
+    note = "Intervals hold for this model and are widened for autocorrelated residuals."
     return DataTable(("number", "value", "95 % interval", "determined"), rows, right=(1,), note=note)
 
 
@@ -144,7 +144,7 @@ def list_next_records(model: LogModel) -> list[str]:
         fit.problem.experiments, model.chosen.proposal.name, model.predicts, weak | set(fit.undetermined)
     )
     return list(model.experiment.kind.suggest_records(evidence)) or [
-        "Another record under other conditions, kept back as it is, to judge the model."
+        "Record a log under other conditions to test the model."
     ]
 
 

@@ -31,7 +31,7 @@ PEAKS = (
     ("hottest", "peak temperature", max),
     ("stress", "peak stress", max),
     ("force", "peak force", max),
-    ("martensite_fraction", "least martensite fraction", min),
+    ("martensite_fraction", "minimum martensite fraction", min),
 )
 """Output, its description, and the function of its extreme."""
 COMPARED = ("computed - measured", "RMS", "largest", "at", "measured range")
@@ -187,10 +187,10 @@ def _list_energies(result: Result) -> Iterator[tuple[str, str]]:
     ways = find_ways(fine)
     found = integrate_energies(fine, ways or [])
     yield "electrical energy in", f"{found.electrical[-1]:.4g} J"
-    yield "heat to the surroundings", f"{found.lost[-1]:.4g} J"
+    yield "heat lost to the ambient", f"{found.lost[-1]:.4g} J"
     if ways is not None:
-        yield "work given while pulling", f"{1e3 * found.work[-1]:.4g} mJ"
-        yield "work taken back while stretched", f"{1e3 * found.returned[-1]:.4g} mJ"
+        yield "work during contraction", f"{1e3 * found.work[-1]:.4g} mJ"
+        yield "work returned during extension", f"{1e3 * found.returned[-1]:.4g} mJ"
         yield "efficiency (work over electrical)", f"{100.0 * found.efficiency[-1]:.4g} %"
 
 

@@ -106,7 +106,7 @@ def summarise_front(store: Path, table: SweepTable, front: ParetoFront) -> Summa
     goals = ", ".join(f"{'most' if most else 'least'} {one.name}" for one, most in aims)
     blocks = [
         DataTable(("run", *columns), rows, right=range(len(columns) + 1)),
-        Sentence(f"{count:,} of {front.compared:,} runs are beaten by no other: {goals}"),
+        Sentence(f"{count:,} of {front.compared:,} runs are on the Pareto front: {goals}"),
     ]
     if count > len(rows):
         blocks.append(Sentence(f"{len(rows)} of them are shown; --out or --json has all."))

@@ -92,7 +92,7 @@ def split_record(record: Sampled, *, share: float | None = None, time: float | N
         DataError: neither or both are given, or a part would be empty.
     """
     if (share is None) == (time is None):
-        raise DataError("A record is split either at a `share` or at a `time`.")
+        raise DataError("Split a record either at a `share` or at a `time`.")
     place = (share or 0.0) * len(record)
     if time is not None:
         place = (time - record.start) / record.interval

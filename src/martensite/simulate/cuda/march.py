@@ -115,7 +115,7 @@ class GivenStepsMarch:
         fitting = int(free / (8 + size * (each + signals * source.own_steps)))
         if fitting < 1:
             raise InputError(
-                f"A run of {samples:,} samples has no room in the memory of the GPU; take fewer `samples` or `outputs`."
+                f"A run of {samples:,} samples does not fit into the GPU memory; take fewer `samples` or `outputs`."
             )
         return min(runs, fitting)
 

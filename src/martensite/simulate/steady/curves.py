@@ -191,7 +191,7 @@ def trace_folds(
     """
     points = [one for one in curve.points if one.fold]
     if not 0 <= place < len(points):
-        raise ParameterError(f"The curve has {len(points)} folds, and none of number {place}.")
+        raise ParameterError(f"The curve has {len(points)} folds, but no fold {place}.")
     motion, one = curve.motion, curve.subject
     varied = one.vary(over, low, high)
     now = one.value(varied, motion.signals)

@@ -213,7 +213,7 @@ def find_period(waveforms: Mapping[str, AbstractWaveform]) -> float:
     for name, one in periods.items():
         if abs(longest / one - round(longest / one)) > 1e-9:
             raise InputError(
-                f"The drives have no period in common: that of `{name}` is {one:.6g} s, another {longest:.6g} s."
+                f"The drives have no common period: the period of `{name}` is {one:.6g} s, another {longest:.6g} s."
             )
     return longest
 

@@ -132,7 +132,7 @@ def settle_system(system: AbstractSystem, course: list[Numbers], state: Numbers 
         settle_lanes(lanes, signals[:, None])
     failed = lanes.status[0]
     if failed.failed:
-        raise SolveError(f"The system failed on its way to rest. {failed.sentence}")
+        raise SolveError(f"The system failed before its steady state. {failed.sentence}")
     return lanes.state[:, 0].copy()
 
 

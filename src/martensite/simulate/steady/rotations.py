@@ -166,7 +166,7 @@ def continue_response(
         SolveError: the curve cannot be followed, or an element that remembers is heated or cooled along it.
     """
     if not 0 <= place < len(curve.points):
-        raise ParameterError(f"The curve has {len(curve.points)} points, and none of number {place}.")
+        raise ParameterError(f"The curve has {len(curve.points)} points, but no fold {place}.")
     point, before = curve.points[place].unknowns, curve.motion
     held, signals = curve.subject.at(curve.varied, float(point[-1]), before.signals)
     one = Subject(held, curve.subject.waveforms, curve.subject.title, curve.subject.scenario)
@@ -293,7 +293,7 @@ def require_same_heat(motion: PeriodicMotion, mean: Mapping[str, Numbers]) -> No
         if change > JUDGED["temperature"]:
             raise SolveError(
                 f"Along this curve `{name}` changes by {change:.3g} K, and what transforms then depends on the way "
-                "there, which a curve leaps over. Follow one curve for each temperature, from a run of its own."
+                "there, which a curve leaps over. Follow a separate curve for each temperature."
             )
 
 

@@ -40,7 +40,7 @@ class Subject:
         if not isinstance(given, AbstractSystem):
             if given.bench is not None:
                 raise InputError(
-                    f"Scenario `{given.title}` has sensors or controllers; steady states are those of a plant. "
+                    f"Scenario `{given.title}` has sensors or controllers; steady states need a plant. "
                     "Of an ON/OFF loop ask for the cycle."
                 )
             own = by_name(given.system, given.waveform if waveform is None else waveform)

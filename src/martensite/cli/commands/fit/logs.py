@@ -150,11 +150,11 @@ class FitOptions:
 
     def _refuse_beside_fit_file(self, logs: Sequence[str]) -> None:
         if len(logs) > 1:
-            raise InputError("A fit file stands alone; its records are listed in it.")
+            raise InputError("A fit file lists its own records; give no other logs.")
         idle = {"--scenario": self.scenario, "--free": self.free, "--interval": self.interval, "--as": self.named}
         name = next((name for name, given in idle.items() if given), None)
         if name is not None:
-            raise InputError(f"Option `{name}` has no effect: the fit file says that.")
+            raise InputError(f"Option `{name}` has no effect, since the fit file sets it.")
 
 
 @dataclass(frozen=True)

@@ -110,7 +110,7 @@ class Grid(AbstractDesign):
         super().__post_init__()
         if self.count is not None:
             raise ParameterError(
-                "A grid has as many runs as its axes have combinations of levels; write their "
+                "The number of runs of a grid follows from its levels; write their "
                 "levels behind each axis, such as `diameter=0.1..0.5 mm:9`."
             )
 
