@@ -88,7 +88,14 @@ class FaultRecord:
         once = [f"- `{name} {seed}`: {outcome}" for name, seed, outcome in self.unsteady] or ["No trial is unsteady."]
         closed = [f"- `{name} {seed}`" for name, seed in self.closed] or ["No trial was open in an earlier run."]
         parts = ["## Open", "", "Failed, and failed again when repeated:", "", *found, ""]
-        parts += ["## Unsteady", "", "Failed, and passed when repeated; the computer may have been busy:", "", *once, ""]
+        parts += [
+            "## Unsteady",
+            "",
+            "Failed, and passed when repeated; the computer may have been busy:",
+            "",
+            *once,
+            "",
+        ]
         parts += ["## Closed", "", "Open in an earlier run, and closed since:", "", *closed]
         return "\n".join([INTRODUCTION, begin, "", *lines, "", *parts, ""])
 

@@ -24,7 +24,7 @@ def conform(
     json: Json = False,
     modules: Imports = None,
 ) -> None:
-    """Test parts, studies, commands and exporters against their contracts.
+    """Test parts, studies and commands against their contracts.
 
     A law, for example, must not depend on the number of steps of a path. Kinds of experiment can be tested as
     well. Each part is built from the typical values of its declaration, once for every choice of an option. The

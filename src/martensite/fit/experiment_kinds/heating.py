@@ -14,7 +14,7 @@ from martensite.signals.records import Record
 
 
 @EXPERIMENT_KINDS.register("heating")
-class Heating(AbstractDrivenKind):
+class ElectricHeating(AbstractDrivenKind):
     """A driven element under a constant load, whose temperature is measured."""
 
     order = 30.0

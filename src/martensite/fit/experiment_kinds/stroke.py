@@ -15,7 +15,7 @@ from martensite.signals.records import Record
 
 
 @EXPERIMENT_KINDS.register("stroke")
-class Stroke(AbstractDrivenKind):
+class StrokeTest(AbstractDrivenKind):
     """A weight or a bias spring that a driven element moves."""
 
     order = 10.0
