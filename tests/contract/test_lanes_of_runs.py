@@ -1,7 +1,7 @@
 """Runs side by side in C are single runs, whatever drives them and however they step.
 
-Source of truth: `simulate` of the same system, with a tolerance fifty times smaller. Both texts of
-the march, `lanes.c` and `adaptive.c`, are held together here.
+Source of truth: `simulate` of the same system, with a tolerance fifty times smaller. A single run is a batch of one
+lane, whose kernels are printed without vectors.
 """
 
 from __future__ import annotations

@@ -74,20 +74,6 @@ static tone_angles angles_at(const drive *d, double time) {
     return found;
 }
 
-/* the same in the middle of both halves of a step, turned from those at its start */
-static void turn_angles(const drive *d, const tone_angles *at, double length, tone_angles *one, tone_angles *two) {
-    for (long j = 0; j < d->tones; j++) {
-        const double x = 0.25 * d->rate[j] * length;
-        const double s = x < SERIES ? x * sinc(x) : sin(x);
-        const double c = x < SERIES ? sqrt(1.0 - s * s) : cos(x);
-        const double s2 = 2.0 * s * c, c2 = 1.0 - 2.0 * s * s;
-        one->cosine[j] = at->cosine[j] * c - at->sine[j] * s;
-        one->sine[j] = at->sine[j] * c + at->cosine[j] * s;
-        two->cosine[j] = one->cosine[j] * c2 - one->sine[j] * s2;
-        two->sine[j] = one->sine[j] * c2 + one->cosine[j] * s2;
-    }
-}
-
 /* `at` are the angles in the middle */
 static moments moments_of(const drive *d, double begin, double end, long near, const tone_angles *at) {
     const double length = end - begin, middle = 0.5 * (begin + end), per = 1.0 / length;

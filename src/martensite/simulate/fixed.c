@@ -1,88 +1,79 @@
-/* The march on given steps, as in martensite/simulate/march.py: equal ones between samples and edges of
-   the drives. Before this text stand martensite/simulate/marching.c with what it asks for, and the
-   kernel k_step. */
+/* The march of one run on given steps, as in martensite/simulate/march.py: equal ones between samples and edges of the
+   drives. Before this text stands runs.c with what it asks for, and the kernel k_step. */
 
 #define COARSE 0.2
+#define CLOSE (1e-12 * m->duration) /* time that counts as zero */
 
 /* the next sample, or edge of a drive */
 static double next_stop(const march *m, const block *b) {
-    const double sample = m->times[b->sample], hair = 1e-12 * m->duration;
-    double end = sample - hair;
-    for (long set = 0; set < SETS; set++)
-        for (long i = 0; i < DRIVES; i++) {
-            long count;
-            const drive *d = drives_of(m, b, set) + i;
-            end = first_edge(d, b->time + hair, end, b->cursor[set][i], &count);
-        }
-    return end < sample - hair ? end : sample;
-}
-
-static void take_step(march *m, block *b, double begin, double length, double end) {
-    bring(m, b, begin, end, b->one);
-    memcpy(b->x0, b->state, sizeof(column) * SIZE);
-    feed(b->one, 0, length, b->x0 + SIZE);
-    k_step(LANES, *b->c, *b->x0, *b->whole);
-    LIVE(i) {
-        const double residual = b->whole[SIZE][i], crossing = b->whole[SIZE + 1][i];
-        const double ripple = b->whole[SIZE + 2][i];
-        const long status = !isfinite(residual) || !isfinite(crossing) ? NOT_FINITE :
-                            residual > SOLVED ? UNSOLVED : crossing > COARSE ? LONG_STEP : OK;
-        b->residual[i] = residual > b->residual[i] ? residual : b->residual[i];
-        b->ripple[i] = ripple > b->ripple[i] ? ripple : b->ripple[i];
-        if (status > b->status[i]) {
-            b->status[i] = status;
-            b->status_time[i] = begin;
-        }
+    double end = b->coming[0] - CLOSE;
+    for (long k = 0; k < DRIVES; k++) {
+        long count;
+        end = first_edge(drive_of(m, b->now + k, k, 0), b->time[0] + CLOSE, end, b->now[k].cursor[0], &count);
     }
-    b->steps++;
-    b->longest = length > b->longest ? length : b->longest;
-    memcpy(b->state, b->whole, sizeof(column) * SIZE);
-    record_piece(m, b, 0.0, begin, end, b->one[0], b->state);
-    b->time = begin;
-    judge_at(m, b, b->state, end, 1, b->fine);
-    see(m, b, b->fine);
-    end_runs(m, b);
+    return end < b->coming[0] - CLOSE ? end : b->coming[0];
 }
 
 /* cut the way to the next sample or edge into equal steps */
 static void plan_pieces(const march *m, block *b) {
-    move_cursors(m, b);
-    b->begin = b->time;
+    find_segments(m, b);
+    b->begin = b->time[0];
     b->stop = next_stop(m, b);
-    b->pieces = ceil((b->stop - b->begin) / m->step - STEP_TOLERANCE);
-    b->pieces = b->pieces > 1.0 ? b->pieces : 1.0;
-    b->length = (b->stop - b->begin) / b->pieces;
+    b->pieces = larger(ceil((b->stop - b->begin) / m->step - STEP_TOLERANCE), 1.0);
+    b->length[0] = (b->stop - b->begin) / b->pieces;
     b->piece = 0.0;
 }
 
-/* Go on for some rounds. Returns DONE, PAUSED, SIGNALS if drives must be known further, or RECORD if the
-   record is full. */
-long march_on(march *m, block *b, long begin) {
-    if (begin) b->begun = 0;
-    for (long round = 0; round < m->rounds; round++) {
-        while (!any_live(b)) {
-            const long next = b->begun ? b->first_run + LANES : 0;
-            if (next >= m->runs) return DONE;
-            if (is_full(m)) return RECORD;
-            begin_block(m, b, next);
-            b->length = 0.0; /* of steps that are not planned yet */
-        }
-        if (is_full(m)) return RECORD;
-        if (b->length == 0.0) {
-            if (!known_until(m, b, b->time + 1e-12 * m->duration)) return SIGNALS;
-            plan_pieces(m, b);
-        }
-        const double begin = b->begin + b->piece * b->length;
-        const int last = !(b->piece + 1.0 < b->pieces);
-        take_step(m, b, begin, b->length, last ? b->stop : begin + b->length);
-        if (++b->piece < b->pieces || !any_live(b)) continue;
-        b->time = b->stop;
-        b->length = 0.0;
-        if (b->time == m->times[b->sample]) {
-            memcpy(b->x2, b->state, sizeof(column) * SIZE);
-            keep_rows(m, b, b->time);
-        }
-        end_runs(m, b);
+static void take_step(march *m, block *b, double begin, const column end) {
+    const flags_of_lanes taken = {1};
+    for (long k = 0; k < DRIVES; k++)
+        if (widths[k] > 1)
+            bring(m, b->now + k, k, 0, begin, end[0], b->one[k]);
+        else
+            b->one[k][MEAN][0] = value_of(m, b, k, 0, end[0], 1);
+    memcpy(b->x0, b->state, sizeof(column) * SIZE);
+    feed(b->one, 0, b->length, b->x0 + SIZE);
+    k_step(LANES, *b->c, *b->x0, *b->whole);
+    const double residual = b->whole[SIZE][0], crossing = b->whole[SIZE + 1][0];
+    const long status = !isfinite(residual) || !isfinite(crossing) ? NOT_FINITE :
+                        residual > SOLVED ? UNSOLVED : crossing > COARSE ? LONG_STEP : OK;
+    b->residual[0] = larger(residual, b->residual[0]);
+    b->ripple[0] = larger(b->whole[SIZE + 2][0], b->ripple[0]);
+    if (status > b->status[0]) {
+        b->status[0] = status;
+        b->status_time[0] = begin;
     }
+    b->steps[0] += 1.0;
+    b->longest[0] = larger(b->length[0], b->longest[0]);
+    memcpy(b->state, b->whole, sizeof(column) * SIZE);
+    record_piece(m, b, 0, 0.0, begin, end[0], b->one, b->state);
+    b->time[0] = begin;
+    judge_at(m, b, b->state, end, 1, b->fine);
+    see(m, b, b->fine, taken);
+}
+
+static long go_on(march *m, block *b) {
+    flags_of_lanes begins;
+    if (is_full(m)) return RECORD;
+    if (!begin_runs(m, b, begins)) return DONE;
+    if (!b->live[0]) return PAUSED;
+    if (b->fresh[0]) {
+        if (!knows_drives(m, b, b->time[0] + CLOSE)) return SIGNALS;
+        plan_pieces(m, b);
+        b->fresh[0] = 0;
+    }
+    const double begin = b->begin + b->piece * b->length[0];
+    b->piece += 1.0;
+    const column end = {b->piece < b->pieces ? begin + b->length[0] : b->stop};
+    take_step(m, b, begin, end);
+    if (b->piece < b->pieces || !b->live[0]) return PAUSED;
+    b->time[0] = b->stop;
+    b->fresh[0] = 1;
+    if (b->time[0] == b->coming[0]) {
+        memcpy(b->x2, b->state, sizeof(column) * SIZE);
+        keep_rows(m, b, b->time, 1, 0);
+        b->coming[0] = m->times[++b->sample[0]];
+    }
+    end_runs(m, b);
     return PAUSED;
 }

@@ -1,8 +1,8 @@
 """Marches in C: one run, or many in the lanes of a block, each with separate steps.
 
-The C is `marching.c` with `adaptive.c` or `fixed.c` for one run, and `lanes.c` for many. Memory holds the results, and
-a window of the drives: it does not grow with the number of steps. Lanes are at different times, and hold their
-complete drives; runs with too long drives are made one by one.
+One run is a batch of one lane: the C is the same, `marching.c` with `adaptive.c` or `fixed.c`. Memory holds the
+results and, for one run, a window of the drives: it does not grow with the number of steps. Lanes of a batch are at
+different times, and hold their complete drives; runs with too long drives are made one by one.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import ctypes
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from itertools import accumulate, islice, takewhile
 from typing import Any
 
@@ -77,7 +77,7 @@ class _March(ctypes.Structure):
             (name, ctypes.c_void_p)
             for name in ("p", "first", "times", "drives", "limits", "ranges", "rows", "numbers", "record")
         ),
-        ("states", ctypes.c_void_p),  # what follows is for one run at a time: lanes do not know it
+        ("states", ctypes.c_void_p),
         ("extremes", ctypes.c_void_p),
         ("placed", ctypes.c_long),
         ("totals", ctypes.c_void_p),
@@ -176,9 +176,9 @@ class MarchRows:
     """Pieces of accepted steps, in the layout of `martensite.simulate.track`; none if they were not recorded."""
     totals: Numbers
     """Lowest, highest and integral of every output over all steps, (runs, 3, outputs), if they were asked for."""
-    states: Numbers | None = None
-    """States at the ends of runs, (runs, states); None for runs in lanes."""
-    extremes: Numbers | None = None
+    states: Numbers
+    """States at the ends of runs, (runs, states)."""
+    extremes: Numbers
     """Lowest and highest of what is judged, (runs, 2, judged)."""
 
     def choose(self, places: NDArray[np.intp]) -> MarchRows:
@@ -190,7 +190,8 @@ class MarchRows:
         own = at[self.record[:, 0].astype(np.intp)]
         record = np.concatenate([own[:, None], self.record[:, 1:]], axis=1)[own >= 0]
         totals = self.totals[places] if len(self.totals) else self.totals
-        return MarchRows(self.outputs[places], self.numbers[places], record, totals)
+        kept = (getattr(self, name)[places] for name in ("states", "extremes"))
+        return MarchRows(self.outputs[places], self.numbers[places], record, totals, *kept)
 
     def take_run(self, run: int, times: Sequence[float]) -> Marched:
         """One of them."""
@@ -203,9 +204,8 @@ class MarchRows:
             found = Status.NOT_FINITE
         made = Marched(rows[:reached], ranges, found, end, int(place), value, int(steps), int(rejected), *more[:5])
         made.accounts, made.record = accounts, self.record
-        if self.states is not None and self.extremes is not None:
-            low, high = self.extremes[run].tolist()
-            made.state, made.extremes = tuple(self.states[run].tolist()), (tuple(low), tuple(high))
+        low, high = self.extremes[run].tolist()
+        made.state, made.extremes = tuple(self.states[run].tolist()), (tuple(low), tuple(high))
         return made
 
 
@@ -220,8 +220,7 @@ def march_runs(runs: Runs, watch: Callable[[float], None] | None = None) -> Marc
     rows = [_Marching(alone.choose(places[k : k + 1], ranges[k : k + 1])).go() for k in places]
     for k, row in enumerate(rows):
         row.record[:, 0] = k
-    kept = (np.concatenate([getattr(row, n) for row in rows]) for n in ("outputs", "numbers", "record", "totals"))
-    return MarchRows(*kept)
+    return MarchRows(*(np.concatenate([getattr(row, one.name) for row in rows]) for one in fields(MarchRows)))
 
 
 class MarchArrays:
@@ -311,8 +310,7 @@ class _Marching(MarchArrays):
             begin = 0
             if answer == DONE:
                 record = self.record[: self.march.recorded]
-                kept = (self.states, self.extremes) if self.runs.lanes == 1 else ()
-                return MarchRows(self.rows, self.numbers, record, self.totals, *kept)
+                return MarchRows(self.rows, self.numbers, record, self.totals, self.states, self.extremes)
             if answer == SIGNALS:
                 self._extend()
             if answer == RECORD:
@@ -323,24 +321,21 @@ class _Marching(MarchArrays):
 
     def _extend(self) -> None:
         """Know more of the drives that a run waits for."""
-        now, first = self._where()
-        row = self.windows[first if self.runs.own is not None else 0]
-        for window in row:
+        now = self._time()
+        for window in self.windows[0]:
             if window.known_until() < np.inf:
                 window.extend(now)
         self.fill_drives(_get_address)
         self.library.forget_cursors(ctypes.byref(self.block))
 
-    def _where(self) -> tuple[float, int]:
-        """Return the time of the block [s], and its first run."""
-        block = ctypes.byref(self.block)
-        return self.library.time_of(block), self.library.run_of(block)
+    def _time(self) -> float:
+        """Return the time of one run [s], or the number of runs of a batch that are done."""
+        return self.library.time_of(ctypes.byref(self.block))
 
     def _done(self) -> float:
-        now, first = self._where()
-        runs = min(self.runs.lanes, self.runs.count - first)
-        begin, end = self.plan.times[0], self.plan.times[-1]
-        return (first + runs * max(now - begin, 0.0) / (end - begin)) / self.runs.count
+        """Return the fraction of the runs that is done."""
+        begin, end = (self.plan.times[0], self.plan.times[-1]) if self.runs.lanes == 1 else (0.0, self.runs.count)
+        return max(self._time() - begin, 0.0) / (end - begin)
 
 
 def observe_in_c(runs: Runs) -> Observe:
@@ -431,6 +426,7 @@ class MarchKernel:
             "PLACES": _format_list(compiled.heated),
             "LEAST": _format_list([least for _, least in compiled.convergence_scales]),
             "OBSERVED": _format_list(compiled.states_observed(self.outputs)),
+            "LEDGER": int(book is not EMPTY),
             "ENTRIES": book.size,
             "HELD": len(book.held),
             "EFFORTS": len(book.efforts),
@@ -446,7 +442,7 @@ class MarchKernel:
         }
         solve = "rosenbrock" if self.order == 4 else "solve"
         names = ["step"] if self.fixed else [solve, "ripple", "points"]
-        names += ["flows", "entries"] if self.lanes == 1 and not self.fixed else []
+        names += [] if book is EMPTY else ["flows", "entries"]
         functions = [traced[name] for name in ("init", "judge", *names)]
         observe = traced["observe"]
         wanted = tuple(observe.outputs[i] for i in self.outputs)
@@ -456,9 +452,11 @@ class MarchKernel:
             if self.lanes == 1
             else lanes_source(compiled.program, functions)
         )
-        names = ("marching.c", "totals.c", *(("fixed.c",) if self.fixed else ("ledger.c", "adaptive.c")))
-        names = (*(("lanes.c", "totals.c") if self.lanes > 1 else names), "track.c")
-        texts = [read_source("signals", "reader.c", constants), *(read_source("simulate", name, {}) for name in names)]
+        control = ["fixed"] if self.fixed else ["lengths", "kinks", "samples", "adaptive"]
+        ledger = [] if book is EMPTY else ["ledger"]
+        names = ["marching", "drives", "totals", "runs", *ledger, *control, "track"]
+        texts = (read_source("simulate", f"{name}.c", {}) for name in names)
+        texts = [read_source("signals", "reader.c", constants), *texts]
         return "\n".join([kernels, *texts])
 
 
@@ -468,7 +466,7 @@ _LOADED: set[MarchKernel] = set()
 @cache_answers(64)
 def _load_library(kernel: MarchKernel) -> Any:
     library = load_library(kernel.source(), kernel.flags)
-    for name in ("march_on", "size_of_block", "run_of"):
+    for name in ("march_on", "size_of_block"):
         getattr(library, name).restype = ctypes.c_long
     library.time_of.restype = ctypes.c_double
     _LOADED.add(kernel)

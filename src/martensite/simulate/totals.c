@@ -1,10 +1,12 @@
 /* Lowest and highest value of every output of runs, and its integral over time, from every accepted step: what
    martensite/simulate/track.py computes from a record, for many runs without one.
 
-   Before this text stand marching.c or lanes.c with what they ask for. A drive that is not constant in a half step is
+   Before this text stands drives.c with what it asks for. A drive that is not constant in a half step is
    replaced by four levels with its mean, its mean square and its extremes. If it jumps or swings there (its lapse is
    above 0), these extremes are those of the outputs, too. Between the nodes of other steps outputs follow a parabola,
    if its second derivative is near that half a step before: there is no kink. */
+
+#define BROUGHT(part, k, which, i) ((part) ? b->two[k][which][i] : b->one[k][which][i])
 
 static void find_levels(double mean, double square, double low, double high, double *level, double *share) {
     const double centre = 0.5 * (low + high), reach = high > low ? 0.5 * (high - low) : 1.0;
@@ -46,8 +48,8 @@ static void count_peaks(block *b, const column (*rows)[OUTPUTS + 1], const long 
         for (long i = 0; i < LANES; i++) {
             const double first = rows[0][k][i], middle = rows[1][k][i], last = rows[2][k][i];
             const double bend = first - 2.0 * middle + last, rise = last - first;
-            if (!counts[i] || OF_LANE(b->at_edge, i) || !(fabs(rise) < 2.0 * fabs(bend))) continue;
-            const double half = 0.5 * OF_LANE(b->length, i), before = OF_LANE(b->last_half, i), per = half / before;
+            if (!counts[i] || b->at_edge[i] || !(fabs(rise) < 2.0 * fabs(bend))) continue;
+            const double half = 0.5 * b->length[i], before = b->last_half[i], per = half / before;
             const double earlier = 2.0 * (middle - first - (first - b->last_middle[k][i]) * per) / (1.0 + per) * per;
             if (!(fabs(earlier - bend) <= 0.1 * fabs(bend))) continue;
             const double top = middle - rise * rise / (8.0 * bend);
@@ -72,7 +74,7 @@ static void count_levels(march *m, block *b, const long long *varied, const colu
             const double own = (side == part ? 1.0 : 2.0) * (1.0 / 6.0);
             if (heating > 1) {
                 for (long i = 0; i < LANES; i++) {
-                    weight[i] = varied[i] ? (double)(1 - heating) * own * OF_LANE(b->length, i) : 0.0;
+                    weight[i] = varied[i] ? (double)(1 - heating) * own * b->length[i] : 0.0;
                     counts[i] = 0;
                 }
                 observe_at(b, ends[side], means, row);
@@ -94,7 +96,7 @@ static void count_levels(march *m, block *b, const long long *varied, const colu
                     memcpy(kept, means[k], sizeof kept);
                     for (long i = 0; i < LANES; i++) {
                         means[k][i] = level[l][i];
-                        weight[i] = varied[i] ? own * share[l][i] * OF_LANE(b->length, i) : 0.0;
+                        weight[i] = varied[i] ? own * share[l][i] * b->length[i] : 0.0;
                         counts[i] = varied[i] && (l == 0 || l == 3) && BROUGHT(part, k, LAPSE, i) > 0.0;
                     }
                     observe_at(b, ends[side], means, row);
@@ -130,9 +132,9 @@ static void add_totals(march *m, block *b, const long long *taken) {
     }
     for (long k = 0; k < DRIVES; k++)
         for (long i = 0; i < LANES; i++) {
-            const double begin = OF_LANE(b->time, i), length = OF_LANE(b->length, i);
+            const double begin = b->time[i], length = b->length[i];
             for (long j = 0; j < 3 && OBSERVE_SIGNALS; j++)
-                signals[j][k][i] = LEVEL(k, i, begin + 0.5 * (double)j * length, j == 2);
+                signals[j][k][i] = value_of(m, b, k, i, begin + 0.5 * (double)j * length, j == 2);
             for (long part = 0; part < 2 && widths[k] > 1; part++) {
                 if (BROUGHT(part, k, LAPSE, i) > 0.0) smooth[i] = 0;
                 if (OBSERVE_SIGNALS && BROUGHT(part, k, HIGH, i) > BROUGHT(part, k, LOW, i)) varied[i] = taken[i];
@@ -142,7 +144,7 @@ static void add_totals(march *m, block *b, const long long *taken) {
     for (long j = OBSERVE_SIGNALS ? 0 : 1; j < 3; j++) observe_at(b, states[j], signals[j], rows[j]);
     for (long j = 0; j < 3; j++) {
         for (long i = 0; i < LANES; i++)
-            weight[i] = taken[i] && !varied[i] ? (j == 1 ? 4.0 : 1.0) * (1.0 / 6.0) * OF_LANE(b->length, i) : 0.0;
+            weight[i] = taken[i] && !varied[i] ? (j == 1 ? 4.0 : 1.0) * (1.0 / 6.0) * b->length[i] : 0.0;
         count_row(b, rows[j], weight, taken);
     }
     count_peaks(b, rows, smooth);

@@ -1,5 +1,5 @@
 /* Outputs of recorded states under signals: some rows of one run after those of another. Before this text stands
-   marching.c or lanes.c with what it asks for. */
+   marching.c with what it asks for. */
 
 void observe_rows(long runs, const long *counts, const double *p, const double *x, double *y) {
     column own[PARAMETERS + 1], c[CONSTANTS], in[SIZE + DRIVES + 1], out[OUTPUTS + 1];

@@ -18,13 +18,6 @@ static inline double pow(double base, double exponent)
     return exp(exponent * log(base));
 }
 
-/* Of positive numbers. */
-static inline double cbrt(double x)
-{
-    const double root = exp(log(x) / 3.0);
-    return root - (root * root * root - x) / (3.0 * root * root);
-}
-
 /* By Lambert's continued fraction up to 1, beyond by an exponential. */
 static inline double tanh(double x)
 {

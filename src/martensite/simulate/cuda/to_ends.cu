@@ -6,12 +6,6 @@ KERNEL march_to_ends(const march *given) {
     block b;
     const long run = blockIdx.x * (long)blockDim.x + threadIdx.x;
     if (run >= m.runs) return;
-    begin_runs(&m, &b, run);
-    if (any_live(&b)) begin_step(&m, &b);
-    while (any_live(&b)) {
-        try_step(&m, &b);
-        if (!judge_step(&m, &b)) continue;
-        accept_step(&m, &b);
-        if (any_live(&b)) begin_step(&m, &b);
-    }
+    begin_block(&b, run, run + 1);
+    while (go_on(&m, &b) != DONE) continue;
 }

@@ -30,6 +30,7 @@ NAMES = """
 #define restrict __restrict__
 #define _Bool bool
 #define inline __noinline__
+#define INLINE static __forceinline__
 #endif
 """
 
@@ -60,7 +61,7 @@ def march_to_ends(runs: Runs) -> MarchRows:
         memory.fetch(march.numbers, arrays.numbers)
         if runs.plan.totalled:
             memory.fetch(march.totals, arrays.totals)
-    return MarchRows(arrays.rows, arrays.numbers, arrays.record, arrays.totals)
+    return MarchRows(arrays.rows, arrays.numbers, arrays.record, arrays.totals, arrays.states, arrays.extremes)
 
 
 EMPTY_BYTE = 0xFF

@@ -1,0 +1,211 @@
+/* Outputs at samples within steps: from a polynomial, or from a step aside. As on floats, a single run tests the
+   polynomial in all states, and uses no sixth point. */
+
+#define DEEPEST (LANES > 1 ? 2 : 1) /* earlier steps that a polynomial may use */
+static const long rates[RATES + 1] = PLACES_OF_RATES;
+
+/* whether a number of the state is more than where a solve begins to look */
+static long is_judged_state(long k) {
+    for (long i = 0; i < RATES; i++)
+        if (rates[i] == k) return 0;
+    return 1;
+}
+
+/* Whether the polynomial through the last five points is good enough in each step; the inverse
+   denominators of its weights. Its own last term is small enough, or, where a sixth point is known,
+   the one that would come next. */
+static void find_smooth(const march *m, const block *b, flags_of_lanes smooth, column *per) {
+    column reached, farther, over;
+    flags_of_lanes flat, flatter;
+    EACH(i) {
+        const double half = 0.5 * b->length[i], t2 = b->time[i], tail = b->older_time[i];
+        const double t[5] = {b->node_time[0][i], b->node_time[1][i], t2, t2 + half, t2 + b->length[i]};
+        const double cubic = CUBIC * half * half * half, long_way = t[4] - tail;
+        reached[i] = cubic * (t[4] - t[1]);
+        farther[i] = cubic * (t[4] - t[1]) * (t[4] - t[0]);
+        for (long j = 0; j < 5; j++) {
+            double product = 1.0;
+            for (long k = 0; k < 5; k++) product *= k == j ? 1.0 : t[j] - t[k];
+            per[j][i] = 1.0 / product;
+        }
+        over[i] = 1.0 / ((tail - t[0]) * (tail - t[1]) * (tail - t[2]) * (tail - t[3]) * -long_way);
+        flat[i] = flatter[i] = 1;
+    }
+    for (long k = 0; k < JUDGED; k++)
+        EACH(i) {
+            const double t2 = b->time[i], tail = b->older_time[i];
+            const double a = per[0][i] * b->node_seen[0][k][i], c = per[1][i] * b->node_seen[1][k][i];
+            const double d = per[2][i] * b->seen[k][i], e = per[3][i] * b->middle[k][i];
+            const double f = per[4][i] * b->fine[k][i];
+            const double fifth = a / (b->node_time[0][i] - tail) + c / (b->node_time[1][i] - tail) +
+                                 d / (t2 - tail) + e / (t2 + 0.5 * b->length[i] - tail) +
+                                 f / (t2 + b->length[i] - tail) + over[i] * b->older_seen[k][i];
+            const double allowed = BETWEEN * m->tolerance * b->scale[k][i];
+            flat[i] &= reached[i] * fabs(a + c + d + e + f) <= allowed;
+            flatter[i] &= farther[i] * fabs(fifth) <= allowed;
+        }
+    EACH(i) smooth[i] = (b->known[i] > 0) & !(b->lapse[i] > 0.0) &
+                        (flat[i] | (flatter[i] & (b->known[i] > 1)));
+}
+
+/* states on it at times; those that overshoot what they go through are no longer smooth */
+static void interpolate(const block *b, const column time, const column *per, flags_of_lanes smooth,
+                        column *x, long all) {
+    column w[5];
+    EACH(i) {
+        const double t0 = time[i] - b->node_time[0][i], t1 = time[i] - b->node_time[1][i];
+        const double t2 = time[i] - b->time[i], t3 = t2 - 0.5 * b->length[i], t4 = t2 - b->length[i];
+        const double low = t0 * t1, high = t3 * t4;
+        w[0][i] = per[0][i] * t1 * t2 * high;
+        w[1][i] = per[1][i] * t0 * t2 * high;
+        w[2][i] = per[2][i] * low * high;
+        w[3][i] = per[3][i] * low * t2 * t4;
+        w[4][i] = per[4][i] * low * t2 * t3;
+    }
+    for (long k = 0; k < SIZE; k++) {
+        const long counts = is_judged_state(k);
+        if (!(all || observed[k])) continue;
+        EACH(i) {
+            const double at0 = b->node_state[0][k][i], at1 = b->node_state[1][k][i];
+            const double at2 = b->state[k][i], at3 = b->half[k][i], at4 = b->full[k][i];
+            const double least = smaller(smaller(smaller(at0, at1), smaller(at2, at3)), at4);
+            const double most = larger(larger(larger(at0, at1), larger(at2, at3)), at4);
+            const double sum = w[0][i] * at0 + w[1][i] * at1 + w[2][i] * at2 + w[3][i] * at3 + w[4][i] * at4;
+            const double hair = ROUNDING * (fabs(least) + fabs(most));
+            const long inside = (least - hair <= sum) & (sum <= most + hair);
+            smooth[i] = smooth[i] && (inside || !counts);
+            x[k][i] = smaller(larger(sum, least), most);
+        }
+    }
+}
+
+/* make the steps aside, and keep the outputs at their ends */
+static void finish_aside(const march *m, steps_aside *q) {
+    column found[DRIVES + 1][MOMENTS], length, half, centre, signals[DRIVES + 1];
+    flags_of_lanes gone = {0}, plain;
+    long leaving = 0;
+    if (!q->count) return;
+    for (long j = q->count; j < LANES; j++) { /* the last one fills what is left */
+        double *to = (double *)q->c, *x = (double *)q->x;
+        for (long k = 0; k < CONSTANTS; k++) to[k * LANES + j] = to[k * LANES + q->count - 1];
+        for (long k = 0; k < SIZE; k++) x[k * LANES + j] = x[k * LANES + q->count - 1];
+        q->begin[j] = q->begin[q->count - 1];
+        q->end[j] = q->end[q->count - 1];
+        q->run[j] = q->run[q->count - 1];
+        for (long k = 0; k < DRIVES; k++) q->owed[k][j] = q->owed[k][q->count - 1];
+        for (long k = 0; k < DRIVES; k++) copy_lane(q->then + k, q->count - 1, q->then + k, j);
+    }
+    EACH(i) {
+        length[i] = q->end[i] - q->begin[i];
+        half[i] = 0.5 * length[i];
+        centre[i] = q->begin[i] + half[i];
+    }
+    for (long k = 0; k < DRIVES; k++) {
+        drives_of_lanes *d = q->then + k;
+        if (widths[k] == 1) {
+            EVERY(i) found[k][MEAN][i] = value_at(drive_of(m, d, k, i), q->end[i], d->cursor[i], 1);
+            continue;
+        }
+        find_plain(d, q->end, plain);
+        of_parabola(d, centre, half, found[k]);
+#if TONES > 0
+        column at[TONES][2];
+        reaches r;
+        find_reaches(d, half, &r);
+        for (long j = 0; j < TONES; j++) {
+            EACH(i) at[j][0][i] = cos(d->speed[j][i] * centre[i] + d->phase[j][i]);
+            EACH(i) at[j][1][i] = sin(d->speed[j][i] * centre[i] + d->phase[j][i]);
+        }
+        add_tones(d, at, &r, half, found[k]);
+#endif
+        EVERY(i) if (!plain[i]) bring(m, d, k, i, q->begin[i], q->end[i], found[k]);
+    }
+    feed(found, q->owed, length, q->x + SIZE);
+#if ORDER == 4
+    k_rosenbrock(LANES, *q->c, *q->x, *q->y);
+#else
+    k_solve(LANES, *q->c, *q->x, *q->y);
+    for (long k = 0; k < SIZE; k++)
+        EACH(i) q->y[k][i] = q->y[SIZE][i] <= SOLVED ? q->y[k][i] : q->line[k][i];
+#endif
+    memcpy(q->x, q->y, sizeof(column) * SIZE);
+    for (long k = 0; k < DRIVES && (OBSERVE_SIGNALS || JUDGE_SIGNALS); k++)
+        EVERY(i) signals[k][i] = value_at(drive_of(m, q->then + k, k, i), q->end[i], q->then[k].cursor[i], 0);
+    for (long i = 0; i < q->count; i++) leaving |= q->leaving[i];
+    if (leaving) find_gone(m, q->c, q->x, signals, q->run, gone);
+    if (OBSERVE_SIGNALS) memcpy(q->x + SIZE, signals, sizeof(column) * DRIVES);
+    k_observe(LANES, *q->c, *q->x, *q->row);
+    for (long i = 0; i < q->count; i++) {
+        double *row = m->rows + (q->run[i] * m->samples + q->sample[i]) * OUTPUTS;
+        for (long k = 0; k < OUTPUTS && !(q->leaving[i] && gone[i]); k++) row[k] = q->row[k][i];
+    }
+    q->count = 0;
+}
+
+/* a step to the next sample of a run from the start or the middle of the one taken, for later */
+static void put_aside(const march *m, block *b, long i, double time, long leaving) {
+    steps_aside *q = &b->aside;
+    const double middle = b->time[i] + 0.5 * b->length[i];
+    const int late = ORDER == 2 && time > middle;
+    const column *state = late ? b->half : b->state;
+    const long j = q->count++;
+    q->run[j] = b->run[i];
+    q->sample[j] = b->sample[i];
+    q->leaving[j] = leaving;
+    q->begin[j] = late ? middle : b->time[i];
+    q->end[j] = time;
+    for (long k = 0; k < CONSTANTS; k++) q->c[k][j] = b->c[k][i];
+    for (long k = 0; k < SIZE; k++) q->x[k][j] = state[k][i];
+#if ORDER == 2
+    const column *ahead = late ? b->full : b->half;
+    const double share = (time - q->begin[j]) / (0.5 * b->length[i]);
+    for (long k = 0; k < SIZE; k++) q->line[k][j] = state[k][i] + share * (ahead[k][i] - state[k][i]);
+#endif
+    for (long k = 0; k < DRIVES; k++) {
+        q->owed[k][j] = late ? 0.0 : b->owed[k][i];
+        copy_lane(b->now + k, i, q->then + k, j);
+    }
+    if (q->count == LANES) finish_aside(m, q);
+}
+
+/* outputs at the samples within the steps that were taken */
+static void keep_samples(const march *m, block *b, const flags_of_lanes taken, const column end) {
+    column time, per[5], last, middle;
+    flags_of_lanes due, smooth, good, other;
+    long leaving = 0, found = 0;
+    for (long k = 0; k < ENVELOPE; k++) EVERY(i) leaving |= taken[i] & !is_inside(b, b->fine, k, i);
+    EACH(i) {
+        last[i] = taken[i] ? end[i] + STEP_TOLERANCE * b->length[i] : -1.0;
+        middle[i] = b->time[i] + 0.5 * b->length[i];
+    }
+    for (;;) {
+        EACH(i) {
+            due[i] = b->coming[i] <= last[i];
+            time[i] = due[i] ? b->coming[i] : end[i];
+        }
+        if (!any(due)) return;
+        if (!found) find_smooth(m, b, smooth, per);
+        found = 1;
+        memcpy(good, smooth, sizeof good);
+        interpolate(b, time, per, good, b->x2, leaving || LANES == 1);
+        EACH(i) other[i] = due[i] & (!good[i] | (time[i] >= end[i] - STEP_TOLERANCE * b->length[i]));
+        SOME(i, any(other)) {
+            const double hair = STEP_TOLERANCE * b->length[i];
+            const int ends = time[i] >= end[i] - hair;
+            const int halves = (LANES > 1 || ORDER == 2) && fabs(time[i] - middle[i]) <= hair;
+            if (ends || halves) {
+                for (long k = 0; k < SIZE; k++) b->x2[k][i] = ends ? b->full[k][i] : b->half[k][i];
+            } else {
+                put_aside(m, b, i, time[i], leaving);
+                good[i] = -1; /* it is kept later */
+            }
+        }
+        EACH(i) other[i] = due[i] & (good[i] >= 0);
+        const unsigned long long shown = any(other);
+        if (shown) keep_rows(m, b, time, shown, leaving);
+        EACH(i) {
+            b->sample[i] += due[i];
+            b->coming[i] = m->times[b->sample[i]];
+        }
+    }
+}
