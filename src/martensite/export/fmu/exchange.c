@@ -90,3 +90,11 @@ static int get_indicators(const instance *i, size_t count)
 {
     return count == 0 ? OK : say(i, ERROR, "This FMU has no event indicators.");
 }
+
+PASS(EnterEventMode, (void *c), begin_event(c))
+PASS(EnterContinuousTimeMode, (void *c), end_event(c))
+PASS(SetTime, (void *c, double time), set_time(c, time))
+PASS(SetContinuousStates, (void *c, const double x[], size_t count), set_states(c, x, count))
+PASS(GetContinuousStates, (void *c, double x[], size_t count), get_states(c, x, count))
+PASS(GetNominalsOfContinuousStates, (void *c, double x[], size_t count), get_nominals(c, x, count))
+PASS(GetEventIndicators, (void *c, double z[], size_t count), get_indicators(c, count))

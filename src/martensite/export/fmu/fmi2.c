@@ -1,16 +1,15 @@
 /* The functions of FMI 2.0, on what states.c has. The types are those of the
    standard's C interface, declared here as far as they are needed. */
 
-#include "states.c"
-
 #ifdef FMI2_OVERRIDE_FUNCTION_PREFIX
 #undef FMI2_FUNCTION_PREFIX
 #endif
 #ifndef FMI2_FUNCTION_PREFIX
 #define FMI2_FUNCTION_PREFIX
 #endif
-#define FMI(name) FMU_EXPORT int FMU_GLUE(FMI2_FUNCTION_PREFIX, name)
-#define FMI_OTHER(type, name) FMU_EXPORT type FMU_GLUE(FMI2_FUNCTION_PREFIX, name)
+#define FMI_NAME(name) FMU_GLUE(FMI2_FUNCTION_PREFIX, fmi2##name)
+
+#include "states.c"
 
 typedef void (*logger2)(void *environment, const char *instance_name, int status,
                         const char *category, const char *message, ...);
@@ -36,15 +35,13 @@ static void emit(const instance *i, int status, const char *category, const char
     ((logger2)i->logger)(i->environment, i->name, status, category, format);
 }
 
-FMI_OTHER(const char *, fmi2GetTypesPlatform)(void) { return "default"; }
+FMI_OTHER(const char *, GetTypesPlatform)(void) { return "default"; }
 
-FMI_OTHER(const char *, fmi2GetVersion)(void) { return "2.0"; }
+FMI_OTHER(const char *, GetVersion)(void) { return "2.0"; }
 
-FMI_OTHER(void *, fmi2Instantiate)(const char *name, int type, const char *guid,
-                                   const char *resources, const callbacks2 *functions, int visible,
-                                   int logging)
+FMI_OTHER(void *, Instantiate)(const char *name, int type, const char *guid, const char *resources,
+                               const callbacks2 *functions, int visible, int logging)
 {
-    (void)resources, (void)visible, (void)logging;
     instance *i = create(name, guid, functions == NULL ? NULL : functions->environment,
                          functions == NULL ? NULL : (void (*)(void))functions->logger);
     if (i == NULL || type == 1) return i;
@@ -58,21 +55,16 @@ FMI_OTHER(void *, fmi2Instantiate)(const char *name, int type, const char *guid,
 #endif
 }
 
-FMI_OTHER(void, fmi2FreeInstance)(void *c) { destroy(c); }
-
-FMI(fmi2SetDebugLogging)(void *c, int on, size_t count, const char *const categories[])
+FMI(SetDebugLogging)(void *c, int on, size_t count, const char *const categories[])
 {
-    (void)categories;
     if (c == NULL) return ERROR;
     ((instance *)c)->quiet = !on && count == 0;
     return OK;
 }
 
-FMI(fmi2SetupExperiment)(void *c, int tolerance_defined, double tolerance, double start,
-                         int stop_defined, double stop)
+FMI(SetupExperiment)(void *c, int tolerance_defined, double tolerance, double start, int stop_defined, double stop)
 {
     instance *i = c;
-    (void)tolerance_defined, (void)tolerance;
     if (c == NULL || in_phase(i, "To set up an experiment", 1u << INSTANTIATED)) return ERROR;
     if (!isfinite(start) || (stop_defined && !(stop > start)))
         return say(i, ERROR, "An experiment from %g s to %g s has no length.", start, stop);
@@ -80,51 +72,21 @@ FMI(fmi2SetupExperiment)(void *c, int tolerance_defined, double tolerance, doubl
     return OK;
 }
 
-FMI(fmi2EnterInitializationMode)(void *c)
-{
-    return c == NULL ? ERROR : enter(c, ((instance *)c)->m.start);
-}
-
-FMI(fmi2ExitInitializationMode)(void *c) { return c == NULL ? ERROR : leave(c); }
-
-FMI(fmi2Terminate)(void *c) { return c == NULL ? ERROR : terminate(c); }
-
-FMI(fmi2Reset)(void *c)
-{
-    if (c == NULL) return ERROR;
-    reset(c);
-    return OK;
-}
+PASS(EnterInitializationMode, (void *c), enter(c, ((instance *)c)->m.start))
 
 /* ---------------------------------------------------------------- values */
 
-FMI(fmi2GetReal)(void *c, const unsigned vr[], size_t count, double values[])
-{
-    return c == NULL ? ERROR : get_all(c, vr, count, values);
-}
+PASS(GetReal, (void *c, const unsigned vr[], size_t count, double values[]), get_all(c, vr, count, values))
+PASS(SetReal, (void *c, const unsigned vr[], size_t count, const double values[]), set_all(c, vr, count, values))
 
-FMI(fmi2SetReal)(void *c, const unsigned vr[], size_t count, const double values[])
+static int none_of(const instance *i, size_t count)
 {
-    return c == NULL ? ERROR : set_all(c, vr, count, values);
-}
-
-static int none_of(instance *i, size_t count)
-{
-    if (i == NULL) return ERROR;
     return count == 0 ? OK : say(i, ERROR, "All variables of this FMU are real.");
 }
 
 #define NONE_OF(type, name) \
-    FMI(fmi2Get##name)(void *c, const unsigned vr[], size_t count, type values[]) \
-    { \
-        (void)vr, (void)values; \
-        return none_of(c, count); \
-    } \
-    FMI(fmi2Set##name)(void *c, const unsigned vr[], size_t count, type const values[]) \
-    { \
-        (void)vr, (void)values; \
-        return none_of(c, count); \
-    }
+    PASS(Get##name, (void *c, const unsigned vr[], size_t count, type values[]), none_of(c, count)) \
+    PASS(Set##name, (void *c, const unsigned vr[], size_t count, type const values[]), none_of(c, count))
 
 NONE_OF(int, Integer)
 NONE_OF(int, Boolean)
@@ -132,43 +94,20 @@ NONE_OF(const char *, String)
 
 /* ---------------------------------------------------------------- saved states */
 
-FMI(fmi2GetFMUstate)(void *c, void **state) { return c == NULL ? ERROR : save(c, state); }
-
-FMI(fmi2SetFMUstate)(void *c, void *state) { return c == NULL ? ERROR : restore(c, state); }
-
-FMI(fmi2FreeFMUstate)(void *c, void **state) { return c == NULL ? ERROR : forget(state); }
-
-FMI(fmi2SerializedFMUstateSize)(void *c, void *state, size_t *size)
-{
-    return c == NULL ? ERROR : serialized_size(c, state, size);
-}
-
-FMI(fmi2SerializeFMUstate)(void *c, void *state, char bytes[], size_t size)
-{
-    return c == NULL ? ERROR : serialize(c, state, bytes, size);
-}
-
-FMI(fmi2DeSerializeFMUstate)(void *c, const char bytes[], size_t size, void **state)
-{
-    return c == NULL ? ERROR : deserialize(c, bytes, size, state);
-}
+PASS(GetFMUstate, (void *c, void **state), save(c, state))
+PASS(SetFMUstate, (void *c, void *state), restore(c, state))
+PASS(FreeFMUstate, (void *c, void **state), forget(state))
+PASS(SerializedFMUstateSize, (void *c, void *state, size_t *size), serialized_size(c, state, size))
+PASS(SerializeFMUstate, (void *c, void *state, char bytes[], size_t size), serialize(c, state, bytes, size))
+PASS(DeSerializeFMUstate, (void *c, const char bytes[], size_t size, void **state), deserialize(c, bytes, size, state))
 
 /* ---------------------------------------------------------------- steps */
 
-FMI(fmi2DoStep)(void *c, double time, double length, int no_state_before)
-{
-    (void)no_state_before;
-    return c == NULL ? ERROR : advance(c, time, length);
-}
-
-FMI(fmi2CancelStep)(void *c)
-{
-    return c == NULL ? ERROR : say(c, ERROR, "A step of this FMU ends before it returns.");
-}
+PASS(DoStep, (void *c, double time, double length, int no_state_before), advance(c, time, length))
+PASS(CancelStep, (void *c), say(c, ERROR, "A step of this FMU ends before it returns."))
 
 /* Slopes of inputs over the next step. */
-FMI(fmi2SetRealInputDerivatives)(void *c, const unsigned vr[], size_t count, const int order[],
-                                 const double values[])
+FMI(SetRealInputDerivatives)(void *c, const unsigned vr[], size_t count, const int order[], const double values[])
 {
     instance *i = c;
     if (c == NULL || in_phase(i, "To set a slope", 1u << INITIALIZING | 1u << STEPPING))
@@ -183,56 +122,63 @@ FMI(fmi2SetRealInputDerivatives)(void *c, const unsigned vr[], size_t count, con
     return OK;
 }
 
-FMI(fmi2GetRealOutputDerivatives)(void *c, const unsigned vr[], size_t count, const int order[],
-                                  double values[])
-{
-    (void)vr, (void)order, (void)values;
-    if (c == NULL) return ERROR;
-    return count == 0 ? OK : say(c, ERROR, "This FMU does not know derivatives of outputs.");
-}
+PASS(GetRealOutputDerivatives, (void *c, const unsigned vr[], size_t count, const int order[], double values[]),
+     count == 0 ? OK : say(c, ERROR, "This FMU does not know derivatives of outputs."))
 
 static int no_status(const instance *i)
 {
     return i == NULL ? ERROR : say(i, DISCARD, "This FMU does not know the status asked for.");
 }
 
-FMI(fmi2GetStatus)(void *c, int kind, int *value)
-{
-    (void)kind, (void)value;
-    return no_status(c);
-}
+PASS(GetStatus, (void *c, int kind, int *value), no_status(c))
+PASS(GetIntegerStatus, (void *c, int kind, int *value), no_status(c))
+PASS(GetStringStatus, (void *c, int kind, const char **value), no_status(c))
 
-FMI(fmi2GetRealStatus)(void *c, int kind, double *value)
+FMI(GetRealStatus)(void *c, int kind, double *value)
 {
     if (c == NULL || kind != 2 || value == NULL) return no_status(c);
     *value = ((instance *)c)->m.time;
     return OK;
 }
 
-FMI(fmi2GetIntegerStatus)(void *c, int kind, int *value)
-{
-    (void)kind, (void)value;
-    return no_status(c);
-}
-
-FMI(fmi2GetBooleanStatus)(void *c, int kind, int *value)
+FMI(GetBooleanStatus)(void *c, int kind, int *value)
 {
     if (c == NULL || kind != 3 || value == NULL) return no_status(c);
     *value = ((instance *)c)->m.phase == TERMINATED;
     return OK;
 }
 
-FMI(fmi2GetStringStatus)(void *c, int kind, const char **value)
+PASS(GetDirectionalDerivative,
+     (void *c, const unsigned unknowns[], size_t unknown_count, const unsigned knowns[], size_t known_count,
+      const double seed[], double sensitivity[]),
+     say(c, ERROR, "This FMU does not know derivatives."))
+
+/* ---------------------------------------------------------------- model exchange */
+
+#ifdef FMU_CONTINUOUS
+#include "exchange.c"
+
+typedef struct {
+    int new_discrete_states, terminate, nominals_changed, values_changed, next_defined;
+    double next;
+} event_info2;
+
+/* Inputs that jump are all that can happen: nothing is left to be iterated. */
+FMI(NewDiscreteStates)(void *c, event_info2 *info)
 {
-    (void)kind, (void)value;
-    return no_status(c);
+    if (c == NULL || info == NULL || in_phase(c, "To update discrete states", 1u << EVENT))
+        return ERROR;
+    memset(info, 0, sizeof *info);
+    return OK;
 }
 
-FMI(fmi2GetDirectionalDerivative)(void *c, const unsigned unknowns[], size_t unknown_count,
-                                  const unsigned knowns[], size_t known_count,
-                                  const double seed[], double sensitivity[])
+FMI(CompletedIntegratorStep)(void *c, int no_state_before, int *event_mode, int *terminated)
 {
-    (void)unknowns, (void)unknown_count, (void)knowns, (void)known_count, (void)seed;
-    (void)sensitivity;
-    return c == NULL ? ERROR : say(c, ERROR, "This FMU does not know derivatives.");
+    if (c == NULL) return ERROR;
+    if (event_mode != NULL) *event_mode = 0;
+    if (terminated != NULL) *terminated = 0;
+    return complete_step(c);
 }
+
+PASS(GetDerivatives, (void *c, double dx[], size_t count), get_rates(c, dx, count))
+#endif

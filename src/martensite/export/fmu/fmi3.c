@@ -3,7 +3,6 @@
    wants it, all others, which refuse. The types are those of the standard's C interface. */
 
 #include <stdbool.h>
-#include "states.c"
 
 #ifdef FMI3_OVERRIDE_FUNCTION_PREFIX
 #undef FMI3_FUNCTION_PREFIX
@@ -11,12 +10,9 @@
 #ifndef FMI3_FUNCTION_PREFIX
 #define FMI3_FUNCTION_PREFIX
 #endif
-#define FMI(name) FMU_EXPORT int FMU_GLUE(FMI3_FUNCTION_PREFIX, name)
-#define FMI_OTHER(type, name) FMU_EXPORT type FMU_GLUE(FMI3_FUNCTION_PREFIX, name)
+#define FMI_NAME(name) FMU_GLUE(FMI3_FUNCTION_PREFIX, fmi3##name)
 
-#ifdef __GNUC__
-#pragma GCC diagnostic ignored "-Wunused-parameter"
-#endif
+#include "states.c"
 
 typedef void (*logger3)(void *environment, int status, const char *category, const char *message);
 typedef void (*clocked)(void *environment);
@@ -30,9 +26,9 @@ static void emit(const instance *i, int status, const char *category, const char
     ((logger3)i->logger)(i->environment, status, category, text);
 }
 
-FMI_OTHER(const char *, fmi3GetVersion)(void) { return "3.0"; }
+FMI_OTHER(const char *, GetVersion)(void) { return "3.0"; }
 
-FMI(fmi3SetDebugLogging)(void *c, bool on, size_t count, const char *const categories[])
+FMI(SetDebugLogging)(void *c, bool on, size_t count, const char *const categories[])
 {
     if (c == NULL) return ERROR;
     ((instance *)c)->quiet = !on && count == 0;
@@ -45,7 +41,7 @@ static void *refused_instance(void *environment, logger3 logger, const char *why
     return NULL;
 }
 
-FMI_OTHER(void *, fmi3InstantiateCoSimulation)(
+FMI_OTHER(void *, InstantiateCoSimulation)(
     const char *name, const char *token, const char *resources, bool visible, bool logging,
     bool event_mode, bool early_return, const uint32_t intermediate[], size_t intermediate_count,
     void *environment, logger3 logger, updated update)
@@ -56,7 +52,7 @@ FMI_OTHER(void *, fmi3InstantiateCoSimulation)(
     return create(name, token, environment, (void (*)(void))logger);
 }
 
-FMI_OTHER(void *, fmi3InstantiateModelExchange)(
+FMI_OTHER(void *, InstantiateModelExchange)(
     const char *name, const char *token, const char *resources, bool visible, bool logging,
     void *environment, logger3 logger)
 {
@@ -69,17 +65,15 @@ FMI_OTHER(void *, fmi3InstantiateModelExchange)(
 #endif
 }
 
-FMI_OTHER(void *, fmi3InstantiateScheduledExecution)(
+FMI_OTHER(void *, InstantiateScheduledExecution)(
     const char *name, const char *token, const char *resources, bool visible, bool logging,
     void *environment, logger3 logger, clocked update, lock preemption, lock no_preemption)
 {
     return refused_instance(environment, logger, "This FMU is not for scheduled execution.");
 }
 
-FMI_OTHER(void, fmi3FreeInstance)(void *c) { destroy(c); }
-
-FMI(fmi3EnterInitializationMode)(void *c, bool tolerance_defined, double tolerance, double start,
-                                 bool stop_defined, double stop)
+FMI(EnterInitializationMode)(void *c, bool tolerance_defined, double tolerance, double start, bool stop_defined,
+                             double stop)
 {
     if (c == NULL) return ERROR;
     if (stop_defined && !(stop > start))
@@ -87,51 +81,27 @@ FMI(fmi3EnterInitializationMode)(void *c, bool tolerance_defined, double toleran
     return enter(c, start);
 }
 
-FMI(fmi3ExitInitializationMode)(void *c) { return c == NULL ? ERROR : leave(c); }
-
-FMI(fmi3Terminate)(void *c) { return c == NULL ? ERROR : terminate(c); }
-
-FMI(fmi3Reset)(void *c)
-{
-    if (c == NULL) return ERROR;
-    reset(c);
-    return OK;
-}
-
 /* ---------------------------------------------------------------- values */
 
-FMI(fmi3GetFloat64)(void *c, const uint32_t vr[], size_t count, double values[], size_t room)
+static int fits(const instance *i, size_t count, size_t room)
 {
-    if (c == NULL) return ERROR;
-    if (count != room) return say(c, ERROR, "There are %lu values for %lu variables.",
-                                  (unsigned long)room, (unsigned long)count);
-    return get_all(c, vr, count, values);
+    if (count == room) return OK;
+    return say(i, ERROR, "There are %lu values for %lu variables.", (unsigned long)room, (unsigned long)count);
 }
 
-FMI(fmi3SetFloat64)(void *c, const uint32_t vr[], size_t count, const double values[], size_t room)
-{
-    if (c == NULL) return ERROR;
-    if (count != room) return say(c, ERROR, "There are %lu values for %lu variables.",
-                                  (unsigned long)room, (unsigned long)count);
-    return set_all(c, vr, count, values);
-}
+PASS(GetFloat64, (void *c, const uint32_t vr[], size_t count, double values[], size_t room),
+     fits(c, count, room) ? ERROR : get_all(c, vr, count, values))
+PASS(SetFloat64, (void *c, const uint32_t vr[], size_t count, const double values[], size_t room),
+     fits(c, count, room) ? ERROR : set_all(c, vr, count, values))
 
 static int none_of(const instance *i, size_t count)
 {
-    if (i == NULL) return ERROR;
     return count == 0 ? OK : say(i, ERROR, "All variables of this FMU are of type Float64.");
 }
 
 #define NONE_OF(type, name) \
-    FMI(fmi3Get##name)(void *c, const uint32_t vr[], size_t count, type values[], size_t room) \
-    { \
-        return none_of(c, count); \
-    } \
-    FMI(fmi3Set##name)(void *c, const uint32_t vr[], size_t count, type const values[], \
-                       size_t room) \
-    { \
-        return none_of(c, count); \
-    }
+    PASS(Get##name, (void *c, const uint32_t vr[], size_t count, type values[], size_t room), none_of(c, count)) \
+    PASS(Set##name, (void *c, const uint32_t vr[], size_t count, type const values[], size_t room), none_of(c, count))
 
 NONE_OF(float, Float32)
 NONE_OF(int8_t, Int8)
@@ -145,55 +115,28 @@ NONE_OF(uint64_t, UInt64)
 NONE_OF(bool, Boolean)
 NONE_OF(const char *, String)
 
-FMI(fmi3GetBinary)(void *c, const uint32_t vr[], size_t count, size_t sizes[],
-                   const uint8_t *values[], size_t room)
-{
-    return none_of(c, count);
-}
-
-FMI(fmi3SetBinary)(void *c, const uint32_t vr[], size_t count, const size_t sizes[],
-                   const uint8_t *const values[], size_t room)
-{
-    return none_of(c, count);
-}
-
-FMI(fmi3GetClock)(void *c, const uint32_t vr[], size_t count, bool values[])
-{
-    return none_of(c, count);
-}
-
-FMI(fmi3SetClock)(void *c, const uint32_t vr[], size_t count, const bool values[])
-{
-    return none_of(c, count);
-}
+PASS(GetBinary, (void *c, const uint32_t vr[], size_t count, size_t sizes[], const uint8_t *values[], size_t room),
+     none_of(c, count))
+PASS(SetBinary,
+     (void *c, const uint32_t vr[], size_t count, const size_t sizes[], const uint8_t *const values[], size_t room),
+     none_of(c, count))
+PASS(GetClock, (void *c, const uint32_t vr[], size_t count, bool values[]), none_of(c, count))
+PASS(SetClock, (void *c, const uint32_t vr[], size_t count, const bool values[]), none_of(c, count))
 
 /* ---------------------------------------------------------------- saved states */
 
-FMI(fmi3GetFMUState)(void *c, void **state) { return c == NULL ? ERROR : save(c, state); }
-
-FMI(fmi3SetFMUState)(void *c, void *state) { return c == NULL ? ERROR : restore(c, state); }
-
-FMI(fmi3FreeFMUState)(void *c, void **state) { return c == NULL ? ERROR : forget(state); }
-
-FMI(fmi3SerializedFMUStateSize)(void *c, void *state, size_t *size)
-{
-    return c == NULL ? ERROR : serialized_size(c, state, size);
-}
-
-FMI(fmi3SerializeFMUState)(void *c, void *state, uint8_t bytes[], size_t size)
-{
-    return c == NULL ? ERROR : serialize(c, state, bytes, size);
-}
-
-FMI(fmi3DeserializeFMUState)(void *c, const uint8_t bytes[], size_t size, void **state)
-{
-    return c == NULL ? ERROR : deserialize(c, bytes, size, state);
-}
+PASS(GetFMUState, (void *c, void **state), save(c, state))
+PASS(SetFMUState, (void *c, void *state), restore(c, state))
+PASS(FreeFMUState, (void *c, void **state), forget(state))
+PASS(SerializedFMUStateSize, (void *c, void *state, size_t *size), serialized_size(c, state, size))
+PASS(SerializeFMUState, (void *c, void *state, uint8_t bytes[], size_t size), serialize(c, state, bytes, size))
+PASS(DeserializeFMUState, (void *c, const uint8_t bytes[], size_t size, void **state),
+     deserialize(c, bytes, size, state))
 
 /* ---------------------------------------------------------------- steps */
 
-FMI(fmi3DoStep)(void *c, double time, double length, bool no_state_before, bool *event_needed,
-                bool *terminated, bool *early, double *last_time)
+FMI(DoStep)(void *c, double time, double length, bool no_state_before, bool *event_needed, bool *terminated,
+            bool *early, double *last_time)
 {
     if (c == NULL) return ERROR;
     const int status = advance(c, time, length);
@@ -208,61 +151,88 @@ FMI(fmi3DoStep)(void *c, double time, double length, bool no_state_before, bool 
 
 static int not_here(const instance *i, const char *name)
 {
-    return i == NULL ? ERROR : say(i, ERROR, "%s is nothing that this FMU does.", name);
+    return say(i, ERROR, "%s is nothing that this FMU does.", name);
 }
 
-#define REFUSED(name, arguments) \
-    FMI(name) arguments { return not_here(c, #name); }
+#define REFUSED(name, arguments) PASS(name, arguments, not_here(c, "fmi3" #name))
 
-REFUSED(fmi3EnterStepMode, (void *c))
-REFUSED(fmi3EnterConfigurationMode, (void *c))
-REFUSED(fmi3ExitConfigurationMode, (void *c))
-REFUSED(fmi3EvaluateDiscreteStates, (void *c))
-#ifndef FMU_CONTINUOUS
-REFUSED(fmi3EnterEventMode, (void *c))
-REFUSED(fmi3EnterContinuousTimeMode, (void *c))
-REFUSED(fmi3UpdateDiscreteStates,
-        (void *c, bool *update, bool *terminated, bool *nominals, bool *values, bool *defined,
-         double *next))
-REFUSED(fmi3CompletedIntegratorStep,
-        (void *c, bool no_state_before, bool *event_mode, bool *terminated))
-REFUSED(fmi3SetTime, (void *c, double time))
-REFUSED(fmi3SetContinuousStates, (void *c, const double x[], size_t count))
-REFUSED(fmi3GetContinuousStates, (void *c, double x[], size_t count))
-REFUSED(fmi3GetContinuousStateDerivatives, (void *c, double x[], size_t count))
-REFUSED(fmi3GetNominalsOfContinuousStates, (void *c, double x[], size_t count))
-REFUSED(fmi3GetEventIndicators, (void *c, double z[], size_t count))
-REFUSED(fmi3GetNumberOfEventIndicators, (void *c, size_t *count))
-REFUSED(fmi3GetNumberOfContinuousStates, (void *c, size_t *count))
+REFUSED(EnterStepMode, (void *c))
+REFUSED(EnterConfigurationMode, (void *c))
+REFUSED(ExitConfigurationMode, (void *c))
+REFUSED(EvaluateDiscreteStates, (void *c))
+REFUSED(GetNumberOfVariableDependencies, (void *c, uint32_t vr, size_t *count))
+REFUSED(GetVariableDependencies,
+        (void *c, uint32_t dependent, size_t elements[], uint32_t independents[], size_t of_independents[],
+         int kinds[], size_t count))
+REFUSED(GetDirectionalDerivative,
+        (void *c, const uint32_t unknowns[], size_t unknown_count, const uint32_t knowns[], size_t known_count,
+         const double seed[], size_t seeds, double found[], size_t room))
+REFUSED(GetAdjointDerivative,
+        (void *c, const uint32_t unknowns[], size_t unknown_count, const uint32_t knowns[], size_t known_count,
+         const double seed[], size_t seeds, double found[], size_t room))
+REFUSED(GetOutputDerivatives,
+        (void *c, const uint32_t vr[], size_t count, const int32_t orders[], double values[], size_t room))
+REFUSED(GetIntervalDecimal, (void *c, const uint32_t vr[], size_t count, double intervals[], int qualifiers[]))
+REFUSED(GetIntervalFraction,
+        (void *c, const uint32_t vr[], size_t count, uint64_t counters[], uint64_t resolutions[], int qualifiers[]))
+REFUSED(GetShiftDecimal, (void *c, const uint32_t vr[], size_t count, double shifts[]))
+REFUSED(GetShiftFraction, (void *c, const uint32_t vr[], size_t count, uint64_t counters[], uint64_t resolutions[]))
+REFUSED(SetIntervalDecimal, (void *c, const uint32_t vr[], size_t count, const double intervals[]))
+REFUSED(SetIntervalFraction,
+        (void *c, const uint32_t vr[], size_t count, const uint64_t counters[], const uint64_t resolutions[]))
+REFUSED(SetShiftDecimal, (void *c, const uint32_t vr[], size_t count, const double shifts[]))
+REFUSED(SetShiftFraction,
+        (void *c, const uint32_t vr[], size_t count, const uint64_t counters[], const uint64_t resolutions[]))
+REFUSED(ActivateModelPartition, (void *c, uint32_t clock, double time))
+
+/* ---------------------------------------------------------------- model exchange */
+
+#ifdef FMU_CONTINUOUS
+#include "exchange.c"
+
+/* Inputs that jump are all that can happen: nothing is left to be iterated. */
+FMI(UpdateDiscreteStates)(void *c, bool *update, bool *terminated, bool *nominals_changed, bool *values_changed,
+                          bool *defined, double *next)
+{
+    bool *const flags[] = {update, terminated, nominals_changed, values_changed, defined};
+    if (c == NULL || in_phase(c, "To update discrete states", 1u << EVENT)) return ERROR;
+    for (size_t k = 0; k < sizeof flags / sizeof *flags; k++)
+        if (flags[k] != NULL) *flags[k] = false;
+    if (next != NULL) *next = 0.0;
+    return OK;
+}
+
+FMI(CompletedIntegratorStep)(void *c, bool no_state_before, bool *event_mode, bool *terminated)
+{
+    if (c == NULL) return ERROR;
+    if (event_mode != NULL) *event_mode = false;
+    if (terminated != NULL) *terminated = false;
+    return complete_step(c);
+}
+
+PASS(GetContinuousStateDerivatives, (void *c, double dx[], size_t count), get_rates(c, dx, count))
+
+static int write_count(size_t *count, size_t value)
+{
+    if (count == NULL) return ERROR;
+    *count = value;
+    return OK;
+}
+
+PASS(GetNumberOfEventIndicators, (void *c, size_t *count), write_count(count, 0))
+PASS(GetNumberOfContinuousStates, (void *c, size_t *count), write_count(count, FMU_CONTINUOUS))
+#else
+REFUSED(EnterEventMode, (void *c))
+REFUSED(EnterContinuousTimeMode, (void *c))
+REFUSED(UpdateDiscreteStates,
+        (void *c, bool *update, bool *terminated, bool *nominals, bool *values, bool *defined, double *next))
+REFUSED(CompletedIntegratorStep, (void *c, bool no_state_before, bool *event_mode, bool *terminated))
+REFUSED(SetTime, (void *c, double time))
+REFUSED(SetContinuousStates, (void *c, const double x[], size_t count))
+REFUSED(GetContinuousStates, (void *c, double x[], size_t count))
+REFUSED(GetContinuousStateDerivatives, (void *c, double x[], size_t count))
+REFUSED(GetNominalsOfContinuousStates, (void *c, double x[], size_t count))
+REFUSED(GetEventIndicators, (void *c, double z[], size_t count))
+REFUSED(GetNumberOfEventIndicators, (void *c, size_t *count))
+REFUSED(GetNumberOfContinuousStates, (void *c, size_t *count))
 #endif
-REFUSED(fmi3GetNumberOfVariableDependencies, (void *c, uint32_t vr, size_t *count))
-REFUSED(fmi3GetVariableDependencies,
-        (void *c, uint32_t dependent, size_t elements[], uint32_t independents[],
-         size_t of_independents[], int kinds[], size_t count))
-REFUSED(fmi3GetDirectionalDerivative,
-        (void *c, const uint32_t unknowns[], size_t unknown_count, const uint32_t knowns[],
-         size_t known_count, const double seed[], size_t seeds, double found[], size_t room))
-REFUSED(fmi3GetAdjointDerivative,
-        (void *c, const uint32_t unknowns[], size_t unknown_count, const uint32_t knowns[],
-         size_t known_count, const double seed[], size_t seeds, double found[], size_t room))
-REFUSED(fmi3GetOutputDerivatives,
-        (void *c, const uint32_t vr[], size_t count, const int32_t orders[], double values[],
-         size_t room))
-REFUSED(fmi3GetIntervalDecimal,
-        (void *c, const uint32_t vr[], size_t count, double intervals[], int qualifiers[]))
-REFUSED(fmi3GetIntervalFraction,
-        (void *c, const uint32_t vr[], size_t count, uint64_t counters[], uint64_t resolutions[],
-         int qualifiers[]))
-REFUSED(fmi3GetShiftDecimal, (void *c, const uint32_t vr[], size_t count, double shifts[]))
-REFUSED(fmi3GetShiftFraction,
-        (void *c, const uint32_t vr[], size_t count, uint64_t counters[], uint64_t resolutions[]))
-REFUSED(fmi3SetIntervalDecimal,
-        (void *c, const uint32_t vr[], size_t count, const double intervals[]))
-REFUSED(fmi3SetIntervalFraction,
-        (void *c, const uint32_t vr[], size_t count, const uint64_t counters[],
-         const uint64_t resolutions[]))
-REFUSED(fmi3SetShiftDecimal, (void *c, const uint32_t vr[], size_t count, const double shifts[]))
-REFUSED(fmi3SetShiftFraction,
-        (void *c, const uint32_t vr[], size_t count, const uint64_t counters[],
-         const uint64_t resolutions[]))
-REFUSED(fmi3ActivateModelPartition, (void *c, uint32_t clock, double time))

@@ -17,8 +17,16 @@
 #else
 #define FMU_EXPORT
 #endif
+#ifdef __GNUC__
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#endif
 #define FMU_GLUED(a, b) a##b
 #define FMU_GLUE(a, b) FMU_GLUED(a, b)
+/* A function of the standard, whose version adds a prefix to the name; PASS is one that calls another, and needs an
+   instance. */
+#define FMI_OTHER(type, name) FMU_EXPORT type FMI_NAME(name)
+#define FMI(name) FMI_OTHER(int, name)
+#define PASS(name, arguments, call) FMI(name) arguments { return c == NULL ? ERROR : call; }
 
 enum { FMU_LONGEST = 512 }; /* of a message */
 enum { OK, WARNING, DISCARD, ERROR, FATAL };
@@ -90,7 +98,7 @@ static void spoil(instance *i)
 #endif
 }
 
-static void reset(instance *i)
+static int reset(instance *i)
 {
     memset(&i->m, 0, sizeof i->m);
     memcpy(i->m.token, FMU_TOKEN, FMU_TOKEN_SIZE);
@@ -100,6 +108,7 @@ static void reset(instance *i)
     i->m.inner = FMU_STEP;
     spoil(i);
     i->refused_step = -1.0;
+    return OK;
 }
 
 static instance *create(const char *name, const char *token, void *environment,

@@ -1,4 +1,4 @@
-/* Saved states: what FMI 2 and 3 share. */
+/* Saved states, and functions of the standard: what FMI 2 and 3 share. */
 
 #include "steps.c"
 
@@ -81,3 +81,9 @@ static int deserialize(const instance *i, const void *bytes, size_t size, void *
     *state = m;
     return OK;
 }
+
+FMI_OTHER(void, FreeInstance)(void *c) { destroy(c); }
+
+PASS(ExitInitializationMode, (void *c), leave(c))
+PASS(Terminate, (void *c), terminate(c))
+PASS(Reset, (void *c), reset(c))

@@ -22,22 +22,14 @@ _LARGEST = 1.7e308
 
 def write_sources(plan: FmuPlan, version: str, token: str) -> dict[str, str]:
     """Return all C of an FMU, by file; `token` is its GUID, or instantiation token."""
-    interface = _list_interface(plan, version)
-    found = {"all.c": _write_all(plan, interface), "model.h": _write_model(plan, token), **plan.core.files}
+    interface = f"fmi{version[0]}.c"
+    included = (f"{plan.core.name}.c", "model.h", interface)
+    found = {"all.c": "".join(f'#include "{name}"\n' for name in included), **plan.core.files}
+    found["model.h"] = _write_model(plan, token)
     folder = files("martensite.export.fmu")
-    for name in (*SHARED, *interface):
+    for name in (*SHARED, interface, *(["exchange.c"] if plan.continuous else [])):
         found[name] = (folder / name).read_text(encoding="utf-8")
     return found
-
-
-def _list_interface(plan: FmuPlan, version: str) -> list[str]:
-    more = ["exchange.c", f"exchange{version[0]}.c"] if plan.continuous else []
-    return [f"fmi{version[0]}.c", *more]
-
-
-def _write_all(plan: FmuPlan, interface: Iterable[str]) -> str:
-    included = (f"{plan.core.name}.c", "model.h", *interface)
-    return "".join(f'#include "{name}"\n' for name in included)
 
 
 def _write_model(plan: FmuPlan, token: str) -> str:
