@@ -80,7 +80,7 @@ def test_a_sample_becomes_a_material_in_few_clicks(page: Page) -> None:
         clicks += 1
 
     click("link", "Identify")
-    click("button", "Take four measured loops")
+    click("button", "Use four measured loops")
     expect(page.get_by_label("strain of all records over temperature")).to_be_visible()
     expect(page.get_by_role("status").filter(has_text="needs none: a slow loop")).to_be_visible()
     click("button", "Fit a model to these 4 logs")
@@ -95,7 +95,7 @@ def test_a_sample_becomes_a_material_in_few_clicks(page: Page) -> None:
 
 def test_a_step_is_drawn_said_and_undone(page: Page) -> None:
     opened(page)
-    page.get_by_role("button", name="Take one").click()
+    page.get_by_role("button", name="Use one").click()
     step(page, "records")
     page.get_by_label("Column of the step").select_option("stress")
     page.get_by_role("button", name="Do it").click()

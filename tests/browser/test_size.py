@@ -37,7 +37,7 @@ def test_a_link_brings_the_form_and_wires_are_found(page: Page) -> None:
     page.get_by_role("button", name="Find wires").click()
     expect(page.get_by_role("progressbar")).to_be_visible()
     wires = page.get_by_role("region", name="Wires", exact=True)
-    expect(wires.get_by_text("wires do, the best first.")).to_be_visible(timeout=FOUND)
+    expect(wires.get_by_text("wires meet the request, best first.")).to_be_visible(timeout=FOUND)
     expect(wires.get_by_text("✗ no")).to_have_count(0)
     wires.get_by_label("Show rejected wires").check()
     expect(wires.locator("tbody tr.choosable")).to_have_count(12)
@@ -55,7 +55,7 @@ def test_a_link_brings_the_form_and_wires_are_found(page: Page) -> None:
     expect(page.get_by_text("these wires are for force 0.5 N")).to_be_visible()
     page.reload()  # the form is in the address, and the job is found again
     expect(page.get_by_role("textbox", name="force")).to_have_value("0.6 N")
-    expect(page.get_by_text("wires do, the best first.")).to_be_visible()
+    expect(page.get_by_text("wires meet the request, best first.")).to_be_visible()
 
 
 @pytest.mark.slow

@@ -135,7 +135,7 @@ def test_heat_is_held_and_the_load_dragged_and_what_came_of_it_is_kept(page: Pag
     field.press("Enter")
     expect(page.get_by_role("heading", level=1)).not_to_contain_text("by hand")
     page.reload()
-    expect(page.get_by_text("it was lost with the page")).to_be_visible()
+    expect(page.get_by_text("it was lost when the page closed")).to_be_visible()
 
 
 def test_fits_are_left_to_the_commands(page: Page) -> None:

@@ -72,7 +72,7 @@ def check_files(text: str, changes: Request) -> None:
         odd = any(letter in name for letter in "\0\\:")
         if odd or not (FOLDER / name).resolve().is_relative_to(FOLDER.resolve()):
             raise DataError(
-                f"The bench reads no file `{name[:80]}`: on it a scenario reads only files beside "
+                f"The bench reads no file `{name[:80]}`: a scenario on the bench reads only files beside "
                 "the packaged ones. Use `martensite run` for a scenario with its own files."
             )
 

@@ -170,7 +170,7 @@ def _describe_section(section: GroupNode) -> Iterator[Block]:
 
 def _list_rows(group: GroupNode) -> Iterator[tuple[str, ...]]:
     if group["kind"]:
-        yield group["kind"]["path"], group["kind"]["value"], f"a {group['kind']['registry']}", ""
+        yield group["kind"]["path"], group["kind"]["value"], f"kind of {group['kind']['registry']}", ""
     for one in group["items"]:
         if one["sort"] == "group":
             yield from _list_rows(one)

@@ -36,7 +36,7 @@ UNTOLD_LIFE = (
     "no data are available beyond a million cycles"
 )
 COIL_DOUBT = (
-    "The values are those of straight trained wire. A coil that was wound and annealed has other transformation "
+    "The values hold for straight trained wire. A coil that was wound and annealed has other transformation "
     "temperatures, and its stress is averaged over the cross-section."
 )
 

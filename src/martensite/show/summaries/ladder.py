@@ -93,7 +93,7 @@ def _write_trial(rung: LadderRung, trial: LadderTrial, found: Ladder) -> tuple[s
 
 def _describe_verdict(found: Ladder) -> Iterator[Block]:
     good = found.predicts and not found.doubts
-    said = [f"The held-out error is lower than that of the mean by {found.gain.text} (95 %)."] if found.predicts else []
+    said = [f"The held-out error is below the error of the mean by {found.gain.text} (95 %)."] if found.predicts else []
     if items := [*said, *found.doubts, *found.remarks]:
         yield Notice("Result" if good else "Warning", items, not good)
 
