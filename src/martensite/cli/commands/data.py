@@ -145,7 +145,7 @@ def fetch(
     json: Json = False,
 ) -> None:
     """Download a data set from its authors and verify its SHA-256."""
-    from martensite.scenario import datasets
+    from martensite.logs import datasets
     from martensite.show.terminal import print_summary
 
     folder = datasets.fetch_dataset(name, force)
