@@ -38,7 +38,6 @@ LONG_FILES = {
 MOST_BRANCHES = 15
 COMPLEX = {
     "actuators/mechanics/complementarity.py:_move_held",
-    "app/identify/log_kinds.py:describe_reading",
     "app/static_site/input_map.py:_reach_ends",
     "app/static_site/input_map.py:_try_pairs",
     "base/object_text.py:encode",

@@ -30,21 +30,24 @@ def find_experiment(records: Sequence[Record]) -> RecognisedExperiment | None:
 
 
 def describe_reading(file: LabFile, timed: bool) -> str:
-    """Describe the format of a file, its columns, and the left-out columns in one or two sentences."""
-    known = [f"`{one.name}` in {typeset_unit(one.unit, 'plain numbers')}" for one in file.columns if one.si]
-    known = [one.replace("`time` in clock", "`time` by the clock") for one in known]
-    by_values = any(one.si and one.known == "values" for one in file.columns)
-    form = f"{file.format[:1].upper()}{file.format[1:]}"
-    said = f"{form}: {join_phrases(known)}{', recognised by their values' if by_values else ''}"
-    unused = sum(not one.si for one in file.columns)
-    said += f"; {unused} more column{'s are' if unused > 1 else ' is'} not used" if unused else ""
-    lost = [_describe_lost(one) for one in file.dropped]
-    said += f"; left out: {join_phrases(lost)}" if lost else ""
+    """Describe the format of a file, its columns, and the left-out rows in one or two sentences."""
     found = find_experiment([file.record])
     warm = [one.name for one in file.columns if one.si and one.name != "time"] == ["temperature"]
     alone = "The file has only a temperature: add the log of its drive, and merge the two." if warm else ""
     experiment = alone if alone and not found else _describe_experiment(found)
-    return f"{said}. {experiment}{_describe_times(found, timed)}"
+    return f"{_describe_columns(file)}. {experiment}{_describe_times(found, timed)}"
+
+
+def _describe_columns(file: LabFile) -> str:
+    used = [one for one in file.columns if one.si]
+    units = {one.name: typeset_unit(one.unit, "plain numbers") for one in used}
+    known = [f"`{name}` {'by the' if unit == 'clock' else 'in'} {unit}" for name, unit in units.items()]
+    said = f"{file.format[:1].upper()}{file.format[1:]}: {join_phrases(known)}"
+    said += ", recognised by their values" if any(one.known == "values" for one in used) else ""
+    unused = len(file.columns) - len(used)
+    said += f"; {unused} more column{'s are' if unused > 1 else ' is'} not used" if unused else ""
+    lost = [_describe_lost(one) for one in file.dropped]
+    return said + (f"; left out: {join_phrases(lost)}" if lost else "")
 
 
 def _describe_lost(one: LeftOut) -> str:
