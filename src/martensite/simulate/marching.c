@@ -4,11 +4,12 @@
 
    A march consists of this text, drives.c, totals.c, runs.c, and then either fixed.c, or ledger.c (if there is a
    LEDGER), lengths.c, kinks.c, samples.c and adaptive.c. Before this text stand martensite/signals/reader.c and the
-   kernels k_prepare, k_init, k_observe and k_judge over LANES lanes, and: SIZE states, DRIVES signals, INPUTS of a
-   step, OUTPUTS wanted, JUDGED, ENVELOPE, HEATED, CONSTANTS, PARAMETERS; WIDTHS (inputs of each drive) and LEAST
-   (range of each judged output that counts); OWN if every run has separate drives; whether k_judge and k_observe
-   ask for signals; how many numbers a piece of a step is RECORDED by; which states are OBSERVED; POINTS, all their
-   NUMBERS, and RATES of adaptive.c; ENTRIES and ACCOUNTS of ledger.c.
+   kernels k_prepare, k_init, k_observe and k_judge over LANES lanes, and: SIMD, which begins loops that compilers
+   turn into vectors; SIZE states, DRIVES signals, INPUTS of a step, OUTPUTS wanted, JUDGED, ENVELOPE, HEATED,
+   CONSTANTS, PARAMETERS; WIDTHS (inputs of each drive) and LEAST (range of each judged output that counts); OWN if
+   every run has separate drives; whether k_judge and k_observe ask for signals; how many numbers a piece of a step
+   is RECORDED by; which states are OBSERVED; POINTS, all their NUMBERS, and RATES of adaptive.c; ENTRIES and
+   ACCOUNTS of ledger.c.
 
    Loops over lanes are written so that a compiler makes vectors of them: values are chosen, not branched upon,
    except where few lanes have something to do. */
@@ -23,13 +24,12 @@
 #define INLINE static inline
 #endif
 #define EVERY(i) for (long i = 0; i < LANES; i++)
+#define EACH(i) SIMD EVERY(i)
 /* SOME: the lanes of a set of bits, one after another */
 #if LANES > 1
-#define EACH(i) _Pragma("omp simd") for (long i = 0; i < LANES; i++)
 #define SOME(i, bits) \
     for (long long left_ = (long long)(bits), i; left_ && (i = __builtin_ctzll(left_), 1); left_ &= left_ - 1)
 #else
-#define EACH EVERY
 #define SOME(i, bits) for (long i = 0; i < (long)(bits); i++)
 #endif
 #define BLEND(to, mask, from) EACH(i_) (to)[i_] = (mask)[i_] ? (from)[i_] : (to)[i_]

@@ -399,6 +399,7 @@ class MarchKernel:
         book = EMPTY if self.fixed or self.lanes > 1 else compiled.book  # batches tell no balance
         constants = {
             "LANES": self.lanes,
+            "SIMD": '_Pragma("omp simd")' if self.lanes > 1 else "",
             "SIZE": compiled.size,
             "DRIVES": compiled.drives,
             "INPUTS": compiled.inputs,
