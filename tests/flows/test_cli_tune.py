@@ -169,7 +169,7 @@ def test_in_python_a_worse_result_says_so_and_is_not_saved(scenario: Path, tmp_p
         (("--goal", "itea"), "Did you mean `itae`?"),
         (("--free", "Kq"), "There is no parameter `Kq`"),
         (("--spread", "diameter"), "write `PATH=SPREAD`"),
-        (("--spread", "diamter=3 %"), "`diamter` is no number of the plant"),
+        (("--spread", "diamter=3 %"), "no parameter `diamter`. Did you mean"),
         (("--spread", "temperature=3 degC"), "is a difference"),
         (("--loop", "heater"), "No loop `heater`"),
         (("--duration", "0 s"), "must be above 0 s"),

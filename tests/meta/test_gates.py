@@ -43,7 +43,6 @@ COMPLEX = {
     "base/object_text.py:encode",
     "boards/characterise/information.py:choose_courses",
     "boards/replay.py:replay_log",
-    "cli/tune_run.py:_read_spread",
     "design/optimise/optimise.py:optimise_design",
     "design/optimise/search.py:_walk_neighbours",
     "export/episodes.py:_find_places",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from martensite.base.errors import InputError, ParameterError, suggest_name
+from martensite.base.errors import InputError
 from martensite.base.interrupts import rescue_answer
 from martensite.cli.options import read_positive, read_quantity
 from martensite.cli.progress import show_share, show_spinner
@@ -225,20 +225,14 @@ def draw_both_plants(
 
 
 def _read_spread(text: str, scenario: Scenario, bench: Bench) -> tuple[str, float]:
+    from martensite.search.free_numbers import Target, find_alike
+
     name, equals, size = (part.strip() for part in text.partition("="))
     if not equals:
         raise InputError(f'`{text}` is no spread; write `PATH=SPREAD`, e.g. element.diameter="3 %".')
-    places = scenario.places
-    written = {leaf.path: places.path(f"plant.{leaf.path}") for leaf in bench.plant.leaves()}
-    paths = [p for p, w in written.items() if name in (p, w)] or [
-        p for p, w in written.items() if w.endswith(f".{name}") or p.endswith(f".{name}")
-    ]
-    if len(paths) != 1:
-        some = ", ".join(f"`{written[p]}`" for p in paths)
-        fault = f"is ambiguous: {some}." if paths else "is no number of the plant."
-        hint = "" if paths else f" {suggest_name(name, written.values())}"
-        raise ParameterError(f"`{name}` {fault}{hint}")
-    unit = next(x.declared.unit for x in bench.plant.leaves() if x.path == paths[0])
-    if unit == "K" and "deg" in size:
+    leaves = bench.plant.leaves()
+    targets = [Target.from_leaf(leaf, scenario.places.path(f"plant.{leaf.path}")) for leaf in leaves]
+    (target,) = find_alike(name, targets, several=False)
+    if target.unit == "K" and "deg" in size:
         raise InputError(f"A spread of a temperature is a difference: write `{name}=3 K`.")
-    return paths[0], read_quantity("spread", size, "K" if unit == "K" else "1")
+    return target.path, read_quantity("spread", size, "K" if target.unit == "K" else "1")
