@@ -36,7 +36,8 @@ def write_speed(speed: float, unit: str) -> str:
 def summarise_rest(found: SteadyState, title: str) -> Summary:
     """Return everything about an equilibrium."""
     shown = _choose_outputs(found)
-    rows = [_write_row(name, one, found.outputs[name]) for name, one in shown.items()]
+    repeated = {name for name in shown if name.endswith("hottest") and found.outputs[name] == _read_twin(found, name)}
+    rows = [_write_row(name, one, found.outputs[name]) for name, one in shown.items() if name not in repeated]
     held = ", ".join(
         f"{one.name} = {show_quantity(found.signals[one.name], one.unit)}" for one in found.system.drives()
     )
@@ -76,6 +77,11 @@ def _describe_verdict(title: str, words: str, judged: Judgement, stable: bool) -
 def _choose_outputs(found: SteadyState | PeriodicOrbit) -> dict[str, Output]:
     """Return the outputs of all elements but not of single cells."""
     return {name: one for name, one in found.system.outputs().items() if PROFILE not in name}
+
+
+def _read_twin(found: SteadyState, name: str) -> float | None:
+    """Return the temperature of the element whose highest temperature has a name."""
+    return found.outputs.get(f"{name.removesuffix('hottest')}temperature")
 
 
 def _write_row(name: str, output: Output, *values: float) -> tuple[str, ...]:
