@@ -125,12 +125,7 @@ def find_table(
     if not places:
         raise DataError(f"{where} has no numeric column.")
     body = _find_body(rows, alike, places, where)
-    if 3 * len(body) < len(numeric):
-        first, last = rows[body[0]][0], rows[body[-1]][0]
-        raise DataError(
-            f"{where} has {len(numeric)} rows with numbers, but only {len(body)} of them, rows {first} to {last}, "
-            f"have the same {width} columns; save each table as a file of its own."
-        )
+    _refuse_larger_table(rows, numeric, body, where)
     sign, channels = SEPARATORS.get(separator), _find_channel_units(rows[: body[0]])
     headings, units, used = find_headings(rows[max(0, body[0] - ABOVE) : body[0]], texts or {}, width, sign)
     body, again = _choose_block(rows, body, headings, where)
@@ -161,6 +156,19 @@ def _find_labels(rows: Sequence[Row], used: set[int], width: int) -> tuple[str, 
     first = next((k for k, (number, _) in enumerate(rows) if number in used), 0)
     label = [cell.strip() for cell in rows[first - 1][1]] if first else []
     return tuple(label) if len(label) == width and label[0] else ()
+
+
+def _refuse_larger_table(rows: Sequence[Row], numeric: set[int], body: Sequence[int], where: str) -> None:
+    """Refuse a table that most rows of several numbers do not belong to; lines of settings hold one number each."""
+    if 3 * len(body) >= len(numeric):
+        return
+    full = sum(sum(map(bool, map(find_kind, rows[k][1]))) > 1 for k in numeric)
+    if 3 * len(body) < full:
+        first, last = rows[body[0]][0], rows[body[-1]][0]
+        raise DataError(
+            f"{where} has {full} rows with several numbers, but only {len(body)} of them, rows {first} to {last}, have "
+            f"the same {len(rows[body[0]][1])} columns; save each table as a file of its own."
+        )
 
 
 def _find_channel_units(above: Sequence[Row]) -> Above:
