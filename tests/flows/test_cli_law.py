@@ -77,7 +77,7 @@ def test_every_law_runs_and_transforms(name: str, path: str) -> None:
 @pytest.mark.parametrize("path", PATHS)
 def test_every_path_runs_as_text(path: str) -> None:
     printed = fine("liang-rogers", "--path", path)
-    assert f"on the path {path}, numbers of benchmark-liang-rogers" in printed
+    assert f"on the path {path}, material benchmark-liang-rogers" in printed
     assert "forward" in printed
     assert "residual strain" in printed
 

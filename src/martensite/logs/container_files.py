@@ -87,7 +87,7 @@ def read_container(path: Path) -> RawTable:
     if part_sheet(path)[1] or not others:
         return table
     listed = ", ".join(f"`{one}`" for one in others)
-    note = f"Only sheet `{sheet}` is read; {listed} hold tables, too: write `{path.name}:{others[0]}`."
+    note = f"Only sheet `{sheet}` is read. Tables are also in {listed}: write for example `{path.name}:{others[0]}`."
     return replace(table, notes=(note, *table.notes))
 
 
