@@ -262,6 +262,7 @@ def test_all_tables_of_a_file_are_read(tmp_path: Path) -> None:
     book.save(tmp_path / "book.xlsx")
     sheets = read_parts(tmp_path / "book.xlsx")
     assert [one.record["strain"][-1] for one in sheets] == pytest.approx([0.039, 0.078])
+    assert [one.record.name for one in sheets] == ["book 75 MPa", "book 125 MPa"]
     assert "`book.xlsx:125 MPa`" in " ".join(read_log(tmp_path / "book.xlsx").notes)
     assert read_log(f"{tmp_path}/book.xlsx:125 MPa").record["strain"][-1] == pytest.approx(0.078)
     with pytest.raises(DataError, match="has no sheet `99 MPa`"):

@@ -21,7 +21,7 @@ from martensite.base.errors import DataError, ParameterError, suggest_name
 from martensite.base.files import write_file
 from martensite.logs.cells import Numbers
 from martensite.logs.column_meanings import AMBIGUOUS, Meaning, guess_meanings, write_unit
-from martensite.logs.container_files import KINDS, find_ending, read_container
+from martensite.logs.container_files import KINDS, find_ending, part_sheet, read_container
 from martensite.logs.layout import CANONICAL, CLOCK, IGNORED, read_headings
 from martensite.logs.raw_table import LeftOut, RawColumn, RawTable, count_rows
 from martensite.logs.record_text import format_record
@@ -199,7 +199,8 @@ def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabF
         left += count_rows("no number but the time", lost)
     count = sum(one.count for one in left if one.reason != "below the table")
     assumed = None if times is not None or interval else 1.0
-    record = Record(path.stem, columns, si_units, path, count, assumed)
+    file, sheet = part_sheet(path)
+    record = Record(f"{file.stem} {sheet}".strip(), columns, si_units, file, count, assumed)
     known = times is not None or interval is not None
     return LabFile(
         path,
