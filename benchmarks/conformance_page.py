@@ -12,29 +12,34 @@ ABSENT, REFERENCE = "not run here", "Python floats"
 
 HEAD = """## Agreement of all targets
 
-All targets run the same random programs. Plain Python floats are the reference. `python -m benchmarks conformance` writes this table
-from [the numbers](benchmarks/machines.json) of one run.
+All targets run the same random programs. Plain Python floats are the reference. `python -m benchmarks conformance`
+writes this table from [the numbers](benchmarks/machines.json) of one run.
 
 | target | kernels | whole steps | size [kB] | step [µs] | relative to C |
 |---|---|---|---|---|---|
 """
 
 FOOT = """
-| column | meaning |
-|---|---|
-| kernels | Number of kernels that ran on 256 random inputs, including the ends of their ranges. Laws, elements, mechanisms, heat losses and resistances each count in their first form. Then the largest difference to Python floats, divided by the largest value of the output, and the kernel with this difference. C is compiled with `-O1` here. The contract tests run all forms. |
-| whole steps | Number of systems, then the smallest and the largest difference of all outputs in {steps} steps under random signals. 0 is equal to the last bit. The {count} systems are {names}. Some targets omit systems that compile for minutes. |
-| size | Compressed size for the wire of README.md: {handed}. |
-| step | CPU time of one step of that wire, best of several rounds. C lanes run 256 lanes at once; the time is per lane. Python calls the FMU, sets its inputs and reads its outputs in every step. WebAssembly runs in Node.js, by wall clock. |
+- **kernels**: number of kernels that ran on 256 random inputs, including the ends of their ranges. Laws, elements,
+  mechanisms, heat losses and resistances each count in their first form. Then the largest difference to Python floats,
+  divided by the largest value of the output, and the kernel with this difference. C is compiled with `-O1` here. The
+  contract tests run all forms.
+- **whole steps**: number of systems, then the smallest and the largest difference of all outputs in {steps} steps
+  under random signals. 0 is equal to the last bit. Some targets omit systems that compile for minutes. The {count}
+  systems are: {names}.
+- **size**: compressed size for the wire of README.md: {handed}.
+- **step**: CPU time of one step of that wire, best of several rounds. C lanes run 256 lanes at once; the time is per
+  lane. Python calls the FMU, sets its inputs and reads its outputs in every step. WebAssembly runs in Node.js, by wall
+  clock.
 
 ```{{warning}}
-Use `float32` only for laws and for wires on a load line. If a step balances several unknowns (joints, fibres, several elements),
-use `float64`. The exported core refuses such steps in `float32` and reports it. CUDA continues with reduced accuracy; the result of
-`antagonistic_wires` differs by more than its range.
+Use `float32` only for laws and for wires on a load line. If a step balances several unknowns (joints, fibres, several
+elements), use `float64`. The exported core refuses such steps in `float32` and reports it. CUDA continues with reduced
+accuracy; the result of `antagonistic_wires` differs by more than its range.
 ```
 
-The rows *CUDA C, on the processor* compile the CUDA source with the C compiler and run its threads one after another. They test the
-program, not the speed of a GPU.
+The rows *CUDA C, on the processor* compile the CUDA source with the C compiler and run its threads one after another.
+They test the program, not the speed of a GPU.
 
 Date: {made}. Processor: {processor}. Python {python}, {compiler}. Targets that were not available have no numbers.
 """

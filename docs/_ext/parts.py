@@ -23,6 +23,7 @@ from martensite.base.registry import Registry
 from martensite.base.status import Status
 from martensite.design.sweep.backends.base import BACKENDS
 from martensite.design.sweep.sampling.samples import DESIGNS
+from martensite.fit.experiment_kinds.base import EXPERIMENT_KINDS
 from martensite.physics.materials.base import DOUBTFUL, NAMES, Material, load_material, material_names
 from martensite.scenario import catalogue
 from martensite.show.summaries.parts import write_default
@@ -177,7 +178,8 @@ def _first_sentence(found: Any) -> str:
 def _directive(home: str, name: str, found: Any) -> list[str]:
     """Return the directive for a name; a class is indexed in its first namespace only."""
     if not inspect.isclass(found):
-        return [f".. autofunction:: {home}.{name}"] if inspect.isfunction(found) else [f".. py:data:: {home}.{name}", ""]
+        function = inspect.isfunction(found)
+        return [f".. autofunction:: {home}.{name}"] if function else [f".. py:data:: {home}.{name}", ""]
     lines = [f".. autoclass:: {home}.{name}"]
     if _first_home(found, name) != home:
         lines.append("   :no-index:")
@@ -241,14 +243,16 @@ def canonical_numbers() -> str:
 
 # -- sweeps ------------------------------------------------------------------------------
 def sweeps() -> str:
-    """Measures with their parameters, then what makes a sample and who runs it."""
+    """Return the measures with their parameters, then sampling methods, back ends and kinds of experiments."""
     measures = [part(catalogue.describe_class("measure", MEASURES[name])) for name in MEASURES.names()]
-    return "\n".join(["## Measures\n", *measures, "## Samples\n", _listed(DESIGNS), "## Backends\n", _listed(BACKENDS)])
+    others = {"Samples": DESIGNS, "Back ends": BACKENDS, "Kinds of experiments": EXPERIMENT_KINDS}
+    listed = [f"## {title}\n\n{_listed(registry)}" for title, registry in others.items()]
+    return "\n".join(["## Measures\n", *measures, *listed])
 
 
 def _listed(registry: Registry[Any]) -> str:
     rows = [(code(name), catalogue.summarise_class(registry[name])) for name in registry.names()]
-    return table((registry.kind, "what it is"), rows)
+    return table((registry.kind, "description"), rows)
 
 
 # -- results -----------------------------------------------------------------------------

@@ -53,9 +53,10 @@ def _find_caption(image: nodes.Node) -> nodes.paragraph | None:
     """Return the paragraph after a drawing that begins with `Figure:`."""
     for box in (image, *_above(image)):
         following = box.next_node(descend=False, siblings=True)
+        if isinstance(following, nodes.paragraph) and following.astext().startswith(CAPTION):
+            return following
         if following is not None:
-            is_caption = isinstance(following, nodes.paragraph) and following.astext().startswith(CAPTION)
-            return following if is_caption else None
+            return None
     return None
 
 

@@ -64,7 +64,8 @@ def count_reproduced(studies: Sequence[str]) -> str:
     if not comparable:
         return f"**No printed number is comparable** ({count['not comparable']} were examined)."
     others = ", ".join(f"{count[one]} {words}" for one, words in COMPARABLE.items() if words and count[one])
-    return f"**{count['reproduced']} of the {comparable} comparable printed numbers are reproduced**; the others: {others}."
+    reproduced = f"**{count['reproduced']} of the {comparable} comparable printed numbers are reproduced**"
+    return f"{reproduced}; the others: {others}."
 
 
 # -- what a study found ------------------------------------------------------------------

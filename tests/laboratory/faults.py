@@ -24,8 +24,8 @@ Named = list[list[Any]]
 """Trials by experiment and seed, each with an outcome where it is open."""
 INTRODUCTION = """# Fault tests
 
-This page shows how the package handles wrong input, damaged files, killed processes, hostile folders and caches that other users can
-write. Each trial is an experiment with a seed: it damages a valid input at random.
+This page shows how the package handles wrong input, damaged files, killed processes, hostile folders and caches that
+other users can write. Each trial is an experiment with a seed: it damages a valid input at random.
 
 | outcome | meaning | fault of the package |
 | --- | --- | --- |
@@ -43,9 +43,9 @@ cd tests && python -m laboratory faults               # a whole run and this pag
 cd tests && python -m laboratory faults --share 0.02  # the same with 2 % of the trials
 ```
 
-The test `tests/faults/test_fault_record.py` runs the open and the closed trials of this page again: an open trial must
-still fail, and a closed trial must pass. Trials with full disks mount a disk, which needs root. gcc compiles exported
-code with the address and undefined-behaviour sanitizers.
+The test `tests/faults/test_fault_record.py` runs the open and the closed trials of this page again: an open trial
+must still fail, and a closed trial must pass. Trials with full disks mount a disk, which needs root. gcc compiles
+exported code with the address and undefined-behaviour sanitizers.
 """
 
 

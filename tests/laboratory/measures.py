@@ -57,9 +57,9 @@ This part compares the measures that users read with a reference: `max`, `min`, 
   Samples are not used if a drive has fewer than a hundred per period.
 
 Each scenario compares 12 random measures. *Claimed* is the bound that `Result.bound` returns. *Not estimated*
-means that `Result.bound` returns no bound, for example for an event that may not occur. The worst value of an alarm is compared
-with the bound of the extreme value. Times of an alarm are compared with their change if the limit is off by that bound,
-or, in trials that were repeated, by the bound of the value at that time.
+means that `Result.bound` returns no bound, for example for an event that may not occur. The worst value of an alarm
+is compared with the bound of the extreme value. Times of an alarm are compared with their change if the limit is off
+by that bound, or, in trials that were repeated, by the bound of the value at that time.
 Closed loops have no bound; other tests compare them.
 
 The command `python -m laboratory measures`, in the folder `tests` of a checkout, runs the trials and writes the

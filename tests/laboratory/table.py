@@ -105,10 +105,11 @@ HEAD = """# Accuracy tests
 
 This page shows how often the accuracy that a run reports bounds its true error.
 
-Random wires with random drives run in C with tolerances of 1e-3, 1e-4 and 1e-5. The wires have cosine and exponential kinetics;
-voltage, current or power; a spring or a weight. The reference is a system of ordinary differential equations that shares no code with
-the package; SciPy integrates it from kink to kink to 1e-10. The error is the largest error of temperature, martensite fraction and
-stress at 101 samples, relative to their ranges. *Claimed* is the reported accuracy.
+Random wires with random drives run in C with tolerances of 1e-3, 1e-4 and 1e-5. The wires have cosine and exponential
+kinetics; voltage, current or power; a spring or a weight. The reference is a system of ordinary differential
+equations that shares no code with the package; SciPy integrates it from kink to kink to 1e-10. The error is the
+largest error of temperature, martensite fraction and stress at 101 samples, relative to their ranges. *Claimed* is
+the reported accuracy.
 
 | drive | meaning |
 | --- | --- |
