@@ -33,7 +33,7 @@ of one run.
 
 The parameters of both problems are chosen for this project; they describe no experiment. General solvers integrate
 the rate form of A, which restarts a transformation when it reverses. martensite continues where the transformation
-stopped. Each engine is compared with the converged solution of its own form. Right-hand sides of SciPy and SUNDIALS
+stopped. Each engine is compared with the converged solution of its form. Right-hand sides of SciPy and SUNDIALS
 are Python functions, as users write them. The right-hand sides of diffrax are JAX functions.
 """
 
@@ -45,7 +45,7 @@ PARTS = {
     "batches": Words(
         "Batches",
         """
-Problem A in steps of 20 ms, where every run has ten parameters of its own, and the finger of `examples/finger.toml`
+Problem A in steps of 20 ms, where every run has ten individual parameters, and the finger of `examples/finger.toml`
 with three laws. Base: C in batches, one thread, in the same table. *Runs per second, relative* is by wall clock. For
 the wire it is relative to the base in the largest batch, for the finger to the base. LSODA makes fewer runs, one
 after another. Errors of the finger are differences to the same runs as single runs.
@@ -60,7 +60,7 @@ divisions.
         "Sweeps from one run to a million",
         """
 `martensite sweep` of a wire with a short pulse (100 steps) into a store on disk. Four measures are stored for every
-run. Each sweep uses one thread and a process of its own. No row is extrapolated. Base: the CPU time of a run in the
+run. Each sweep uses one thread in a separate process. No row is extrapolated. Base: the CPU time of a run in the
 sweep of 1,000. In small sweeps the start-up dominates. Memory is the peak of the process, divided by its peak before
 the sweep.
 """,
@@ -131,6 +131,6 @@ The build of the documentation does not run the benchmarks. In a checkout with t
 | `--from docs/reference/benchmarks/numbers.json` | write this section from existing numbers |
 
 `MARTENSITE_SIMCOON_PYTHON` is the interpreter of an environment with simcoon. `MARTENSITE_SMA_REACT` is a checkout of
-SMA_REACT, which is on no package index. Both run in processes of their own. `python -m benchmarks` prints all
+SMA_REACT, which is on no package index. Both run in separate processes. `python -m benchmarks` prints all
 sections with times.
 """
