@@ -41,6 +41,12 @@ from IPython.display import SVG
 SVG("<svg xmlns='http://www.w3.org/2000/svg'/>")
 ```
 
+```{code-cell} ipython3
+SVG("<svg xmlns='http://www.w3.org/2000/svg'><path/></svg>")
+```
+
+Figure: A caption below.
+
 [a link](https://elsewhere.org)
 """
 FIRST = """\
@@ -111,6 +117,7 @@ def test_a_small_documentation(build: Build, tmp_path: Path) -> None:
     assert 'code-block-caption"><span class="caption-text"><code' in page
     assert 'alt="Figure: A page"' in page
     assert re.search(r"<figure(?:(?!</figure>).)*<img(?:(?!</figure>).)*<figcaption>.*?The message\.", page, re.DOTALL)
+    assert 'alt="Figure: A caption below."' in page and '<p class="figure-caption">Figure: A caption below.' in page
     index = (tmp_path / "html" / "index.html").read_text("utf-8")
     assert "bench/#" not in page + index  # where there is no bench
     figure, *_ = re.findall(r"<figure.*?</figure>", index, re.DOTALL)
