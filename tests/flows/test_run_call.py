@@ -54,7 +54,7 @@ def test_a_batch_is_a_result_with_one_more_dimension(tmp_path: Path) -> None:
     assert batch.stroke == pytest.approx([np.ptp(row) for row in batch["position"]], rel=1e-3)
     numbers = batch.summary().data
     assert numbers["stroke"] == batch.stroke.tolist() and numbers["accuracy"] == batch.variants.accuracy.tolist()
-    assert str(batch).startswith("2 variants of 12 s, which differ in environment.cooling.h0: 2 ok")
+    assert str(batch).startswith("2 variants of 12 s over environment.cooling.h0: 2 ok")
     assert len(batch._repr_html_()) > 100 and len(repr(batch).splitlines()) <= 9
     assert batch.to_pandas().shape == (102, len(batch.columns))
     batch.save(tmp_path / "batch.nc")
