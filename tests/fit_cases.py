@@ -9,59 +9,24 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from one_wire import write_wire
+
 from martensite.base import units
 from martensite.scenario.scenario import read_scenario
 from martensite.signals.records import Record
 from martensite.simulate.api import simulate
 
-ISOBARIC = """
-title = "Isobaric test"
-
-[element]
-kind = "wire"
-material = "flexinol-90"
-law = { kind = "liang-rogers", modulus = "mixture" }
-diameter = "0.381 mm"
-length = "100 mm"
-
-[mechanism]
-kind = "testing-machine"
-control = "stress"
-section = "0.1140092 mm^2"
-
-[signals.command]
-kind = "log"
-
-[drive]
-kind = "temperature"
-waveform = { kind = "log" }
-"""
-HEATED = """
-title = "Wire against a spring"
-
-[element]
-kind = "wire"
-material = "flexinol-90"
-law = { kind = "liang-rogers", modulus = "mixture" }
-diameter = "0.25 mm"
-length = "200 mm"
-
-[environment]
-temperature = "22 degC"
-cooling = { kind = "constant", h = "70 W/m^2/K" }
-
-[mechanism]
-kind = "bias-spring"
-stiffness = "0.2 N/mm"
-preload = "4 N"
-
-[drive]
-kind = "current"
-waveform = "log"
-
-[run]
-tolerance = 1e-3
-"""
+ISOBARIC = write_wire(
+    "Isobaric test",
+    diameter="0.381 mm",
+    length="100 mm",
+    cooling="",
+    mechanism='kind = "testing-machine"\ncontrol = "stress"\nsection = "0.1140092 mm^2"\n'
+    '\n[signals.command]\nkind = "log"',
+    drive='kind = "temperature"\nwaveform = { kind = "log" }',
+    run="",
+)
+HEATED = write_wire("Wire against a spring", drive='kind = "current"\nwaveform = "log"', run="tolerance = 1e-3")
 TRUTH: Mapping[str, Any] = {"element.law.A_s": "72 degC", "element.law.A_f": "84 degC"}
 TRUE = {"A_s": 345.15, "A_f": 357.15}
 HEAT_TRUTH: Mapping[str, Any] = {"environment.cooling.h": "80 W/m^2/K"}

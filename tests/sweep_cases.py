@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from thin_wire import THIN_WIRE
+from one_wire import THIN_WIRE
 
 from martensite.base.status import Status
 from martensite.design.sweep.api import Progress, SweepExecution, begin_sweep, run_chunks

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from one_wire import cool, hang, write_wire
 
 from martensite.app.calls.scenarios import compare_documents, run_scenario
 from martensite.app.messages import BadMessageError
@@ -32,26 +33,15 @@ def power(watt: str) -> Result:
     return ran("constant_power", ("drive.waveform.high", watt))
 
 
-SHORT_PULSE = """
-title = "thin wire, one short pulse in an hour"
-[element]
-kind = "wire"
-material = "flexinol-90"
-law = { kind = "liang-rogers", modulus = "mixture" }
-diameter = "0.1 mm"
-length = "100 mm"
-[environment]
-temperature = "22 degC"
-cooling = { kind = "constant", h = "150 W/m^2/K" }
-[mechanism]
-kind = "dead-weight"
-mass = "100 g"
-[drive]
-kind = "current"
-waveform = { kind = "step", high = "1.2 A", at = "30.1 s", until = "30.2 s" }
-[run]
-duration = "3600 s"
-"""
+SHORT_PULSE = write_wire(
+    "thin wire, one short pulse in an hour",
+    diameter="0.1 mm",
+    length="100 mm",
+    cooling=cool(150),
+    mechanism=hang("100 g"),
+    drive='kind = "current"\nwaveform = { kind = "step", high = "1.2 A", at = "30.1 s", until = "30.2 s" }',
+    run='duration = "3600 s"',
+)
 
 
 def test_numbers_of_the_bench_are_those_of_the_accepted_steps() -> None:

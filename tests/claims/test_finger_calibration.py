@@ -159,6 +159,7 @@ class TestLeastSquares:
         assert record_numbers.cold_temperature(fit.numbers) == pytest.approx(319.75, abs=0.3)
         assert record_numbers.temperature_width(fit.numbers) == pytest.approx(13.0, abs=0.3)
 
+    @pytest.mark.slow
     def test_a_start_where_nothing_moves_is_left_for_others(self):
         found = run_search(FAR, STILL, SQUARES, PRINTED)
         assert found.rms == pytest.approx(best_fit(FAR, PRINTED).rms, abs=1e-6)

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from builders import label, variants
 from command import Command
+from one_wire import hang, write_wire
 from typer.core import TyperCommand
 from wrong_parts import WRONG
 
@@ -198,29 +199,12 @@ def test_an_unknown_name_is_answered_with_the_nearest_names() -> None:
     assert len(sentence) < 400
 
 
-SCENARIO = """
-[element]
-kind = "wire"
-material = "flexinol-90"
-law = { kind = "own-law", modulus = "mixture" }
-diameter = "0.25 mm"
-length = "200 mm"
-
-[environment]
-temperature = "22 degC"
-cooling = { kind = "constant", h = "70 W/m^2/K" }
-
-[mechanism]
-kind = "dead-weight"
-mass = "500 g"
-
-[drive]
-kind = "current"
-waveform = { kind = "step", high = "0.1 A" }
-
-[run]
-duration = "1 s"
-"""
+SCENARIO = write_wire(
+    law='{ kind = "own-law", modulus = "mixture" }',
+    mechanism=hang("500 g"),
+    drive='kind = "current"\nwaveform = { kind = "step", high = "0.1 A" }',
+    run='duration = "1 s"',
+)
 
 
 def test_a_run_says_whether_a_foreign_part_was_tried(folder: Any) -> None:

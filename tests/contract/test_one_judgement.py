@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from command import Command
+from one_wire import write_wire
 
 import martensite as ms
 from martensite.base.status import Status
@@ -21,28 +22,11 @@ from martensite.physics.electrical.resistances import CONTRADICTION
 from martensite.simulate import judgement
 from martensite.simulate.result import Result
 
-WIRE = """
-title = "wire"
-[element]
-kind = "wire"
-material = "flexinol-90"
-law = { kind = "liang-rogers", modulus = "mixture" }
-diameter = "0.25 mm"
-length = "200 mm"
-[environment]
-temperature = "22 degC"
-cooling = { kind = "constant", h = "70 W/m^2/K" }
-[mechanism]
-kind = "bias-spring"
-stiffness = "0.2 N/mm"
-preload = "4 N"
-[drive]
-kind = "current"
-waveform = { kind = "constant", level = "0.5 A" }
-[run]
-duration = "60 s"
-samples = 601
-"""
+WIRE = write_wire(
+    "wire",
+    drive='kind = "current"\nwaveform = { kind = "constant", level = "0.5 A" }',
+    run='duration = "60 s"\nsamples = 601',
+)
 HELD = [
     ({}, set[str]()),
     ({"drive.waveform.level": "2 A"}, {"temperature"}),

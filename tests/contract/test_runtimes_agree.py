@@ -74,6 +74,7 @@ def test_kernels_of_other_forms_are_the_same_in_c(kind, cls, c_compiler):
             require_agreement(thing, kind, name, on_c, meaning)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "cls"), [pytest.param(k, c, id=i) for k, c, i in VARIED])
 def test_kernels_of_other_forms_are_the_same_traced(kind, cls):
     """What is printed in Python is printed in C: operations are compared above, one by one."""

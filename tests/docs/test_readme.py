@@ -71,6 +71,7 @@ def test_every_shell_line_is_run_or_checked() -> None:
     assert [line for line in SHELL if not line.startswith(known)] == []
 
 
+@pytest.mark.slow  # commands of ten seconds
 @pytest.mark.parametrize("line", [line for line in COMMANDS if apart(line, ROOT)])
 def test_command_runs(line: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(folder)

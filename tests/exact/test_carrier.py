@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from builders import hanging_wire
+from one_wire import cool, hang, write_wire
 from typer.testing import CliRunner
 
 from martensite.base.errors import InputError, ParameterError, UnitError
@@ -87,28 +88,15 @@ def test_a_carrier_drives_a_switch_only() -> None:
 
 # ---------------------------------------------------------------- in scenarios
 
-SCENARIO = """
-[element]
-kind = "wire"
-material = "flexinol-90"
-law = { kind = "liang-rogers", modulus = "mixture" }
-diameter = "0.381 mm"
-length = "250 mm"
-[environment]
-temperature = "22 degC"
-cooling = { kind = "constant", h = "60 W/m^2/K" }
-[mechanism]
-kind = "dead-weight"
-mass = "500 g"
-[drive]
-kind = "power-pwm"
-supply = "5 V"
-series_resistance = "0.3 ohm"
-waveform = { kind = "ramp", high = "20 W", end = "4 s" }
-[run]
-duration = "3 s"
-tolerance = 1e-3
-"""
+SCENARIO = write_wire(
+    diameter="0.381 mm",
+    length="250 mm",
+    cooling=cool(60),
+    mechanism=hang("500 g"),
+    drive='kind = "power-pwm"\nsupply = "5 V"\nseries_resistance = "0.3 ohm"\n'
+    'waveform = { kind = "ramp", high = "20 W", end = "4 s" }',
+    run='duration = "3 s"\ntolerance = 1e-3',
+)
 NESTED = """kind = "pwm-voltage"
 supply = "5 V"
 series_resistance = "0.3 ohm"

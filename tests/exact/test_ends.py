@@ -14,6 +14,7 @@ from axial_cases import AMBIENT, HEALING, IDEAL, H, K, L, axial, clamped, fin, t
 from builders import law_a, wire_a
 from hypothesis import given
 from hypothesis import strategies as st
+from one_wire import cool, hang, write_wire
 
 from martensite.actuators.elements.axial_wire import AxialWire
 from martensite.kernels import floats
@@ -131,26 +132,16 @@ def test_another_conductivity_is_noticed() -> None:
 
 # ---------------------------------------------------------------- scenario files
 
-SCENARIO = """\
-[element]
-kind = "wire"
-material = "flexinol-90"
-law = "liang-rogers"
-diameter = "0.1 mm"
-length = "30 mm"
-ends = ENDS
-[environment]
-temperature = "22 degC"
-cooling = { kind = "constant", h = "100 W/m^2/K" }
-[mechanism]
-kind = "dead-weight"
-mass = "100 g"
-[drive]
-kind = "power"
-waveform = { kind = "constant", level = "0.02 W" }
-[run]
-duration = "5 s"
-"""
+SCENARIO = write_wire(
+    element='material = "flexinol-90"\nends = ENDS',
+    law='"liang-rogers"',
+    diameter="0.1 mm",
+    length="30 mm",
+    cooling=cool(100),
+    mechanism=hang("100 g"),
+    drive='kind = "power"\nwaveform = { kind = "constant", level = "0.02 W" }',
+    run='duration = "5 s"',
+)
 AXIAL = SCENARIO.replace("ends = ENDS\n", "").replace(
     'kind = "wire"\nmaterial = "flexinol-90"\n',
     'kind = "axial-wire"\nmaterial = "flexinol-90"\n[element.wire]\nkind = "wire"\n',

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from builders import ZERO, along, example, hanging_wire, isobar, isotherm, strain_of
 from kernels import KERNELS, disagreement, on_c, on_kernel_itself
+from one_wire import cool, hang, write_wire
 from rphase_cases import VALUES, of_material, rphase_law, rphase_system, two_phase_model
 from slope_cases import Case, inside
 
@@ -237,26 +238,15 @@ def test_numbers_that_make_no_sense_are_refused() -> None:
         example(Ribbon, wire=rphase_system().element)
 
 
-SCENARIO = """
-[element]
-kind = "wire"
-material = "niti-r-phase"
-law = { kind = "LAW" }
-resistance = "RESISTANCE"
-diameter = "0.2 mm"
-length = "200 mm"
-[environment]
-temperature = "22 degC"
-cooling = { kind = "constant", h = "80 W/m^2/K" }
-[mechanism]
-kind = "dead-weight"
-mass = "0.2 kg"
-[drive]
-kind = "current"
-waveform = { kind = "step", high = "0.3 A" }
-[run]
-duration = "1 s"
-"""
+SCENARIO = write_wire(
+    element='material = "niti-r-phase"\nresistance = "RESISTANCE"',
+    law='{ kind = "LAW" }',
+    diameter="0.2 mm",
+    cooling=cool(80),
+    mechanism=hang("0.2 kg"),
+    drive='kind = "current"\nwaveform = { kind = "step", high = "0.3 A" }',
+    run='duration = "1 s"',
+)
 
 
 def test_a_resistance_that_does_not_know_the_r_phase_of_its_material_is_said() -> None:

@@ -20,13 +20,13 @@ from fault_trials import FINE, HOSTILE, Outcome, Trial, count_trials, run_trials
 
 SMALL = {
     "scenarios": 16,
-    "commands": 3,
+    "commands": 2,
     "logs": 8,
     "models": 6,
     "materials": 6,
     "saved results": 3,
-    "binary logs": 3,
-    "stores": 4,
+    "binary logs": 2,
+    "stores": 2,
     "kills": 1,
     "clocks": 1,
     "full disks": 1,

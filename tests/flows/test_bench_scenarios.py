@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from thin_wire import THIN_WIRE
+from one_wire import THIN_WIRE
 
 from martensite.base.errors import InputError, ParameterError, UnitError
 from martensite.base.formats import write_quantity

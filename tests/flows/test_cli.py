@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from one_wire import LIFTED, write_wire
 from typer.testing import CliRunner, Result
 
 from martensite.base.errors import DataError, SolveError
@@ -16,28 +17,9 @@ from martensite.cli import app
 from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.scenario.scenario import Scenario
 
-SCENARIO = """\
-title = "Lifting 400 g"
-[element]
-kind = "wire"
-material = "flexinol-90"
-law = "liang-rogers"
-diameter = "0.381 mm"
-length = "273 mm"
-[environment]
-temperature = "22 degC"
-cooling = { kind = "constant", h = "60 W/m^2/K" }
-[mechanism]
-kind = "dead-weight"
-mass = "400 g"
-[drive]
-kind = "voltage"
-waveform = { kind = "step", high = "2.5 V", until = "20 s" }
-[run]
-duration = "40 s"
-tolerance = 1e-3
-samples = 101
-"""
+SCENARIO = write_wire(
+    "Lifting 400 g", law='"liang-rogers"', **LIFTED | {"run": 'duration = "40 s"\ntolerance = 1e-3\nsamples = 101'}
+)
 COOL = ("--set", "drive.waveform.high=2 V")
 """Keeps the temperature limit."""
 

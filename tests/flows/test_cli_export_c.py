@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from c_cores import STRICT
 from fences import ROOT
-from thin_wire import THIN_WIRE
+from one_wire import THIN_WIRE
 from typer.testing import CliRunner, Result
 
 from martensite.cli import app

@@ -10,7 +10,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from thin_wire import THIN_WIRE
+from one_wire import THIN_WIRE
 from typer.testing import CliRunner, Result
 
 from martensite.cli import app

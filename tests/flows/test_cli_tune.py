@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from thin_wire import THIN_WIRE
+from one_wire import THIN_WIRE
 from typer.testing import CliRunner
 
 from martensite.base.errors import InputError

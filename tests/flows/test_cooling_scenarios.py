@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from one_wire import hang, write_wire
 
 import martensite as ms
 from martensite.base.errors import InputError
@@ -13,30 +14,16 @@ from martensite.scenario.citations import list_citations
 from martensite.scenario.overrides import change_document
 from martensite.scenario.scenario import Scenario, read_scenario
 
-SCENARIO = """\
-[element]
-kind = "wire"
-material = "flexinol-90"
-law = "liang-rogers"
-diameter = "0.381 mm"
-length = "273 mm"
-
-[environment]
-temperature = "25 degC"
-cooling = COOLING
-
-[mechanism]
-kind = "dead-weight"
-mass = "400 g"
-
-[drive]
-kind = "power"
-waveform = { kind = "step", high = "0.5 W", at = "1 s" }
-
-[run]
-duration = "100 s"
-tolerance = 1e-3
-"""
+SCENARIO = write_wire(
+    law='"liang-rogers"',
+    diameter="0.381 mm",
+    length="273 mm",
+    ambient="25 degC",
+    cooling="COOLING",
+    mechanism=hang("400 g"),
+    drive='kind = "power"\nwaveform = { kind = "step", high = "0.5 W", at = "1 s" }',
+    run='duration = "100 s"\ntolerance = 1e-3',
+)
 
 
 def scenario(cooling: str) -> Scenario:

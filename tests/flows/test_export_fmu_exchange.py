@@ -33,8 +33,8 @@ from fmpy.fmi2 import FMU2Model  # noqa: E402
 from fmpy.fmi3 import FMU3Model  # noqa: E402
 from fmpy.validation import validate_fmu  # noqa: E402
 from fmu_instance import DISCARD, ERROR, OK, Instance  # noqa: E402
+from one_wire import THIN_WIRE  # noqa: E402
 from slider import Slider  # noqa: E402
-from thin_wire import THIN_WIRE  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("c_compiler")
 

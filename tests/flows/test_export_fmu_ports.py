@@ -26,8 +26,8 @@ from martensite.simulate.api import simulate
 fmpy = pytest.importorskip("fmpy")
 from fmpy.validation import validate_fmu  # noqa: E402
 from fmu_instance import ERROR, OK, Instance  # noqa: E402
+from one_wire import THIN_WIRE  # noqa: E402
 from slider import Slider  # noqa: E402
-from thin_wire import THIN_WIRE  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("c_compiler")
 

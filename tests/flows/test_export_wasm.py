@@ -18,7 +18,7 @@ from benchmarks.wasm_runs import NativeLanes, call_node, play_module, say_missin
 from builders import problem_a
 from c_cores import Called
 from fences import ROOT, fences
-from thin_wire import THIN_WIRE
+from one_wire import THIN_WIRE
 from typer.testing import CliRunner, Result
 
 from martensite.cli import app

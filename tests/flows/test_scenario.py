@@ -8,6 +8,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from one_wire import hang, write_wire
 
 from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanisms.load_line import DeadWeight
@@ -18,31 +19,17 @@ from martensite.scenario.overrides import change_document, read_settings
 from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.signals.sine import Sine
 
-SOUND = """\
-title = "Lifting 400 g"
-
-[element]
-kind = "wire"
-material = "flexinol-90"
-law = "liang-rogers"
-diameter = "0.381 mm"
-length = "273 mm"
-
-[environment]
-temperature = "38.5 degC"
-cooling = { kind = "polynomial", h0 = "42.53 W/m^2/K", h2 = "0.00294 W/m^2/K^3" }
-
-[mechanism]
-kind = "dead-weight"
-mass = "400 g"
-
-[drive]
-kind = "voltage"
-waveform = { kind = "sine", low = "0 V", high = "2500 mV", frequency = "0.005 Hz" }
-
-[run]
-duration = "400 s"
-"""
+SOUND = write_wire(
+    "Lifting 400 g",
+    law='"liang-rogers"',
+    diameter="0.381 mm",
+    length="273 mm",
+    ambient="38.5 degC",
+    cooling='{ kind = "polynomial", h0 = "42.53 W/m^2/K", h2 = "0.00294 W/m^2/K^3" }',
+    mechanism=hang("400 g"),
+    drive='kind = "voltage"\nwaveform = { kind = "sine", low = "0 V", high = "2500 mV", frequency = "0.005 Hz" }',
+    run='duration = "400 s"',
+)
 WAVEFORM = 'waveform = { kind = "sine", low = "0 V", high = "2500 mV", frequency = "0.005 Hz" }'
 LAW = 'law = "liang-rogers"'
 

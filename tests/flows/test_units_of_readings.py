@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from thin_wire import THIN_WIRE
+from one_wire import THIN_WIRE
 from typer.testing import CliRunner
 
 from martensite.actuators.assembly import Members

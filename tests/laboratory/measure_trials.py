@@ -71,8 +71,6 @@ JUMP = 0.01
 """Change of a column between two samples that is a jump, as a fraction of its range."""
 RESTARTED = 0.2
 """Fraction of the trials that go on from a restart."""
-ALARMED = 0.5
-"""Fraction of the trials with limits within the range of the run."""
 ALARMS = {"temperature": "hottest", "stress": "stress", "strain": "strain"}
 
 

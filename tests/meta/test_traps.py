@@ -18,6 +18,7 @@ import pytest
 from builders import example
 from command import Command
 from kernels import Kernel, traced
+from one_wire import LIFTED, write_wire
 
 from martensite.base.errors import InputError, KernelError, UnknownOperationError
 from martensite.base.parameters import Parametrised
@@ -29,26 +30,7 @@ from martensite.kernels.traced_numbers import TracedNumber
 from martensite.physics.laws.base import LAWS
 from martensite.physics.laws.strip_laws import LiangRogers
 
-SCENARIO = """\
-title = "Lifting 400 g"
-[element]
-kind = "wire"
-material = "flexinol-90"
-law = "NAME"
-diameter = "0.381 mm"
-length = "273 mm"
-[environment]
-temperature = "22 degC"
-cooling = { kind = "constant", h = "60 W/m^2/K" }
-[mechanism]
-kind = "dead-weight"
-mass = "400 g"
-[drive]
-kind = "voltage"
-waveform = { kind = "step", high = "2.5 V", until = "20 s" }
-[run]
-duration = "40 s"
-"""
+SCENARIO = write_wire("Lifting 400 g", law='"NAME"', **LIFTED)
 MODULE = """\
 import math
 import statistics
@@ -207,7 +189,7 @@ def test_a_node_refuses(body: str, write: Any) -> None:
     assert "\n" not in sentence
 
 
-@pytest.mark.parametrize("body", TRAPS)
+@pytest.mark.parametrize("body", [*TRAPS][::9])
 def test_the_command_line_refuses(body: str, write: Any) -> None:
     written = write(body)
     sentence = Command("run").refused(*written.words("--runtime", "floats"))

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from builders import example_system, examples, label, registered, variants
+from one_wire import write_wire
 
 import martensite as ms
 from martensite.actuators.assembly import AbstractSystem
@@ -30,26 +31,7 @@ TAIL = 0.011
 """Martensite that an endless law (Tanaka) leaves at its finish line."""
 LAWS = [variants(cls)[0] for cls in registered("law")]
 PARTS = [*examples("element"), *examples("mechanism")]
-WIRE = """
-[element]
-kind = "wire"
-material = "flexinol-90"
-law = { kind = "liang-rogers", modulus = "mixture" }
-diameter = "0.25 mm"
-length = "200 mm"
-[environment]
-temperature = "22 degC"
-cooling = { kind = "constant", h = "70 W/m^2/K" }
-[mechanism]
-kind = "bias-spring"
-stiffness = "0.2 N/mm"
-preload = "4 N"
-[drive]
-kind = "current"
-waveform = { kind = "step", high = "0.2 A", at = "1 s", until = "8 s" }
-[run]
-duration = "30 s"
-"""
+WIRE = write_wire()
 
 
 def warmed(system: AbstractSystem, celsius: float) -> AbstractSystem:

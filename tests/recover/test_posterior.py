@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 import pytest
+from one_wire import hang, write_wire
 from scipy import stats
 
 from martensite.base.errors import ParameterError
@@ -23,26 +24,15 @@ from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
 from martensite.simulate.api import simulate
 
-SCENARIO = """
-[element]
-kind = "wire"
-material = "flexinol-90"
-law = { kind = "liang-rogers", modulus = "mixture" }
-diameter = "0.381 mm"
-length = "100 mm"
-
-[mechanism]
-kind = "dead-weight"
-mass = "1 kg"
-
-[drive]
-kind = "temperature"
-waveform = { kind = "triangle", low = "30 degC", high = "130 degC", frequency = "0.01 Hz" }
-
-[run]
-duration = "100 s"
-samples = 51
-"""
+SCENARIO = write_wire(
+    diameter="0.381 mm",
+    length="100 mm",
+    cooling="",
+    mechanism=hang("1 kg"),
+    drive='kind = "temperature"\n'
+    'waveform = { kind = "triangle", low = "30 degC", high = "130 degC", frequency = "0.01 Hz" }',
+    run='duration = "100 s"\nsamples = 51',
+)
 NOISE = 2e-4
 
 
