@@ -135,7 +135,7 @@ def test_run_tells_what_averaging_leaves_out(file: str) -> None:
     done = CliRunner().invoke(app, asked)
     assert done.exit_code == 0, done.output
     assert "pulses - average" in done.stdout
-    assert "pulses of 100 Hz make the temperature ripple by up to 0.15" in done.stdout
+    assert "Pulses of 100 Hz cause a temperature ripple of up to 0.15" in " ".join(done.stdout.split())
     found = json.loads(CliRunner().invoke(app, [*asked, "--json"]).stdout)
     assert found["averaging"]["frequency"] == 100.0
     assert set(found["averaging"]["differences"]) == {"temperature", "position", "power"}
