@@ -22,7 +22,7 @@ SMALL = {
     "scenarios": 16,
     "commands": 2,
     "logs": 8,
-    "models": 6,
+    "models": 4,
     "materials": 6,
     "saved results": 3,
     "binary logs": 2,
@@ -34,7 +34,7 @@ SMALL = {
     "exported C": 1,
     "titles": 6,
     "hostile folders": 1,
-    "foreign caches": 2,
+    "foreign caches": 1,
 }
 """Trials of each experiment in the small run; the seeds are the first ones."""
 CHUNK = 500

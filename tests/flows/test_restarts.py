@@ -118,7 +118,7 @@ def test_a_run_goes_on_otherwise_from_a_state(tmp_path: Path) -> None:
     [
         ({"at": "1 s"}, "Add the result to `start` from"),
         ({"restart_at": ["26 s"]}, "not within the run, which ends at 25 s"),
-        ({"over": {"mechanism.arm": ["6 mm"]}, "initial": {"temperature": "300 K"}}, "starts at home and at rest"),
+        ({"over": {"mechanism.arm": ["6 mm"]}, "initial": {"temperature": "300 K"}}, "needs a start at home"),
         ({"over": {"mechanism.arm": ["6 mm"]}, "restart_at": ["6 s"]}, "keep no states"),
     ],
 )
@@ -185,5 +185,5 @@ def test_a_file_with_initial_numbers_is_checked_and_other_commands_refuse_it(tmp
     file.write_text(text.replace("150", "30"))
     Command("check", str(file)).fine()
     out = str(tmp_path / "c")
-    assert "starts at home and at rest" in Command("export", "c", str(file), "--out", out).refused()
-    assert "starts at home and at rest" in Command("sweep", str(file), "--over", "mechanism.arm=6..7 mm:3").refused()
+    assert "needs a start at home" in Command("export", "c", str(file), "--out", out).refused()
+    assert "needs a start at home" in Command("sweep", str(file), "--over", "mechanism.arm=6..7 mm:3").refused()
