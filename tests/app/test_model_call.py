@@ -45,7 +45,7 @@ def test_what_does_not_run_by_hand_says_why(monkeypatch: pytest.MonkeyPatch) -> 
         ask("dead_weight", "mechanism.mass", more="# without a compiler\n")
     with pytest.raises(InputError, match="A controller in discrete time"):
         ask("closed_loop")
-    with pytest.raises(InputError, match="begins at rest"):
+    with pytest.raises(InputError, match="sets its initial state"):
         ask("dead_weight", more='\n[initial]\ntemperature = "40 degC"\n')
 
 

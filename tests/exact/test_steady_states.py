@@ -124,7 +124,7 @@ def test_temperature_and_film_coefficient_at_a_power() -> None:
 def test_what_turns_or_swings_has_no_rest() -> None:
     with pytest.raises(InputError, match="changes in time"):
         ms.simulate.find_steady_state(ms.load(EXAMPLES / "pwm_bias_spring.toml"))
-    with pytest.raises(SolveError, match="does not come to rest"):
+    with pytest.raises(SolveError, match="does not reach a steady state"):
         ms.simulate.find_steady_state(ms.load(EXAMPLES / "sommerfeld_beam.toml"), 2.0)
 
 

@@ -104,7 +104,7 @@ def damaged(text):
     yield json.dumps({**document, "interval": "0.05"}), "`interval` must be a finite number"
     yield text.replace('"transfer-function"', '"transfer-funktion"'), "Did you mean"
     yield text.replace(f"{number['c1']!r}", "NaN"), "NaN is no number"
-    yield text.replace('"c2"', '"c9"'), "free numbers of block 1"
+    yield text.replace('"c2"', '"c9"'), "free parameters of block 1"
     yield text.replace('"nf": 2.0', '"nf": -2.0'), "nf"
     yield json.dumps({**document, "taps": [[7, 0]]}), "no output 0 of block 7"
     yield json.dumps({**document, "outputs": ["a", "b"]}), "1 outputs, but 2 are named"

@@ -44,11 +44,11 @@ def test_it_is_drawn_and_written(result: Result, tmp_path: Path) -> None:
 
 def test_a_console_has_a_few_lines_and_a_notebook_a_table(result: Result) -> None:
     assert len(repr(result).splitlines()) <= LINES + 2 < 10
-    assert repr(result).startswith("5 s in ")
+    assert repr(result).startswith("Run: 5 s in ")
     assert str(result.summary()).startswith(str(result).splitlines()[0])
     assert all(len(line) <= 80 for line in str(result.summary()).splitlines()[1:4])
     page = result._repr_html_()
-    assert page.count("<tr>") == len(result.outputs) + 1
+    assert page.count("<tr>") == len(result.outputs)  # the hottest place of a wire that is equally hot is not listed
     assert "wire temperature" in page
     assert "degC" in page
 

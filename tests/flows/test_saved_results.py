@@ -43,8 +43,11 @@ def test_a_saved_result_is_opened_as_it_was(kind: str, tmp_path: Path) -> None:
     result.save(tmp_path / "a.nc")
     opened = ms.open_result(tmp_path / "a.nc")
     for one in fields(result):
-        assert one.name in ("trace", "begin") or same(getattr(result, one.name), getattr(opened, one.name)), one.name
+        assert one.name in ("trace", "begin", "judged") or same(getattr(result, one.name), getattr(opened, one.name)), (
+            one.name
+        )
     assert (str(opened), opened.start, opened.stroke) == (str(result), result.start, result.stroke)
+    assert (opened.alarms, opened.warnings) == (result.alarms, result.warnings)
     assert opened.summary().data == result.summary().data
     assert opened.plot().axes and len(opened.restarts) == 2
     assert same(ms.run(scenario, duration=3.0, start=opened).times[-1], 3.0)

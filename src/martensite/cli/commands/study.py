@@ -149,9 +149,9 @@ def summarise_answer(study: AbstractStudy, answer: Answer, *, claims: bool = Tru
     """The digest of a study, how many claims there are of each verdict, and the claims; then reasons and reports."""
     counts = answer.count_all()
     counted = ", ".join(f"{count} {_name_count(kind, count)}" for kind, count in counts.items() if count)
-    title = f"{study.title}: {sum(counts.values()) - counts.get('reports', 0)} claims checked"
+    checked = sum(counts.values()) - counts.get("reports", 0)
     blocks: list[Block] = [
-        *map(Sentence, wrap(f"Verdicts: {counted}.", PAGE_WIDTH)),
+        *map(Sentence, wrap(f"{checked} claims checked: {counted}.", PAGE_WIDTH)),
         DataTable(("", "summary"), [(DIGEST.get(key, key), text) for key, text in answer.digest.items()]),
     ]
     if claims:
@@ -167,9 +167,9 @@ def summarise_answer(study: AbstractStudy, answer: Answer, *, claims: bool = Tru
     elif claims:
         blocks.append(Sentence(f"Next: martensite study {study.key} --all shows reasons and reported values."))
     if answer.made_by:
-        blocks.append(Sentence(f"Values computed by {answer.made_by}; --recompute computes them again."))
+        blocks.append(Sentence(f"Computed by {answer.made_by}; --recompute computes them again."))
     data = {"key": study.key, "title": study.title, "cites": list(study.cites), "tally": answer.count_all()}
-    return Summary(title, blocks, data | asdict(answer))
+    return Summary("\n".join(wrap(study.title, PAGE_WIDTH)), blocks, data | asdict(answer))
 
 
 def _name_count(kind: str, count: int) -> str:
