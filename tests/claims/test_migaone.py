@@ -48,8 +48,8 @@ def test_verdicts(answer: Answer) -> None:
 
 
 def test_the_digest_has_the_computed_numbers(answer: Answer) -> None:
-    assert "0.381 mm thick, not 0.038 mm" in answer.digest["misprinted"]
-    assert "no parabola more than 0.9890" in answer.digest["contradicts_itself"]
+    assert "0.381 mm, not 0.038 mm" in answer.digest["misprinted"]
+    assert "no parabola exceeds 0.9890" in answer.digest["contradicts_itself"]
 
 
 def shifted_table() -> Printed:

@@ -116,13 +116,13 @@ def test_a_given_temperature_and_phase_are_those_at_the_start_and_the_rest_follo
         ("finger", {"temperature": "20 degC", "martensite_fraction": 1.2}, "must be 0 to 1, but is 1.2"),
         ("platform_spring", {"oriented_fraction": 0.5}, "knows oriented martensite only"),
         ("finger", {"temperature": "150 degC"}, "does not keep a martensite fraction of 1"),
-        ("finger", {"temperature": "9000 degC", "martensite_fraction": 0.0}, "where NiTi melts"),
+        ("finger", {"temperature": "9000 degC", "martensite_fraction": 0.0}, "melting point of NiTi"),
         ("hand", {"thumb_distal_flexor": {"temprature": 300.0}}, "Did you mean `temperature`"),
         ("tensile-test", {"temperature": "20 degC"}, "prescribed by its drive"),
         ("clamped_wire", {"martensite_fraction": 0.5}, "not the same all over"),
         ("closed_loop", {"temperature": "20 degC"}, "no effect on a bench"),
         ("finger", {"at": "equilibrum"}, "Did you mean `equilibrium`"),
-        ("finger", {"at": "equilibrium", "angle": 0.1}, "not both"),
+        ("finger", {"at": "equilibrium", "angle": 0.1}, "give either values or `at`"),
         ("finger", {"at": "settled cycle"}, 'period = "2 s"'),
         ("finger", {"at": "settled cycle", "period": "2 s"}, "does not repeat"),
     ],
@@ -180,5 +180,5 @@ def test_settled_cycle_closes_and_one_that_drifts_is_refused() -> None:
 
 def test_what_never_rests_has_no_equilibrium() -> None:
     system = Machine(mechanism=BeamMotor(**THESIS))
-    with pytest.raises(InputError, match="does not come to rest"):
+    with pytest.raises(InputError, match="does not reach a steady state"):
         run(system, {"motor": Constant(level=3.0)}, 1.0, initial={"at": "equilibrium"}, tolerance=0.1)

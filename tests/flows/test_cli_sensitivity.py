@@ -86,7 +86,7 @@ def test_a_front_is_shown_told_and_saved(store: Path, tmp_path: Path) -> None:
     assert np.all(np.diff(strokes) > 0.0)
     assert figure.is_file()
     shown = PARETO.fine(str(store), *GOALS)
-    assert f"{len(front.runs)} of 64 runs are beaten by no other" in shown
+    assert f"{len(front.runs)} of 64 runs are on the Pareto front" in shown
     assert found.measures["stroke"].words(strokes[0]) in shown
 
 

@@ -89,7 +89,7 @@ def test_gradient_lowers_the_cost_on_other_plants(scenario: Path, c_compiler: st
 def test_what_people_read(scenario: Path, c_compiler: str) -> None:
     found = tuned(scenario, "--method", "relay", "--rule", "ziegler-nichols")
     assert found.exit_code == 1, found.output
-    for words in ("pid by rule ziegler-nichols", "K_u", "controller.Kp [1/m]", "mm s^2", "degC"):
+    for words in ("pid by rule ziegler-nichols", "K_u", "controller.Kp", "1/m/s", "mm s²", "°C"):
         assert words in found.stdout
     assert "Tests of the tuned loop: " in found.stdout
 

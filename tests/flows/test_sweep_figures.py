@@ -71,7 +71,8 @@ def test_more_numbers_are_drawn_as_scatter() -> None:
 
 
 def test_of_many_numbers_the_leading_ones_are_drawn() -> None:
-    many = [replace(ANGLES[0], target=replace(ANGLES[0].target, name=f"a{k}")) for k in range(8)]
+    (target,) = ANGLES[0].targets
+    many = [replace(ANGLES[0], name=f"a{k}", targets=(replace(target, name=f"a{k}"),)) for k in range(8)]
     found = table("sobol:128", many, y=lambda x: x @ np.array([9, 8, 7, 0, 6, 5, 0, 4.0]))
     names = [p.get_xlabel().split()[0] for p in plot_sweep(found).axes if p.get_xlabel()]
     assert names == ["a0", "a1", "a2", "a4", "a5", "a7"]

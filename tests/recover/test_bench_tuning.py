@@ -343,5 +343,5 @@ def test_rules_are_for_a_pid(sensed: LoopRuns) -> None:
 
     switch = OnOff(measured="position", reference=Constant(level=1e-3), high=1.0)
     bench = sensed.bench.with_parts(controllers=Controllers(drive=switch))
-    with pytest.raises(ParameterError, match="that of `drive` is `on-off`"):
+    with pytest.raises(ParameterError, match="controller of `drive` is `on-off`"):
         run_loop_tests(bench, 0.004)

@@ -270,7 +270,8 @@ def _drop_silent_outputs(
     pairs = [(one.name, name) for one in training.experiments for name in one.outputs]
     heard = {name for record, name in pairs if (record, name) not in quiet}
     lost = sorted({name for _, name in quiet} - heard)
-    kept = [replace(one, columns={n: c for n, c in one.columns.items() if n not in lost}) for one in made]
-    if not lost or not all(one.columns for one in kept):
+    kept = [{n: c for n, c in one.columns.items() if n not in lost} for one in made]
+    if not lost or not all(kept):
         return made, []
-    return kept, [f"Nothing that is free moves `{name}`, which is not compared." for name in lost]
+    found = [replace(one, columns=columns) for one, columns in zip(made, kept, strict=True)]
+    return found, [f"Nothing that is free moves `{name}`, which is not compared." for name in lost]

@@ -126,8 +126,8 @@ def _refuse_idle(
     outputs = list_names(list(dict.fromkeys(n for one in problem.experiments for n in one.outputs)))
     one = len(dead) == 1
     raise ParameterError(
-        f"Free parameter{'' if one else 's'} {names} change{'s' if one else ''} nothing in what is "
-        f"compared ({outputs}), neither at the start nor at {len(others)} points within the "
+        f"Free parameter{'' if one else 's'} {names} change{'s' if one else ''} no compared output "
+        f"({outputs}), neither at the start nor at {len(others)} points within the "
         f"bounds; {_suggest_remedy(problem, dead, follows)}"
     )
 

@@ -17,7 +17,7 @@ from martensite.fit.experiment_kinds.base import EXPERIMENT_KINDS
 from martensite.physics.materials.base import load_material, material_names
 from martensite.scenario.catalogue import LISTS, list_registries
 from martensite.simulate.provenance import keep_record
-from martensite.studies.base import STUDIES
+from martensite.studies import base as studies
 from martensite.testing.examples import label_part, list_variants
 
 Check = Callable[[Any], None]
@@ -193,7 +193,7 @@ def find_parts(target: str) -> list[tuple[str, type[Any]]]:
         found = [(kind, r[name]) for kind, r in kinds.items() for name in r.names()]
         return [(kind, cls) for kind, cls in found if cls.__module__ == Path(target).stem]
     own = [(kind, r[target]) for kind, r in kinds.items() if target in r.names()]
-    return own or [("study", STUDIES[name]) for name in STUDIES.names() if name == target]
+    return own or [("study", studies.STUDIES[name]) for name in studies.STUDIES.names() if name == target]
 
 
 def _make_error(target: str, others: Iterable[str]) -> InputError:
@@ -201,7 +201,7 @@ def _make_error(target: str, others: Iterable[str]) -> InputError:
         return InputError(
             f'`{target}` registers no part; write, for example, `@LAWS.register("my-law")` above a class of it.'
         )
-    registries = *list_registries(blocks=True).values(), EXPERIMENT_KINDS, STUDIES
+    registries = *list_registries(blocks=True).values(), EXPERIMENT_KINDS, studies.STUDIES
     names = {*others, *material_names(), *(name for one in registries for name in one.names())}
     where = f"{LISTS}, `martensite study` lists studies, `martensite --help` commands"
     return UnknownNameError("part, material, study or command", target, names, where)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from martensite.base.parameters import Leaf
+    from martensite.control.loop.bench import Bench
     from martensite.control.margins.loop_check import LoopReport
     from martensite.scenario.scenario import Scenario
     from martensite.simulate.judgement import Judgement
@@ -67,7 +68,7 @@ def check(source: ScenarioSource, answer: AnswerOptions) -> None:
     verdict = replace(found, text=f"{loaded.title}: {found.text}")
     blocks = [
         verdict,
-        *(() if tried is None or judged is None else _describe_run(tried, judged, loops)),
+        *(() if tried is None or judged is None else _describe_run(tried, judged, loops, loaded.bench)),
         *_describe_report(report),
         *(() if loops is None else describe_loops(loops)),
     ]
@@ -87,7 +88,7 @@ def _try_run(scenario: Scenario) -> tuple[Result | None, str]:
         return None, f"the run takes more than {TRIED:.3g} s of CPU time. Use `martensite run`"
 
 
-def _describe_run(tried: Result, judged: Judgement, loops: LoopReport | None) -> Iterator[Block]:
+def _describe_run(tried: Result, judged: Judgement, loops: LoopReport | None, bench: Bench | None) -> Iterator[Block]:
     """Return the warnings of a run that neither its verdict nor the tests of its loops give, and its extremes."""
     from martensite.show.summaries.run import write_key_numbers
 
@@ -96,7 +97,9 @@ def _describe_run(tried: Result, judged: Judgement, loops: LoopReport | None) ->
     told |= set() if loops is None else {f"Warning: {one.sentence} {one.remedy}" for one in loops.findings}
     yield from (Sentence(words, "caution") for words in tried.warnings if words not in told)
     yield from map(Sentence, judged.list_remedies())
-    yield Sentence(f"Run: {tried.times[-1]:.6g} s in {tried.steps} steps.")
+    end = float(tried.times[-1])
+    cut = f"{tried.steps} steps" if bench is None else f"{round(end / bench.period)} periods of {bench.period:.6g} s"
+    yield Sentence(f"Run: {end:.6g} s in {cut}.")
 
 
 def _find_figure(scenario: Scenario, outputs: Outputs) -> Callable[[], Figure] | None:
