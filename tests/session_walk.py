@@ -7,6 +7,7 @@ it must be found on the page again.
 import contextlib
 import os
 import random
+import re
 import signal
 import tomllib
 from collections.abc import Iterator
@@ -207,7 +208,7 @@ class Walk:
 
     def take_file(self) -> None:
         if self.at == "identify" and not self.file:
-            self.page.get_by_label("Drop a log here").set_input_files(str(self.log))
+            self.page.get_by_label(re.compile("^Drop (a log|logs) here")).set_input_files(str(self.log))
             expect(self.page.get_by_role("heading", level=2)).to_contain_text(self.log.name)
             self.file = True
 

@@ -136,7 +136,7 @@ def test_documents_are_opened_edited_and_refused(page: Page, tmp_path: Path) -> 
     whole = text.input_value()
     text.fill(whole.replace("dead-weight", "dead-wait"))
     page.get_by_role("button", name="Apply").click()
-    expect(page.get_by_role("dialog").get_by_role("alert")).to_contain_text("`dead-weight`")
+    expect(page.get_by_role("dialog").get_by_role("alert")).to_contain_text("Did you mean dead-weight?")
     text.fill(whole.replace("Wire and dead weight", "My own"))
     page.get_by_role("button", name="Apply").click()
     expect(heading).to_have_text("My own")

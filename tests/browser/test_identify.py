@@ -31,7 +31,7 @@ def opened(page: Page) -> None:
 
 
 def choose(page: Page, path: Path) -> None:
-    page.get_by_label("Drop a log here").set_input_files(str(path))
+    page.get_by_label(re.compile("^Drop (a log|logs) here")).set_input_files(str(path))
 
 
 def step(page: Page, name: str) -> None:
@@ -98,14 +98,14 @@ def test_a_step_is_drawn_said_and_undone(page: Page) -> None:
     page.get_by_role("button", name="Use one").click()
     step(page, "records")
     page.get_by_label("Column of the step").select_option("stress")
-    page.get_by_role("button", name="Do it").click()
+    page.get_by_role("button", name="Apply").click()
     expect(page.get_by_text("median of 5 rows; at most")).to_be_visible()
     page.get_by_role("button", name="Undo step 1").click()
     expect(page.get_by_text("Preparation of the log: none")).to_be_visible()
     page.get_by_role("combobox", name="Step", exact=True).select_option("cut")
     page.get_by_label("kept to [s]").fill("99")
     page.get_by_label("kept to [s]").press("Tab")
-    page.get_by_role("button", name="Do it").click()
+    page.get_by_role("button", name="Apply").click()
     expect(page.get_by_text("Rows from 0 s to 99 s: 100 of 499")).to_be_visible()
 
 

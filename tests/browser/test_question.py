@@ -32,7 +32,7 @@ def test_why_it_is_slow_to_cool_and_what_would_help(page: Page) -> None:
     up, down = number(page, "Time up"), number(page, "Time down")
     share = float(re.findall(r"takes (\d+)\s%", sentence.inner_text())[0])
     assert abs(share - 100 * down / (up + down)) <= 1.0
-    own, thinner = (page.get_by_role("row", name=re.compile(name)) for name in ("This run", "Four wires"))
+    own, thinner = (page.get_by_role("row", name=re.compile(name)) for name in ("This run", "Four parallel wires"))
     expect(thinner).to_be_visible()
     before, after = ([cell.inner_text() for cell in row.get_by_role("cell").all()] for row in (own, thinner))
     said = float(re.findall(r"([\d.]+)\stimes as fast", promise.inner_text())[0])

@@ -6,7 +6,7 @@ Source of truth: the whole run, to the last bit; and the closed balances of what
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,8 @@ from martensite.kernels.compiler import find_compiler
 from martensite.scenario.netcdf import read_labelled, read_restarts
 from martensite.scenario.running import run
 from martensite.scenario.scenario import Scenario, load
+from martensite.simulate.marching import Marched
+from martensite.simulate.restarts import HOME, Relay
 from martensite.simulate.result import Result
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -30,6 +32,29 @@ RUNNABLE = [
     for path in sorted(EXAMPLES.glob("*.toml"))
     if "\n[run]" in path.read_text() and path.stem not in FOLLOWING
 ]
+
+
+@dataclass
+class Leg:
+    """Fields of a plan that a relay uses."""
+
+    times: list[float]
+    start: tuple[float, ...] = ()
+    extremes: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())
+
+
+def test_a_pass_is_made_on_one_runtime() -> None:
+    """`auto` changes to C once its library is loaded, which may be between two legs; their records differ."""
+    used = iter(["floats", "C", "C", "C"])
+
+    def march(plan: Any) -> Marched:
+        rows = [[time] for time in plan.times]
+        return Marched(rows, used=next(used), state=(0.0,), extremes=((0.0,), (0.0,)))
+
+    relay = Relay(march, HOME, [1.0])
+    plan: Any = Leg([0.0, 1.0, 2.0])
+    assert relay(plan).rows == [[0.0], [1.0], [2.0]]
+    assert {leg.used for _, legs in relay.made for leg in legs} == {"C"} and len(relay.made) == 1
 
 
 def place_restarts(scenario: Scenario) -> list[float]:

@@ -78,16 +78,17 @@ class RunEngine:
 
     def __call__(self, plan: MarchPlan) -> Marched:
         """Make a run; `BudgetError` if the budget is spent."""
-        if self.runtime == "auto":
-            return self._quickest(plan)
-        return self._on_c(plan) if self.runtime == "c" else self._on_floats(plan, hasty=False)
+        ways = {"auto": self._quickest, "c": self._on_c, "floats": self._on_floats}
+        found = ways[self.runtime](plan)
+        found.used = self.used
+        return found
 
     def _quickest(self, plan: MarchPlan) -> Marched:
         """On floats if it is over soon, else in C, if there is a compiler."""
         from martensite.kernels.compiler import find_compiler
 
         if find_compiler() is None:
-            return self._on_floats(plan, hasty=False)
+            return self._on_floats(plan)
         if self.used == "C" or (NATIVE in sys.modules and self._readiness(plan) == "loaded"):
             return self._on_c(plan)
         begin, spent = time.process_time(), _SPENT.get(self.compiled, 0.0)
@@ -102,7 +103,7 @@ class RunEngine:
             return self._on_c(plan)
         except CompileError as error:
             tell_once(f"Warning: the run goes on on floats. {error}")
-            return self._on_floats(plan, hasty=False)
+            return self._on_floats(plan)
 
     def _readiness(self, plan: MarchPlan) -> str:
         """Return how ready the runtime C is."""
@@ -110,7 +111,7 @@ class RunEngine:
 
         return tell_readiness(kernel_of(plan, range(len(self.compiled.outputs))))
 
-    def _on_floats(self, plan: MarchPlan, hasty: bool) -> Marched:
+    def _on_floats(self, plan: MarchPlan, hasty: bool = False) -> Marched:
         """Return a run on floats; `TimeoutError` if it is `hasty` and C would be done earlier."""
         self.used = "floats"
         functions = self.compiled.program.bind_floats(*self.values)

@@ -136,6 +136,8 @@ class Marched:
     """Largest difference of the judged outputs to the pass before, until this leg began; empty for the first pass."""
     gaps: list[Row] = field(default_factory=list[Row])
     """Differences at every sample at which passes are compared."""
+    used: str = ""
+    """Runtime of the run, `C` or `floats`."""
 
     @property
     def ends(self) -> list[float]:

@@ -178,7 +178,18 @@ class Relay:
     """Every pass, and its legs."""
 
     def __call__(self, plan: MarchPlan) -> Marched:
-        """One more pass."""
+        """One more pass, all of it on one runtime: `auto` may change it between legs, and rows of runtimes differ."""
+        legs, rows = self._make_legs(plan)
+        if len({leg.used for leg in legs}) > 1:
+            legs, rows = self._make_legs(plan)
+        whole = join_legs(legs, rows, self._begin(len(self.made)))
+        for one in (*(earlier for earlier, _ in self.made), *(leg for leg in legs if leg is not whole)):
+            one.rows = []  # those of one pass are enough to hold
+        self.made.append((whole, legs))
+        return whole
+
+    def _make_legs(self, plan: MarchPlan) -> tuple[list[Marched], list[Any]]:
+        """Return the legs of a pass, and the rows of all of them."""
         before = self._begin(len(self.made))
         at = before or PassState(())
         legs, rows = list[Marched](), list[Any]()
@@ -190,11 +201,7 @@ class Relay:
             if len(leg.rows) < len(times) or leg.status.failed:
                 break
             at = at._replace(state=leg.state, low=leg.extremes[0], high=leg.extremes[1])
-        whole = join_legs(legs, rows, before)
-        for one in (*(earlier for earlier, _ in self.made), *(leg for leg in legs if leg is not whole)):
-            one.rows = []  # those of one pass are enough to hold
-        self.made.append((whole, legs))
-        return whole
+        return legs, rows
 
     def _begin(self, number: int) -> PassState | None:
         """Return the start of a pass, or of the finest pass before if there were fewer; None at the default start."""
