@@ -120,7 +120,7 @@ def test_files_are_shown_as_text_or_refused(page: Page, log: Path, tmp_path: Pat
     page.get_by_label("Unit of T (C)").fill("bar")
     page.get_by_label("Unit of T (C)").press("Tab")
     step(page, "records")
-    expect(page.get_by_role("alert")).to_contain_text("`bar` cannot be converted to `K`")
+    expect(page.get_by_role("alert")).to_contain_text("unit bar cannot be converted to K")
     binary = tmp_path / "binary.csv"
     binary.write_bytes(bytes(range(256)) * 8)
     choose(page, binary)
