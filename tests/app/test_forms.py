@@ -274,7 +274,7 @@ def test_a_kind_without_start_values_asks_for_its_numbers(foreign: str) -> None:
         ({"changes": {"element.lew.kind": "tanaka"}}, "no kind at `element.lew.kind`"),
         ({"changes": {"element.material": "flexinol"}}, "Did you mean"),
         ({"changes": {"element.diameter": "30 mm"}}, "at most 20 mm"),
-        ({"changes": {"drive.waveform.kind": "carrier"}}, "a duty cycle drives"),
+        ({"changes": {"drive.waveform.kind": "carrier"}}, "For a duty cycle, use the drive"),
         ({"removed": ["mechanism.stiffness"]}, "needs `stiffness`"),
     ],
 )

@@ -79,9 +79,9 @@ def test_too_many_pulses_are_refused() -> None:
 def test_a_carrier_drives_a_switch_only() -> None:
     carrier = Carrier(duty=Constant(level=0.5), frequency=10.0)
     volts = hanging_wire(source=VoltageSource())
-    with pytest.raises(UnitError, match="is a plain number, but the drive takes V"):
+    with pytest.raises(UnitError, match="is a plain number, but the drive needs V"):
         simulate(volts, carrier, 1.0)
-    with pytest.raises(UnitError, match="a duty cycle drives `pwm-voltage`"):
+    with pytest.raises(UnitError, match="For a duty cycle, use the drive `pwm-voltage`"):
         simulate_batch(volts, carrier, 1.0, {"voltage_limit": [5.0]}, step=0.1)
     assert simulate(hanging_wire(source=PwmVoltage(supply=1.0)), carrier, 1.0, step=0.1)
 

@@ -222,7 +222,7 @@ def test_material_without_a_needed_number_is_named() -> None:
 TABLES = [
     ('file = "gone.csv", column = "voltage"', "There is no file"),
     ('file = "log.csv", column = "volts"', "Did you mean `voltage`"),
-    ('file = "log.csv", column = "temperature"', "is in K, but the drive takes V"),
+    ('file = "log.csv", column = "temperature"', "is in K, but the drive needs V"),
     ('file = "log.csv"', "needs `column`"),
     ('column = "voltage"', "needs `file`"),
     ('file = "log.csv", colum = "voltage"', "Did you mean `column`"),

@@ -85,7 +85,7 @@ def add_point(session: Session, channel: str, value: float) -> CalibrationPoint:
 
 
 def solve_points(points: list[CalibrationPoint], gain: float, offset: float) -> tuple[float, float]:
-    """Return the gain and offset by points, from those there were.
+    """Return the gain and offset that fit calibration points, corrected from the present ones.
 
     Raises:
         DataError: the points do not determine them.

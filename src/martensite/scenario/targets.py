@@ -50,7 +50,7 @@ def _list_references(bench: Bench) -> dict[str, str]:
 
 
 def _list_waveform_targets(scenario: Scenario) -> Iterator[Target]:
-    """Yield the numbers of the waveforms of a scenario."""
+    """Yield all numeric values of the waveforms of a scenario."""
     signals = {drive.name: drive.unit for drive in scenario.system.drives()}
     played: Mapping[str, Any] = by_name(scenario.system, scenario.waveform)
     for name, waveform in played.items():

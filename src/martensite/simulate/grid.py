@@ -202,8 +202,8 @@ def require_unit(waveform: AbstractWaveform | type[AbstractWaveform], unit: str)
     if waveform.unit not in (None, unit):
         kind = "a plain number" if waveform.unit == "1" else f"in {waveform.unit}"
         raise UnitError(
-            f"The signal of waveform `{waveform.registered_name}` is {kind}, but the drive takes "
-            f"{unit}; a duty cycle drives `pwm-voltage`."
+            f"The signal of waveform `{waveform.registered_name}` is {kind}, but the drive needs "
+            f"{unit}. For a duty cycle, use the drive `pwm-voltage`."
         )
 
 

@@ -98,7 +98,7 @@ def compute_speeds(
     after = hold if back is None else float(require_positive("back", back, "s")[0])
     levels = np.atleast_1d(np.asarray(signals, float))
     if not levels.size or bool(load) != bool(len(loads)):
-        raise InputError("Speeds need signals, and of a load both its name and its values.")
+        raise InputError("Give the signals; for a load, give both its name and its values.")
     path = system.resolve(load) if load else ""
     values = np.atleast_1d(np.asarray(loads, float)) if load else np.array([np.nan])
     shape = len(values), len(levels)

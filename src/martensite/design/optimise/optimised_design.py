@@ -159,7 +159,7 @@ class ReportedMeasure:
 
 @dataclass(frozen=True)
 class RoundedDesign:
-    """The best design with some whole numbers."""
+    """Find the best design if some parameters must be whole numbers."""
 
     whole: tuple[int, ...]
     numbers: tuple[float, ...]

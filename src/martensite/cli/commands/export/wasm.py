@@ -34,7 +34,7 @@ def wasm(
         Text,
         Option(
             metavar="NAMES",
-            help=("Parameters and signals with derivatives of all outputs, comma-separated, e.g. A_s,drive."),
+            help=("Parameters and signals by which all outputs are differentiated, comma-separated, e.g. A_s,drive."),
         ),
     ] = None,
     force: Force = False,
