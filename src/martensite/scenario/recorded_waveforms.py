@@ -104,7 +104,7 @@ def build_waveform(table: Mapping[str, Any], path: str, folder: Path, unit: str)
         made = table_waveform(record, column)
         if record.units[column] != unit:
             raise DataError(
-                f"Column `{column}` of record `{record.name}` is in {record.units[column]}, but the drive takes {unit}."
+                f"Column `{column}` of record `{record.name}` is in {record.units[column]}, but the drive needs {unit}."
             )
     return made, record.times[-1]
 
