@@ -50,7 +50,7 @@ def test_a_console_has_a_few_lines_and_a_notebook_a_table(result: Result) -> Non
     page = result._repr_html_()
     assert page.count("<tr>") == len(result.outputs)  # the hottest place of a wire that is equally hot is not listed
     assert "wire temperature" in page
-    assert "degC" in page
+    assert "°C" in page
 
 
 def test_a_material_prints_as_one_short_line() -> None:
