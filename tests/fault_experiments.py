@@ -51,7 +51,6 @@ from fault_trials import (
     work_off,
     write_trials,
 )
-from one_wire import THIN, write_wire
 
 ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = ROOT / "examples"
@@ -172,15 +171,27 @@ COMMANDS = (
     "sensitivity out.zarr --output stroke",
 )
 PROMISED = {"--out": ("nc", "csv", "fmu", "zarr", "toml"), "--save": ("json", "csv", "toml"), "--figure": ("png",)}
-QUICK = write_wire(
-    "A thin wire",
-    law='"liang-rogers"',
-    **THIN
-    | {
-        "drive": 'kind = "voltage"\nwaveform = { kind = "step", high = "3 V", at = "0.1 s", until = "1.3 s" }',
-        "run": 'duration = "2 s"\nsamples = 21',
-    },
-)
+QUICK = """title = "A thin wire"
+[element]
+kind = "wire"
+material = "flexinol-90"
+law = "liang-rogers"
+diameter = "0.15 mm"
+length = "250 mm"
+[environment]
+temperature = "22 degC"
+cooling = { kind = "constant", h = "120 W/m^2/K" }
+[mechanism]
+kind = "bias-spring"
+stiffness = "0.15 N/mm"
+preload = "1.2 N"
+[drive]
+kind = "voltage"
+waveform = { kind = "step", high = "3 V", at = "0.1 s", until = "1.3 s" }
+[run]
+duration = "2 s"
+samples = 21
+"""
 
 
 def write_log(rows: int = 120, separator: str = ",") -> str:

@@ -20,13 +20,13 @@ from fault_trials import FINE, HOSTILE, Outcome, Trial, count_trials, run_trials
 
 SMALL = {
     "scenarios": 16,
-    "commands": 2,
+    "commands": 3,
     "logs": 8,
-    "models": 4,
+    "models": 6,
     "materials": 6,
     "saved results": 3,
-    "binary logs": 2,
-    "stores": 2,
+    "binary logs": 3,
+    "stores": 4,
     "kills": 1,
     "clocks": 1,
     "full disks": 1,
@@ -34,7 +34,7 @@ SMALL = {
     "exported C": 1,
     "titles": 6,
     "hostile folders": 1,
-    "foreign caches": 1,
+    "foreign caches": 2,
 }
 """Trials of each experiment in the small run; the seeds are the first ones."""
 CHUNK = 500
