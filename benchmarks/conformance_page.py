@@ -27,7 +27,8 @@ FOOT = """
 - **whole steps**: number of systems, then the smallest and the largest difference of all outputs in {steps} steps
   under random signals. 0 is equal to the last bit. Some targets omit systems that compile for minutes. The {count}
   systems are: {names}.
-- **size**: compressed size for the wire of README.md: {handed}.
+- **size**: compressed size for the wire of README.md. The compressed files are
+{handed}
 - **step**: CPU time of one step of that wire, best of several rounds. C lanes run 256 lanes at once; the time is per
   lane. Python calls the FMU, sets its inputs and reads its outputs in every step. WebAssembly runs in Node.js, by wall
   clock.
@@ -77,7 +78,7 @@ def render_page(numbers: dict[str, Any]) -> str:
     handed: dict[str, list[str]] = {}
     for row in rows:
         handed.setdefault(row["handed"], []).append(row["machine"])
-    words = "; ".join(f"{what} ({', '.join(names)})" for what, names in handed.items())
+    words = "\n".join(f"  - {what}: {'; '.join(names)}" for what, names in handed.items())
     foot = FOOT.format(
         **{name: numbers[name] for name in ("steps", "made", "processor", "python", "compiler")},
         count=len(numbers["programs"]),

@@ -69,7 +69,7 @@ TIMES = (0.0, 4.0, 10.0, 16.0, DURATION)
 @pytest.mark.parametrize("runtime", ["floats", "c"])
 @pytest.mark.parametrize("wave", [Step(low=300.0, high=390.0, at=4.0, until=16.0), TENT], ids=["jumps", "ramps"])
 def test_courses_of_prescribed_temperatures_are_resolved(wave: AbstractWaveform, runtime: str, c_compiler: str) -> None:
-    """Beside stored samples, each of which has a step of its own."""
+    """The truth: 2001 samples. Each sample ends a separate step."""
     system = SYSTEM.with_parts(source=PrescribedTemperature(), mechanism=DeadWeight(mass=1.0))
     run = simulate(system, wave, DURATION, samples=2001, runtime=runtime, tolerance=1e-3)
     range_of = np.ptp(run["position"])

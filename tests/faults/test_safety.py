@@ -21,7 +21,7 @@ from martensite.scenario.netcdf import describe_result
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step
-from martensite.simulate.alarms import Alarm, Judged, alarms_of, find_excursion, find_undelivered
+from martensite.simulate.alarms import Alarm, RunWarnings, alarms_of, find_excursion, find_undelivered
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
 
@@ -216,4 +216,4 @@ def test_a_pulse_between_two_samples_raises_the_same_alarm() -> None:
 def test_an_alarm_without_its_sentence_is_noticed() -> None:
     run = simulate(hanging_wire(), Constant(level=-1.0), 1.0, step=0.1, samples=11)
     with pytest.raises(AssertionError):
-        only(replace(run, judged=Judged(run.alarms)), "supply")
+        only(replace(run, judged=RunWarnings(run.alarms)), "supply")

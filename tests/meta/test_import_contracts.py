@@ -1,7 +1,7 @@
 """The import contracts hold, and breaking one is noticed.
 
 Source of truth: the layers of `pyproject.toml`. import-linter sees import statements; this file checks strings that
-name a module, the public names of stubs, and pairs of files that import each other.
+name a module, the public names of stubs, pairs of files that import each other, and imported names that do not exist.
 """
 
 import ast
@@ -10,8 +10,10 @@ import shutil
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from importlib import import_module
 from pathlib import Path
+from pkgutil import iter_modules
 
 import grimp
 import pytest
@@ -166,3 +168,42 @@ def test_no_two_files_import_each_other() -> None:
     assert found == CIRCLES, "dissolve a new pair; remove a pair that is gone from the list"
     graph.add_import(importer="martensite.base.errors", imported="martensite.base.files")
     assert find_circles(graph) - found == {("martensite.base.errors", "martensite.base.files")}
+
+
+# ---------------------------------------------------------------- names that imports ask for
+
+
+def find_stale_imports(folder: Path) -> list[str]:
+    """Return the imports from the package, at the top or within functions, of modules or names that do not exist."""
+    found: list[str] = []
+    for path in sorted(folder.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("martensite."):
+                found += [f"{path.name}:{node.lineno} {fault}" for fault in list_missing(str(node.module), node.names)]
+    return found
+
+
+def list_missing(module: str, names: Sequence[ast.alias]) -> list[str]:
+    """Return faults of `from module import names`."""
+    try:
+        home = import_module(module)
+    except ModuleNotFoundError as error:
+        ours = str(error.name).startswith("martensite")
+        return [f"names the module `{error.name}`"] if ours else []  # else a third-party package is not installed
+    absent = (one.name for one in names if not hasattr(home, one.name))
+    modules = {one.name for one in iter_modules(getattr(home, "__path__", []))}
+    return [f"wants `{name}` of `{module}`" for name in absent if name not in modules]
+
+
+@pytest.mark.parametrize("folder", ["src/martensite", "tests", "benchmarks", "examples", "docs/_ext"])
+def test_every_import_of_the_package_exists(folder: str) -> None:
+    """Many imports stand within functions and in tests, where nothing but a run would notice that a name has moved."""
+    assert find_stale_imports(ROOT / folder) == []
+
+
+@pytest.mark.parametrize(
+    "line", ["from martensite.logs.nowhere import read_log", "from martensite.logs.reader import read_all"]
+)
+def test_a_stale_import_is_noticed(tmp_path: Path, line: str) -> None:
+    (tmp_path / "late.py").write_text(f"def load():\n    {line}\n")
+    assert len(find_stale_imports(tmp_path)) == 1

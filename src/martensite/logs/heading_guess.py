@@ -99,7 +99,7 @@ class Guess:
     unit: str
     """Unit as `martensite.base.units` reads it; empty if the heading names no unit."""
     worded: bool = True
-    """False if only the unit says what the column is."""
+    """True if a word of the heading names the quantity; False if only the unit does."""
 
 
 def guess_heading(heading: str) -> Guess:

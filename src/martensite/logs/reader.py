@@ -75,10 +75,12 @@ def read_log(
     """
     if named and is_published(source):
         raise DataError(f"The columns of `{source}` are known; `--as` has no effect on it.")
-    exact = None if named else _try_exact(source, interval)
-    if exact is not None and (is_published(source) or not known or is_all_known(exact.record)):
-        return exact
-    found = replace(read_lab_file(source, named), renamed=exact is not None)
+    found = None if named else _try_exact(source, interval)
+    exact = found is not None and found.exact
+    if found is not None and exact and (is_published(source) or not known or is_all_known(found.record)):
+        return found
+    if found is None or exact:
+        found = replace(read_lab_file(source, named), renamed=exact)
     return found.with_interval(interval) if interval is not None and not found.has_time else found
 
 
@@ -94,7 +96,7 @@ def read_parts(
 
 
 def _try_exact(source: str | Path, interval: float | None) -> LabFile | None:
-    """Return a file to the letter; None where its headings do not settle all meanings."""
+    """Return a file to the letter, or as understood if cells need that; None if headings leave meanings open."""
     if not (is_published(source) or is_columnar(source) or _is_text(source)):
         return None
     try:
@@ -104,19 +106,21 @@ def _try_exact(source: str | Path, interval: float | None) -> LabFile | None:
             raise
         return None
     except DataError as error:
-        if is_published(source) or not _is_text(source) or not _is_whole(source):
+        whole = None if is_published(source) or not _is_text(source) else _read_whole(source)
+        if whole is None:
             raise _advise(error, source) from None
-        return None
+        return whole
 
 
-def _is_whole(source: str | Path) -> bool:
-    """Return whether a file is understood without the loss of any cell: thousands, a counter that begins anew."""
+def _read_whole(source: str | Path) -> LabFile | None:
+    """Return a file that is understood without the loss of any cell: thousands, a counter that begins anew; or None."""
     try:
         found = read_lab_file(source)
     except DataError:
-        return False
-    columns = found.record.columns.values()
-    return not found.dropped and not found.record.dropped and all(map(math.isfinite, chain.from_iterable(columns)))
+        return None
+    columns = chain.from_iterable(found.record.columns.values())
+    lost = found.dropped or found.record.dropped or not all(map(math.isfinite, columns))
+    return None if lost else found
 
 
 def read_log_table(source: str | Path, interval: float | None = None, named: Mapping[str, str] | None = None) -> Record:

@@ -28,7 +28,7 @@ from martensite.base.files import write_file
 from martensite.base.object_text import encode
 from martensite.logs.binary_files import read_apart
 from martensite.physics.materials.base import Material
-from martensite.simulate.alarms import Judged
+from martensite.simulate.alarms import RunWarnings
 from martensite.simulate.restarts import PassState, Restart
 from martensite.simulate.result import Result, Variants
 
@@ -342,7 +342,7 @@ def _keep_result(result: Result) -> str | None:
     left_out = (*IN_VARIABLES, *NOT_KEPT)
     own = {one.name: getattr(result, one.name) for one in fields(result) if one.name not in left_out}
     own["begin"] = result.start
-    own["judged"] = Judged(result.alarms, result.warnings[len(result.notes) :])
+    own["judged"] = RunWarnings(result.alarms, result.warnings[len(result.notes) :])
     own["extremes"] = {} if result.variants is not None else dict(result.extremes)
     try:
         return json.dumps(encode(own), ensure_ascii=False)

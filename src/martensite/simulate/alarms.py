@@ -89,7 +89,7 @@ class Alarm:
 
 
 @dataclass(frozen=True)
-class Judged:
+class RunWarnings:
     """Alarms of a run, and sentences on them and on what its laws leave in doubt."""
 
     alarms: Sequence[Alarm] = ()
@@ -303,7 +303,7 @@ def undelivered_margins(source: AbstractSource, drive: Values, resistance: Value
     return np.maximum(demand - reached.most, reached.least - demand) - ROUNDING * np.abs(demand)
 
 
-def judge_limits(result: Result) -> Judged:
+def judge_limits(result: Result) -> RunWarnings:
     """Return the alarms of a run with their sentences, from its track, or from its samples if it has none."""
     system, alarms = result.system, list[Alarm]()
     if system.actuators():
@@ -316,7 +316,7 @@ def judge_limits(result: Result) -> Judged:
             alarms = alarms_of(system, *result.draw_curves(names, sorted(followed)))
     coarse = [f"Warning: {result.status.sentence}"] if result.status is Status.LONG_STEP else []
     sentences = [alarm.sentence for alarm in alarms]
-    return Judged(alarms, [*sentences, *coarse, *_describe_doubts(result, result.list_rows()[1])])
+    return RunWarnings(alarms, [*sentences, *coarse, *_describe_doubts(result, result.list_rows()[1])])
 
 
 def _widen(name: str, column: Numbers) -> Numbers:

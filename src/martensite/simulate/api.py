@@ -112,11 +112,10 @@ def simulate(
         return march(Relay(engine, start, [stop for stop in relay.stops if stop < plan.times[-1]]), plan)
 
     plan, found, accuracy = end_at_envelope(system, plan, *march(relay, plan), march_again)
-    marched_on = engine.used
     compared = choose_samples(len(times), plan.skipped) if step is None else [-1]
     kept = relay.list_restarts([times[k] for k in compared])
-    trace = RunTrace(system, engine, plan, found, relay, marched_on)
-    result = _build_result(system, waveform, plan, found, accuracy, engine.used, trace)
+    trace = RunTrace(system, engine, plan, found, relay)
+    result = _build_result(system, waveform, plan, found, accuracy, found.used, trace)
     notes = list(result.notes)
     if accuracy is not None and accuracy > tolerance and not found.status.failed:
         notes.append(

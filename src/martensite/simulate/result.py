@@ -20,7 +20,7 @@ from martensite.base.formats import show_quantity
 from martensite.base.services import import_service
 from martensite.base.status import Status
 from martensite.base.summary import Sentence, Summary
-from martensite.simulate.alarms import Alarm, Judged
+from martensite.simulate.alarms import Alarm, RunWarnings
 from martensite.simulate.ledger import HeatBalance, WorkBalance
 from martensite.simulate.measures.base import measure_samples, parse_measure
 from martensite.simulate.measures.run_table import find_extremes, tabulate_track
@@ -92,7 +92,7 @@ class Result:
     of each; None if only one run was made, and for a batch (see `variants.accuracy`)."""
     notes: Sequence[str] = ()
     """Sentences of the run itself, with which `warnings` begins."""
-    judged: Callable[[Result], Judged] | Judged = field(default_factory=Judged)
+    judged: Callable[[Result], RunWarnings] | RunWarnings = field(default_factory=RunWarnings)
     """Returns `alarms` and the rest of `warnings` when one of them is read; or these themselves, of a result from a
     file and of a batch."""
     profiles: dict[str, list[list[float]]] = field(default_factory=dict[str, list[list[float]]])
@@ -133,18 +133,18 @@ class Result:
         object.__setattr__(self, "columns", {name: np.asarray(one, np.float64) for name, one in self.columns.items()})
 
     @cached_property
-    def _judgement(self) -> Judged:
-        return self.judged if isinstance(self.judged, Judged) else self.judged(self)
+    def _run_warnings(self) -> RunWarnings:
+        return self.judged if isinstance(self.judged, RunWarnings) else self.judged(self)
 
     @property
     def alarms(self) -> list[Alarm]:
         """Return exceeded limits, slack and a saturated supply, with time, duration and amount."""
-        return list(self._judgement.alarms)
+        return list(self._run_warnings.alarms)
 
     @property
     def warnings(self) -> list[str]:
         """Return sentences on exceeded limits, slack, a saturated supply, coarse steps."""
-        return [*self.notes, *self._judgement.sentences]
+        return [*self.notes, *self._run_warnings.sentences]
 
     @cached_property
     def start(self) -> str:

@@ -101,16 +101,14 @@ class RunTrace(AbstractTrace):
     found: Marched
     relay: Relay
     """Relay that made the passes of the run."""
-    used: str
-    """Runtime of the last pass, `C` or `floats`; its records differ."""
 
     def compute_track(self) -> Track:
         """Return the outputs of the last pass."""
-        return self._observe(self.found, self.used)
+        return self._observe(self.found)
 
-    def _observe(self, found: Marched, used: str) -> Track:
+    def _observe(self, found: Marched) -> Track:
         plan, outputs = self.plan, range(len(self.system.outputs()))
-        observe = self.engine.observe(plan, outputs, used)
+        observe = self.engine.observe(plan, outputs, found.used)
         track = assemble_track(plan, found.record, outputs, observe, [plan.waveforms])
         return cut_outside(self.system, track) if found.status is Status.OUT_OF_ENVELOPE else track
 
@@ -121,7 +119,7 @@ class RunTrace(AbstractTrace):
         local = LOCAL[plan.order] * plan.tolerance / FINER ** (len(self.relay.made) - 2)
         again = replace(self.relay, made=[])
         before = again(replace(plan, tolerance=local, times=[plan.times[0], plan.times[-1]]))
-        return self._observe(before, self.engine.used)
+        return self._observe(before)
 
     def bound_measure(self, one: AbstractMeasure, track: Track) -> float | None:
         """Return the bound from the pass before the last one; None for given steps and for runs that stopped early."""

@@ -1,4 +1,4 @@
-"""Suite of exporters, beside that of commands: common options, and the answer to a scenario that does not exist."""
+"""Suite of exporters: their common options, and the exit code for a missing scenario."""
 
 from typer.core import TyperCommand
 

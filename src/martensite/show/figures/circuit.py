@@ -25,11 +25,7 @@ def plot_circuit(found: WireRatings) -> Figure:
     series, power = found.series_resistor(current)
     ways = (
         ("a resistor sets the current", f"{series:.3g} Ω\n{power:.2g} W" if series > 0.0 else "none", "on for a pulse"),
-        (
-            "or a PWM duty cycle sets the power",
-            "",
-            f"PWM {100.0 * min(found.duty(current), 1.0):.0f} %\nabove 100 Hz",
-        ),
+        ("or a PWM duty cycle sets the power", "", f"PWM {100.0 * min(found.duty(current), 1.0):.0f} %\nabove 100 Hz"),
     )
     with use_style():
         figure = make_figure(WIDTH, HEIGHT)
