@@ -21,6 +21,8 @@ from martensite.physics.thermal.films import ConstantCooling
 
 D, L, K, H, AMBIENT = 0.1e-3, 20e-3, 18.0, 200.0, 295.0
 SECTION = 0.25 * math.pi * D * D
+HEALING = math.sqrt(K * D / (4.0 * H))
+"""Healing length [m]: 1.5 mm."""
 IDEAL = 1e9
 """Contact conductance [W/K] that counts as ideal."""
 

@@ -227,7 +227,7 @@ MANY = Table(times=tuple(1e-3 * k for k in range(101)), values=tuple(k % 2 for k
     [
         (0.1, {}, {}, InputError, "signal is missing for tendon wire"),
         (0.1, {"wire": 0.0, "wir": 0.0}, {}, InputError, "No tendon with an element is named `wir`"),
-        (0.1, {"wire": Carrier(duty=Constant(level=0.5), frequency=10.0)}, {}, UnitError, "takes W"),
+        (0.1, {"wire": Carrier(duty=Constant(level=0.5), frequency=10.0)}, {}, UnitError, "the drive needs W"),
         (0.0, {"wire": 0.0}, {}, ParameterError, "`duration`"),
         (0.1, {"wire": 0.0}, {"samples": 1}, InputError, "2 samples or more"),
         (0.1, {"wire": 0.0}, {"joints": ["y"]}, InputError, "No hinge or slide named `y`"),

@@ -183,6 +183,31 @@ def find_stale_imports(folder: Path) -> list[str]:
     return found
 
 
+def find_stale_helpers(folder: Path) -> list[str]:
+    """Return the imports of tests from helper modules beside them that no longer define the name."""
+    defined = {path.stem: list_defined(ast.parse(path.read_text("utf-8"))) for path in folder.glob("*.py")}
+    found: list[str] = []
+    for path in sorted(folder.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.module in defined:
+                absent = [one.name for one in node.names if one.name not in defined[node.module]]
+                found += [f"{path.name}:{node.lineno} wants `{name}` of `{node.module}`" for name in absent]
+    return found
+
+
+def list_defined(tree: ast.Module) -> set[str]:
+    """Return the names that a module defines, assigns or imports, also within `if` and `try`."""
+    names: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            names.add(node.name)
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            names.add(node.id)
+        elif isinstance(node, ast.Import | ast.ImportFrom):
+            names |= {one.asname or one.name for one in node.names}
+    return names
+
+
 def list_missing(module: str, names: Sequence[ast.alias]) -> list[str]:
     """Return faults of `from module import names`."""
     try:
@@ -207,3 +232,13 @@ def test_every_import_of_the_package_exists(folder: str) -> None:
 def test_a_stale_import_is_noticed(tmp_path: Path, line: str) -> None:
     (tmp_path / "late.py").write_text(f"def load():\n    {line}\n")
     assert len(find_stale_imports(tmp_path)) == 1
+
+
+def test_tests_import_what_their_helpers_define() -> None:
+    assert find_stale_helpers(ROOT / "tests") == []
+
+
+def test_a_name_that_left_a_helper_is_noticed(tmp_path: Path) -> None:
+    (tmp_path / "shapes.py").write_text("LENGTH = 1.0\n")
+    (tmp_path / "test_shapes.py").write_text("from shapes import LENGTH, WIDTH\n")
+    assert find_stale_helpers(tmp_path) == ["test_shapes.py:1 wants `WIDTH` of `shapes`"]
