@@ -21,7 +21,6 @@ MOST_LINES = 400
 LONG_FILES = {
     "actuators/elements/lumped.py",
     "app/static_site/input_map.py",
-    "base/parameters.py",
     "identify/chains/estimate.py",
     "kernels/graph.py",
     "kernels/slopes.py",

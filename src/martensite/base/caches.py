@@ -1,7 +1,7 @@
-"""The cache folder of the user, whose files may be programs, so that no other user may write there.
+"""Cache folder of the user. Its files may be programs, so no other user may be able to write there.
 
-A folder or file is trusted if this user owns it and neither its group nor others may write it. The folder
-above the cache must not let others rename what is in it. Windows keeps such folders private by itself.
+A folder or file is trusted if this user owns it and neither its group nor others may write it. The parent folder must
+not let others rename it. Windows keeps such folders private.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ def cache_folder() -> Path:
 
 
 def make_cache(*names: str) -> Path:
-    """Return a folder within the cache folder, made if need be, with mode 0700.
+    """Return a folder within the cache folder; create it with mode 0700 if it is missing.
 
     Args:
-        names: the folder, from the cache folder down.
+        names: path of the folder, relative to the cache folder.
 
     Raises:
-        OSError: it cannot be made, or another user owns it or may write it; `strerror` is the reason.
+        OSError: the folder cannot be created, or another user owns it or may write it.
     """
     try:
         folder = cache_folder()
@@ -50,7 +50,7 @@ def make_cache(*names: str) -> Path:
 
 
 def require_cache(*names: str) -> Path:
-    """Return the same folder; raise `DataError` with a remedy instead of `OSError`."""
+    """Return a cache folder as `make_cache` does; raise `DataError` instead of `OSError`."""
     try:
         return make_cache(*names)
     except OSError as error:
@@ -58,7 +58,7 @@ def require_cache(*names: str) -> Path:
 
 
 def make_private_folder(folder: Path) -> None:
-    """Make a folder with mode 0700 if it is missing; `OSError` if another user owns it or may write it."""
+    """Create a folder with mode 0700 if it is missing; raise `OSError` if other users control it."""
     with suppress(FileExistsError):
         folder.parent.mkdir(parents=True, exist_ok=True)
     with suppress(FileExistsError):
@@ -71,26 +71,25 @@ def make_private_folder(folder: Path) -> None:
         above = one.parent.stat().st_mode
         if above & stat.S_IWOTH and not above & stat.S_ISVTX:
             raise _describe_danger(one.parent, "others may write it; run `chmod o-w` on it")
-        found = one.lstat()
-        if found.st_uid != os.getuid():
+        status = one.lstat()
+        if status.st_uid != os.getuid():
             raise _describe_danger(one, "another user owns it")
-        if found.st_mode & _SHARED and not stat.S_ISLNK(found.st_mode):
+        if status.st_mode & _SHARED and not stat.S_ISLNK(status.st_mode):
             raise _describe_danger(one, "others may write it; run `chmod go-w` on it")
 
 
 def is_private_file(path: Path) -> bool:
-    """Return whether an ordinary file is there that this user owns and no other may write."""
+    """Return whether a regular file exists that this user owns and no other user may write."""
     try:
-        found = path.lstat()
+        status = path.lstat()
     except OSError:
         return False
-    if os.name != "posix":
-        return stat.S_ISREG(found.st_mode)
-    return stat.S_ISREG(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & _SHARED
+    private = os.name != "posix" or (status.st_uid == os.getuid() and not status.st_mode & _SHARED)
+    return stat.S_ISREG(status.st_mode) and private
 
 
 def keep_private(made: Path, path: Path, mode: int = 0o600) -> None:
-    """Move a new file to its place in a cache, as one that no other user may write."""
+    """Move a new file to its place in a cache and deny other users write access."""
     made.chmod(mode)
     made.replace(path)
 

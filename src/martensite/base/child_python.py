@@ -1,8 +1,7 @@
-"""Start Python in a child process that never imports from the current folder.
+"""Start Python child processes that never import from the current folder.
 
-`python -m` and `python -c` put the current folder first on the module path. A file such as `numpy.py`
-next to a log would then run as soon as the log is read. Every child of this package is therefore started
-with `-P`, or within `safe_children` where a library writes the command.
+`python -m` and `python -c` put the current folder first on the module path, where a file such as `numpy.py` next to a
+log would be executed. Child processes are therefore started with `-P`, or within `safe_children`.
 """
 
 from __future__ import annotations
@@ -17,27 +16,19 @@ _SAFE = "PYTHONSAFEPATH"
 
 
 def python_command(*words: str) -> list[str]:
-    """Return the command that starts this interpreter without the current folder on its module path.
-
-    Args:
-        words: further words of the command, such as `"-m"` and a module.
-    """
+    """Return the command that starts this interpreter with `-P` and further words, such as `"-m"` and a module."""
     return [sys.executable, "-P", *words]
 
 
 def python_environment(**settings: str) -> dict[str, str]:
-    """Return the environment of a child that finds modules where this process does, but not in the current folder.
-
-    Args:
-        settings: further variables of the environment.
-    """
+    """Return the environment of a child process: the module path without the current folder, and `settings`."""
     paths = (path for path in sys.path if path and not _is_current(path))
     return os.environ | {"PYTHONPATH": os.pathsep.join(paths)} | settings
 
 
 @contextmanager
 def safe_children() -> Generator[None]:
-    """Start no process within this block, by any library, that imports from the current folder."""
+    """Prevent child processes started in this block, by any library, from importing from the current folder."""
     before = os.environ.get(_SAFE)
     os.environ[_SAFE] = "1"
     try:

@@ -1,11 +1,10 @@
-"""Confidence intervals of least squares: Student's t, from SciPy's distribution functions.
+"""Confidence intervals of least squares from Student's t distribution.
 
     P(|T_ν| ≤ t) = level    gives the interval    value ± t(level, ν) error
 
-with ν degrees of freedom: the points to spare. The square of T_ν has Fisher's F distribution with
-1 and ν degrees of freedom, so that `two_sided_probability` is also the F-test for one additional
-term. `scipy.special` is imported rather than `scipy.stats`, which evaluates the same functions but
-takes four times as long to import.
+with ν degrees of freedom. T_ν² has Fisher's F distribution with 1 and ν degrees of freedom, so that
+`two_sided_probability` is also the F-test of one additional term. `scipy.special` is used because `scipy.stats` takes
+four times as long to import.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from typing import Any
 from martensite.base.errors import ParameterError
 
 LEVEL = 0.95
-"""Level of all intervals unless another one is asked for."""
+"""Default confidence level."""
 Interval = tuple[float, float]
 EVERYTHING: Interval = (-math.inf, math.inf)
 
@@ -26,7 +25,7 @@ def student_quantile(level: float, freedom: int) -> float:
     """Return the t that bounds the fraction `level` of Student's distribution on both sides.
 
     Raises:
-        ParameterError: the level is not between 0 and 1, or the degrees of freedom are 0.
+        ParameterError: the level is not between 0 and 1, or there are no degrees of freedom.
     """
     stdtrit: Any = import_module("scipy.special").stdtrit
 
@@ -37,7 +36,7 @@ def student_quantile(level: float, freedom: int) -> float:
 
 
 def two_sided_probability(t: float, freedom: int) -> float:
-    """Return the probability of a value at least as far from zero as t; `ParameterError` for 0 degrees of freedom."""
+    """Return the probability that |T_ν| is at least |t|; `ParameterError` for 0 degrees of freedom."""
     stdtr: Any = import_module("scipy.special").stdtr
 
     _check_freedom(freedom)

@@ -1,7 +1,6 @@
-"""Errors: every one is a sentence a user can act on.
+"""Errors: each is one sentence that states the given value, the allowed values and the remedy.
 
-Form: what was given, what is allowed, the nearest valid name. `InputError` and its children mean bad input (exit code
-2 on the command line); `SolveError` means that a run started and failed (exit code 1).
+`InputError` and its subclasses mean bad input (exit code 2); `SolveError` means that a run failed (exit code 1).
 """
 
 from __future__ import annotations
@@ -11,88 +10,86 @@ from collections.abc import Collection, Iterable
 from difflib import get_close_matches
 
 MOST_LISTED = 40
-"""Most names that a sentence lists."""
+"""Largest number of names that a sentence lists."""
 LONG_WORD = re.compile(r"[^\s`]{500,}")
-"""Words that a sentence does not repeat in full."""
+"""Words that a sentence shortens."""
 
 
 class MartensiteError(Exception):
-    """Base of all errors raised on purpose by this package."""
+    """Base of all errors that this package raises on purpose."""
 
     exit_code = 1
 
     def __str__(self) -> str:
-        """Return the sentence; of a word without end its beginning."""
-        said = super().__str__()
-        return LONG_WORD.sub(lambda word: f"{word[0][:60]}… ({len(word[0])} characters)", said)
+        return LONG_WORD.sub(lambda word: f"{word[0][:60]}… ({len(word[0])} characters)", super().__str__())
 
 
 class InputError(MartensiteError):
-    """Something the user gave is wrong; nothing was changed or written."""
+    """Invalid input; nothing was changed or written."""
 
     exit_code = 2
 
 
 class UnknownNameError(InputError):
-    """A name is not one of the valid ones."""
+    """Name that is not valid."""
 
     def __init__(self, kind: str, name: str, valid: Iterable[str], where: str = "") -> None:
         super().__init__(f"No {kind} named `{name}`. {suggest_name(name, valid, where)}")
 
 
 def require_known(kind: str, name: str, valid: Collection[str]) -> None:
-    """Raise `UnknownNameError` unless a name is one of the valid ones."""
+    """Raise `UnknownNameError` unless a name is valid."""
     if name not in valid:
         raise UnknownNameError(kind, name, valid)
 
 
 class MissingMethodError(InputError, NotImplementedError):
-    """A class lacks methods that its kind must have."""
+    """Class that lacks methods its kind must have."""
 
 
 class KernelError(InputError, TypeError):
-    """A kernel does what cannot be traced; the sentence says what to write instead."""
+    """Kernel code that cannot be traced."""
 
 
 class UnknownOperationError(KernelError, AttributeError):
-    """A kernel uses an operation that there is not."""
+    """Operation that kernels do not have."""
 
 
 class UnitError(InputError):
-    """A quantity cannot be read, or has the wrong unit."""
+    """Quantity that cannot be read, or has the wrong unit."""
 
 
 class ParameterError(InputError):
-    """A parameter is missing, unknown or out of range."""
+    """Parameter that is missing, unknown or out of range."""
 
 
 class DataError(InputError):
-    """A data file is missing, malformed or does not hold what is needed."""
+    """Data file that is missing, malformed or incomplete."""
 
 
 class SolveError(MartensiteError):
-    """A simulation could not be completed; the sentence says where and what to try."""
+    """Simulation that could not be completed."""
 
 
 class BudgetError(SolveError):
-    """The CPU time that a run may take is spent."""
+    """CPU time limit reached."""
 
 
 class StoppedError(MartensiteError):
-    """Something stopped on the way; what was made is kept, and the sentence says how to go on."""
+    """Computation that stopped early; results so far are kept, and the sentence explains how to resume."""
 
 
 class CompileError(MartensiteError):
-    """A program could not be compiled on this machine; on floats it runs all the same."""
+    """Program that could not be compiled; the Python runtime still works."""
 
 
 def suggest_name(name: str, valid: Iterable[str], where: str = "") -> str:
     """Return 'Did you mean …?' for the nearest valid names, and all valid names if they are few.
 
     Args:
-        name: what was given.
-        valid: names that are allowed.
-        where: words on where a long list is found, such as "`martensite list` lists them".
+        name: given name.
+        valid: allowed names.
+        where: hint where a long list is found, such as "`martensite list` lists them".
     """
     names = sorted({*valid})
     lower = {one.lower(): one for one in reversed(names)}

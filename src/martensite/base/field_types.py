@@ -1,7 +1,6 @@
-"""Types of declared fields, for type checkers: what a constructor takes, and what reading the field gives.
+"""Types of declared fields for type checkers: `__set__` types the constructor argument, `__get__` the value.
 
-They are data descriptors by their annotations only: a type checker takes the argument of a constructor from `__set__`,
-and the value of the field from `__get__`. No field holds one at run time.
+Fields have these types in annotations only, never at run time.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ T = TypeVar("T")
 
 
 class Number:
-    """Type of a field that `param` declares: it takes numbers, text and pint quantities, and is read as a float."""
+    """Type of a `param` field: accepts numbers, text and pint quantities; read as a float."""
 
     def __get__(self, owner: Any, cls: Any = None, /) -> float:
         raise NotImplementedError
@@ -25,7 +24,7 @@ class Number:
 
 
 class Given(Generic[T]):
-    """Type of a part that may be given by name or as a table, such as the law of an element; read as the part."""
+    """Type of a component that may be given by name or as a table, such as the law of an element."""
 
     def __get__(self, owner: Any, cls: Any = None, /) -> T:
         raise NotImplementedError

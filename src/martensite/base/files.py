@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, and documents."""
+"""Atomic file writing, size-limited reading, and TOML documents."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from martensite.base.errors import DataError, suggest_name
 from martensite.base.interrupts import hold_interrupts, rescue_answer
 
 _unfinished: dict[Path, int] = {}
-"""Files that have not taken their places yet -> the process that writes them."""
+"""Incomplete files -> process that writes them."""
 _held: ContextVar[dict[Path, Path] | None] = ContextVar("_held", default=None)
-"""Completed files of a group that is written together -> their places."""
+"""Completed files of a group that is written together -> final paths."""
 
 
 @contextmanager
 def replace_file(path: Path) -> Generator[Path]:
-    """A new file beside `path` that takes its place once it is complete.
+    """Yield a temporary path next to `path`; the file replaces `path` when the block ends without an error.
 
-    What there is of it is removed if anything fails, and where the process is told to end (SIGTERM).
+    An incomplete file is removed on failure and on SIGTERM.
 
     Raises:
         DataError: the folder does not exist or the file cannot be written.
@@ -55,7 +55,7 @@ def replace_file(path: Path) -> Generator[Path]:
 
 @contextmanager
 def replace_together() -> Generator[None]:
-    """Files that are written in this block take their places when it ends, or none of them does.
+    """Replace all files written in this block when it ends, or none if it fails.
 
     Raises:
         DataError: a file cannot be written.
@@ -83,7 +83,7 @@ def replace_together() -> Generator[None]:
 
 
 def write_file(path: str | os.PathLike[str], content: str | bytes | memoryview) -> None:
-    """Write a file, text in UTF-8 with its lines as they are; it is replaced whole or not at all.
+    """Write a file atomically; text is encoded in UTF-8 with unchanged line ends.
 
     Raises:
         DataError: the folder does not exist or the file cannot be written.
@@ -93,7 +93,7 @@ def write_file(path: str | os.PathLike[str], content: str | bytes | memoryview) 
 
 
 def make_folder(path: Path) -> None:
-    """Make a folder, with those that it is in, if it is not there; `DataError` if it cannot be made."""
+    """Create a folder and its parents if missing; `DataError` if that fails."""
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -111,10 +111,7 @@ def _remove_part(part: Path) -> None:
 
 @contextmanager
 def _catch_termination() -> Generator[None]:
-    """Remove unfinished files on SIGTERM inside a block, before the process ends.
-
-    If a program handles the signal itself, its handler stays: an exception removes the files too.
-    """
+    """Remove incomplete files on SIGTERM, unless the program handles this signal."""
     import signal
     import threading
 
@@ -138,37 +135,37 @@ def _catch_termination() -> Generator[None]:
 
 
 MOST_TEXT = 2**26
-"""Bytes of a scenario, a material, a fit or a model."""
+"""Size limit of scenario, material, fit and model files [bytes]."""
 MOST_LOG = 2**31
-"""Bytes of a log."""
+"""Size limit of logs [bytes]."""
 
 
 def check_ordinary(path: Path, most: int) -> int:
-    """Return the size [bytes] of an ordinary file, and check its upper limit.
+    """Return the size of a regular file [bytes], after a check of its upper limit.
 
     Raises:
         OSError: the file does not exist.
-        DataError: it is larger, a name that no file can have, or a device or a pipe, which may never end.
+        DataError: it is too large, its name is invalid, or it is a device or a pipe.
     """
     try:
-        found = path.stat()
+        status = path.stat()
     except ValueError:
         raise DataError(f"No file has the name `{str(path)!r}`.") from None
-    if stat.S_ISDIR(found.st_mode):
+    if stat.S_ISDIR(status.st_mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
-    if not stat.S_ISREG(found.st_mode):
+    if not stat.S_ISREG(status.st_mode):
         raise DataError(f"`{path}` is a device or a pipe; name an ordinary file.")
-    if found.st_size > most:
+    if status.st_size > most:
         raise DataError(f"`{path}` is larger than the {most / 2**20:.0f} MiB that are read of it.")
-    return found.st_size
+    return status.st_size
 
 
 def read_bounded(path: Path, most: int) -> bytes:
-    """Return the bytes of an ordinary file, of which there are at most so many.
+    """Return the content of a regular file of at most `most` bytes.
 
     Raises:
-        OSError: it cannot be read.
-        DataError: as of `check_ordinary`.
+        OSError: the file cannot be read.
+        DataError: see `check_ordinary`.
     """
     check_ordinary(path, most)
     with path.open("rb") as file:
@@ -176,11 +173,11 @@ def read_bounded(path: Path, most: int) -> bytes:
 
 
 def read_unpacked(path: Path, most: int) -> bytes:
-    """Return the bytes of an ordinary file, or what is packed in it where it ends in `.gz`; at most so many.
+    """Return the content of a regular file, unpacked if its name ends in `.gz`; at most `most` bytes.
 
     Raises:
-        OSError: it cannot be read.
-        DataError: as of `check_ordinary`, of what is packed too; or it is damaged.
+        OSError: the file cannot be read.
+        DataError: see `check_ordinary`; also for unpacked content that is too large or damaged.
     """
     raw = read_bounded(path, most)
     if path.suffix.lower() != ".gz":
@@ -189,20 +186,20 @@ def read_unpacked(path: Path, most: int) -> bytes:
 
     unpack = zlib.decompressobj(31)
     try:
-        found = unpack.decompress(raw, most)
+        content = unpack.decompress(raw, most)
     except zlib.error as error:
         raise DataError(f"`{path.name}` cannot be unpacked: {error}.") from None
     if not unpack.eof:
         reason = "holds more than is read of a file" if unpack.unconsumed_tail else "is cut short"
         raise DataError(f"`{path.name}` cannot be unpacked: it {reason}.")
-    return found
+    return content
 
 
 def read_text_file(path: Path, what: str) -> str:
-    """Return the text of a UTF-8 file; `what` says in an error which kind of file it is.
+    """Return the text of a UTF-8 file; `what` names the kind of file in errors.
 
     Raises:
-        DataError: it is missing, with the nearest name beside it, or cannot be read.
+        DataError: the file is missing or cannot be read; the sentence suggests the nearest file name.
     """
     try:
         raw = read_bounded(path, MOST_TEXT)
@@ -220,7 +217,7 @@ def read_text_file(path: Path, what: str) -> str:
 
 
 def toml_document(text: str, name: str = "The scenario") -> dict[str, Any]:
-    """Return the document in a text; `name` is how an error calls it; `DataError` if it is not TOML."""
+    """Return a parsed TOML text; raise `DataError`, which calls it `name`, if it is invalid."""
     try:
         return tomllib.loads(text)
     except RecursionError:
@@ -236,7 +233,7 @@ _TOLD: set[str] = set()
 
 
 def tell_once(line: str) -> None:
-    """Say on standard error, once in a process, that something went another way than it should."""
+    """Print a line to standard error, once per process."""
     if line not in _TOLD:
         _TOLD.add(line)
         sys.stderr.write(f"{line}\n")

@@ -1,4 +1,4 @@
-"""Names and numbers with units as people read them: `eps_L` is ε_L, `W/m^2/K` is W/m²/K."""
+"""Readable names and quantities: `eps_L` is ε_L, `W/m^2/K` is W/m²/K."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _SLOPE = re.compile(r"^d([a-z]+)_d([A-Z])$")
 
 
 def write_quantity(value: float, unit: str, digits: int = 6) -> str:
-    """Write a quantity given in the SI `unit` in a readable unit; `none` for an infinite limit."""
+    """Return a value given in the SI `unit` as text in a readable unit; `none` for an infinite limit."""
     if math.isinf(value):
         return "none"
     shown = units.choose_readable_unit(unit)
@@ -24,10 +24,10 @@ def write_quantity(value: float, unit: str, digits: int = 6) -> str:
 
 
 def show_quantity(value: float, unit: str, digits: int = 4, shown: str = "") -> str:
-    """Return a quantity in SI as screens show it: a few digits and a typeset unit, such as `93.94 °C`.
+    """Return a value given in the SI `unit` as screens show it, such as `93.94 °C`.
 
     Args:
-        value: number in the SI `unit`.
+        value: value in the SI `unit`.
         unit: SI unit.
         digits: significant digits.
         shown: unit to convert to; by default the readable one.
@@ -40,24 +40,24 @@ def show_quantity(value: float, unit: str, digits: int = 4, shown: str = "") -> 
 
 
 def write_difference(value: float, unit: str, digits: int = 4) -> str:
-    """Return a difference of two quantities given in the SI `unit`, in a readable one."""
+    """Return a difference given in the SI `unit` as text in a readable unit."""
     shown, factor = choose_difference_unit(unit)
     return f"{value / factor:.{digits}g}" + (f" {shown}" if shown != "1" else "")
 
 
 def choose_difference_unit(unit: str) -> tuple[str, float]:
-    """Return the unit in which a difference is read, and its size in the SI `unit`."""
+    """Return the readable unit of a difference, and its size in the SI `unit`."""
     shown = units.choose_readable_unit(unit)
     return {"degC": "K"}.get(shown, shown), units.find_conversion(shown, unit)[0]
 
 
 def write_percent(share: float, digits: int = 0) -> str:
-    """Return a share in percent."""
+    """Return a fraction as text in percent."""
     return f"{100.0 * share:.{digits}f} %"
 
 
 def typeset_unit(unit: str, plain: str = "") -> str:
-    """Return a unit as it is printed; `plain` for a number without one."""
+    """Return a typeset unit; `plain` if there is no unit."""
     if unit in ("", "1"):
         return plain
     for spelling, printed in _TYPESET:
@@ -66,9 +66,9 @@ def typeset_unit(unit: str, plain: str = "") -> str:
 
 
 def spell_symbol(name: str) -> str:
-    """Return the symbol that a name spells, with `_` before its index; empty if it is a word.
+    """Return the symbol of a name, with `_` before its index; empty for a word.
 
-    `E_A` is E_A, `rho_inf` ρ_∞, `dsigma_dT` dσ/dT, `Kp` K_p; `diameter` has none.
+    `E_A` is E_A, `rho_inf` ρ_∞, `dsigma_dT` dσ/dT, `Kp` K_p; `diameter` has no symbol.
     """
     slope = _SLOPE.match(name)
     if slope:
@@ -88,5 +88,5 @@ def spell_symbol(name: str) -> str:
 
 
 def spell_title(name: str) -> str:
-    """Return a name in words: `coil_diameter` is coil diameter."""
+    """Return a name as words: `coil_diameter` is coil diameter."""
     return name.replace("_", " ").replace(".", " ")

@@ -1,9 +1,7 @@
-"""Public names that are imported when they are first used, and packages that extras bring.
+"""Public names that are imported on first use, and optional packages.
 
-A package says in its stub, `__init__.pyi`, which names it offers and where they are defined;
-people, type checkers and this module read these lines. Importing such a package imports nothing
-else. What a function of it answers to an object of the wrong kind is a sentence: the check is made when
-a call has failed already, so that it costs nothing and refuses nothing that would have worked.
+A package lists its names and their modules in the stub `__init__.pyi`. Importing the package imports nothing else. If a
+call fails and an argument has the wrong type, the error names this argument; successful calls are never checked.
 """
 
 from __future__ import annotations
@@ -28,10 +26,10 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def import_extra(module: str, extra: str, title: str = "") -> Any:
-    """Import a module that an extra of this package brings.
+    """Import a module that belongs to an extra of this package.
 
     Raises:
-        InputError: it is not installed; the sentence names the line that installs it.
+        InputError: the module is not installed; the sentence has the line that installs it.
     """
     try:
         return import_module(module)
@@ -42,10 +40,7 @@ def import_extra(module: str, extra: str, title: str = "") -> Any:
 
 
 def write_install_line(extra: str) -> str:
-    """Return the line that installs an extra into this installation.
-
-    A package that was installed from a folder is installed from there again (PEP 610, `direct_url.json`).
-    """
+    """Return the line that installs an extra into this installation (PEP 610, `direct_url.json`)."""
     record: dict[str, Any]
     try:
         record = json.loads(distribution("martensite").read_text("direct_url.json") or "{}")
@@ -59,7 +54,7 @@ def write_install_line(extra: str) -> str:
 
 
 def list_public_names(package: str) -> dict[str, tuple[str, str]]:
-    """Return the public name of a package -> the module that defines it, and its name there."""
+    """Return public name -> (module, name in the module) for a package."""
     return _read_stub(Path(str(sys.modules[package].__file__)).with_suffix(".pyi"))
 
 
@@ -71,11 +66,11 @@ def _read_stub(stub: Path) -> dict[str, tuple[str, str]]:
         if isinstance(node, ast.ImportFrom)
         for alias in node.names
     }
-    found = {name: home for name, home in imported.items() if not name.startswith("_")}
-    for node in body:  # `BlockChain = _Chain`: another name than that of the module
+    homes = {name: home for name, home in imported.items() if not name.startswith("_")}
+    for node in body:  # an alias, such as `BlockChain = _Chain`
         if isinstance(node, ast.Assign):
-            found[ast.unparse(node.targets[0])] = imported[ast.unparse(node.value)]
-    return found
+            homes[ast.unparse(node.targets[0])] = imported[ast.unparse(node.value)]
+    return homes
 
 
 RENAMED = {
@@ -85,27 +80,24 @@ RENAMED = {
     "tangent_fit": "fit_tangents",
     "tangent_points": "find_tangent_points",
 }
-"""Old name -> new name, of public names."""
+"""Old public name -> new public name."""
 
 
 def find_public_name(name: str) -> str:
-    """Return where a public name is, such as `ms.control.Pid`; empty if it is nowhere. Only stubs are read."""
-    top, asked = __name__.partition(".")[0], RENAMED.get(name, name)
+    """Return the place of a public name, such as `ms.control.Pid`, from the stubs; empty if it is unknown."""
+    top, new_name = __name__.partition(".")[0], RENAMED.get(name, name)
     own = list_public_names(top)
-    if asked in own:
-        return f"ms.{asked}"
+    if new_name in own:
+        return f"ms.{new_name}"
     for inner, (home, last) in own.items():
         stub = Path(Path(str(sys.modules[top].__file__)).parent, *home.split(".")[1:], last, "__init__.pyi")
-        if stub.exists() and asked in _read_stub(stub):
-            return f"ms.{inner}.{asked}"
+        if stub.exists() and new_name in _read_stub(stub):
+            return f"ms.{inner}.{new_name}"
     return ""
 
 
 def attach_names(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """Make `__getattr__` and `__dir__` of a package, from its stub.
-
-    A name that is a module is the module; a function is guarded (`guard_arguments`).
-    """
+    """Return `__getattr__` and `__dir__` of a package from its stub; functions are guarded (`guard_arguments`)."""
     names = list_public_names(package)
 
     def import_name(name: str) -> Any:
@@ -116,17 +108,17 @@ def attach_names(package: str) -> tuple[Callable[[str], Any], Callable[[], list[
         home, own = names[name]
         module = import_module(home)
         is_module = hasattr(module, "__path__") and find_spec(f"{home}.{own}") is not None
-        found = import_module(f"{home}.{own}") if is_module else getattr(module, own)
-        if isinstance(found, FunctionType):
-            found = guard_arguments(found)
-        setattr(sys.modules[package], name, found)
-        return found
+        value = import_module(f"{home}.{own}") if is_module else getattr(module, own)
+        if isinstance(value, FunctionType):
+            value = guard_arguments(value)
+        setattr(sys.modules[package], name, value)
+        return value
 
     return import_name, lambda: sorted(names)
 
 
 def guard_arguments(function: Function) -> Function:
-    """Wrap a function so that it names the argument of the wrong kind that made it fail."""
+    """Wrap a function so that a failed call names an argument of the wrong type."""
 
     @wraps(function)
     def guarded(*values: Any, **named: Any) -> Any:
@@ -142,7 +134,7 @@ def guard_arguments(function: Function) -> Function:
 
 
 def describe_mismatch(function: Callable[..., Any], values: tuple[Any, ...], named: dict[str, Any]) -> str | None:
-    """Which argument does not fit its annotation, in a sentence; None if all do."""
+    """Return a sentence about the argument that does not fit its annotation; None if all fit."""
     name = getattr(function, "__name__", "it")
     signature = inspect.signature(function)
     try:
@@ -156,17 +148,16 @@ def describe_mismatch(function: Callable[..., Any], values: tuple[Any, ...], nam
         classes = _resolve_classes(parameter.annotation, function)
         if classes and not isinstance(value, classes):
             left_out = (type(None), int) if float in classes else (type(None),)
-            told = [one for one in classes if one not in left_out] or classes
-            wanted = " or ".join(f"`{one.__name__.removeprefix('Abstract')}`" for one in told)
+            listed = [one for one in classes if one not in left_out] or classes
+            wanted = " or ".join(f"`{one.__name__.removeprefix('Abstract')}`" for one in listed)
             inner = getattr(value, "system", None)
             hint = "; give its `.system`" if inner is not None and isinstance(inner, classes) else ""
-            given = type(value).__name__
-            return f"Argument `{argument}` of `{name}` must be {wanted}, but is `{given}`{hint}."
+            return f"Argument `{argument}` of `{name}` must be {wanted}, but is `{type(value).__name__}`{hint}."
     return None
 
 
 def _resolve_classes(annotation: Any, function: Callable[..., Any]) -> tuple[type, ...]:
-    """Return the classes that an annotation allows; none if it allows what cannot be told here."""
+    """Return the classes that an annotation allows; empty if it cannot be checked."""
     if isinstance(annotation, str):
         scope = dict(vars(sys.modules[function.__module__]))
         try:

@@ -1,4 +1,4 @@
-"""Files of a folder that are imported when they are needed; a file that cannot be imported fails alone."""
+"""Files of a folder that are imported on demand; a file that cannot be imported fails alone."""
 
 from __future__ import annotations
 
@@ -11,16 +11,15 @@ from martensite.base.errors import InputError, MartensiteError, StoppedError
 
 
 class ModuleFolder:
-    """Modules of a package, and the packages in it."""
+    """Modules and packages within a package, such as `martensite.studies`."""
 
     def __init__(self, package: str) -> None:
-        """Name the package, such as `martensite.studies`; nothing is imported yet."""
         self.package = package
         self.failures: dict[str, tuple[Path, str]] = {}
-        """File and sentence for each module that could not be imported."""
+        """Module that could not be imported -> file and sentence."""
 
     def import_where(self, *words: str) -> None:
-        """Import each file whose text contains one of the words; note the files that cannot be imported."""
+        """Import each file whose text contains one of the words; record failures."""
         for module, path in self._list_modules():
             if module not in self.failures and _contains(path, words):
                 try:
@@ -31,11 +30,7 @@ class ModuleFolder:
                     self.failures[module] = (path, f"`{path}` cannot be imported: {describe_error(error)}.")
 
     def require_import(self, *words: str) -> None:
-        """Raise the failure of the file whose text contains one of the words.
-
-        Raises:
-            InputError: there is such a file, and it could not be imported.
-        """
+        """Raise `InputError` if a file that contains one of the words could not be imported."""
         for path, failure in self.failures.values():
             if _contains(path, words):
                 raise InputError(failure)
@@ -45,7 +40,6 @@ class ModuleFolder:
         return [failure for _, failure in self.failures.values()]
 
     def _list_modules(self) -> Iterator[tuple[str, Path]]:
-        """Yield module name and file of each module of the package, and of each package in it."""
         for folder in map(Path, import_module(self.package).__path__):
             for path in sorted([*folder.glob("*.py"), *folder.glob("*/__init__.py")]):
                 if path.parent != folder:
@@ -60,7 +54,7 @@ def _contains(path: Path, words: tuple[str, ...]) -> bool:
 
 
 def describe_error(error: Exception) -> str:
-    """Return what is wrong in a file, and in which line, without a full stop."""
+    """Return the fault of a file and its line, without a full stop."""
     if isinstance(error, SyntaxError):
         return f"{error.msg} (line {error.lineno} of {error.filename})"
     if isinstance(error, ImportError | MartensiteError):

@@ -1,7 +1,7 @@
-"""Objects as JSON and back: parts, dataclasses, named tuples, enumerations and arrays, by the name of their class.
+"""JSON form of parts, dataclasses, named tuples, enumerations and arrays, by class name.
 
-Saved results hold in this form what was simulated. A file cannot name arbitrary code: only classes of these kinds are
-made again, from this package, from installed plug-ins, and from modules that are imported already.
+Saved results contain the simulated objects in this form. A file cannot name arbitrary code: only classes of these kinds
+are created, from this package, installed plug-ins, and modules that are already imported.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ PLAIN = (type(None), bool, int, float, str)
 
 
 def encode(value: Any) -> Any:
-    """Return an object as lists, tables and plain values that JSON can hold.
+    """Return an object as lists, tables and plain values for JSON.
 
     Raises:
-        DataError: it holds an object of another kind, such as a function.
+        DataError: the object has another kind, such as a function.
     """
     if type(value) in PLAIN:
         return value
@@ -44,67 +44,61 @@ def encode(value: Any) -> Any:
     if is_dataclass(value):
         return {"class": _name_class(value), "named": {f.name: encode(getattr(value, f.name)) for f in fields(value)}}
     if isinstance(value, list | tuple):
-        rows = cast("Any", value)
-        items = [encode(one) for one in rows]
-        if hasattr(rows, "_fields"):
+        items = [encode(one) for one in cast("Any", value)]
+        if hasattr(value, "_fields"):
             return {"class": _name_class(value), "items": items}
         return items if isinstance(value, list) else {"tuple": items}
     raise DataError(f"An object of the class `{type(value).__name__}` cannot be written to a file.")
 
 
-def decode(kept: Any) -> Any:
+def decode(data: Any) -> Any:
     """Return the object that `encode` wrote.
 
     Raises:
-        DataError: a class is unknown here, or is of no kind that a file may name.
+        DataError: a class is unknown or not allowed.
         InputError: a part refuses its values.
     """
-    if isinstance(kept, list):
-        return [decode(one) for one in cast("list[Any]", kept)]
-    if not isinstance(kept, dict):
-        return kept
-    known = cast("dict[str, Any]", kept)
-    if "table" in known:
-        return {decode(key): decode(one) for key, one in known["table"]}
-    if "array" in known:
-        return import_module("numpy").array(known["array"])
-    if "tuple" in known:
-        return tuple(map(decode, known["tuple"]))
-    found = _find_class(known["class"])
-    if "member" in known:
-        return found[known["member"]]
-    if "items" in known:
-        return found(*map(decode, known["items"]))
-    if "named" in known:
-        return found(**{name: decode(one) for name, one in known["named"].items()})
-    return found
+    if isinstance(data, list):
+        return [decode(one) for one in cast("list[Any]", data)]
+    if not isinstance(data, dict):
+        return data
+    table = cast("dict[str, Any]", data)
+    if "table" in table:
+        return {decode(key): decode(one) for key, one in table["table"]}
+    if "array" in table:
+        return import_module("numpy").array(table["array"])
+    if "tuple" in table:
+        return tuple(map(decode, table["tuple"]))
+    cls = _find_class(table["class"])
+    if "member" in table:
+        return cls[table["member"]]
+    if "items" in table:
+        return cls(*map(decode, table["items"]))
+    if "named" in table:
+        return cls(**{name: decode(one) for name, one in table["named"].items()})
+    return cls
 
 
 def _name_class(value: Any) -> str:
-    named = value if isinstance(value, type) else type(value)
-    return f"{named.__module__}:{named.__qualname__}"
+    cls = value if isinstance(value, type) else type(value)
+    return f"{cls.__module__}:{cls.__qualname__}"
 
 
 def _find_class(name: str) -> Any:
-    """Return the class of a name, `MODULE:CLASS`; `DataError` if it is not to be had, or is of no kind that is kept."""
     home, _, path = name.partition(":")
     if home not in sys.modules and home.partition(".")[0] in _list_packages():
         import_module(home)
-    found: Any = sys.modules.get(home)
+    cls: Any = sys.modules.get(home)
     for one in path.split("."):
-        found = getattr(found, one, None)
-    if found is None:
+        cls = getattr(cls, one, None)
+    if cls is None:
         raise DataError(f"Class `{path}` of module `{home}` is unknown here; import that module first.")
-    made: Any = found
-    if isinstance(found, type) and (issubclass(found, Parametrised | Enum) or is_dataclass(made)):
-        return made
-    if isinstance(made, type) and hasattr(made, "_fields"):
-        return made
+    allowed = isinstance(cls, type) and (issubclass(cls, Parametrised | Enum) or is_dataclass(cls))
+    if allowed or (isinstance(cls, type) and hasattr(cls, "_fields")):
+        return cls
     raise DataError(f"`{name}` is no class of a part or of a record.")
 
 
 def _list_packages() -> set[str]:
-    """This package, and those that plug into it."""
-    known: Any = entry_points()
-    groups = [name for name in known.groups if name.startswith(f"{OWN}.")]
-    return {OWN, *(str(one.module).partition(".")[0] for name in groups for one in known.select(group=name))}
+    """Return this package and its plug-ins."""
+    return {OWN, *(one.module.partition(".")[0] for one in entry_points() if one.group.startswith(f"{OWN}."))}

@@ -2,10 +2,9 @@
 
     E_A: Number = param("Pa", "Young's modulus of austenite", low=1e8, high=2e11)
 
-From this line come conversion of text with units, range checks, the command line's
-`params`, the documentation tables, search bounds for identification and the units of saved
-data. `option` declares a choice between words, `text` a free one such as the name of a signal,
-`part` a component chosen from a registry.
+This line gives unit conversion, range checks, command-line parameters, documentation tables, search bounds and saved
+units. `option` declares a choice between words, `text` a free text such as the name of a signal, `part` a component
+from a registry.
 """
 
 from __future__ import annotations
@@ -26,15 +25,15 @@ from martensite.base.registry import Registry
 
 REQUIRED: Any = object()
 LEAST_LIKENESS = 0.75
-"""Likeness from which on a name is probably meant."""
+"""Smallest similarity of a probable name."""
 SHOWN = 6
-"""Values of a list that its text shows at most."""
+"""Largest number of list values in `repr`."""
 FROM_MATERIAL: Any = REQUIRED
-"""Default of what a `material` can bring; without a material, a value must be given."""
+"""Default of a parameter that a `material` can supply; required without a material."""
 
 
 class ByUnit(dict[str, Any]):
-    """Typical values of what has a unit that depends on its place: by that unit, in SI."""
+    """Typical values by SI unit, for a parameter whose unit depends on its place."""
 
 
 @dataclass(frozen=True)
@@ -51,17 +50,16 @@ class Declared:
     choices: tuple[str, ...] = ()
     registry: Registry[Any] | None = None
     typical: Any = None
-    """A value of an ordinary size, as files write it: a form begins with it, and examples of the
-    part are made of it. `ByUnit` where the unit depends on the place. Assumed, never data."""
+    """Ordinary value, as in a file, for forms and examples; assumed, never data."""
 
     def typical_in(self, unit: str) -> Any:
-        """Return the typical value in a place where the SI unit is this one; None if there is none."""
+        """Return the typical value where the SI unit is `unit`; None without a typical value."""
         if self.typical is None and self.registry is not None:
             return self.registry.typical or None
         return self.typical.get(unit) if isinstance(self.typical, ByUnit) else self.typical
 
     def convert(self, owner: str, name: str, value: Any) -> Any:
-        """Return the checked value in SI, or raise a sentence naming owner and name."""
+        """Return the checked value in SI; errors name owner and parameter."""
         if self.kind == "parameter":
             return self._number(owner, name, value)
         if self.kind == "text":
@@ -73,26 +71,23 @@ class Declared:
         return value
 
     def _number(self, owner: str, name: str, value: Any) -> float:
+        title = f"Parameter `{name}` of `{owner}`"
         if self.unit in units.OF_PLACE and (isinstance(value, str) or units.is_quantity(value)):
-            raise UnitError(
-                f"Parameter `{name}` of `{owner}` takes {self._sort()}, but is `{value}`; leave the unit out."
-            )
+            raise UnitError(f"{title} takes {self._sort()}, but is `{value}`; leave the unit out.")
         try:
             number = units.convert_number(value, self.unit)
         except UnitError as error:
-            raise UnitError(f"Parameter `{name}` of `{owner}`: {error}") from None
+            raise UnitError(f"{title}: {error}") from None
         except (TypeError, ValueError):
-            raise ParameterError(f"Parameter `{name}` of `{owner}` must be {self._sort()}, but is {value!r}.") from None
-        if math.isinf(number) and number == self.default:
-            return number  # not given
+            raise ParameterError(f"{title} must be {self._sort()}, but is {value!r}.") from None
         if math.isinf(number):
-            raise ParameterError(f"Parameter `{name}` of `{owner}` must be finite, but is {value}.")
+            if number == self.default:
+                return number  # not given
+            raise ParameterError(f"{title} must be finite, but is {value}.")
         too_low = number <= self.low if self.open_low else number < self.low
         if too_low or number > self.high or math.isnan(number):
-            raise ParameterError(
-                f"Parameter `{name}` of `{owner}` must be {self.allowed()}, but is {value}"
-                f"{'' if isinstance(value, str) else self._label(self.unit)}."
-            )
+            label = "" if isinstance(value, str) else self._label(self.unit)
+            raise ParameterError(f"{title} must be {self.allowed()}, but is {value}{label}.")
         return number
 
     def allowed(self) -> str:
@@ -109,7 +104,7 @@ class Declared:
         return f"above {low} and at most {high}" if self.open_low else f"between {low} and {high}"
 
     def _sort(self) -> str:
-        """Describe the accepted values in words."""
+        """Return the accepted values in words."""
         if self.unit == units.DRIVE:
             return "a plain number in the SI unit of what it drives"
         if self.unit in units.OF_LOOPS:
@@ -120,11 +115,11 @@ class Declared:
 
     @staticmethod
     def _label(unit: str) -> str:
-        """Return the text behind a number; empty where the unit depends on the place."""
+        """Return the suffix of a number; empty for a unit that depends on the place."""
         return "" if unit in ("1", *units.OF_PLACE) else f" {unit}"
 
     def _readable(self) -> str:
-        """Return the unit a person would rather read, unless it makes the bounds unwieldy."""
+        """Return the readable unit, or the SI unit if the bounds become unwieldy."""
         unit = units.choose_readable_unit(self.unit)
         sizes = [abs(units.from_si(v, unit, self.unit)) for v in self.bounds if math.isfinite(v)]
         return unit if all(size == 0.0 or 1e-3 <= size < 1e5 for size in sizes) else self.unit
@@ -149,41 +144,38 @@ def param(
 
     Args:
         unit: SI unit.
-        doc: what it is, in words.
+        doc: meaning.
         low: lowest allowed value.
         high: highest allowed value.
-        above: an excluded lower bound instead of `low`.
-        default: value if none is given; without one, a value must be given.
-        typical: an ordinary value, in SI or as text with a unit (`Declared.typical`).
+        above: excluded lower bound, instead of `low`.
+        default: default value; without a default, the parameter is required.
+        typical: ordinary value, in SI or as text with a unit (`Declared.typical`).
     """
     least = low if above is None else above
     return Declared("parameter", doc, default, unit, least, high, above is not None, typical=typical)
 
 
 def option(doc: str, *choices: str, default: str = REQUIRED) -> Any:
-    """Declare a choice between words; another choice is another program."""
+    """Declare a choice between words; each choice is a different program."""
     return Declared("option", doc, default, choices=choices, typical=choices[0])
 
 
 def text(doc: str, *, default: str | tuple[str, ...] = REQUIRED, typical: str | None = None) -> Any:
-    """Declare a free text, or several, such as names of signals; another is another program.
+    """Declare a free text or list of texts, such as names of signals; each text is a different program.
 
-    A typical text of `=name` is the same as the entry of that name.
+    A typical text `=name` equals the entry `name`.
     """
     return Declared("text", doc, default, typical=typical)
 
 
 def part(doc: str, registry: Registry[Any] | None = None, *, default: Any = REQUIRED, typical: Any = None) -> Any:
-    """Declare a component, chosen by name from `registry` in files.
-
-    The typical one is a name or a table, as files have it; by default that of the registry.
-    """
+    """Declare a component, chosen by name from `registry` in files; `typical` is a name or a table."""
     return Declared("part", doc, default, registry=registry, typical=typical)
 
 
 @dataclass(frozen=True)
 class Leaf:
-    """One parameter of a tree: dotted path, its declaration, its value, its owner."""
+    """One parameter of a tree: dotted path, declaration, value, owner."""
 
     path: str
     declared: Declared
@@ -194,31 +186,32 @@ class Leaf:
 def _convert_texts(owner: str, name: str, value: Any) -> str | tuple[str, ...]:
     if isinstance(value, str):
         return value
-    found: tuple[Any, ...] = tuple(cast("Any", value)) if isinstance(value, list | tuple) else (0,)
-    if not all(isinstance(one, str) for one in found):
+    texts: tuple[Any, ...] = tuple(cast("Any", value)) if isinstance(value, list | tuple) else (0,)
+    if not all(isinstance(one, str) for one in texts):
         raise ParameterError(f"`{name}` of `{owner}` must be a text or a list of texts, but is {value!r}.")
-    return found
+    return texts
 
 
 @dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(param, option, text, part))
 class Parametrised:
-    """A frozen object whose fields are declared by `param`, `option` and `part`."""
+    """Frozen object whose fields are declared by `param`, `option`, `text` and `part`."""
 
     registered_name: ClassVar[str] = ""
     cites: ClassVar[tuple[str, ...]] = ()
     declarations: ClassVar[dict[str, Declared]] = {}
     names_reading: ClassVar[tuple[str, ...]] = ()
-    """Names of text fields that may name a reading. The unit of the first named reading applies to its levels and
-    differences, and to those of its components."""
+    """Text fields that may name a reading; the first named reading gives the unit of levels and differences here and in
+    components.
+    """
     unit_of_signal: ClassVar[str] = ""
-    """SI unit of the signal in what belongs to it, where that is not the one of the drive."""
+    """SI unit of the signal in components, if not the unit of the drive."""
     unit_of_reading: ClassVar[str] = ""
-    """SI unit of what is measured in what belongs to it, where that is not the one of the reading named."""
+    """SI unit of the reading in components, if not the unit of the named reading."""
 
     def __init_subclass__(cls, *, init: bool = True) -> None:
-        """File declarations; `init=False` tells type checkers not to derive arguments from them."""
+        """Collect declarations; `init=False` stops type checkers from deriving arguments."""
         super().__init_subclass__()
-        if isinstance(cls.declarations, property):  # it answers for itself
+        if isinstance(cls.declarations, property):  # computed by the class
             return
         own = {name: d for name, d in vars(cls).items() if isinstance(d, Declared)}
         inherited: dict[str, Declared] = {}
@@ -245,21 +238,20 @@ class Parametrised:
         self.check()
 
     def check(self) -> None:
-        """Raise `ParameterError` where values contradict each other; override as needed."""
+        """Raise `ParameterError` if values contradict each other; override as needed."""
 
     def layout(self) -> tuple[int, ...]:
-        """Return the counts that follow from the numbers and decide how large a traced program is."""
+        """Return the counts, derived from values, that set the size of a traced program."""
         return ()
 
     def cautions(self) -> list[str]:
-        """Return the sentences about values that are allowed but probably not meant."""
+        """Return sentences about values that are allowed but probably unintended."""
         return []
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(f"`{type(self).__name__}` is frozen; use `.with_values(...)`.")
 
     def __repr__(self) -> str:
-        """Return the values that differ from their defaults, long lists shortened."""
         shown = (
             (name, self.__dict__[name]) for name, d in self.declarations.items() if self.__dict__[name] != d.default
         )
@@ -272,14 +264,14 @@ class Parametrised:
         return hash((type(self), *(repr(self.__dict__[name]) for name in self.declarations)))
 
     def children(self) -> Iterator[tuple[str, Parametrised]]:
-        """Yield the components that are parametrised themselves."""
+        """Yield name and value of the parametrised components."""
         for name in self.declarations:
             value = self.__dict__[name]
             if isinstance(value, Parametrised):
                 yield name, value
 
     def leaves(self, prefix: str = "") -> Iterator[Leaf]:
-        """Yield all numbers of the tree with their dotted paths, depth first."""
+        """Yield all parameters of the tree with dotted paths, depth first."""
         owner = type(self).registered_name or type(self).__name__
         for name, declared in self.declarations.items():
             if declared.kind == "parameter":
@@ -288,13 +280,13 @@ class Parametrised:
             yield from child.leaves(f"{prefix}{name}.")
 
     def tree(self) -> Iterator[Parametrised]:
-        """This object and all components below it."""
+        """Yield this object and all components below it."""
         yield self
         for _, child in self.children():
             yield from child.tree()
 
     def rebuilt(self, values: Mapping[str, Any], prefix: str = "") -> Self:
-        """Return a twin whose numbers are replaced by path, unchecked: for tracing kernels."""
+        """Return an unchecked copy with values replaced by path, for tracing kernels."""
         twin = object.__new__(type(self))
         for name, value in self.__dict__.items():
             if isinstance(value, Parametrised):
@@ -303,14 +295,14 @@ class Parametrised:
         return twin
 
     def with_values(self, values: Mapping[str, Any]) -> Self:
-        """Return a checked copy with the numbers at the given paths (or unique endings) changed."""
+        """Return a checked copy with changed values, by path or unique ending of a path."""
         if not hasattr(values, "items"):
             raise ParameterError(f"Values must be a table by name, such as `{{'diameter': 2e-4}}`, but are {values!r}.")
         paths = [leaf.path for leaf in self.leaves()]
         return self._with_paths({_resolve_path(name, paths): value for name, value in values.items()})
 
     def with_parts(self, **parts: Any) -> Self:
-        """Return a checked copy with some components (or numbers) exchanged."""
+        """Return a checked copy with some fields exchanged."""
         return type(self)(**{**self.arguments(), **parts})
 
     def arguments(self) -> dict[str, Any]:
@@ -326,17 +318,17 @@ class Parametrised:
         return type(self)(**own)
 
     def value_of(self, name: str) -> float:
-        """Return the number, in SI, of a parameter given by its path or by a unique ending of it."""
+        """Return the value [SI] of a parameter, by path or unique ending of a path."""
         full = self.resolve(name)
         return next(leaf.value for leaf in self.leaves() if leaf.path == full)
 
     def resolve(self, name: str) -> str:
-        """Return the full path of a parameter given by its path or by a unique ending of it."""
+        """Return the full path of a parameter, by path or unique ending of a path."""
         return _resolve_path(name, [leaf.path for leaf in self.leaves()])
 
 
 def _shorten(value: Any) -> str:
-    """Return a value as text; of a long list its first numbers and its length."""
+    """Return a value as text; long lists are shortened."""
     listed = cast("list[Any]", value)
     if not isinstance(value, tuple | list) or len(listed) <= SHOWN:
         return repr(listed)
@@ -344,18 +336,17 @@ def _shorten(value: Any) -> str:
 
 
 def find_paths(name: str, paths: Iterable[str]) -> list[str]:
-    """Return the path that a name is, or else all that it ends."""
-    known = list(paths)
-    return [p for p in known if p == name] or [p for p in known if p.endswith(f".{name}")]
+    """Return the path equal to `name`, or else all paths that end with it."""
+    paths = list(paths)
+    return [name] if name in paths else [p for p in paths if p.endswith(f".{name}")]
 
 
 def _resolve_path(name: str, paths: Sequence[str]) -> str:
-    """Return the one among some paths that a name is, or ends."""
-    found = find_paths(name, paths)
-    if len(found) == 1:
-        return found[0]
-    if found:
-        raise ParameterError(f"`{name}` is ambiguous: {', '.join(found)}.")
+    matches = find_paths(name, paths)
+    if len(matches) == 1:
+        return matches[0]
+    if matches:
+        raise ParameterError(f"`{name}` is ambiguous: {', '.join(matches)}.")
     ending = name.rpartition(".")[2]
     near = [p for p in paths if get_close_matches(ending, [p.rpartition(".")[2]], cutoff=LEAST_LIKENESS)]
     hint = f"Did you mean `{near[0]}`?" if len(near) == 1 else suggest_name(name, near or paths)
@@ -366,7 +357,7 @@ Part = TypeVar("Part", bound=Parametrised)
 
 
 def describe_structure(part: Parametrised) -> tuple[Any, ...]:
-    """Return a hashable description of everything but the numbers."""
+    """Return a hashable description of everything but the parameter values."""
     options = tuple(
         (name, getattr(part, name))
         for name, declared in part.declarations.items()
@@ -381,7 +372,7 @@ def describe_structure(part: Parametrised) -> tuple[Any, ...]:
 
 
 class Keyed(Generic[Part]):
-    """Something parametrised as a key: two of one structure, whatever their numbers, are equal."""
+    """Hashable key of a parametrised object: objects of equal structure are equal."""
 
     __slots__ = ("key", "part")
 
@@ -396,6 +387,6 @@ class Keyed(Generic[Part]):
 
 
 def values_at(part: Parametrised, paths: Sequence[str]) -> list[Any]:
-    """Return the numbers at some paths, in their order."""
-    known = {leaf.path: leaf.value for leaf in part.leaves()}
-    return [known[path] for path in paths]
+    """Return the values at some paths, in the given order."""
+    values = {leaf.path: leaf.value for leaf in part.leaves()}
+    return [values[path] for path in paths]

@@ -1,4 +1,4 @@
-"""The classes that a declared part may have, from its annotation, and the sentence for an object of another class."""
+"""Classes that a declared part may have, from its annotation."""
 
 from __future__ import annotations
 
@@ -14,27 +14,28 @@ from martensite.base.field_types import Given
 
 @cache
 def find_annotated(owner: type[Any], name: str) -> tuple[type[Any], ...]:
-    """Return the classes that the annotation of a field names; nothing if only type checkers know them."""
+    """Return the classes that the annotation of a field names; empty if only type checkers know them."""
     home = next((base for base in owner.__mro__ if name in get_annotations(base)), owner)
-    found: Any = get_annotations(home).get(name)
-    try:  # a text where a module puts off the reading of its annotations
-        found = eval(found, dict(vars(sys.modules[home.__module__]))) if isinstance(found, str) else found
+    annotation: Any = get_annotations(home).get(name)
+    try:  # a text with `from __future__ import annotations`
+        if isinstance(annotation, str):
+            annotation = eval(annotation, dict(vars(sys.modules[home.__module__])))
     except (NameError, TypeError):
         return ()
-    return tuple(_list_classes(found))
+    return tuple(_list_classes(annotation))
 
 
 def _list_classes(annotation: Any) -> list[type[Any]]:
-    """Return the classes of a union or of `Given[AbstractLaw]`; for a generic type, such as a tuple, its origin."""
+    """Return the classes of a union or of `Given[AbstractLaw]`; the origin of a generic type such as a tuple."""
     origin = get_origin(annotation)
     if origin in (Union, UnionType, Given):
         return [one for inner in get_args(annotation) for one in _list_classes(inner)]
-    found = annotation if origin is None else origin
-    return [found] if isinstance(found, type) else []
+    cls = annotation if origin is None else origin
+    return [cls] if isinstance(cls, type) else []
 
 
 def require_part(owner: type[Any], title: str, name: str, value: Any, kind: type[Any]) -> None:
-    """Raise `ParameterError` if a part is a class, or no object of the classes of this `kind` that are declared."""
+    """Raise `ParameterError` if a part is a class, or not an object of the declared classes of this `kind`."""
     if isinstance(value, type):
         made = value.__name__
         raise ParameterError(f"`{name}` of `{title}` is the class `{made}`; give an object, such as `{made}(...)`.")
@@ -48,7 +49,7 @@ def require_part(owner: type[Any], title: str, name: str, value: Any, kind: type
 
 
 def refuse_unnamed(title: str, given: tuple[Any, ...], names: Any) -> None:
-    """Raise `ParameterError` if values are given without their names."""
+    """Raise `ParameterError` if values are given without names."""
     if given:
         shown = ", ".join(f"{name}=..." for name in list(names)[:3])
         raise ParameterError(f"`{title}` takes its values by name; write `{title}({shown})`.")

@@ -1,10 +1,8 @@
-"""Registries: a name for every law, heat model, mechanism, … found in one folder.
+"""Registries: names of all laws, heat models, mechanisms and other parts.
 
-A registry scans its package, so a new file is a new entry with no list to edit. Packages
-from elsewhere add entries through the entry-point group `martensite.<folder>`, and a
-user's own module does so simply by being imported. A file that cannot be imported fails alone: other
-names stay available, and `failures` names the file and the error. A name belongs to one class: another that asks
-for it is refused, also while the first has not been imported yet.
+A registry scans its package, so a new file is a new entry. Other packages add entries through the entry-point group
+`martensite.<folder>`; a user's module adds entries when it is imported. A file that cannot be imported fails alone and
+is listed by `failures`. A name belongs to one class; a second class with this name is refused.
 """
 
 from __future__ import annotations
@@ -28,10 +26,7 @@ class Registry(Generic[T]):
     """Named classes of one kind, discovered on first use."""
 
     def __init__(self, kind: str, package: str, typical: str = "") -> None:
-        """A registry of a `kind`, of all that a package holds; `typical` is the name of one of it.
-
-        The typical one is what a form begins with and what examples of other parts are made of.
-        """
+        """Create the registry of a package; forms and examples begin with the entry named `typical`."""
         self.kind = kind
         self.package = package
         self.group = "martensite." + package.rpartition(".")[2]
@@ -42,11 +37,11 @@ class Registry(Generic[T]):
         self._plugged = False
 
     def register(self, name: str, *, replace: bool = False) -> Callable[[type[C]], type[C]]:
-        """Return a decorator that files a class under `name`.
+        """Return a decorator that registers a class under `name`; `replace` allows to replace another class.
 
-        With `replace` it takes the place of the class that has the name. The decorator raises
-        `InputError` where that is another class and it may not, and `MissingMethodError` for a
-        class that is not complete.
+        Raises:
+            InputError: another class has the name.
+            MissingMethodError: the class is incomplete.
         """
 
         def file_under(cls: type[C]) -> type[C]:
@@ -78,7 +73,7 @@ class Registry(Generic[T]):
         return self._entries[name]
 
     def names(self) -> list[str]:
-        """Return all names, those from installed plug-ins included."""
+        """Return all names, including plug-ins, sorted."""
         self._scan()
         self._plug()
         return sorted(self._entries)
@@ -89,9 +84,7 @@ class Registry(Generic[T]):
         return self._folder.list_failures()
 
     def _find_holder(self, name: str, cls: type[Any]) -> type[T] | None:
-        """Return the class that has a name which another asks for."""
-        # two files of this package meet when both are imported; looking further for each of them
-        # would import all of a folder at the start of every run
+        # searching for each class of this package would import the whole folder at the start of every run
         if name not in self._entries and not self._is_own(cls):
             self._find(name)
             self._scan()
@@ -99,7 +92,7 @@ class Registry(Generic[T]):
         return self._entries.get(name)
 
     def _find(self, name: str) -> None:
-        """Import the file of this package that files an entry, if there is one: others may be heavy."""
+        """Import only the file that registers a name; other files may be heavy."""
         if name not in self._entries and not self._scanned:
             self._import_where(f'.register("{name}")')
 
@@ -109,7 +102,7 @@ class Registry(Generic[T]):
             self._import_where(".register(")
 
     def _import_where(self, words: str) -> None:
-        """Import files by their text; a file that fails leaves no entry."""
+        """Import files by their text; drop entries of files that failed."""
         self._folder.import_where(words)
         for name in [n for n, cls in self._entries.items() if cls.__module__ in self._folder.failures]:
             del self._entries[name]
@@ -118,10 +111,10 @@ class Registry(Generic[T]):
         if not self._plugged:
             for point in entry_points(group=self.group):
                 point.load()
-            self._plugged = True  # not before: a plug-in that is refused is refused every time
+            self._plugged = True  # not earlier: a refused plug-in is refused every time
 
     def _load_plug_in(self, name: str, besides: str = "") -> None:
-        """Load the plug-in that is called like a name, if it is of a package `besides` another."""
+        """Load the plug-in of a name, unless it is in the package `besides`."""
         for point in entry_points(group=self.group, name=name):
             if point.module.partition(".")[0] != besides:
                 point.load()
@@ -130,13 +123,12 @@ class Registry(Generic[T]):
         return cls.__module__.partition(".")[0] == self.package.partition(".")[0]
 
     def _is_redefined(self, old: type[Any], new: type[Any]) -> bool:
-        """Return whether a user's class is defined again: its cell or its file is executed again."""
+        """Return whether a user's class is defined again by executing its cell or file again."""
         same_place = old.__module__ == new.__module__ or _find_file(old) == _find_file(new) is not None
         return same_place and old.__qualname__ == new.__qualname__ and not self._is_own(new)
 
 
 def _find_file(cls: type[Any]) -> str | None:
-    """Return the file in which a class is defined; None if it is not defined in one."""
     return getattr(sys.modules.get(cls.__module__), "__file__", None)
 
 
@@ -145,12 +137,12 @@ def _describe_place(cls: type[Any]) -> str:
 
 
 def import_modules(names: Sequence[str]) -> None:
-    """Import what registers parts of the user's own, by dotted name or by file.
+    """Import modules that register a user's parts, by dotted name or by file.
 
-    Modules by name are looked for in the current folder too.
+    Modules are also searched in the current folder.
 
     Raises:
-        InputError: one cannot be imported.
+        InputError: a module cannot be imported.
     """
     for name in names:
         path = Path(name)
@@ -172,11 +164,11 @@ def import_modules(names: Sequence[str]) -> None:
 
 
 def _require_free(path: Path) -> None:
-    """Raise `InputError` where another file has the name of a module already."""
-    known = sys.modules.get(path.stem)
-    if known is None:
+    """Raise `InputError` if another module has the name of a file."""
+    module = sys.modules.get(path.stem)
+    if module is None:
         return
-    place = getattr(known, "__file__", None)
+    place = getattr(module, "__file__", None)
     if place is None or not Path(place).samefile(path):
         raise InputError(
             f"`{path}` cannot be imported, since `{path.stem}` is the module "

@@ -1,7 +1,6 @@
-"""Functions of higher packages that methods of lower ones offer: figures, pages, files, widgets.
+"""Functions of higher packages that methods of lower packages offer: figures, pages, files, widgets.
 
-A lower package names no module of a higher one. The root package enters the home of each function with
-`offer_services`; `import_service` imports it when it is first used.
+Lower packages name no module of a higher package. The root package registers the functions with `offer_services`.
 """
 
 from __future__ import annotations
@@ -14,11 +13,11 @@ _HOMES: dict[str, str] = {}
 
 
 def offer_services(homes: Mapping[str, str]) -> None:
-    """Enter the home, `module:function`, of each service by its name."""
+    """Register the place, `module:function`, of each service by name."""
     _HOMES.update(homes)
 
 
 def import_service(name: str) -> Callable[..., Any]:
-    """Return the function, or the class, that the root package has entered under a name."""
+    """Return the function or class that is registered under a name."""
     module, _, function = _HOMES[name].partition(":")
     return getattr(import_module(module), function)

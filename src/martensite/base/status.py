@@ -1,6 +1,6 @@
-"""Status of a time step: every way a step can end, as a sentence with a remedy.
+"""Status of a time step: each way a step can end, with a remedy.
 
-Failures are data: the march carries a status per step, and no NaN leaves it unreported.
+Failures are data: each step has a status, and no NaN goes unreported.
 """
 
 from __future__ import annotations

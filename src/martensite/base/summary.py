@@ -1,4 +1,4 @@
-"""Summary of a result: sentences, tables and pictures, and its numbers for programs.
+"""Summary of a result: sentences, tables, figures, and values for programs.
 
 A terminal, Markdown, HTML, JSON and the web bench render the same `Summary`.
 """
@@ -17,21 +17,21 @@ if TYPE_CHECKING:
 
 Tone = Literal["", "title", "good", "caution", "bad"]
 PAGE_WIDTH = 80
-"""Columns of plain text."""
+"""Width of plain text [columns]."""
 
 
 @dataclass(frozen=True)
 class Heading:
-    """The title of what follows."""
+    """Title of the following blocks."""
 
     title: str
     detail: bool = False
-    """True if the following parts are for pages alone, too long for a terminal."""
+    """True if the following blocks appear on pages only."""
 
 
 @dataclass(frozen=True)
 class Sentence:
-    """A line or a paragraph; names stand in backquotes."""
+    """Line or paragraph; names are in backquotes."""
 
     text: str
     tone: Tone = ""
@@ -39,11 +39,11 @@ class Sentence:
 
 @dataclass(frozen=True)
 class BulletList:
-    """Sentences, one below the other."""
+    """List of sentences."""
 
     items: Sequence[str]
     detail: bool = False
-    """True if it is for pages alone."""
+    """True if it appears on pages only."""
 
 
 @dataclass(frozen=True)
@@ -53,30 +53,30 @@ class Notice:
     title: str
     items: Sequence[str]
     warning: bool
-    """False if the news is good."""
+    """False for good news."""
 
 
 @dataclass(frozen=True)
 class DataTable:
-    """Rows of words and numbers below headings."""
+    """Table of words and numbers."""
 
     head: Sequence[str]
     rows: Sequence[Sequence[str]]
     right: Sequence[int] = ()
-    """Columns of numbers, aligned to the right."""
+    """Right-aligned columns."""
     note: str = ""
-    """Note on how to read it."""
+    """Note on how to read the table."""
     detail: Sequence[int] = ()
-    """Columns for pages alone."""
+    """Columns that appear on pages only."""
     tags: Mapping[int, str] = field(default_factory=dict[int, str])
-    """By place of a row: the mark of one that is of another kind."""
+    """Row -> label of an unusual row."""
     tones: Mapping[str, Tone] = field(default_factory=dict[str, Tone])
-    """By text of a cell."""
+    """Text of a cell -> tone."""
     folded: str = ""
-    """Title of a table that only some will want to see, on a page; empty for all others."""
+    """Title of a table that is collapsed on pages; empty for other tables."""
 
     def drop_details(self) -> DataTable:
-        """Return the table with the columns that fit a terminal."""
+        """Return the table without columns for pages."""
         kept = [k for k in range(len(self.head)) if k not in self.detail]
         return DataTable(
             [self.head[k] for k in kept],
@@ -91,10 +91,10 @@ class DataTable:
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure."""
+    """Figure."""
 
     name: str
-    """Name of its file, without an ending."""
+    """File name without suffix."""
     draw: Callable[[], Figure]
     caption: str
 
@@ -104,22 +104,21 @@ Block = Heading | Sentence | BulletList | Notice | DataTable | Picture
 
 @dataclass(frozen=True)
 class Summary:
-    """A result in words and tables, and in numbers."""
+    """Result as text, tables and values."""
 
     title: str
-    """Empty where the blocks speak for themselves."""
+    """May be empty."""
     blocks: Sequence[Block]
     data: Any = None
-    """All numbers by name in SI, ready for JSON."""
+    """All values by name in SI, ready for JSON."""
     lead: str = ""
     """Subject, in one line."""
 
     def __str__(self) -> str:
-        """Return the plain text that fits a page."""
         return "\n".join(self.format_lines())
 
     def brief(self, most: int = 8) -> str:
-        """Return the first lines of the plain text, and how many more there are."""
+        """Return the first lines of the plain text, and the number of further lines."""
         lines = list(self.format_lines())
         more = [f"… {len(lines) - most} more lines in summary()"] if len(lines) > most else []
         return "\n".join([*lines[:most], *more])
@@ -130,7 +129,7 @@ class Summary:
     def format_lines(
         self, width: int = PAGE_WIDTH, paint: Callable[[str, Tone], str] = lambda text, _: text
     ) -> Iterator[str]:
-        """Return plain text, with tables within a width and unbroken sentences, without pictures and details."""
+        """Yield plain text without figures and details; tables keep to a width, sentences are not wrapped."""
         if self.title:
             yield paint(self.title, "title")
         if self.lead:

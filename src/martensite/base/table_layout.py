@@ -1,7 +1,7 @@
-"""Tables of plain text that keep to a width without ever breaking a word or a number.
+"""Plain-text tables that keep to a width without breaking a word or a number.
 
-What is too wide is wrapped between words, then set as several tables below each other, each
-beginning with the first column.
+Wide cells are wrapped between words; a table that is still too wide is split into several tables, each with the first
+column.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ class _Column:
 
     @property
     def width(self) -> int:
-        """Return the width of its longest line."""
         return max(len(line) for text in (self.head, *self.cells) for line in text.split("\n"))
 
     @property
@@ -32,17 +31,16 @@ class _Column:
         return max(map(len, ["", *self.head.split(), *numbers]))
 
     def align(self, text: str, width: int) -> str:
-        """Return a line of a cell, padded."""
         return text.rjust(width) if self.right else text.ljust(width)
 
 
 def _wrap_cell(text: str, width: int) -> list[str]:
     lines = (wrap(line, max(width, 1), break_long_words=False, break_on_hyphens=False) for line in text.split("\n"))
-    return [part for found in lines for part in found or [""]]
+    return [part for wrapped in lines for part in wrapped or [""]]
 
 
 Paint = Callable[[str, str], str]
-"""Colours a padded text (the second) by the cell that it is of (the first)."""
+"""Function that colours a padded text (second argument) by its cell (first argument)."""
 
 
 def format_table(
@@ -52,7 +50,7 @@ def format_table(
     width: int,
     paint: Paint = lambda _, text: text,
 ) -> Iterator[str]:
-    """Return lines of a table of at most `width` columns of text; cells below `right` headings are not wrapped."""
+    """Yield the lines of a table of at most `width` characters; columns in `right` are not wrapped."""
     columns = [_Column(name, [row[k] for row in rows], k in right) for k, name in enumerate(head)]
     for k, group in enumerate(_group_columns(columns, width)):
         if k:
@@ -61,7 +59,7 @@ def format_table(
 
 
 def _group_columns(columns: list[_Column], width: int) -> Iterator[list[_Column]]:
-    """Yield the columns that stand side by side; all groups begin with the first."""
+    """Yield groups of columns that fit the width; all groups begin with the first column."""
     first, *others = columns
     group = [first]
     for column in others:
@@ -74,16 +72,14 @@ def _group_columns(columns: list[_Column], width: int) -> Iterator[list[_Column]
 
 
 def _fit_widths(group: Sequence[_Column], width: int) -> list[int]:
-    """Return the widths of columns: as wide as their texts, the widest narrowed until all fit."""
-    found, least = [one.width for one in group], [one.narrowest for one in group]
-    excess = sum(found) + GAP * (len(group) - 1) - width
-    for _ in range(excess):
-        loose = [k for k in range(len(found)) if found[k] > least[k]]
+    """Return column widths; the widest columns are narrowed until all fit."""
+    widths, limits = [one.width for one in group], [one.narrowest for one in group]
+    for _ in range(sum(widths) + GAP * (len(group) - 1) - width):
+        loose = [k for k, limit in enumerate(limits) if widths[k] > limit]
         if not loose:
             break
-        widest = max(loose, key=lambda k: found[k])
-        found[widest] -= 1
-    return found
+        widths[max(loose, key=lambda k: widths[k])] -= 1
+    return widths
 
 
 def _format_group(group: Sequence[_Column], count: int, width: int, paint: Paint) -> Iterator[str]:

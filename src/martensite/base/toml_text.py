@@ -11,7 +11,7 @@ _BARE = re.compile(r"^[A-Za-z0-9_-]+$")
 
 
 def as_toml(document: Mapping[str, Any]) -> str:
-    """Write a document as TOML: one section per table, tables below it inline."""
+    """Return a document as TOML: one section per table, nested tables inline."""
     lines = [f"{toml_key(k)} = {toml_value(v)}" for k, v in document.items() if not isinstance(v, dict)]
     for name, table in document.items():
         if isinstance(table, dict):
@@ -34,5 +34,5 @@ def toml_value(value: Any) -> str:
 
 
 def toml_key(key: str) -> str:
-    """Return a key as TOML, in quotes where it needs them."""
+    """Return a key as TOML, quoted if necessary."""
     return key if _BARE.match(key) else json.dumps(key, ensure_ascii=False)

@@ -1,8 +1,7 @@
-"""Units at the edge: text with a unit becomes an SI float, and back for labels.
+"""Unit conversion: text with a unit becomes an SI float, and back for labels.
 
-pint is the authority. The everyday spellings below are a table generated from it (and
-compared with it in the tests), so that a short run need not load pint at all. Inside the
-library there are only SI floats in the declared unit.
+pint is the authority. A table of common spellings, generated from pint and tested against it, avoids loading pint in
+short runs. The library uses SI floats in the declared unit.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ _DECLARED = (
     "1 K K/Pa K/Pa^2 m m^3 s Hz kg N N/m Pa Pa/K V A W ohm ohm/m ohm*m kg/m^3 J/kg J/kg/K W/m/K W/m^2/K W/m^2/K^2 "
     "W/m^2/K^3 1/K 1/Pa m/s^2 m/s rad rad/s N*m N*m/rad N*m*s/rad N*s/m kg*m^2 N*m/A V*s/rad H"
 )
-"""Units that parameters are declared in."""
+"""Units in which parameters are declared."""
 EVERYDAY: dict[str, tuple[str, float, float]] = {unit: (unit, 1.0, 0.0) for unit in _DECLARED.split()} | {
     "%": ("1", 0.01, 0.0),
     "degC": ("K", 1.0, 273.15),
@@ -51,27 +50,27 @@ EVERYDAY: dict[str, tuple[str, float, float]] = {unit: (unit, 1.0, 0.0) for unit
 """Spelling -> (declared SI unit, factor, offset): value_SI = value * factor + offset."""
 
 DEGREES = "delta_degC"
-"""Unit of a difference of two temperatures [K], which has no zero to be shifted."""
+"""Unit of a temperature difference [K], which has no offset."""
 
 LEVEL = "reading"
-"""Declared unit of a level of a reading: that of the reading, which depends on the place."""
+"""Declared unit of a level of a reading; depends on the place."""
 DIFFERENCE = "reading difference"
-"""Declared unit of a difference of two readings; of two temperatures it has no zero."""
+"""Declared unit of a difference of two readings."""
 RATE = "reading difference/s"
 """Declared unit of a rate of a reading."""
 GAIN, INTEGRAL_GAIN, DERIVATIVE_GAIN = "signal/reading", "signal/reading/s", "signal*s/reading"
-"""Declared units of gains: of a signal over a difference of readings, which depend on the place."""
+"""Declared units of controller gains, signal over reading; depend on the place."""
 OF_GAINS = (GAIN, INTEGRAL_GAIN, DERIVATIVE_GAIN)
 SIGNAL_RATE, REFERENCE_RATE, REFERENCE_ACCELERATION = "signal/s", "reference/s", "reference/s^2"
-"""Declared units of rates of a signal and of what a controller follows, which depend on the place."""
+"""Declared units of rates of a signal and of a reference; depend on the place."""
 OF_LOOPS = (*OF_GAINS, SIGNAL_RATE, REFERENCE_RATE, REFERENCE_ACCELERATION)
 OF_READINGS = (LEVEL, DIFFERENCE, RATE, *OF_LOOPS)
 DRIVE = "drive"
-"""Declared unit of a level of a waveform; the source that it drives gives the unit."""
+"""Declared unit of a waveform level; the driven source gives the unit."""
 OF_PLACE = (DRIVE, *OF_READINGS)
 """Declared units that depend on the place."""
 
-# declared SI unit -> unit a person would rather read
+# declared SI unit -> readable unit
 READABLE = {
     "K": "degC",
     "Pa": "MPa",
@@ -86,9 +85,9 @@ READABLE = {
 }
 
 PERCENT = ("strain",)
-"""Columns that are read more easily in percent."""
+"""Columns shown in percent."""
 
-# declared SI unit -> unit for large values, and from which value on
+# declared SI unit -> (unit for large values, smallest such value)
 _LARGER = {"Pa": ("GPa", 1e9), "J/kg": ("kJ/kg", 1e3)}
 
 _QUANTITY = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$")
@@ -100,7 +99,7 @@ _SPELLINGS = str.maketrans(
 
 
 def parse_quantity(text: str, unit: str) -> float:
-    """Read a quantity such as `"0.381 mm"` as a float in the SI `unit`.
+    """Return a quantity such as `"0.381 mm"` as a float in the SI `unit`.
 
     Raises:
         UnitError: the text is not a number with a unit, or the unit has another dimension.
@@ -120,7 +119,7 @@ def parse_quantity(text: str, unit: str) -> float:
 
 @runtime_checkable
 class AbstractQuantity(Protocol):
-    """A quantity of pint, of any registry."""
+    """Quantity of pint, from any registry."""
 
     @property
     def magnitude(self) -> Any:
@@ -128,23 +127,23 @@ class AbstractQuantity(Protocol):
 
     @property
     def units(self) -> Any:
-        """Return the unit of the number."""
+        """Return the unit."""
 
 
 Numeric: TypeAlias = float | str | AbstractQuantity
-"""A number in SI, a text with a unit, or a quantity of pint."""
+"""Number in SI, text with a unit, or pint quantity."""
 
 
 def is_quantity(value: Any) -> TypeGuard[AbstractQuantity]:
-    """Return whether a value is a quantity of pint."""
+    """Return whether a value is a pint quantity."""
     return hasattr(value, "magnitude") and hasattr(value, "units")
 
 
 def write_pint(value: AbstractQuantity) -> str:
-    """Return a quantity of pint as text, such as `22.0 degC`.
+    """Return a pint quantity as text, such as `22.0 degC`.
 
     Raises:
-        UnitError: the quantity is an array, not a single value.
+        UnitError: the quantity is an array.
     """
     try:
         number = float(value.magnitude)
@@ -154,11 +153,11 @@ def write_pint(value: AbstractQuantity) -> str:
 
 
 def convert_number(value: Numeric, unit: str) -> float:
-    """Return a number in SI, a text with a unit or a quantity of pint as a float in the SI `unit`.
+    """Return a number in SI, a text with a unit or a pint quantity as a float in the SI `unit`.
 
     Raises:
         UnitError: the text is not a number with a unit, or the unit has another dimension.
-        TypeError: the value is of another kind.
+        TypeError: the value has another type.
         ValueError: the text is not a number.
     """
     if is_quantity(value):
@@ -189,29 +188,29 @@ def find_conversion(spelling: str, unit: str) -> tuple[float, float]:
 
 
 def require_unit(unit: str) -> None:
-    """Raise `UnitError` unless a declared unit is one."""
+    """Raise `UnitError` unless a declared unit is valid."""
     if unit not in ("1", *OF_READINGS):
         _ask_pint(unit, unit)
 
 
 def choose_readable_unit(unit: str) -> str:
-    """Return the unit in which a person would rather read a quantity declared in `unit`."""
+    """Return the readable unit of a quantity declared in `unit`."""
     return READABLE.get(unit, unit)
 
 
 def of_column(name: str, unit: str) -> str:
-    """Return the unit in which a column is read: percent for strains, else what is readable."""
+    """Return the readable unit of a column; percent for strains."""
     return "%" if unit == "1" and name.rpartition(".")[2] in PERCENT else choose_readable_unit(unit)
 
 
 def choose_familiar_unit(value: float, unit: str) -> str:
-    """Return the unit in which a value of this size, in SI, is best read: GPa for a modulus."""
+    """Return the readable unit of a value in SI, such as GPa for a modulus."""
     larger = _LARGER.get(unit)
     return larger[0] if larger and abs(value) >= larger[1] else choose_readable_unit(unit)
 
 
 def of_reading(unit: str, reading: str) -> str:
-    """Return the SI unit of a number declared in `unit`, for a reading in the SI unit `reading`."""
+    """Return the SI unit of a value declared in `unit`, for a reading in the SI unit `reading`."""
     if unit == RATE:
         return f"{reading}/s"
     if unit == DIFFERENCE:
@@ -220,13 +219,13 @@ def of_reading(unit: str, reading: str) -> str:
 
 
 def of_loop(unit: str, signal: str, reading: str) -> str:
-    """Return the SI unit of a gain or a rate declared in `unit`, of a signal and a reading in these SI units."""
+    """Return the SI unit of a gain or rate declared in `unit`, for the SI units of signal and reading."""
     if unit not in OF_GAINS:
         return f"{signal if unit == SIGNAL_RATE else reading}/{unit.partition('/')[2]}"
     above = f"{'' if signal == '1' else signal + '*'}s" if unit == DERIVATIVE_GAIN else signal
     below = f"({reading})" if re.search(r"[*/]", reading) else reading
-    found = above if reading == "1" else f"{above}/{below}"
-    return f"{found}/s" if unit == INTEGRAL_GAIN else found
+    gain = above if reading == "1" else f"{above}/{below}"
+    return f"{gain}/s" if unit == INTEGRAL_GAIN else gain
 
 
 _BASES = {
@@ -243,10 +242,10 @@ _BASES = {
 
 @cache
 def find_dimensions(unit: str) -> dict[str, float]:
-    """Return the exponents of the base units of SI, and of rad, in a declared unit: `{"kg": 1, "s": -3}`.
+    """Return the exponents of the SI base units, and of rad, in a declared unit: `{"kg": 1, "s": -3}`.
 
     Raises:
-        UnitError: the unit is not known, or is not a coherent unit of SI, such as `mm`.
+        UnitError: the unit is unknown, or not a coherent SI unit, such as `mm`.
     """
     import pint
 
@@ -283,16 +282,16 @@ _SAME = {
     "lbf/in": "lb/in lbs/in",
 }
 MEANT = {other: name for name, others in _SAME.items() for other in others.split()}
-"""Common spellings, in small letters -> a known spelling."""
+"""Common lower-case spelling -> known spelling."""
 
 
 def _suggest_unit(spelling: str, unit: str) -> str:
-    """Return a sentence with the spelling that was probably meant; nothing if there is none."""
+    """Return a sentence with the probable spelling; may be empty."""
     small = spelling.lower().strip(". ").removesuffix(" dc").removeprefix("deg ").removeprefix("degree ")
-    known = {name.lower(): name for name, (declared, _, _) in EVERYDAY.items() if declared == unit}
-    with suppress(ValueError, TypeError, AssertionError, AttributeError):  # the unit itself may be none
+    spellings = {name.lower(): name for name, (declared, _, _) in EVERYDAY.items() if declared == unit}
+    with suppress(ValueError, TypeError, AssertionError, AttributeError):  # an invalid unit
         ureg = _pint_registry()
-        for meant in (MEANT.get(small), known.get(small)):
+        for meant in (MEANT.get(small), spellings.get(small)):
             if meant is not None and ureg.Unit(meant).is_compatible_with(ureg.Unit("" if unit == "1" else unit)):
                 return f" Did you mean `{meant}`?"
     return ""
@@ -310,7 +309,7 @@ def _ask_pint(spelling: str, unit: str) -> tuple[float, float]:
     import pint
 
     ureg = _pint_registry()
-    spelling = "ampere" if spelling == "amps" else spelling  # which pint takes for attometres per second
+    spelling = "ampere" if spelling == "amps" else spelling  # pint reads attometres per second
     try:
         zero = ureg.Quantity(0.0, _spell_difference(spelling)).to(_spell_difference(unit)).magnitude
         one = ureg.Quantity(1.0, _spell_difference(spelling)).to(_spell_difference(unit)).magnitude
@@ -327,7 +326,7 @@ def _ask_pint(spelling: str, unit: str) -> tuple[float, float]:
 
 
 def _spell_difference(spelling: str) -> str:
-    """Inside a compound unit a degree Celsius is a difference of temperature."""
+    """Return the spelling in which degrees within a compound unit are differences."""
     if spelling in ("degC", "degF"):
         return spelling
     return re.sub(r"\bdeg([CF])\b", r"delta_deg\1", spelling)
