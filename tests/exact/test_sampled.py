@@ -11,7 +11,6 @@ import pytest
 
 from martensite.base.errors import DataError
 from martensite.signals.records import Record
-from martensite.signals.sampling.periods import average_periods
 from martensite.signals.sampling.regular_grid import from_record
 from martensite.signals.sampling.resampling import collect_experiments, resample_record, select_signals, split_record
 from martensite.signals.sampling.sampled import Sampled
@@ -224,28 +223,6 @@ def test_the_level_at_rest_is_that_before_the_input_moves() -> None:
     u[40:], y[40:] = 1.0, 80.0
     assert find_trend(record(u, y), "rest").outputs[0] == pytest.approx(23.0, abs=0.01)
     assert find_trend(record(u, y), "rest", rest=6.0).outputs[0] > 30.0
-
-
-def test_periods_give_the_mean_and_the_noise() -> None:
-    rng = np.random.default_rng(4)
-    wave = np.sin(2.0 * np.pi * np.arange(200) / 200)
-    y = np.tile(wave, 11) + 0.05 * rng.standard_normal(2200)
-    y[:200] += np.exp(-np.arange(200) / 40.0)  # a transient
-    y[700] = np.nan
-    found = average_periods(record(np.tile(wave, 11), y), 20.0, skip=20.0)
-    assert found.count == 10
-    assert found.noise[0] == pytest.approx(0.05, rel=0.05)
-    assert np.std(found.mean.outputs[:, 0] - wave) == pytest.approx(found.noise_of_mean[0], rel=0.15)
-    assert found.mean.remarks == ()
-    assert 92.0 < found.ceiling()[0] < 94.0
-    drifting = record(np.linspace(0.0, 1.0, 2200), y)
-    assert "differs between periods" in average_periods(drifting, 20.0).mean.remarks[0]
-
-
-@pytest.mark.parametrize("period", [0.25, 150.0, 0.0])
-def test_a_wrong_period_is_refused(period: float) -> None:
-    with pytest.raises(DataError):
-        average_periods(ramp(), period)
 
 
 def test_a_wrong_average_would_be_noticed() -> None:

@@ -1,4 +1,4 @@
-"""Signals: what drives a system, as a function of time (and, for controllers, measurements)."""
+"""Signals: waveforms and records as functions of time."""
 
 from martensite.base.lazy import attach_names
 

@@ -1,11 +1,8 @@
-"""The drive interface: waveforms and controllers answer the same call.
+"""Drives: waveforms and controllers have the same interface.
 
-A drive turns time and measurement into a signal; its memory is passed in and returned. A
-waveform needs neither measurement nor memory, and names its edges: the times at which it
-jumps or bends. The march snaps its steps to them, so nothing is stepped over.
-
-The levels of a waveform are declared in the unit `drive`: volt, ampere, watt, kelvin or a
-plain number, whatever the source takes.
+A drive turns time and measurement into a signal; its memory is passed in and returned. A waveform needs neither, and
+lists its edges: the times of jumps and bends, which always end a time step. Levels of a waveform have the unit of the
+driven source: volt, ampere, watt, kelvin or none.
 """
 
 from __future__ import annotations
@@ -15,6 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise, takewhile
 from typing import Any, ClassVar
 
+from martensite.base.interfaces import override
 from martensite.base.parameters import Parametrised
 from martensite.base.registry import Registry
 from martensite.base.units import DRIVE as DRIVE
@@ -22,11 +20,11 @@ from martensite.signals.moments import Moments, Segment, SignalShape, Tone, fit_
 
 WAVEFORMS: Registry[AbstractWaveform] = Registry("waveform", "martensite.signals", typical="step")
 MANY = 1000
-"""Times from which on arrays are quicker than numbers one by one, even if NumPy is loaded first."""
+"""Number of times from which arrays are faster than single values, including the import of NumPy."""
 
 
 class AbstractDrive(Parametrised):
-    """Interface of everything that drives a source."""
+    """Interface of all drives of a source."""
 
     @abstractmethod
     def init(self) -> Any:
@@ -34,20 +32,20 @@ class AbstractDrive(Parametrised):
 
     @abstractmethod
     def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Any]:
-        """Return the signal at `time` [s] and the new memory."""
+        """Return the value at `time` [s]."""
 
 
 class AbstractWaveform(AbstractDrive):
-    """A signal that is known beforehand."""
+    """Signal that is known in advance."""
 
     unit: ClassVar[str | None] = None
-    """Unit of the only sources that it can drive; None if it drives any."""
+    """SI unit of the sources that it can drive; None for any source."""
 
     def init(self) -> None:
-        """A waveform remembers nothing."""
+        """Return no memory."""
 
+    @override
     def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Any]:
-        """Return the value at `time` [s], independent of measurements."""
         return self.value(time), memory
 
     @abstractmethod
@@ -55,21 +53,21 @@ class AbstractWaveform(AbstractDrive):
         """Return the signal at `time` [s], in the unit of the source; right-continuous at jumps."""
 
     def signals(self, times: Sequence[float]) -> list[float]:
-        """Return the signals at many times, the same numbers as one by one."""
+        """Return the signals at many times, with the values of `value`."""
         return list(map(self.value, times))
 
     def edges(self, duration: float) -> list[float]:
-        """Return the times in (0, duration) at which the signal jumps or bends, ascending [s]."""
+        """Return the times of jumps and bends in (0, duration) [s], ascending."""
         return []
 
     def count_edges(self, duration: float) -> float:
-        """About how many edges a run of `duration` [s] holds, where they come without end; else 0."""
+        """Return the approximate number of edges in `duration` [s] of a periodic waveform; else 0."""
         return 0.0
 
     def segments(self, begin: float) -> Iterator[Segment]:
-        """Yield the segments without the tones, ascending, from the segment at `begin` [s] on.
+        """Yield the segments from the one at `begin` [s] on, without tones; the last segment never ends.
 
-        The last segment never ends. By default parabolas are fitted to the values between edges, as many as necessary.
+        By default, parabolas are fitted to the values between edges.
         """
         first, last = 0.0, 1.0
         while True:
@@ -80,14 +78,14 @@ class AbstractWaveform(AbstractDrive):
             first, last = last, 2.0 * last
 
     def tones(self) -> tuple[Tone, ...]:
-        """Return the tones that are added at all times to the segments."""
+        """Return the tones that are added to the segments at all times."""
         return ()
 
     def shape(self, begin: float, end: float) -> SignalShape:
-        """Return the waveform as segments and tones in [begin, end] [s]."""
-        known = takewhile(lambda segment: segment.start < end, self.segments(begin))
-        return SignalShape(list(known) or [next(self.segments(begin))], self.tones())
+        """Return the waveform in [begin, end] [s] as segments and tones."""
+        segments = takewhile(lambda segment: segment.start < end, self.segments(begin))
+        return SignalShape(list(segments) or [next(self.segments(begin))], self.tones())
 
     def moments(self, begin: float, end: float) -> Moments:
-        """Return the mean, mean square and range over [begin, end] [s], exactly."""
+        """Return the exact mean, mean square and range over [begin, end] [s]."""
         return self.shape(begin, end).moments(begin, end)

@@ -1,10 +1,7 @@
-"""Carrier: a duty becomes pulses, on for k/f ≤ t < (k + D_k)/f with D_k the duty at k/f.
+"""Carrier: pulses of a duty cycle, on for k/f ≤ t < (k + D_k)/f with D_k the duty cycle at k/f.
 
-The duty is read at the start of every period and held, as a timer does; below 0 it counts as 0,
-above 1 as 1. On is 1 and off is 0: the signal of a switch, for the drive `pwm-voltage`.
-
-A real switch cannot make a pulse (or a gap) as short as wanted: those below `shortest` become
-`shortest` or nothing, whichever is nearer.
+The duty cycle is read at the start of each period, limited to 0 … 1, and held. On is 1 and off is 0, for the drive
+`pwm-voltage`. Pulses and gaps below `shortest` become `shortest` or zero, whichever is nearer.
 """
 
 from __future__ import annotations
@@ -18,7 +15,7 @@ from martensite.signals.pulses import AbstractPulses
 
 
 def limit_duty(duty: float, shortest: float) -> float:
-    """Return the share of a period that is on, for a duty and a `shortest` pulse as a share of the period."""
+    """Return the duty cycle that a switch can make; `shortest` is a fraction of the period."""
     duty = min(max(duty, 0.0), 1.0)
     if duty < shortest:
         return shortest if duty >= 0.5 * shortest else 0.0
@@ -29,7 +26,7 @@ def limit_duty(duty: float, shortest: float) -> float:
 
 @WAVEFORMS.register("carrier")
 class Carrier(AbstractPulses):
-    """Pulses of 0 and 1 at a constant frequency, as long as another waveform says."""
+    """Pulses of 0 and 1 at a constant frequency; another waveform gives the duty cycle."""
 
     unit: ClassVar[str | None] = "1"
 
@@ -48,9 +45,9 @@ class Carrier(AbstractPulses):
             )
 
     def share(self, k: int) -> float:
-        """Return the duty at the start of period k, as the switch can make it."""
+        """Return the duty cycle of period k that the switch can make."""
         return limit_duty(self.duty.value(self._start(k)), self.shortest * self.frequency)
 
     def value(self, time: float) -> float:
-        """1 while on, else 0; the new one at a jump itself."""
+        """Return 1 while on, else 0; right-continuous."""
         return 1.0 if self.is_on(time) else 0.0

@@ -17,13 +17,13 @@ class Constant(AbstractWaveform):
     level: Number = param(DRIVE, "level", typical=HIGH)
 
     def value(self, time: float) -> float:
-        """Return the level, at any time."""
+        """Return the level."""
         return self.level
 
     def signals(self, times: Sequence[float]) -> list[float]:
-        """Return the level, as often as it is asked for."""
+        """Return the level, once per time."""
         return [self.level] * len(times)
 
     def segments(self, begin: float) -> Iterator[Segment]:
-        """One."""
+        """Yield one segment."""
         yield Segment(0.0, self.level)

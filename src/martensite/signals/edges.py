@@ -1,8 +1,6 @@
-"""Common functions of waveforms: lists of edges, numbering of intervals, blending of two levels.
+"""Edges, numbered intervals, and interpolation between two levels.
 
-The times at which a signal jumps are written once, as a function of their number, and both
-the list of edges and the value at a time go by that function. So an edge and the value
-beside it can never disagree by a rounding error.
+Edges and values use the same function of the interval number, so rounding never makes them disagree.
 """
 
 from __future__ import annotations
@@ -16,18 +14,16 @@ MOST_EDGES = 5_000_000
 
 
 def select_inside(times: Iterable[float], duration: float) -> list[float]:
-    """Return the ascending times in (0, duration), each once [s]."""
-    kept: list[float] = []
-    last = 0.0
+    """Return the ascending times in (0, duration) [s] without repetition."""
+    selected = [0.0]
     for time in times:
-        if last < time < duration:
-            kept.append(time)
-            last = time
-    return kept
+        if selected[-1] < time < duration:
+            selected.append(time)
+    return selected[1:]
 
 
 def require_countable(owner: str, edges: float, duration: float) -> None:
-    """Raise `ParameterError` if a run of `duration` [s] holds more edges than can be stepped."""
+    """Raise `ParameterError` if a run of `duration` [s] has too many edges."""
     if edges > MOST_EDGES:
         raise ParameterError(
             f"Waveform `{owner}` has about {edges:.3g} edges in {duration:.6g} s, but at most "
@@ -36,7 +32,7 @@ def require_countable(owner: str, edges: float, duration: float) -> None:
 
 
 def find_interval(time: float, guess: float, start: Callable[[int], float]) -> int:
-    """Return the number k with start(k) ≤ time < start(k + 1), looked for next to a guess of it."""
+    """Return the k with start(k) ≤ time < start(k + 1), searched from a guess."""
     k = int(guess)
     while start(k + 1) <= time:
         k += 1
@@ -46,7 +42,7 @@ def find_interval(time: float, guess: float, start: Callable[[int], float]) -> i
 
 
 def blend_levels(first: float, last: float, share: float) -> float:
-    """Return the level at a fraction of the way from `first` to `last`, never outside the two."""
+    """Return the level at a fraction between `first` and `last`, limited to these two."""
     if share <= 0.0:
         return first
     if share >= 1.0:
@@ -56,7 +52,7 @@ def blend_levels(first: float, last: float, share: float) -> float:
 
 
 def blend_arrays(first: Any, last: Any, share: Any) -> Any:
-    """`blend` over arrays: the same numbers."""
+    """Return `blend_levels` of arrays."""
     import numpy as np
 
     low, high = np.minimum(first, last), np.maximum(first, last)
@@ -65,7 +61,7 @@ def blend_arrays(first: Any, last: Any, share: Any) -> Any:
 
 
 def require_order(owner: str, low: float, high: float) -> None:
-    """Raise `ParameterError` if the lower level of an oscillation is above the higher one."""
+    """Raise `ParameterError` if `low` is above `high`."""
     if low > high:
         raise ParameterError(
             f"Parameter `low` of `{owner}` must be at most `high`, but low = {low:.6g} and high = {high:.6g}."

@@ -1,4 +1,4 @@
-"""Held: one value per period, as a controller or a converter puts out."""
+"""Sample-and-hold signal of a controller or a converter."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from martensite.signals.moments import Segment
 
 
 class Held(AbstractWaveform):
-    """Values held for k/f ≤ t < (k + 1)/f each; the last one stays. What a loop has put out."""
+    """Values held for k/f ≤ t < (k + 1)/f each; the last value stays."""
 
     values: tuple[float, ...] = part("one value per period, in the unit of the source")
     frequency: Number = param("Hz", "values per second", above=0.0, high=1e9, typical="2 Hz")
 
     def value(self, time: float) -> float:
-        """Return the value of the period at `time` [s]; the new one at its start."""
+        """Return the value of the period at `time` [s]."""
         return self.values[self._period(time)]
 
     def edges(self, duration: float) -> list[float]:
@@ -25,12 +25,11 @@ class Held(AbstractWaveform):
         return select_inside((self._start(k) for k in range(1, len(self.values))), duration)
 
     def segments(self, begin: float) -> Iterator[Segment]:
-        """Yield one segment for each value."""
+        """Yield one segment per value."""
         for k in range(self._period(begin), len(self.values)):
             yield Segment(self._start(k), self.values[k])
 
     def _period(self, time: float) -> int:
-        """Return the number of the value at `time` [s]."""
         k = find_interval(time, time * self.frequency, self._start)
         return min(max(k, 0), len(self.values) - 1)
 

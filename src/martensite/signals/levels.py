@@ -1,9 +1,6 @@
-"""Ordinary levels of a signal or a reading, by its SI unit.
+"""Typical levels of signals and readings, by SI unit.
 
-What drives or is read has a unit that depends on the place, so that no one number is
-typical of it.
-All are assumed: sizes with which a small actuator runs, so that a form can be shown and a part
-tried.
+All are assumed values for a small actuator, used in forms and to try parts.
 """
 
 from martensite.base.parameters import ByUnit
@@ -26,13 +23,13 @@ HIGH = ByUnit(
         "delta_degC": "5 K",
     }
 )
-"""The upper level."""
+"""Upper level."""
 INCREMENT = ByUnit(HIGH | {"V": "0.5 V", "A": "0.1 A", "W": "0.25 W", "K": "10 K", "1": 0.05, "m": "1 mm"})
-"""A step of a staircase."""
+"""Step of a staircase."""
 TARGET_LEVEL = ByUnit(HIGH | {"V": "1 V", "A": "0.25 A", "W": "0.5 W", "1": 0.1})
-"""Typical levels that bring an actuator near to its target, by unit."""
+"""Levels that bring an actuator near its target."""
 MARGIN = ByUnit(HIGH | {"K": "5 K"})
-"""A difference that matters."""
+"""Significant differences."""
 SAMPLES = ByUnit(
     {unit: (zero, high, high, zero) for unit, high in HIGH.items() for zero in [0.0 if unit == "1" else f"0 {unit}"]}
     | {"K": ("30 degC", "120 degC", "120 degC", "30 degC")}

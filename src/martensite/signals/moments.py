@@ -1,6 +1,6 @@
-r"""Moments of a signal in an interval: mean, mean square and range, in closed form.
+"""Moments of a signal in an interval: mean, mean square and range, in closed form.
 
-A signal is a parabola from segment to segment, and tones that go on all the time,
+A signal is piecewise parabolic plus tones that are present at all times,
 
     u(t) = level + slope τ + bend τ² + Σ A_k cos(ω_k t + φ_k),     τ = t - start of the segment
 
@@ -12,8 +12,8 @@ About the middle m of an interval of half width r the parabola is d₀ + d₁ x 
     ⟨p c⟩ = A [cos θ (d₀ S₀ + d₂ S₂) - sin θ d₁ S₁],      S_n = mean of xⁿ cos ωx or xⁿ sin ωx
     3 ⟨x p⟩ = d₁ r²        3 ⟨x p²⟩ = 2 d₁ (d₀ r² + 3 d₂ r⁴/5)        ⟨x c⟩ = -A sin θ S₁
 
-so a drive is integrated, not sampled, whatever the length of a step. Nothing is a difference of
-large numbers: an interval of a microsecond after a day is as exact as the first.
+so a drive is integrated, not sampled, for any step length. No formula subtracts large numbers: an interval of a
+microsecond is as exact after a day as at the start.
 """
 
 from __future__ import annotations
@@ -24,26 +24,26 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 FITTED = 1e-9
-"""Error of parabolas that are put through a signal, as a share of its size."""
+"""Relative error of fitted parabolas."""
 FINEST = 1e-7
-"""The shortest of them, as a share of the interval."""
+"""Shortest fitted parabola, as a fraction of the interval."""
 LOOKED_AT = tuple((k * 0.6180339887498949) % 1.0 for k in range(1, 14))
-"""Places in an interval at which a parabola is compared with the signal, at irregular distances."""
+"""Irregular fractions of an interval at which a parabola is compared with the signal."""
 MANY = 1000
-"""Intervals from which on arrays are quicker than numbers one by one."""
+"""Number of intervals from which arrays are faster."""
 RESOLVED = 0.5
-"""Half an interval in radians of a tone up to which the interval sees the tone."""
+"""Largest half interval, in radians of a tone, that resolves the tone."""
 SERIES = 0.25
-"""Argument below which functions that are 0/0 at 0 are taken from their series."""
+"""Argument below which 0/0 functions use their series."""
 
 
 class Segment(NamedTuple):
-    """A stretch of a signal that is a parabola, up to the start of the next one."""
+    """Parabolic piece of a signal, up to the start of the next piece."""
 
     start: float
     """[s]"""
     level: float
-    """At its start."""
+    """Value at the start."""
     slope: float = 0.0
     """[1/s]"""
     bend: float = 0.0
@@ -77,14 +77,15 @@ class Moments(NamedTuple):
     """Mean square."""
     low: float
     high: float
-    """Bounds of the signal."""
+    """Upper bound."""
     lapse: float = 0.0
-    """Largest lead of the signal over a straight line: [s] of its largest size. 0 if it neither jumps nor bends nor
-    swings within the interval: then a step represents the signal exactly."""
+    """Largest lead of the signal over a straight line: [s] at its largest absolute value. It is 0 for a signal without
+    jumps, bends and tones in the interval.
+    """
     slope: float = 0.0
-    """Slope of the straight line that is nearest to the signal [1/s]."""
+    """Slope of the best straight line [1/s]."""
     square_slope: float = 0.0
-    """Slope of the straight line that is nearest to the square of the signal."""
+    """Slope of the best straight line through the square."""
 
     @classmethod
     def constant(cls, level: float) -> Moments:
@@ -93,14 +94,14 @@ class Moments(NamedTuple):
 
 
 class SignalShape(NamedTuple):
-    """A signal as segments and tones, as far as it is known."""
+    """Segments and tones of a signal."""
 
     segments: Sequence[Segment]
-    """Segments, ascending; each continues to the start of the next, the last one without end."""
+    """Ascending; the last segment never ends."""
     tones: Sequence[Tone] = ()
 
     def value(self, time: float) -> float:
-        """Return the signal at `time` [s]; right-continuous at jumps."""
+        """Return the signal at `time` [s]; right-continuous."""
         at = max(0, bisect_right(self.segments, time, key=_get_start) - 1)
         return self.segments[at].value(time) + math.fsum(tone.value(time) for tone in self.tones)
 
@@ -108,17 +109,17 @@ class SignalShape(NamedTuple):
         """Return the moments over [begin, end] [s]."""
         at = max(0, bisect_right(self.segments, begin, key=_get_start) - 1)
         swings = [_Swing(tone, begin, end) for tone in self.tones]
-        found, left = _Sum(begin, end, swings), begin
+        total, left = _Sum(begin, end, swings), begin
         for segment, after in zip(self.segments[at:], [*self.segments[at + 1 :], None], strict=True):
             right = end if after is None else min(end, after.start)
-            found.add(segment, left, right)
+            total.add(segment, left, right)
             left = right
             if not right < end:
                 break
-        return found.moments()
+        return total.moments()
 
     def many(self, begins: Sequence[float], ends: Sequence[float]) -> list[Moments]:
-        """Return the moments over many intervals; in arrays those that lie within a segment each."""
+        """Return the moments over many intervals; intervals within one segment are computed in arrays."""
         if len(begins) < MANY or self.tones:
             return [self.moments(a, b) for a, b in zip(begins, ends, strict=True)]
         import numpy as np
@@ -143,14 +144,14 @@ class SignalShape(NamedTuple):
             d1,
             2.0 * d1 * (d0 + 0.6 * curve),
         )
-        found = [Moments(*row) for row in zip(*(c.tolist() for c in columns), strict=True)]
+        rows = [Moments(*row) for row in zip(*(c.tolist() for c in columns), strict=True)]
         for k in np.flatnonzero(following < last - 1e-9 * (last - first)).tolist():
-            found[k] = self.moments(begins[k], ends[k])
-        return found
+            rows[k] = self.moments(begins[k], ends[k])
+        return rows
 
 
 class _Sum:
-    """Moments of a signal, added up from segment to segment."""
+    """Moments of a signal, accumulated over segments."""
 
     def __init__(self, begin: float, end: float, swings: Sequence[_Swing]) -> None:
         self.begin, self.length, self.swings = begin, end - begin, swings
@@ -162,7 +163,6 @@ class _Sum:
         self.marks: list[tuple[float, float, float]] = []
 
     def add(self, segment: Segment, left: float, right: float) -> None:
-        """A piece of the interval."""
         half, aside = 0.5 * (right - left), 0.5 * (left + right) - self.middle
         d0, d1, d2 = _center_parabola(segment, left + half)
         share, two = 2.0 * half / self.length, half * half
@@ -180,32 +180,31 @@ class _Sum:
         self.marks.append((right - self.begin, self.mean, self.square))
 
     def moments(self) -> Moments:
-        """Return all together."""
         swings, per = self.swings, 12.0 / (self.length * self.length)
         low, high = self.low + sum(s.low for s in swings), self.high + sum(s.high for s in swings)
         mean, slope, second = self.mean, per * self.lean, per * self.square_lean
         lapse = self._lapse(max(abs(low), abs(high)), slope, second)
         for swing in swings:
             mean, slope = mean + swing.mean, slope + per * swing.lean
-        if swings:  # that of the square as if both were straight
+        if swings:  # slope of the square as if segments and tones were straight
             second += 2.0 * (mean * slope - self.mean * per * self.lean)
         square = self.square + 2.0 * self.cross + _average_beats(swings)
         return Moments(mean, square, low, high, lapse, slope, second)
 
     def _lapse(self, size: float, slope: float, second: float) -> float:
-        """Return the difference of the integrals of u and u² from those of straight lines, over its size."""
+        """Return the deviation of the integrals of u and u² from straight lines, over their size."""
         if not size > 0.0:
             return 0.0
-        found = sum(swing.lapse for swing in self.swings) / size
+        lapse = sum(swing.lapse for swing in self.swings) / size
         if len(self.marks) == 1:
-            return found
+            return lapse
         length = self.length
         first = squares = 0.0
         for time, mean, square in self.marks:
             bow = 0.5 * time * (time - length)
             first = max(first, abs(length * mean - time * self.mean - slope * bow))
             squares = max(squares, abs(length * square - time * self.square - second * bow))
-        return found + max(first / size, squares / (size * size))
+        return lapse + max(first / size, squares / (size * size))
 
 
 class _Swing:
@@ -224,7 +223,7 @@ class _Swing:
 
 
 def compute_sinc(x: float) -> float:
-    """sin x / x."""
+    """Return sin x / x."""
     if abs(x) < SERIES:
         z = x * x
         return 1.0 - z / 6.0 * (1.0 - z / 20.0 * (1.0 - z / 42.0 * (1.0 - z / 72.0)))
@@ -232,7 +231,7 @@ def compute_sinc(x: float) -> float:
 
 
 def compute_leaning_mean(x: float) -> float:
-    """(sin x / x - cos x)/x: the mean of s sin xs over s between -1 and 1."""
+    """Return (sin x / x - cos x)/x, the mean of s sin xs over s between -1 and 1."""
     if abs(x) < SERIES:
         z = x * x
         return x * (1.0 / 3.0 - z * (1.0 / 30.0 - z * (1.0 / 840.0 - z * (1.0 / 45360.0))))
@@ -262,13 +261,13 @@ def _average_product(tone: Tone, begin: float, end: float, d0: float, d1: float,
 
 def _average_beats(swings: Sequence[_Swing]) -> float:
     """Return the mean square of the sum of tones."""
-    found = 0.0
+    total = 0.0
     for j, a in enumerate(swings):
         for k, b in enumerate(swings[: j + 1]):
             part = math.cos(a.angle - b.angle) * compute_sinc(a.reach - b.reach)
             part += math.cos(a.angle + b.angle) * compute_sinc(a.reach + b.reach)
-            found += (0.5 if k == j else 1.0) * a.tone.amplitude * b.tone.amplitude * part
-    return found
+            total += (0.5 if k == j else 1.0) * a.tone.amplitude * b.tone.amplitude * part
+    return total
 
 
 def _get_start(segment: Segment) -> float:
@@ -276,7 +275,7 @@ def _get_start(segment: Segment) -> float:
 
 
 def add_segments(terms: Sequence[tuple[float, Iterator[Segment]]]) -> Iterator[Segment]:
-    """Yield the segments of a sum of signals, each times a factor, from those of all."""
+    """Yield the segments of a weighted sum of signals."""
     here = [next(segments) for _, segments in terms]
     ahead = [next(segments, None) for _, segments in terms]
     start = max(segment.start for segment in here)
@@ -296,7 +295,7 @@ def add_segments(terms: Sequence[tuple[float, Iterator[Segment]]]) -> Iterator[S
 
 
 def fit_parabolas(value: Callable[[float], float], first: float, last: float) -> Iterator[Segment]:
-    """Yield the parabolas through a signal that is smooth in [first, last), ascending."""
+    """Yield parabolas through a signal that is smooth in [first, last), ascending."""
     stack = [(first, last)]
     while stack:
         begin, end = stack.pop()
@@ -306,11 +305,11 @@ def fit_parabolas(value: Callable[[float], float], first: float, last: float) ->
         rise, whole = 2.0 * (levels[1] - levels[0]), (levels[2] - levels[0]) / late
         bend = (whole - rise) / (late - 0.5)
         slope = rise - 0.5 * bend
-        found = Segment(begin, levels[0], slope / length, bend / (length * length))
-        known = [(value(t), found.value(t)) for t in (begin + s * length for s in LOOKED_AT)]
-        size = max(*(abs(a) for a, _ in known), *map(abs, levels))
-        if length <= FINEST * (last - first) or all(abs(a - b) <= FITTED * size for a, b in known):
-            yield found
+        segment = Segment(begin, levels[0], slope / length, bend / (length * length))
+        pairs = [(value(t), segment.value(t)) for t in (begin + s * length for s in LOOKED_AT)]
+        size = max(*(abs(a) for a, _ in pairs), *map(abs, levels))
+        if length <= FINEST * (last - first) or all(abs(a - b) <= FITTED * size for a, b in pairs):
+            yield segment
         else:
             middle = 0.5 * (begin + end)
             stack += [(middle, end), (begin, middle)]

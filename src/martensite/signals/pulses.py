@@ -1,6 +1,6 @@
-"""Common base of waveforms made of pulses: one pulse from the start of every period.
+"""Base of pulsed waveforms: one pulse from the start of each period.
 
-On for k/f ≤ t < (k + D_k)/f, k = 0, 1, …, with f the frequency and D_k the share of period k.
+On for k/f ≤ t < (k + D_k)/f, k = 0, 1, …, with frequency f and duty cycle D_k of period k.
 """
 
 from __future__ import annotations
@@ -16,35 +16,35 @@ from martensite.signals.moments import Segment
 
 
 class AbstractPulses(AbstractWaveform):
-    """Pulses; a subclass declares their frequency [Hz] and says how long each is."""
+    """Pulses; a subclass declares the frequency [Hz] and gives the duty cycle."""
 
     frequency: Number
 
     @abstractmethod
     def share(self, k: int) -> float:
-        """Return the share of period k that is on."""
+        """Return the duty cycle of period k."""
 
     def levels(self) -> tuple[float, float]:
-        """Return the signal while a pulse is on, and while it is off."""
+        """Return the levels of pulse and gap."""
         return 1.0, 0.0
 
     def is_on(self, time: float) -> bool:
-        """Return whether a pulse is on at `time` [s]; it is on at its start and off at its end."""
+        """Return whether a pulse is on at `time` [s]; right-continuous."""
         return time < self._end(find_interval(time, time * self.frequency, self._start))
 
     def edges(self, duration: float) -> list[float]:
-        """Start and end of every pulse in (0, duration) [s]."""
+        """Return start and end of each pulse in (0, duration) [s]."""
         count = self.count_edges(duration)
         require_countable(self.registered_name, count, duration)
         periods = range(int(0.5 * count) + 2)
         return select_inside((t for k in periods for t in (self._start(k), self._end(k))), duration)
 
     def count_edges(self, duration: float) -> float:
-        """Return two in every period."""
+        """Return two edges per period."""
         return 2.0 * self.frequency * duration
 
     def segments(self, begin: float) -> Iterator[Segment]:
-        """Yield a pulse and a gap by turns, as far as they have a length."""
+        """Yield pulses and gaps of nonzero length."""
         on, off = self.levels()
         for k in count(max(find_interval(begin, begin * self.frequency, self._start), 0)):
             start, end, after = self._start(k), self._end(k), self._start(k + 1)

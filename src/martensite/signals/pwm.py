@@ -11,7 +11,7 @@ from martensite.signals.pulses import AbstractPulses
 
 @WAVEFORMS.register("pwm")
 class PulseWidthModulation(AbstractPulses):
-    """A rectangular signal of constant frequency and duty."""
+    """Rectangular signal of constant frequency and duty cycle."""
 
     low: Number = param(DRIVE, "level when off", default=0.0)
     high: Number = param(DRIVE, "level when on", typical=HIGH)
@@ -19,19 +19,19 @@ class PulseWidthModulation(AbstractPulses):
     duty: Number = param("1", "share of the period that is on", low=0.0, high=1.0, typical=0.3)
 
     def check(self) -> None:
-        """The levels are in order."""
+        """Require ordered levels."""
         require_order("pwm", self.low, self.high)
 
     def share(self, k: int) -> float:
-        """Return the duty, in every period."""
+        """Return the duty cycle."""
         return self.duty
 
     def levels(self) -> tuple[float, float]:
-        """`high` and `low`."""
+        """Return `high` and `low`."""
         return self.high, self.low
 
     def value(self, time: float) -> float:
-        """Return the level at `time` [s]; the new one at a jump itself."""
+        """Return the level at `time` [s]; right-continuous."""
         return self.high if self.is_on(time) else self.low
 
     def edges(self, duration: float) -> list[float]:
@@ -39,5 +39,5 @@ class PulseWidthModulation(AbstractPulses):
         return [] if self.duty in (0.0, 1.0) else super().edges(duration)
 
     def count_edges(self, duration: float) -> float:
-        """Return two in every period, unless it is always on or off."""
+        """Return two edges per period, or 0 for a constant signal."""
         return 0.0 if self.duty in (0.0, 1.0) else super().count_edges(duration)

@@ -2,7 +2,7 @@
 
     u(t) = low + (high − low) (t − start)/(end − start)  for start ≤ t ≤ end
 
-Before, `low` is held, and afterwards `high`.
+The signal is `low` before and `high` afterwards.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from martensite.signals.moments import Segment
 
 @WAVEFORMS.register("ramp")
 class Ramp(AbstractWaveform):
-    """A linear passage from `low` to `high`; downwards where `low` is above `high`."""
+    """Linear transition from `low` to `high`; it falls if `low` is above `high`."""
 
     low: Number = param(DRIVE, "level up to `start`", default=0.0)
     high: Number = param(DRIVE, "level from `end` on", typical=HIGH)
@@ -27,7 +27,7 @@ class Ramp(AbstractWaveform):
     end: Number = param("s", "time at which the ramp ends", above=0.0, typical="5 s")
 
     def check(self) -> None:
-        """The ramp takes a time above zero."""
+        """Require a positive ramp time."""
         if self.end <= self.start:
             raise ParameterError(
                 f"Parameter `end` of `ramp` must be above `start` = {self.start:.6g} s, "
@@ -39,7 +39,7 @@ class Ramp(AbstractWaveform):
         return blend_levels(self.low, self.high, (time - self.start) / (self.end - self.start))
 
     def signals(self, times: Sequence[float]) -> list[float]:
-        """Return the levels at many times, the same numbers as one by one."""
+        """Return the levels at many times."""
         if len(times) < MANY:
             return super().signals(times)
         import numpy as np
@@ -48,11 +48,11 @@ class Ramp(AbstractWaveform):
         return blend_arrays(self.low, self.high, shares).tolist()
 
     def edges(self, duration: float) -> list[float]:
-        """Beginning and end of the ramp, where they lie in (0, duration) [s]."""
+        """Return start and end of the ramp in (0, duration) [s]."""
         return select_inside((self.start, self.end), duration)
 
     def segments(self, begin: float) -> Iterator[Segment]:
-        """Yield the level, rising, level."""
+        """Yield level, ramp and level."""
         if self.start > 0.0:
             yield Segment(0.0, self.low)
         yield Segment(self.start, self.low, (self.high - self.low) / (self.end - self.start))

@@ -1,4 +1,4 @@
-"""A waveform read forwards: its segments are made as they are needed and forgotten behind."""
+"""Forward reader of a waveform that creates segments on demand and drops old ones."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from martensite.signals.base import AbstractWaveform
 from martensite.signals.moments import Moments, Segment, SignalShape
 
 AHEAD = 512
-"""Segments that are made at once."""
+"""Number of segments created at once."""
 
 
 class Reader:
@@ -18,40 +18,40 @@ class Reader:
 
     def __init__(self, waveform: AbstractWaveform) -> None:
         self._coming: Iterator[Segment] = waveform.segments(0.0)
-        self._known: list[Segment] = []
+        self._segments: list[Segment] = []
         self._starts: list[float] = []
         self._ended = False
         self.tones = waveform.tones()
         self.fastest = max((tone.rate for tone in self.tones), default=0.0)
-        """Highest ω of its tones [rad/s]."""
+        """Highest ω of the tones [rad/s]."""
 
     def moments(self, begin: float, end: float) -> Moments:
         """Return the moments over [begin, end] [s]."""
         self._need(end)
         first = self._place(begin)
         if not self.tones:
-            segment = self._known[first]
+            segment = self._segments[first]
             alone = first + 1 == len(self._starts) or self._starts[first + 1] >= end
             if alone and segment.slope == 0.0 == segment.bend:
                 return Moments.constant(segment.level)
-        return SignalShape(self._known[first : self._place(end) + 1], self.tones).moments(begin, end)
+        return SignalShape(self._segments[first : self._place(end) + 1], self.tones).moments(begin, end)
 
     def value(self, time: float) -> float:
-        """Return the signal at `time` [s]; the new one at a jump."""
+        """Return the signal at `time` [s]; right-continuous."""
         self._need(time)
-        return SignalShape([self._known[self._place(time)]], self.tones).value(time)
+        return SignalShape([self._segments[self._place(time)]], self.tones).value(time)
 
     def before(self, time: float) -> float:
         """Return the signal just before `time` [s]."""
         return self.level(time, before=True) + math.fsum(tone.value(time) for tone in self.tones)
 
     def level(self, time: float, before: bool = False) -> float:
-        """Return the signal without its tones at `time` [s], or just before it."""
+        """Return the signal without tones at `time` [s], or just before."""
         self._need(time)
         place = self._place(time)
         if before and place > 0 and not self._starts[place] < time:
             place -= 1
-        return self._known[place].value(time)
+        return self._segments[place].value(time)
 
     def edges(self, begin: float, end: float) -> list[float]:
         """Return the times of jumps and bends in (begin, end) [s]."""
@@ -61,21 +61,21 @@ class Reader:
         return [start for start in self._starts[first:last] if start < end]
 
     def forget(self, time: float) -> None:
-        """Forget the part before `time` [s], which must not be read again."""
+        """Drop the part before `time` [s], which must not be read again."""
         place = self._place(time) - 1
         if place > AHEAD:
-            del self._known[:place], self._starts[:place]
+            del self._segments[:place], self._starts[:place]
 
     def _place(self, time: float) -> int:
         return max(0, bisect_right(self._starts, time) - 1)
 
     def _need(self, time: float) -> None:
-        """Make segments until one begins behind `time` [s]."""
+        """Create segments until one starts after `time` [s]."""
         while not self._ended and (not self._starts or self._starts[-1] <= time):
             for _ in range(AHEAD):
                 segment = next(self._coming, None)
                 if segment is None:
                     self._ended = True
                     break
-                self._known.append(segment)
+                self._segments.append(segment)
                 self._starts.append(segment.start)

@@ -1,4 +1,4 @@
-"""Records: named columns over time in SI units, as measured or as computed elsewhere."""
+"""Records: named columns over time in SI units, measured or computed."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from martensite.signals.table import Table
 
 @dataclass(frozen=True)
 class Record:
-    """Columns of equal length, one of them `time` [s]."""
+    """Columns of equal length, including `time` [s]."""
 
     name: str
     columns: dict[str, list[float]]
     """One list per column, in SI units."""
     units: dict[str, str]
-    """SI unit of every column."""
+    """SI unit of each column."""
     source: Path | None = None
-    """The file it was read from."""
+    """Source file."""
     dropped: int = 0
-    """Rows of the file that were left out because they could not be read."""
+    """Number of unreadable rows that were skipped."""
     interval: float | None = None
-    """Assumed time between rows [s], where the file has no time; else None."""
+    """Assumed sample time [s] if the file has no time; else None."""
 
     def __post_init__(self) -> None:
         lengths = {name: len(column) for name, column in self.columns.items()}
@@ -49,14 +49,14 @@ class Record:
         """Return a column by name, in SI.
 
         Raises:
-            DataError: there is none of that name.
+            DataError: there is no such column.
         """
         if name not in self.columns:
             raise DataError(f"Record `{self.name}` has no column `{name}`. {suggest_name(name, self.columns)}")
         return self.columns[name]
 
     def summary(self) -> Summary:
-        """Return the number of rows, their times, and the range of every column."""
+        """Return the number of rows, their times, and the range of each column."""
         ends = {name: _find_ends(column) for name, column in self.columns.items()}
         units = self.units
         rows = [(f"`{n}`", *(write_quantity(end, units[n]) for end in pair)) for n, pair in ends.items() if n != "time"]
@@ -65,7 +65,6 @@ class Record:
         return Summary("", [DataTable(("column", "lowest", "highest"), rows, right=(1, 2))], data, lead)
 
     def __repr__(self) -> str:
-        """Return a few lines; every column is in `summary()`."""
         return self.summary().brief()
 
     def _repr_html_(self) -> str:
@@ -77,34 +76,31 @@ class Record:
         return self.columns["time"]
 
     def __len__(self) -> int:
-        """Return the number of rows."""
         return len(self.times)
 
 
 def _find_ends(column: Sequence[float]) -> tuple[float, float]:
-    """Return the lowest and the highest number, NaN where there is none."""
-    known = [one for one in column if not math.isnan(one)] or [math.nan]
-    return min(known), max(known)
+    """Return the smallest and largest value; NaN without values."""
+    values = [one for one in column if not math.isnan(one)] or [math.nan]
+    return min(values), max(values)
 
 
 def out_of_order(times: list[float]) -> int | None:
-    """Return the index of the first time that is not above the one before; None if all are."""
+    """Return the index of the first time that is not above its predecessor; None if all increase."""
     pairs = enumerate(pairwise(times), start=1)
     return next((i for i, (before, time) in pairs if not time > before), None)
 
 
 def not_finite(numbers: list[float]) -> int | None:
-    """Return the index of the first number that is NaN or infinite; None if all are finite."""
-    if all(map(math.isfinite, numbers)):
-        return None
-    return next(i for i, number in enumerate(numbers) if not math.isfinite(number))
+    """Return the index of the first NaN or infinite number; None if all are finite."""
+    return next((i for i, number in enumerate(numbers) if not math.isfinite(number)), None)
 
 
 def table_waveform(record: Record, column: str) -> Table:
-    """Return the waveform that follows a column of a record: linear between rows, held outside.
+    """Return the waveform of a record column: linear between rows, constant outside.
 
     Raises:
         DataError: the record has no such column.
-        ParameterError: the record has one row only, or its times do not increase.
+        ParameterError: the record has only one row, or its times do not increase.
     """
     return Table(times=tuple(record.times), values=tuple(record[column]))

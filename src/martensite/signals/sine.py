@@ -1,8 +1,8 @@
-"""Sine between two levels, by default from the lower one on (a raised cosine).
+"""Sine between two levels, by default starting at the lower level (a raised cosine).
 
     u(t) = low + (high − low)/2 · (1 − cos(2π f t + φ))
 
-φ is 0, π/2 or π, so that the signal starts at `low`, rising through the middle, or at `high`.
+φ is 0, π/2 or π: the signal starts at `low`, rising through the middle, or at `high`.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from martensite.signals.levels import HIGH
 from martensite.signals.moments import Segment, Tone
 
 _TURNS = {"low": 0.0, "middle": 0.25, "high": 0.5}
-"""Phase -> share of a period by which it is ahead of the start at `low`."""
+"""Phase -> lead over the start at `low`, as a fraction of a period."""
 
 
 @WAVEFORMS.register("sine")
 class Sine(AbstractWaveform):
-    """A smooth oscillation between `low` and `high`; it has no edges."""
+    """Smooth oscillation between `low` and `high`, without edges."""
 
     low: Number = param(DRIVE, "lowest level", default=0.0)
     high: Number = param(DRIVE, "highest level", typical=HIGH)
@@ -30,7 +30,7 @@ class Sine(AbstractWaveform):
     phase: str = option("where it starts: at `low`, rising through the `middle`, or at `high`", *_TURNS, default="low")
 
     def check(self) -> None:
-        """The levels are in order."""
+        """Require ordered levels."""
         require_order("sine", self.low, self.high)
 
     def value(self, time: float) -> float:
@@ -39,10 +39,10 @@ class Sine(AbstractWaveform):
         return blend_levels(self.low, self.high, 0.5 - 0.5 * math.cos(2.0 * math.pi * turns))
 
     def segments(self, begin: float) -> Iterator[Segment]:
-        """Yield its middle."""
+        """Yield the mean level."""
         yield Segment(0.0, 0.5 * (self.low + self.high))
 
     def tones(self) -> tuple[Tone, ...]:
-        """One."""
+        """Return one tone."""
         ahead = math.tau * _TURNS[self.phase]
         return (Tone(-0.5 * (self.high - self.low), math.tau * self.frequency, ahead),)

@@ -1,7 +1,7 @@
 """Staircase: level k is first + k·increment, and each of `count` levels lasts `hold`.
 
-Afterwards the last level is held; with direction "up-down" the levels are first gone
-through backwards (the topmost is held once), and then the first one is held.
+Afterwards the last level stays. With the direction "up-down", the levels then descend (the top level is held once) and
+the first level stays.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from martensite.signals.moments import Segment
 
 @WAVEFORMS.register("staircase")
 class Staircase(AbstractWaveform):
-    """Equal jumps at equal times, up and if wanted down again."""
+    """Equal jumps at equal times, up and optionally down again."""
 
     first: Number = param(DRIVE, "first level", default=0.0)
     increment: Number = param(DRIVE, "jump from one level to the next", typical=INCREMENT)
@@ -27,12 +27,12 @@ class Staircase(AbstractWaveform):
     direction: str = option("what follows the last level", "up", "up-down", default="up")
 
     def check(self) -> None:
-        """Levels are counted in whole numbers."""
+        """Require a whole number of levels."""
         if self.count != int(self.count):
             raise ParameterError(f"Parameter `count` of `staircase` must be a whole number, but is {self.count:.6g}.")
 
     def value(self, time: float) -> float:
-        """Return the level at `time` [s]; the new one at a jump itself."""
+        """Return the level at `time` [s]; right-continuous."""
         return self._level(self._step(time))
 
     def edges(self, duration: float) -> list[float]:
@@ -41,12 +41,11 @@ class Staircase(AbstractWaveform):
         return select_inside((self._start(k) for k in range(1, jumps + 1)), duration)
 
     def segments(self, begin: float) -> Iterator[Segment]:
-        """Yield one segment for each level."""
+        """Yield one segment per level."""
         for step in range(self._step(begin), self._last + 1):
             yield Segment(self._start(step), self._level(step))
 
     def _step(self, time: float) -> int:
-        """Return the number of the level at `time` [s]."""
         return min(max(find_interval(time, time / self.hold, self._start), 0), self._last)
 
     def _level(self, step: int) -> float:

@@ -1,4 +1,4 @@
-"""Step, or a single pulse: u = high for at ≤ t < until, else low."""
+"""Step or single pulse: u = high for at ≤ t < until, else low."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from martensite.signals.moments import Segment
 
 @WAVEFORMS.register("step")
 class Step(AbstractWaveform):
-    """A jump from `low` to `high`, and back again where `until` is given.
+    """Jump from `low` to `high`, and back at `until` if given.
 
-    The names say what is usual; a step downwards has `low` above `high`.
+    For a downward step, `low` is above `high`.
     """
 
     low: Number = param(DRIVE, "level before the step, and after `until`", default=0.0)
@@ -26,22 +26,22 @@ class Step(AbstractWaveform):
     until: Number = param("s", "time of the step back; none if left out", default=math.inf, typical="1.75 s")
 
     def check(self) -> None:
-        """The step back comes after the step."""
+        """Require `until` after `at`."""
         if self.until <= self.at:
             raise ParameterError(
                 f"Parameter `until` of `step` must be above `at` = {self.at:.6g} s, but is {self.until:.6g} s."
             )
 
     def value(self, time: float) -> float:
-        """Return the level at `time` [s]; the new one at the step itself."""
+        """Return the level at `time` [s]; right-continuous."""
         return self.high if self.at <= time < self.until else self.low
 
     def edges(self, duration: float) -> list[float]:
-        """Return the step and the step back, where they lie in (0, duration) [s]."""
+        """Return the jumps in (0, duration) [s]."""
         return select_inside((self.at, self.until), duration)
 
     def segments(self, begin: float) -> Iterator[Segment]:
-        """Before, between and behind the jumps."""
+        """Yield the levels before, between and after the jumps."""
         if self.at > 0.0:
             yield Segment(0.0, self.low)
         yield Segment(self.at, self.high)

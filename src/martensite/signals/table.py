@@ -1,4 +1,4 @@
-"""Table: linear between the samples of a list, held before the first and after the last."""
+"""Table: linear between samples, constant before the first and after the last."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from martensite.signals.moments import Segment
 
 @WAVEFORMS.register("table")
 class Table(AbstractWaveform):
-    """A signal known at some times; for measured ones see `martensite.signals.records`."""
+    """Signal given at some times; for measured signals see `martensite.signals.records`."""
 
     times: tuple[float, ...] = part(
         "times of the samples [s], ascending", default=(), typical=("0 s", "1 s", "4 s", "5 s")
@@ -27,7 +27,7 @@ class Table(AbstractWaveform):
     stretch: Number = param("1", "factor of all times", above=0.0, default=1.0)
 
     def check(self) -> None:
-        """Two rows at least, all numbers finite, times ascending."""
+        """Require at least two finite rows with ascending times."""
         if len(self.times) != len(self.values):
             raise ParameterError(
                 f"`times` and `values` of `table` must be equally long, but hold "
@@ -50,20 +50,20 @@ class Table(AbstractWaveform):
         return self.factor * self._sample(time / self.stretch)
 
     def signals(self, times: Sequence[float]) -> list[float]:
-        """Return the signals at many times, the same numbers as one by one."""
+        """Return the signals at many times."""
         if len(times) < MANY:
             return super().signals(times)
         import numpy as np
 
-        known, levels = np.array(self.times), np.array(self.values)
-        asked = np.array(times) / self.stretch
-        place = np.clip(np.searchsorted(known, asked, side="right"), 1, len(known) - 1)
+        samples, levels = np.array(self.times), np.array(self.values)
+        scaled = np.array(times) / self.stretch
+        place = np.clip(np.searchsorted(samples, scaled, side="right"), 1, len(samples) - 1)
         first, last = levels[place - 1], levels[place]
-        share = (asked - known[place - 1]) / (known[place] - known[place - 1])
+        share = (scaled - samples[place - 1]) / (samples[place] - samples[place - 1])
         return (self.factor * blend_arrays(first, last, share)).tolist()
 
     def segments(self, begin: float) -> Iterator[Segment]:
-        """Yield the straight lines between the samples, and the levels before and behind them."""
+        """Yield the lines between samples, and the levels before and after them."""
         at = max(0, bisect_right(self.times, begin / self.stretch) - 1)
         factor, stretch = self.factor, self.stretch
         if at == 0 and self.times[0] > 0.0:
@@ -84,7 +84,7 @@ class Table(AbstractWaveform):
         return blend_levels(self.values[right - 1], self.values[right], share)
 
     def edges(self, duration: float) -> list[float]:
-        """Return the samples in (0, duration) at which the signal does not just stay level [s]."""
+        """Return the samples in (0, duration) [s] at which the signal bends."""
         v = self.values
         around = zip((v[0], *v[:-1]), v, (*v[1:], v[-1]), self.times, strict=True)
         return select_inside((t * self.stretch for a, b, c, t in around if not a == b == c), duration)

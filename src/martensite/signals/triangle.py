@@ -14,14 +14,14 @@ from martensite.signals.moments import Segment
 
 @WAVEFORMS.register("triangle")
 class Triangle(AbstractWaveform):
-    """A linear oscillation between `low` and `high`, which starts at `low`."""
+    """Linear oscillation between `low` and `high`, starting at `low`."""
 
     low: Number = param(DRIVE, "lowest level", default=0.0)
     high: Number = param(DRIVE, "highest level", typical=HIGH)
     frequency: Number = param("Hz", "frequency", above=0.0, high=1e9, typical="0.1 Hz")
 
     def check(self) -> None:
-        """The levels are in order."""
+        """Require ordered levels."""
         require_order("triangle", self.low, self.high)
 
     def value(self, time: float) -> float:
@@ -40,11 +40,11 @@ class Triangle(AbstractWaveform):
         return select_inside((self._bend(k) for k in range(1, int(count) + 2)), duration)
 
     def count_edges(self, duration: float) -> float:
-        """Return two in every period."""
+        """Return two edges per period."""
         return 2.0 * self.frequency * duration
 
     def segments(self, begin: float) -> Iterator[Segment]:
-        """Up and down by turns."""
+        """Yield rising and falling lines alternately."""
         rise = 2.0 * self.frequency * (self.high - self.low)
         for k in count(max(find_interval(begin, 2.0 * begin * self.frequency, self._bend), 0)):
             level, slope = (self.high, -rise) if k % 2 else (self.low, rise)

@@ -1,1 +1,1 @@
-"""Records at equal intervals: cut, resampled, detrended, averaged over periods, from tables."""
+"""Records at equal intervals: conversion from tables, resampling, detrending."""

@@ -1,15 +1,15 @@
-"""Measured tables as records at equal intervals.
+"""Conversion of measured tables to records at equal intervals.
 
-A table whose times lie on a grid (each within a quarter of an interval) is taken row by row; rows
-that are missing on the grid are samples without outputs. Any other table is brought onto a grid:
-inputs are held from row to row, outputs go straight between rows. What was done is said in
-`Sampled.remarks`. Numbers are in units that people read (°C, mm), unless others are named.
+A table whose times lie on a grid (each within a quarter of an interval) is copied row by row; missing rows become
+samples without outputs. Any other table is resampled: inputs are held, outputs interpolated. `Sampled.remarks` lists
+the changes. Values have readable units (°C, mm) unless other units are requested.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from typing import cast
 
@@ -22,13 +22,13 @@ from martensite.signals.sampling.resampling import resample_record
 from martensite.signals.sampling.sampled import Numbers, Sampled
 
 CLOSE = 0.25
-"""Largest distance of a row from its place on a grid, in intervals."""
+"""Largest distance of a row from its grid point, in intervals."""
 SAME = 1e-4
-"""Relative difference of intervals that is one of printed times."""
+"""Relative difference of intervals that comes from rounded times."""
 LEAST_ROWS = 20
-"""Rows that a piece between two gaps must have."""
+"""Smallest number of rows between two gaps."""
 APART = 3.0
-"""Rows further apart than so many usual distances are a gap, over which nothing is known."""
+"""Shortest gap without data, in typical intervals."""
 
 
 def from_record(
@@ -41,15 +41,15 @@ def from_record(
     """Return a measured table as a record at equal intervals.
 
     Args:
-        record: the table, in SI.
-        inputs: columns that go in; missing samples of them hold the one before.
-        outputs: columns that come out; missing samples stay missing.
-        interval: sample time [s]; by default that of the rows.
-        units: unit of a column in the result; by default the one that people read.
+        record: table in SI.
+        inputs: input columns; a missing sample takes the previous value.
+        outputs: output columns; missing samples stay missing.
+        interval: sample time [s]; by default the interval of the rows.
+        units: unit of a column in the result; by default the readable unit.
 
     Raises:
         DataError: a column does not exist or is empty, or times do not increase.
-        UnitError: a column cannot be had in that unit.
+        UnitError: a column cannot be converted to the unit.
     """
     if not inputs or not outputs:
         raise DataError("A record needs at least one input and one output column.")
@@ -63,7 +63,7 @@ def from_record(
     u, y, first, remarks = _fill_held_inputs(record.name, columns, inputs, outputs)
     grid = _find_grid(times[first:], interval)
     made, more = _on_grid(times[first:], u[first:], y[first:], grid)
-    found = Sampled(
+    sampled = Sampled(
         name=record.name,
         interval=grid.interval,
         inputs=made[0],
@@ -75,10 +75,10 @@ def from_record(
         remarks=(*remarks, *more),
     )
     if interval is None:
-        return found
-    if abs(interval / found.interval - 1.0) < SAME:
-        return replace(found, interval=interval)
-    return resample_record(found, interval)
+        return sampled
+    if abs(interval / sampled.interval - 1.0) < SAME:
+        return replace(sampled, interval=interval)
+    return resample_record(sampled, interval)
 
 
 def pieces_of_record(
@@ -89,17 +89,12 @@ def pieces_of_record(
     interval: float | None = None,
     units: Mapping[str, str] | None = None,
 ) -> tuple[Sampled, ...]:
-    """Return pieces of a record, cut where inputs are missing or rows are apart for longer than some time [s].
-
-    Pieces of one row are left out.
+    """Return the pieces of a record between missing inputs or gaps longer than `longest` [s], without single rows.
 
     Raises:
-        DataError: as `from_record`; or no piece has two rows.
+        DataError: see `from_record`; also if no piece has two rows.
     """
-    known = np.ones(len(record), bool)
-    for name in inputs:
-        known &= np.isfinite(np.asarray(record[name]))
-    rows = np.flatnonzero(known)
+    rows = _find_known_rows(record, inputs)
     times = np.asarray(record.times)[rows]
     ends = np.flatnonzero(np.diff(times) > longest) + 1
     parts = [part for part in np.split(rows, ends) if len(part) > 1]
@@ -121,39 +116,45 @@ def split_at_gaps(
     interval: float | None = None,
     units: Mapping[str, str] | None = None,
 ) -> tuple[Sampled, ...]:
-    """Split a table into records without gaps in their inputs, because a model cannot run over unknown inputs.
+    """Split a table into records without gaps in the inputs, because a model needs all inputs.
 
-    A gap is longer than three usual distances of rows. The rows between two gaps form a separate record with a
-    separate initial state. Tables of irregular times, whose inputs are held from row to row, stay whole.
+    A gap exceeds three typical intervals. Each record has its own initial state. Tables with irregular times stay
+    whole.
 
     Raises:
-        DataError: as `from_record`.
+        DataError: see `from_record`.
     """
     times = np.asarray(record.times)
+    whole = partial(from_record, record, inputs, outputs, interval, units)
     if len(times) < 2 or out_of_order(record.times) is not None:
-        return (from_record(record, inputs, outputs, interval, units),)
-    known = np.all(np.isfinite([np.asarray(record[name], dtype=float) for name in inputs]), axis=0)
-    rows = np.flatnonzero(known)
+        return (whole(),)
+    rows = _find_known_rows(record, inputs)
     usual = float(np.median(np.diff(times)))
     gaps = np.diff(times[rows]) > (APART + 0.5) * usual
     if not gaps.any() or _find_grid(times, None).places is None:
-        return (from_record(record, inputs, outputs, interval, units),)
+        return (whole(),)
     parts = pieces_of_record(record, inputs, outputs, (APART + 0.5) * usual, interval, units)
     long = [part for part in parts if len(part) >= LEAST_ROWS]
     if not long:
-        return (from_record(record, inputs, outputs, interval, units),)
+        return (whole(),)
     missing = float(np.diff(times[rows])[gaps].sum())
     count = f"{int(gaps.sum())} gaps" if gaps.sum() > 1 else "a gap"
-    said = f"Inputs are missing for {missing:.4g} s in {count}; the record is split there into {len(long)} of their own"
+    remark = (
+        f"Inputs are missing for {missing:.4g} s in {count}; the record is split there into {len(long)} of their own"
+    )
     short = len(parts) - len(long)
-    said += f", {short} shorter than {LEAST_ROWS} rows left out." if short else "."
-    return (replace(long[0], remarks=(said, *long[0].remarks)), *long[1:])
+    remark += f", {short} shorter than {LEAST_ROWS} rows left out." if short else "."
+    return (replace(long[0], remarks=(remark, *long[0].remarks)), *long[1:])
+
+
+def _find_known_rows(record: Record, inputs: Sequence[str]) -> Numbers:
+    return np.flatnonzero(np.all(np.isfinite([np.asarray(record[name], dtype=float) for name in inputs]), axis=0))
 
 
 def _select_rows(record: Record, part: Numbers, number: int, count: int) -> Record:
-    kept = slice(int(part[0]), int(part[-1]) + 1)
+    rows = slice(int(part[0]), int(part[-1]) + 1)
     name = record.name if count == 1 else f"{record.name} ({number})"
-    return replace(record, name=name, columns={n: c[kept] for n, c in record.columns.items()})
+    return replace(record, name=name, columns={n: c[rows] for n, c in record.columns.items()})
 
 
 def _list_columns(
@@ -178,7 +179,7 @@ def _list_columns(
 def _fill_held_inputs(
     record: str, columns: Mapping[str, Numbers], inputs: Sequence[str], outputs: Sequence[str]
 ) -> tuple[Numbers, Numbers, int, list[str]]:
-    """Return the inputs without gaps, outputs, the first row at which all inputs are known, remarks."""
+    """Return inputs without gaps, outputs, the first row with all inputs, and remarks."""
     first, remarks = 0, list[str]()
     filled: list[Numbers] = []
     for name in inputs:
@@ -202,15 +203,13 @@ def _fill_held_inputs(
 
 @dataclass(frozen=True)
 class _Grid:
-    """Places of rows on a grid."""
-
     interval: float
     places: Numbers | None
-    """Place of every row; None if the rows are on no grid."""
+    """Grid index of each row; None if the rows are on no grid."""
 
 
 def _find_grid(times: Numbers, wanted: float | None) -> _Grid:
-    """Return the grid that times lie on, or else the one that they are to be brought onto."""
+    """Return the grid of some times, or the grid for resampling."""
     if len(times) < 2:
         return _Grid(wanted or 1.0, np.zeros(len(times), int))
     steps = np.diff(times)
@@ -225,7 +224,7 @@ def _find_grid(times: Numbers, wanted: float | None) -> _Grid:
 
 
 def _round_interval(interval: float, rows: int) -> float:
-    """Return an interval without the rounding errors of its times: the shortest number near it."""
+    """Return the shortest decimal number near an interval, without rounding errors of times."""
     for digits in range(1, 12):
         short = float(f"{interval:.{digits}g}")
         if abs(short - interval) * rows <= 1e-3 * interval:
@@ -234,7 +233,7 @@ def _round_interval(interval: float, rows: int) -> float:
 
 
 def _on_grid(times: Numbers, u: Numbers, y: Numbers, grid: _Grid) -> tuple[tuple[Numbers, Numbers], list[str]]:
-    """Return the inputs and outputs on the grid, and what was done for it."""
+    """Return inputs and outputs on the grid, and remarks."""
     if grid.places is None:
         return _interpolate_record(times, u, y, grid.interval)
     count = int(grid.places[-1]) + 1
@@ -266,7 +265,7 @@ def _interpolate_record(
 
 
 def _interpolate_column(at: Numbers, times: Numbers, column: Numbers) -> Numbers:
-    """Return a column at other times; NaN where the known rows around are too far apart."""
+    """Return a column at other times; NaN within gaps."""
     known = np.isfinite(column)
     times, column = times[known], column[known]
     if len(times) < 2:

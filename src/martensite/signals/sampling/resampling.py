@@ -1,9 +1,7 @@
-"""Records at other intervals, parts of records, and records that go together.
+"""Resampling, splitting and grouping of records.
 
-Going down, a sample is the mean over its new interval, of inputs and outputs alike: averaging
-commutes with every linear system, so that a model of the averages is one of the record, and what
-is faster than the new interval does not appear as something slow. Going up, inputs are held and
-outputs go straight from sample to sample.
+A longer sample time averages inputs and outputs over the new interval. Averaging commutes with every linear system and
+avoids aliasing. For a shorter sample time, inputs are held and outputs interpolated.
 """
 
 from __future__ import annotations
@@ -17,19 +15,19 @@ from martensite.base.errors import DataError, suggest_name
 from martensite.signals.sampling.sampled import Numbers, Sampled
 
 COUNT_TOLERANCE = 1e-9
-"""Relative rounding that is forgiven where samples are counted."""
+"""Relative rounding of sample counts."""
 
 
 def resample_record(record: Sampled, interval: float | None = None, *, ratio: float | None = None) -> Sampled:
     """Return the record at another sample time.
 
     Args:
-        record: what is resampled.
-        interval: the new sample time [s].
-        ratio: how many samples make a new one, instead; below 1 for a finer record.
+        record: record to resample.
+        interval: new sample time [s].
+        ratio: new sample time over the old one, instead of `interval`.
 
     Raises:
-        DataError: neither or both are given, one is not above 0, or the record is too short.
+        DataError: not exactly one of the two is given, it is not above 0, or the record is too short.
     """
     if (interval is None) == (ratio is None):
         raise DataError("Resampling needs either `interval` or `ratio`.")
@@ -48,7 +46,7 @@ def resample_record(record: Sampled, interval: float | None = None, *, ratio: fl
 
 
 def _average_samples(record: Sampled, factor: float) -> tuple[Numbers, Numbers]:
-    """Return the means over new samples; NaN where less than half of one is known."""
+    """Return the means over new samples; NaN if less than half of a sample is known."""
     edges = factor * np.arange(int(len(record) / factor * (1.0 + COUNT_TOLERANCE)) + 1)
     known = np.isfinite(record.outputs)
     shares = _average_held(known.astype(float), edges)
@@ -59,7 +57,7 @@ def _average_samples(record: Sampled, factor: float) -> tuple[Numbers, Numbers]:
 
 
 def _average_held(values: Numbers, edges: Numbers) -> Numbers:
-    """Return the means of columns held from sample to sample, between edges counted in samples."""
+    """Return the means of sample-and-hold columns between edges, in units of samples."""
     if not len(values) or len(edges) < 2:
         return np.empty((0, values.shape[1]))
     first = values[0]
@@ -84,12 +82,12 @@ def split_record(record: Sampled, *, share: float | None = None, time: float | N
     """Return the record before and after a moment, as two records.
 
     Args:
-        record: what is divided.
-        share: of the samples that come before, between 0 and 1.
-        time: the moment [s] instead, on the clock of the record.
+        record: record to split.
+        share: fraction of the samples before the split.
+        time: time of the split [s], instead of `share`.
 
     Raises:
-        DataError: neither or both are given, or a part would be empty.
+        DataError: not exactly one of the two is given, or a part would be empty.
     """
     if (share is None) == (time is None):
         raise DataError("Split a record either at a `share` or at a `time`.")
@@ -98,20 +96,20 @@ def split_record(record: Sampled, *, share: float | None = None, time: float | N
         place = (time - record.start) / record.interval
     place = int(np.clip(np.ceil(place - 1e-6), -1, len(record)))
     if not 0 < place < len(record):
-        given = f"the share {share:g}" if share is not None else f"{time:g} s"
+        place = f"the share {share:g}" if share is not None else f"{time:g} s"
         raise DataError(
             f"Record `{record.name}` goes from {record.start:.6g} to "
-            f"{record.start + record.duration:.6g} s; split at {given}, a part would be empty."
+            f"{record.start + record.duration:.6g} s; split at {place}, a part would be empty."
         )
     names = (f"{record.name} (first part)", f"{record.name} (second part)")
     return record.rows(0, place, names[0]), record.rows(place, None, names[1])
 
 
 def collect_experiments(*records: Sampled) -> tuple[Sampled, ...]:
-    """Return records of one system for one estimation, checked, each with a unique name.
+    """Return consistent records for one estimation, each with a unique name.
 
     Raises:
-        DataError: they differ in sample time, signals or units.
+        DataError: sample times, signals or units differ.
     """
     if not records:
         raise DataError("Experiments are at least one record, but none is given.")
@@ -151,22 +149,22 @@ def _list_names(names: Sequence[str]) -> str:
 def select_signals(record: Sampled, inputs: Sequence[str], outputs: Sequence[str]) -> Sampled:
     """Return the record of some of its signals; an output may become an input.
 
-    Missing samples of such an output are interpolated, because inputs must be known.
+    Missing samples of such an output are interpolated.
 
     Raises:
-        DataError: the record has no such signal, or it is not known at all.
+        DataError: the record has no such signal, or the signal is unknown throughout.
     """
-    known = dict(zip(record.output_names, record.outputs.T, strict=True))
-    known |= dict(zip(record.input_names, record.inputs.T, strict=True))
+    signals = dict(zip(record.output_names, record.outputs.T, strict=True))
+    signals |= dict(zip(record.input_names, record.inputs.T, strict=True))
     for name in (*inputs, *outputs):
-        if name not in known:
-            raise DataError(f"Record `{record.name}` has no signal `{name}`. {suggest_name(name, known)}")
+        if name not in signals:
+            raise DataError(f"Record `{record.name}` has no signal `{name}`. {suggest_name(name, signals)}")
     remarks = list(record.remarks)
-    columns = [_bridge_gaps(record.name, name, known[name], remarks) for name in inputs]
+    columns = [_bridge_gaps(record.name, name, signals[name], remarks) for name in inputs]
     return replace(
         record,
         inputs=np.stack(columns, axis=1),
-        outputs=np.stack([known[name] for name in outputs], axis=1),
+        outputs=np.stack([signals[name] for name in outputs], axis=1),
         input_names=tuple(inputs),
         output_names=tuple(outputs),
         remarks=tuple(remarks),

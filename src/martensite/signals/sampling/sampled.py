@@ -1,9 +1,6 @@
-"""Records at equal intervals: what goes into a system and what comes out of it.
+"""Records at equal intervals: inputs and outputs of a system.
 
-The data object of identification. Missing outputs are NaN; missing inputs are not allowed,
-because a model cannot be run over them. Numbers are in the units that `units` names. What can be
-done with records: `resampling`, `trends` and `periods` of this package; from tables and back:
-`regular_grid`.
+Missing outputs are NaN; all inputs must be known because a model needs them. Values are in the units of `units`.
 """
 
 from __future__ import annotations
@@ -24,7 +21,7 @@ Numbers: TypeAlias = NDArray[Any]
 
 @dataclass(frozen=True, eq=False)
 class Sampled:
-    """Inputs and outputs of a system, sample by sample."""
+    """Sampled inputs and outputs of a system."""
 
     name: str
     interval: float
@@ -32,11 +29,11 @@ class Sampled:
     inputs: Numbers
     """Shape (samples, inputs)."""
     outputs: Numbers
-    """Shape (samples, outputs); NaN where a sample is missing."""
+    """Shape (samples, outputs); NaN for missing samples."""
     input_names: tuple[str, ...]
     output_names: tuple[str, ...]
     units: Mapping[str, str] = field(default_factory=dict[str, str])
-    """Unit of every signal."""
+    """Unit of each signal."""
     start: float = 0.0
     """Time of the first sample [s]."""
     remarks: tuple[str, ...] = ()
@@ -68,7 +65,6 @@ class Sampled:
             raise DataError(f"The sample time of record `{self.name}` must be above 0 s, but is {self.interval} s.")
 
     def __len__(self) -> int:
-        """Return the number of samples."""
         return len(self.inputs)
 
     @property
@@ -83,7 +79,7 @@ class Sampled:
 
     @cached_property
     def hash(self) -> str:
-        """SHA-256 over sample time, names and numbers, these as little-endian doubles."""
+        """Return the SHA-256 of sample time, names and values (little-endian doubles)."""
         total = hashlib.sha256()
         names = "\0".join([*self.input_names, "", *self.output_names])
         total.update(f"{self.interval!r}\0{names}\0".encode())
@@ -92,14 +88,14 @@ class Sampled:
         return total.hexdigest()
 
     def rows(self, first: int, last: int | None = None, name: str | None = None) -> Sampled:
-        """Return some consecutive samples as a separate record."""
-        kept = slice(first, last)
-        begin = range(len(self))[kept].start
+        """Return a slice of samples as a separate record."""
+        rows = slice(first, last)
+        begin = range(len(self))[rows].start
         return replace(
             self,
             name=name or self.name,
-            inputs=self.inputs[kept],
-            outputs=self.outputs[kept],
+            inputs=self.inputs[rows],
+            outputs=self.outputs[rows],
             start=self.start + begin * self.interval,
         )
 

@@ -1,10 +1,9 @@
-"""Levels and slopes of records: taken off before a fit, put back after it.
+"""Trends of records: removed before a fit and restored after it.
 
     y' = y - (a + b t),   t from the first sample
 
-A trend is the mean of every signal, its straight line by least squares, or its level at rest at
-the beginning. A model of what departs from a level is one of that level only: where the gain
-depends on the level, as in every nonlinear system, take off nothing but the level at rest.
+A trend is the mean of each signal, its least-squares line, or its initial steady level. For nonlinear systems, whose
+gain depends on the level, remove only the initial steady level.
 """
 
 from __future__ import annotations
@@ -32,13 +31,13 @@ class Trend:
 
     def remove_from(self, record: Sampled) -> Sampled:
         """Return a record without the trend."""
-        return self._moved(record, -1.0)
+        return self._shift(record, -1.0)
 
     def restore_to(self, record: Sampled) -> Sampled:
-        """Return a record with the trend put back."""
-        return self._moved(record, 1.0)
+        """Return a record with the trend added again."""
+        return self._shift(record, 1.0)
 
-    def _moved(self, record: Sampled, sign: float) -> Sampled:
+    def _shift(self, record: Sampled, sign: float) -> Sampled:
         t = (record.times - record.start)[:, None]
         return replace(
             record,
@@ -48,12 +47,12 @@ class Trend:
 
 
 def find_trend(record: Sampled, kind: str = "mean", rest: float | None = None) -> Trend:
-    """Find the trend of a record, of the kind `mean`, `line` or `rest`.
+    """Return the trend of a record, of the kind `mean`, `line` or `rest`.
 
-    For the last, `rest` says how long [s] the record is at rest at its beginning; by default until an input changes.
+    `rest` is the steady time [s] at the beginning; by default it ends when an input first changes.
 
     Raises:
-        DataError: the kind does not exist, or a signal is unknown where its level is needed.
+        DataError: the kind does not exist, or the level of a signal is unknown.
     """
     if kind not in KINDS:
         raise DataError(f"There is no trend `{kind}`. {suggest_name(kind, KINDS)}")
@@ -74,19 +73,28 @@ def find_trend(record: Sampled, kind: str = "mean", rest: float | None = None) -
 
 
 def remove_trend(record: Sampled, kind: str = "mean", rest: float | None = None) -> tuple[Sampled, Trend]:
-    """Return a record without its trend, and the trend, which puts it back."""
-    found = find_trend(record, kind, rest)
-    return found.remove_from(record), found
+    """Return a record without its trend, and the trend.
+
+    Args:
+        record: record in any units.
+        kind: `mean`, `line` or `rest` (initial steady level).
+        rest: steady time at the beginning [s]; by default until an input changes.
+
+    Raises:
+        DataError: the kind does not exist, or the level of a signal is unknown.
+    """
+    trend = find_trend(record, kind, rest)
+    return trend.remove_from(record), trend
 
 
 def _count_resting(record: Sampled) -> int:
-    """Return the samples until an input changes for the first time."""
-    moved = np.any(record.inputs != record.inputs[0], axis=1)
-    return int(np.argmax(moved)) if moved.any() else len(record)
+    """Return the number of samples before an input first changes."""
+    changed = np.any(record.inputs != record.inputs[0], axis=1)
+    return int(np.argmax(changed)) if changed.any() else len(record)
 
 
 def _fit_line(t: Numbers, values: Numbers, sloped: bool, what: str) -> tuple[float, float]:
-    """Return the level at the first sample, and slope."""
+    """Return the level at the first sample, and the slope."""
     known = np.isfinite(values)
     if not known.any():
         raise DataError(f"Signal {what} has no known samples to find its level from.")
