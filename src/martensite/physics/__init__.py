@@ -1,1 +1,1 @@
-"""The material: laws, heat, resistance, numbers of materials."""
+"""Physics of the material: laws, heat, resistance, material parameters."""

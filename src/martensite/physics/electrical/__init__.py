@@ -1,4 +1,4 @@
-"""Electrical side: resistance of the element, and what drives it."""
+"""Electrical models: resistance and sources."""
 
 from martensite.base.lazy import attach_names
 

@@ -1,7 +1,7 @@
 """Interfaces of resistance models and sources.
 
-A source turns the drive signal u (volt, ampere, watt, kelvin, or a share of the time that a switch is closed) and the
-resistance of the element into a current. Only I²R of the element heats it; leads and series resistance do not.
+A source turns the drive signal u (volt, ampere, watt, kelvin, or duty cycle) and the resistance of the element into a
+current. Only I²R of the element heats it; leads and series resistance do not.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ RESISTANCES: Registry[AbstractResistance] = Registry(
 )
 SOURCES: Registry[AbstractSource] = Registry("drive", "martensite.physics.electrical", typical="current")
 STRAIGHT = 1e-9
-"""Departure of a current or a power from a straight line that counts as zero, as a fraction of it."""
+"""Relative deviation from a straight line that counts as zero."""
 
 
 class Conductor(NamedTuple):
-    """The shape that carries the current."""
+    """Shape that carries the current."""
 
     area: Scalar
-    """Section [m²]."""
+    """Cross-section [m²]."""
     length: Scalar
     """[m]"""
 
@@ -45,10 +45,10 @@ class Heat(NamedTuple):
 
     mean: Scalar
     doubt: Scalar
-    """Bound on the error of the mean, because the source follows the drive in a part of its range only."""
+    """Error bound of the mean if the source follows the drive in a part of its range only."""
     peak: Scalar
     slope: Scalar = 0.0
-    """Slope of the straight line that is nearest to the power [W/s]."""
+    """Slope of the best straight line [W/s]."""
 
 
 class AbstractResistance(Parametrised):
@@ -66,7 +66,7 @@ class AbstractResistance(Parametrised):
     def mix_phases(
         self, xp: Namespace, fraction: Scalar, rphase: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
     ) -> Scalar:
-        """Return the resistance with an R-phase fraction, which counts as austenite unless the model knows it."""
+        """Return the resistance [ohm] with an R-phase; two-phase models count it as austenite."""
         return self.resistance(xp, fraction, strain, temperature, shape)
 
 
@@ -75,26 +75,25 @@ class AbstractSource(Parametrised):
 
     unit: ClassVar[str] = "1"
     sets_temperature: ClassVar[bool] = False
-    """True if the signal is the temperature of the element itself."""
+    """True if the signal is the temperature of the element."""
     supplied_by: ClassVar[tuple[str, ...]] = ()
-    """Parameters that are the voltage of its supply: those that fall when the supply does."""
+    """Parameters that are supply voltages."""
     linear: ClassVar[str] = "current"
     """Quantity that is linear in the drive, within limits: `current` or `power`."""
 
     @abstractmethod
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Return the current [A] through an element of `resistance` [ohm]; the rms value if it is pulsed."""
+        """Return the current [A] through an element of `resistance` [ohm]; rms if pulsed."""
 
     def supply_current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Return the current [A] that it takes from its supply, in the mean if it is pulsed."""
+        """Return the (mean) current [A] drawn from the supply."""
         return xp.abs(self.current(xp, drive, resistance))
 
     def heat(self, xp: Namespace, drive: Moments, resistance: Scalar) -> Heat:
         """Return the power in an element of `resistance` [ohm] under a drive with these moments.
 
-        Exact where the source is linear over the range of the drive, or the drive constant. A
-        limit within the range shows where the source is asked between its ends; the mean is
-        then in doubt, by all that lies between the powers at the ends.
+        The result is exact if the source is linear over the range of the drive, or the drive constant. If a limit lies
+        within the range, the error bound is the difference of the powers at both ends.
         """
         square = self.linear == "current"
 
@@ -127,12 +126,12 @@ class AbstractSource(Parametrised):
         return Heat(mean, xp.where(bent, most - least, 0.0), most, change)
 
     def reach(self, resistance: float) -> SignalRange:
-        """Return the range that can be delivered to an element of `resistance` [ohm]; unlimited by default."""
+        """Return the deliverable signals for an element of `resistance` [ohm]; unlimited by default."""
         return SignalRange(-math.inf, math.inf)
 
 
 class AbstractSupply(AbstractSource):
-    """Interface of a source with a real supply: limited in current and in voltage."""
+    """Interface of a source with limited current and voltage."""
 
     supplied_by: ClassVar[tuple[str, ...]] = ("voltage_limit",)
 
@@ -143,16 +142,16 @@ class AbstractSupply(AbstractSource):
     voltage_limit: Number = param("V", "supply voltage", above=0.0, high=1e9, default=1e9, typical="6 V")
 
     def most(self, xp: Namespace, resistance: Scalar) -> Scalar:
-        """Return the largest current [A] that the supply drives through an element of `resistance` [ohm]."""
+        """Return the largest current [A] through an element of `resistance` [ohm]."""
         reachable = self.voltage_limit / (resistance + self.series_resistance)
         return xp.minimum(reachable, self.current_limit)
 
 
 class AbstractSwitch(AbstractSource):
-    """Interface of a constant supply behind a switch that is closed for a share of the time.
+    """Interface of a constant supply behind a switch with a duty cycle.
 
-    While the switch is closed the current is U/(R + R_s), within the limit. Over many periods
-    the heat in the element is that of the rms current, √duty times the one of the closed switch.
+    While the switch is closed, the current is U/(R + R_s), within the limit. Averaged over periods, the element is
+    heated by the rms current: √duty times the closed current.
     """
 
     supplied_by: ClassVar[tuple[str, ...]] = ("supply",)
@@ -165,26 +164,25 @@ class AbstractSwitch(AbstractSource):
     current_limit: Number = param("A", "current limit while the switch is closed", above=0.0, high=1e6, default=1e6)
 
     def closed_current(self, xp: Namespace, resistance: Scalar) -> Scalar:
-        """Return the current [A] through an element of `resistance` [ohm] while the switch is closed."""
+        """Return the current [A] through `resistance` [ohm] while the switch is closed."""
         return xp.minimum(self.supply / (resistance + self.series_resistance), self.current_limit)
 
     def supply_current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Return the mean current [A]: that of the closed switch, for a share of the time."""
-        share = self.share(xp, drive, getattr(self, "frequency", 0.0))
-        return share * self.closed_current(xp, resistance)
+        """Return the mean current [A]."""
+        return self.share(xp, drive, getattr(self, "frequency", 0.0)) * self.closed_current(xp, resistance)
 
     def share(self, xp: Namespace, drive: Scalar, frequency: Scalar) -> Scalar:
-        """Return the share of the time for which the switch is closed under a duty.
+        """Return the effective duty cycle.
 
         Args:
             xp: namespace.
-            drive: duty.
-            frequency: of the pulses [Hz], for what is lost in each of them.
+            drive: demanded duty cycle.
+            frequency: pulse frequency [Hz], for losses per pulse.
         """
         return xp.clip(drive, 0.0, 1.0)
 
     def reach(self, resistance: float) -> SignalRange:
-        """A switch is closed all the time at most."""
+        """Return the range 0 to 1."""
         return SignalRange(0.0, 1.0)
 
     def largest_power(self, resistance: float) -> float:

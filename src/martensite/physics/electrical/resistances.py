@@ -1,7 +1,6 @@
 """Resistance of a phase mixture.
 
-Resistivities of both phases are parameters: published tables and measurements disagree on the sign of their difference,
-so none is assumed.
+Resistivities of both phases are parameters because published values disagree even on the sign of their difference.
 """
 
 from martensite.base.parameters import Number, param
@@ -9,9 +8,9 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import RESISTANCES, AbstractResistance, Conductor
 
 RESISTIVITY = 8.4e-7
-"""Resistivity of NiTi [ohm m], measured on Flexinol; wires of this package's sources have 0.8 to 2 times this value."""
+"""Resistivity of NiTi [ohm m], measured on Flexinol; wires in the sources have 0.8 to 2 times this value."""
 CONTRADICTION = 2.0
-"""Factor beyond which a resistance contradicts length and section."""
+"""Factor beyond which a resistance contradicts length and cross-section."""
 
 
 def describe_contradiction(given: float, expected: float, length: float, source: str) -> str:
@@ -21,7 +20,7 @@ def describe_contradiction(given: float, expected: float, length: float, source:
         given: resistance per length [ohm/m].
         expected: resistance per length [ohm/m] from a source.
         length: length of the wire [m].
-        source: where the expected resistance comes from, as a clause.
+        source: clause about the source of the expected resistance.
     """
     factor = max(given / expected, expected / given)
     if not factor > CONTRADICTION * (1.0 + 1e-9):
@@ -36,7 +35,7 @@ def describe_contradiction(given: float, expected: float, length: float, source:
 
 @RESISTANCES.register("per-length")
 class PerLengthResistance(AbstractResistance):
-    """Linear mixture of two resistances per metre, as wire tables give them; independent of the diameter."""
+    """Linear mixture of two resistances per metre, as in wire tables; independent of the diameter."""
 
     r_A: Number = param("ohm/m", "resistance per metre of austenite", above=0.0, high=1e6, typical="20 ohm/m")
     r_M: Number = param("ohm/m", "resistance per metre of martensite", above=0.0, high=1e6, typical="23 ohm/m")
@@ -44,13 +43,13 @@ class PerLengthResistance(AbstractResistance):
     def resistance(
         self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
     ) -> Scalar:
-        """R [ohm]."""
+        """Return R [ohm]."""
         return (self.r_A + fraction * (self.r_M - self.r_A)) * shape.length
 
 
 @RESISTANCES.register("mixture")
 class MixtureResistance(AbstractResistance):
-    """Linear mixture of two resistivities, R = [ρ_A + ξ (ρ_M - ρ_A)] l/A; geometry at its nominal size."""
+    """Linear mixture of two resistivities, R = [ρ_A + ξ (ρ_M - ρ_A)] l/A, at nominal geometry."""
 
     rho_A: Number = param("ohm*m", "resistivity of austenite", above=0.0, high=1e-4, typical="8e-7 ohm m")
     rho_M: Number = param("ohm*m", "resistivity of martensite", above=0.0, high=1e-4, typical="9e-7 ohm m")
@@ -58,19 +57,18 @@ class MixtureResistance(AbstractResistance):
     def resistance(
         self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
     ) -> Scalar:
-        """R [ohm]."""
+        """Return R [ohm]."""
         return (self.rho_A + fraction * (self.rho_M - self.rho_A)) * (shape.length / shape.area)
 
 
 @RESISTANCES.register("furst-seelecke")
 class FurstSeeleckeResistance(MixtureResistance):
-    """Mixture of two resistivities that grow with temperature, in the strained geometry.
+    """Mixture of two temperature-dependent resistivities, in the strained geometry.
 
         ρ = ξ ρ_M [1 + a_M (T - T_ρ)] + (1 - ξ) ρ_A [1 + a_A (T - T_ρ)]
         R = ρ l (1 + ε)/[A (1 - ν ε)²]
 
-    A stretched wire is longer by 1 + ε and thinner by 1 - ν ε in both directions across; l and A are those at zero
-    strain, tension is positive.
+    A stretched wire is longer by 1 + ε and thinner by 1 - ν ε; l and A hold at zero strain, tension is positive.
 
     Source: Furst and Seelecke (2012), J. Intell. Mater. Syst. Struct. 23, in the form of a publicly posted wire model
     (Ullrich, 2014); the original was not seen.
@@ -97,7 +95,7 @@ class FurstSeeleckeResistance(MixtureResistance):
     def resistance(
         self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
     ) -> Scalar:
-        """R [ohm]."""
+        """Return R [ohm]."""
         width = 1.0 - self.nu * strain
         stretched = shape.length * (1.0 + strain) / (shape.area * width * width)
         return self.resistivity(xp, fraction, temperature) * stretched
@@ -109,9 +107,9 @@ class ThreePhaseResistance(FurstSeeleckeResistance):
 
         ρ = ξ ρ_M [1 + a_M (T - T_ρ)] + ξ_R ρ_R [1 + a_R (T - T_ρ)] + (1 - ξ - ξ_R) ρ_A [1 + a_A (T - T_ρ)]
 
-    It needs a law that knows the R-phase; without one it is `furst-seelecke`. That the R-phase resists more than both
-    others, which makes the bump on cooling, is usual and not assumed. The linear mixture of three is this package's
-    choice.
+    It needs a law with an R-phase; otherwise it equals `furst-seelecke`. The R-phase usually has the highest
+    resistivity, which causes the bump on cooling; this is not assumed here. The linear mixture is a choice of this
+    package.
     """
 
     three_phases = True
@@ -124,7 +122,7 @@ class ThreePhaseResistance(FurstSeeleckeResistance):
     def mix_phases(
         self, xp: Namespace, fraction: Scalar, rphase: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
     ) -> Scalar:
-        """R [ohm] of three phases."""
+        """Return R [ohm]."""
         rise = temperature - self.T_rho
         more = self.rho_R * (1.0 + self.a_rho_R * rise) - self.rho_A * (1.0 + self.a_rho_A * rise)
         share = 1.0 + rphase * more / self.resistivity(xp, fraction, temperature)

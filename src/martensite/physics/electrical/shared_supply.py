@@ -1,15 +1,14 @@
-"""One supply for several sources: what one of them draws, the others may lack.
+"""One supply for several sources, whose voltage drops under load.
 
     U = U_0 - R_i Σ I_k(U),      Σ I_k(U) ≤ I_max
 
-U is the voltage that all sources meet: none has more than that and what it is given itself (`supplied_by`). Where the
-sources would draw more than I_max, the supply holds the current at that and lowers its voltage, as a laboratory supply
-does. U is the root of the increasing function
+No source has more than the common voltage U and its own limit (`supplied_by`). If the sources would draw more than
+I_max, the supply lowers its voltage and holds I_max, as a laboratory supply does. U is the root of the increasing
+function
 
     max{U - U_0 + R_i I(U),   U - U I_max/I(U)},      I = Σ I_k,
 
-each k by the current that it draws in the mean over its pulses, for a supply with a buffer; where pulses of two
-switches fall together, their sum may be more for that time.
+with I_k averaged over the pulses (a supply with a buffer). Coinciding pulses may draw more for a short time.
 """
 
 from __future__ import annotations
@@ -31,18 +30,17 @@ class Consumer(NamedTuple):
 
     source: AbstractSource
     drive: Scalar
-    """Signal of the drive."""
     resistance: Scalar
-    """Resistance of its element [ohm]."""
+    """Resistance of the element [ohm]."""
 
     def limit_voltage(self, xp: Namespace, voltage: Scalar) -> AbstractSource:
-        """Return the source where its supply has a voltage [V]."""
+        """Return the source at a supply voltage [V]."""
         names = self.source.supplied_by
         return self.source.rebuilt({name: xp.minimum(self.source.value_of(name), voltage) for name in names})
 
 
 class SharedSupply(Parametrised):
-    """A supply of a voltage, with an internal resistance and a limit of its current."""
+    """Supply voltage with internal resistance and current limit."""
 
     voltage: Number = param("V", "voltage U_0 without load", above=0.0, high=1e4, typical="12 V")
     internal_resistance: Number = param(
@@ -58,7 +56,7 @@ class SharedSupply(Parametrised):
         return total
 
     def find_voltage(self, xp: Namespace, consumers: Sequence[Consumer], limited: bool = True) -> Scalar:
-        """U [V]; without the limit of the current if that is not asked for."""
+        """Return U [V], with or without the current limit."""
 
         def excess(xp: Namespace, voltage: Scalar) -> Scalar:
             current = self.sum_currents(xp, consumers, voltage)
@@ -69,6 +67,6 @@ class SharedSupply(Parametrised):
         return solve_bracketed(xp, excess, self.voltage, (0.0, 1.01 * self.voltage), smooth=False)
 
     def observe(self, xp: Namespace, consumers: Sequence[Consumer]) -> tuple[Scalar, Scalar, Scalar]:
-        """Return the voltage [V] and current [A], and the current that would flow without the limit [A]."""
+        """Return the voltage [V], the current [A], and the current without the limit [A]."""
         voltage, free = self.find_voltage(xp, consumers), self.find_voltage(xp, consumers, limited=False)
         return voltage, self.sum_currents(xp, consumers, voltage), self.sum_currents(xp, consumers, free)

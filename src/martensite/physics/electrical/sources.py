@@ -1,4 +1,4 @@
-"""Sources that follow their signal within what the supply allows: current, voltage, power, amplifier; a bath."""
+"""Sources that follow their signal within limits: current, voltage, power, amplifier; and a temperature bath."""
 
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Number, param
@@ -9,84 +9,83 @@ from martensite.physics.electrical.base import SOURCES, AbstractSource, Abstract
 
 @SOURCES.register("current")
 class CurrentSource(AbstractSupply):
-    """An imposed current: I = u, within the current and the voltage of the supply."""
+    """Imposed current I = u within the current and voltage limits of the supply."""
 
     unit = "A"
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """I [A] for a drive in ampere."""
+        """Return I [A] for a drive in ampere."""
         most = self.most(xp, resistance)
         return xp.clip(drive, -most, most)
 
     def reach(self, resistance: float) -> SignalRange:
-        """Return the currents [A] that the limits of the supply allow."""
+        """Return the deliverable currents [A]."""
         most = self.most(xp, resistance)
         return SignalRange(-most, most)
 
 
 @SOURCES.register("voltage")
 class VoltageSource(AbstractSupply):
-    """A voltage: I = u/(R + R_s) with leads, driver and supply resistance R_s, within the limits of the supply."""
+    """Voltage with series resistance R_s, I = u/(R + R_s), within the limits of the supply."""
 
     unit = "V"
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """I [A] for a drive in volt."""
+        """Return I [A] for a drive in volt."""
         most = self.most(xp, resistance)
         return xp.clip(drive / (resistance + self.series_resistance), -most, most)
 
     def reach(self, resistance: float) -> SignalRange:
-        """Return the voltages [V] over element and series resistance that limits of the supply allow."""
+        """Return the deliverable voltages [V] over element and series resistance."""
         most = self.most(xp, resistance) * (resistance + self.series_resistance)
         return SignalRange(-most, most)
 
 
 @SOURCES.register("power")
 class PowerSource(AbstractSupply):
-    """An imposed power in the element: P = u within the limits of the supply; negative demands give none."""
+    """Imposed power P = u in the element, within the limits of the supply; negative demands count as 0."""
 
     unit = "W"
     linear = "power"
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """I [A] for a drive in watt."""
+        """Return I [A] for a drive in watt."""
         wanted = xp.sqrt(xp.maximum(drive, 0.0) / resistance)
         return xp.minimum(wanted, self.most(xp, resistance))
 
     def reach(self, resistance: float) -> SignalRange:
-        """Return the powers [W] that the limits of the supply allow; none is taken out of the element."""
+        """Return the deliverable powers [W]."""
         most = self.most(xp, resistance)
         return SignalRange(0.0, most * most * resistance)
 
 
 @SOURCES.register("temperature")
 class PrescribedTemperature(AbstractSource):
-    """The drive signal is the temperature of the element [K], as a chamber or bath imposes it.
+    """Temperature of the element [K] as the drive signal, as a chamber or bath imposes it.
 
-    For isobaric and isothermal tests. No current flows; the heat balance is not solved.
+    For isobaric and isothermal tests. There is no current and no heat balance.
     """
 
     unit = "K"
     sets_temperature = True
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """No current."""
+        """Return zero."""
         return 0.0 * resistance
 
 
 @SOURCES.register("linear-amplifier")
 class LinearAmplifier(AbstractSupply):
-    """A power transistor that follows a signal voltage; `voltage_limit` is the voltage of its supply.
+    """Power transistor that follows a signal voltage; `voltage_limit` is its supply voltage.
 
         U = k u + U_0,   U_low ≤ U ≤ U_supply - U_h,   I = U/(R + R_o + R_s),   |I| ≤ I_lim
 
-    with gain k, offset U_0, output resistance R_o, and the headroom U_h that stays across the transistor at most
-    output. On a single supply the output does not fall below U_low = 0; one on two supplies has U_low below zero. The
-    rest of the power of the supply heats the transistor.
+    with gain k, offset U_0, output resistance R_o, and headroom U_h across the transistor at full output. U_low is 0
+    for a single supply and negative for two supplies. The remaining supply power heats the transistor.
 
-    The MigaOne paper drives its wire so: gain 1, a supply of 5 V, up to 3 A, a follower of TIP power transistors. It
-    gives neither offset nor headroom nor output resistance; a follower usually loses one or two base-emitter voltages
-    of headroom. All three default to 0 here.
+    The MigaOne paper uses gain 1, a 5 V supply, up to 3 A and TIP power transistors as followers. It states neither
+    offset, headroom nor output resistance, which default to 0; a follower usually has one or two base-emitter voltages
+    of headroom.
     """
 
     cites = ("migaone-paper",)
@@ -101,7 +100,7 @@ class LinearAmplifier(AbstractSupply):
     output_resistance: Number = param("ohm", "output resistance of the amplifier", low=0.0, high=1e6, default=0.0)
 
     def check(self) -> None:
-        """Raise `ParameterError` if the supply leaves no room for an output."""
+        """Raise `ParameterError` if the headroom reaches the supply voltage."""
         if not self.headroom < self.voltage_limit:
             raise ParameterError(
                 f"`headroom` of `linear-amplifier` must be below its `voltage_limit` of "
@@ -109,7 +108,7 @@ class LinearAmplifier(AbstractSupply):
             )
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """I [A] for a signal in volt."""
+        """Return I [A] for a signal in volt."""
         highest = xp.maximum(self.voltage_limit - self.headroom, 0.0)
         volts = xp.clip(self.gain * drive + self.offset, self.lowest, highest)
         behind = resistance + self.output_resistance
@@ -117,7 +116,7 @@ class LinearAmplifier(AbstractSupply):
         return xp.clip(volts / (behind + self.series_resistance), -most, most)
 
     def reach(self, resistance: float) -> SignalRange:
-        """Return the signals [V] whose output and current are delivered."""
+        """Return the deliverable signals [V]."""
         behind = resistance + self.output_resistance
         most = self.most(xp, behind) * (behind + self.series_resistance)
         high = xp.minimum(self.voltage_limit - self.headroom, most)

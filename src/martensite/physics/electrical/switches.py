@@ -1,12 +1,12 @@
-"""A constant supply behind switches that are closed for a share of the time, averaged over the periods of the carrier.
+"""Constant supply behind switches with a duty cycle, averaged over the carrier periods.
 
-While the switch is closed the element takes the power I_on² R, so that for a duty D the mean over a period, and the
-current that heats as much, are
+While the switch is closed, the element takes the power I_on² R. For a duty cycle D, the mean over a period and the
+equivalent current are
 
     P = D I_on² R,    I = √D I_on,    I_on = U/(R + R_s).
 
-A voltage D U would heat with D² instead: at a duty of 0.3 less than a third of the power is left. Current, voltage and
-power of a run are therefore rms current, rms voltage and mean power.
+A voltage D U would heat with D² instead: less than a third of the power at D = 0.3. Current, voltage and power of a run
+are therefore rms current, rms voltage and mean power.
 """
 
 import math
@@ -19,30 +19,28 @@ from martensite.physics.electrical.base import SOURCES, AbstractSwitch, SignalRa
 
 @SOURCES.register("pwm-voltage")
 class PwmVoltage(AbstractSwitch):
-    """A constant voltage behind a switch; the drive is the share of the time that is on, limited to [0, 1].
+    """Constant voltage behind a switch; the drive is the duty cycle, limited to [0, 1].
 
-    At a duty of 0 or 1 this is the switch itself: the waveform `carrier` drives it pulse by pulse.
+    At 0 or 1 this is the switch itself: the waveform `carrier` drives it pulse by pulse.
     """
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Return the rms current [A] for a duty."""
+        """Return the rms current [A]."""
         return xp.sqrt(xp.clip(drive, 0.0, 1.0)) * self.closed_current(xp, resistance)
 
 
 @SOURCES.register("mosfet")
 class Mosfet(AbstractSwitch):
-    """A supply, an element and a transistor to ground in a row, driven by pulses; the drive is a duty.
+    """Supply, element and transistor to ground in series, driven by pulses; the drive is a duty cycle.
 
         I_on = U/(R + R_s + R_i + R_on),   I = √D_e I_on,   P = D_e I_on² R
 
-    with the supply U behind its internal resistance R_i, and the on-resistance R_on of the transistor at any
-    temperature of it. Of every pulse of a carrier of frequency f the time t_d is lost before the transistor conducts,
-    and what is then shorter than the smallest pulse t_p does not come:
+    with the internal resistance R_i of the supply and the constant on-resistance R_on of the transistor. Each pulse of
+    a carrier of frequency f loses the time t_d before the transistor conducts; pulses shorter than t_p do not occur:
 
-        D_e = D - t_d f,   0 if D_e < t_p f,   1 at a duty of 1, for nothing is switched any more
+        D_e = D - t_d f,   0 if D_e < t_p f,   1 at D = 1 (no switching)
 
-    Edges are steep: what is lost in the transistor itself, R_on I² and at every edge, heats the transistor and not the
-    element.
+    Edges are steep: losses in the transistor heat the transistor, not the element.
     """
 
     supply_resistance: Number = param("ohm", "internal resistance of the supply", low=0.0, high=1e6, default=0.0)
@@ -54,35 +52,34 @@ class Mosfet(AbstractSwitch):
     smallest_pulse: Number = param("s", "shortest time that the transistor conducts", low=0.0, high=1.0, default=0.0)
 
     def closed_current(self, xp: Namespace, resistance: Scalar) -> Scalar:
-        """Return the current [A] through an element of `resistance` [ohm] while the transistor conducts."""
+        """Return the current [A] through `resistance` [ohm] while the transistor conducts."""
         around = self.series_resistance + self.supply_resistance + self.on_resistance
         return xp.minimum(self.supply / (resistance + around), self.current_limit)
 
     def share(self, xp: Namespace, drive: Scalar, frequency: Scalar) -> Scalar:
-        """Return the share of the time for which the transistor conducts, for a duty."""
+        """Return the effective duty cycle."""
         left = drive - self.dead_time * frequency
         made = xp.where(left < self.smallest_pulse * frequency, 0.0, xp.maximum(left, 0.0))
         return xp.where(drive < 1.0, made, 1.0)
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Return the rms current [A] for a duty."""
+        """Return the rms current [A]."""
         share = self.share(xp, drive, self.frequency)
         return xp.sqrt(share) * self.closed_current(xp, resistance)
 
 
 @SOURCES.register("h-bridge")
 class HBridge(AbstractSwitch):
-    """A supply behind four switches; the drive is a duty with a sign.
+    """Supply behind four switches; the drive is a signed duty cycle.
 
         I_on = (U - U_d)/(R + R_s + R_1 + R_2),   I = sign(D) √D_e I_on,   D_e = |D| - 2 t_d f
 
-    The duty D has a sign, -1 to 1. Two switches conduct at a time, one at either side of the element, with the
-    on-resistances R_1 and R_2. At each of the two edges of a pulse the time t_d is lost in which no switch conducts; at
-    |D| = 1 nothing is switched any more and D_e = 1. Between pulses no current flows, for a shape-memory element has
-    next to no inductance that would drive it on.
+    with the duty cycle D from -1 to 1. Two switches conduct at a time, with on-resistances R_1 and R_2. Each of the two
+    edges of a pulse loses the time t_d; at |D| = 1 nothing switches and D_e = 1. No current flows between pulses
+    because the inductance of the element is negligible.
 
-    With a diode in its row an element takes one direction only (`conducts`), and loses the forward voltage U_d of the
-    diode. So one bridge serves an antagonistic pair: both get the same signal, one with `conducts` = `positive`, the
+    With a diode in series an element conducts in one direction only (`conducts`) and loses the forward voltage U_d. One
+    bridge thus serves an antagonistic pair: both elements get the same signal, one with `conducts` = `positive`, the
     other with `negative`.
     """
 
@@ -100,30 +97,30 @@ class HBridge(AbstractSwitch):
     diode_voltage: Number = param("V", "forward voltage of the diode, if there is one", low=0.0, high=1e3, default=0.0)
 
     def closed_current(self, xp: Namespace, resistance: Scalar) -> Scalar:
-        """Return the size [A] of the current through `resistance` [ohm] while the switches conduct."""
+        """Return the current [A] through `resistance` [ohm] while the switches conduct."""
         diode = 0.0 if self.conducts == "both" else self.diode_voltage
         around = self.series_resistance + self.high_resistance + self.low_resistance
         volts = xp.maximum(self.supply - diode, 0.0)
         return xp.minimum(volts / (resistance + around), self.current_limit)
 
     def share(self, xp: Namespace, drive: Scalar, frequency: Scalar) -> Scalar:
-        """Return the share of the time for which the element is connected, for a duty of either sign."""
+        """Return the effective duty cycle for a demand of either sign."""
         wanted = self._let_through(xp, drive)
         made = xp.maximum(wanted - 2.0 * self.dead_time * frequency, 0.0)
         return xp.where(wanted < 1.0, made, 1.0)
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        """Return the rms current [A] with the sign of the duty."""
+        """Return the rms current [A] with the sign of the drive."""
         size = xp.sqrt(self.share(xp, drive, self.frequency)) * self.closed_current(xp, resistance)
         return xp.where(drive < 0.0, -size, size)
 
     def reach(self, resistance: float) -> SignalRange:
-        """Return the duties that are delivered: of either sign, or of the one that the diode lets through."""
+        """Return the deliverable duty cycles."""
         least = 0.0 if self.conducts == "positive" else -1.0
         return SignalRange(least, 0.0 if self.conducts == "negative" else 1.0)
 
     def _let_through(self, xp: Namespace, drive: Scalar) -> Scalar:
-        """Return the size of a duty, as far as the diode lets it through."""
+        """Return |D| as far as the diode conducts."""
         if self.conducts == "positive":
             return xp.maximum(drive, 0.0)
         if self.conducts == "negative":
@@ -133,18 +130,18 @@ class HBridge(AbstractSwitch):
 
 @SOURCES.register("power-pwm")
 class PowerPwm(AbstractSwitch):
-    """A demanded power, delivered by a switched constant voltage whose duty is computed.
+    """Demanded power, delivered by a switched constant voltage with a computed duty cycle.
 
         D = P_demand/P_max,   0 ≤ D ≤ 1
 
-    P_max is measured as voltage times current of the element while the switch is closed. Measured in every period it is
-    I_on² R, and the element gets what is demanded. Measured once, at a resistance R₀, the power is wrong by the factor
-    P_max(R)/P_max(R₀): R₀/R without series resistance, R/R₀ where the current limit acts.
+    P_max is the measured voltage times current of the element while the switch is closed. Measured in every period it
+    is I_on² R, and the power is as demanded. Measured once, at a resistance R₀, the power is wrong by the factor
+    P_max(R)/P_max(R₀): R₀/R without series resistance, R/R₀ at the current limit.
 
-    Averaged over the periods, which are taken to be short. The loop itself, with its sampling and its pulses, is
-    `martensite.control.controllers.constant_power`. Source: the power control of the paper on a finger prototype
-    (section 5.1), which measures once, "prior to the experimental campaign". It speaks of the difference of desired and
-    maximum power; a duty is their ratio.
+    The power is averaged over short periods; `martensite.control.controllers.constant_power` has the sampled loop.
+    Source: the power control of the paper on a finger prototype (section 5.1), which measures once, "prior to the
+    experimental campaign". The paper speaks of the difference of desired and maximum power; a duty cycle is their
+    ratio.
     """
 
     cites = ("finger-paper",)
@@ -161,7 +158,7 @@ class PowerPwm(AbstractSwitch):
     )
 
     def check(self) -> None:
-        """Raise `ParameterError` if what was measured once is not given."""
+        """Raise `ParameterError` if the reference resistance is missing."""
         if self.measured == "once" and not math.isfinite(self.reference_resistance):
             raise ParameterError(
                 "`power-pwm` with `measured` = `once` needs `reference_resistance` [ohm] "
@@ -177,14 +174,13 @@ class PowerPwm(AbstractSwitch):
         return self._duty(xp, drive, resistance) * self.closed_current(xp, resistance)
 
     def _duty(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
-        known = self._known(resistance)
-        most = self.closed_current(xp, known)
-        return xp.clip(drive / (most * most * known), 0.0, 1.0)
+        reference = self._choose_reference(resistance)
+        most = self.closed_current(xp, reference)
+        return xp.clip(drive / (most * most * reference), 0.0, 1.0)
 
     def reach(self, resistance: float) -> SignalRange:
-        """Return the demands [W] that lead to a duty of at most 1."""
-        return SignalRange(0.0, self.largest_power(self._known(resistance)))
+        """Return the deliverable powers [W]."""
+        return SignalRange(0.0, self.largest_power(self._choose_reference(resistance)))
 
-    def _known(self, resistance: Scalar) -> Scalar:
-        """Return the resistance at which the largest power is measured."""
+    def _choose_reference(self, resistance: Scalar) -> Scalar:
         return self.reference_resistance if self.measured == "once" else resistance

@@ -1,13 +1,12 @@
 """Dry air from four textbook formulas, 250 K to 450 K, near atmospheric pressure.
 
 - conductivity k = 0.02624 (T/300 K)^0.8646 W/(m K);
-- Sutherland's viscosity μ = 1.458e-6 T^1.5/(T + 110.4 K) kg/(m s), which no pressure changes;
+- Sutherland's viscosity μ = 1.458e-6 T^1.5/(T + 110.4 K) kg/(m s), independent of pressure;
 - density p/(R T) of an ideal gas with R = 287.05 J/(kg K), so ν = μ/ρ and β = 1/T;
 - Prandtl number 0.707.
 
-Kind of the numbers: textbook, recalled. Against the rows of `air-table` (20 °C to 100 °C) the
-conductivity is 2.3 % to 2.4 % higher, the viscosity ν 0.4 % to 0.7 % lower, and Pr 0.6 % lower
-at 100 °C but 3.3 % lower at 20 °C, the largest deviation.
+Kind of the values: textbook, recalled. Compared with `air-table` (20 °C to 100 °C), the conductivity is 2.3 % to 2.4 %
+higher, the viscosity ν 0.4 % to 0.7 % lower, and Pr 0.6 % (100 °C) to 3.3 % (20 °C) lower.
 """
 
 from martensite.base.parameters import Number, option, param
@@ -15,7 +14,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.fluids.base import FLUIDS, AbstractFluid, FluidProperties, Row, interpolate_rows
 
 GAS_CONSTANT = 287.05
-"""R of dry air [J/(kg K)]"""
+"""R of dry air [J/(kg K)]."""
 
 
 @FLUIDS.register("air")
@@ -25,11 +24,11 @@ class Air(AbstractFluid):
     pressure: Number = param("Pa", "absolute pressure", low=1e3, high=1e6, default=101325.0)
 
     def span(self) -> tuple[float, float]:
-        """250 K to 450 K."""
+        """Return 250 K and 450 K."""
         return 250.0, 450.0
 
     def film_properties(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
-        """k, ν, Pr and β at the film temperature [K]."""
+        """Return k, ν, Pr and β at the film temperature [K]."""
         log = xp.log(temperature * (1.0 / 300.0))
         density = self.pressure / (GAS_CONSTANT * temperature)
         dynamic = 1.458e-6 * temperature * xp.sqrt(temperature) / (temperature + 110.4)
@@ -74,17 +73,15 @@ ROWS: dict[str, tuple[Row, ...]] = {
 
 @FLUIDS.register("air-table")
 class AirTable(AbstractFluid):
-    """Air at 1 atm from a printed table, linear between its rows.
+    """Air at 1 atm from a table, linear between its rows.
 
-    - `textbook`: 20 °C to 100 °C in twelve rows. Kind: textbook, recalled; the rows from 25 °C to
-      40 °C agree with those that Kossoski (2018) prints.
-    - `kossoski`: the nine rows of Kossoski's Table 2, 27.5 °C to 61.5 °C, as printed. The thesis
-      lists surface temperatures; the film temperatures assumed here are the means with 22 °C, which
-      fits the rows best and which it does not state. The Prandtl number of the last row (0.7100) is
-      a misprint for about 0.7195 that changes h by less than 0.1 %. For comparison with the thesis.
+    - `textbook`: 20 °C to 100 °C in twelve rows. Kind: textbook, recalled; the rows from 25 °C to 40 °C agree with
+      Kossoski (2018).
+    - `kossoski`: the nine rows of Kossoski's Table 2, 27.5 °C to 61.5 °C, as printed, for comparison with the thesis.
+      It lists surface temperatures; the assumed film temperatures are the means with 22 °C, which fit best. The last
+      Prandtl number (0.7100) is a misprint for about 0.7195; it changes h by less than 0.1 %.
 
-    The expansion is that of an ideal gas, β = 1/T. Where a table prints the diffusivity as well, it is not used: α =
-    ν/Pr.
+    The expansion is β = 1/T of an ideal gas, the diffusivity α = ν/Pr.
     """
 
     cites = ("kossoski2018",)
@@ -92,12 +89,12 @@ class AirTable(AbstractFluid):
     rows: str = option("which table", "textbook", "kossoski", default="textbook")
 
     def span(self) -> tuple[float, float]:
-        """From the first row of the table to the last."""
+        """Return the temperatures of the first and last row."""
         rows = ROWS[self.rows]
         return rows[0][0] + ZERO_CELSIUS, rows[-1][0] + ZERO_CELSIUS
 
     def film_properties(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
-        """k, ν, Pr and β at the film temperature [K]."""
+        """Return k, ν, Pr and β at the film temperature [K]."""
         celsius = temperature - ZERO_CELSIUS
         conductivity, viscosity, prandtl = interpolate_rows(xp, celsius, ROWS[self.rows])
         return FluidProperties(conductivity, 1e-5 * viscosity, prandtl, 1.0 / temperature)

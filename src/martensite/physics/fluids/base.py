@@ -1,7 +1,7 @@
 """Interface of a fluid: its properties at the film temperature.
 
-The film temperature is the mean of the surface's and the ambient temperature. Properties are known over the span of the
-fluid; beyond it they are held at the nearer end, so that a solver may try any temperature.
+The film temperature is the mean of surface and ambient temperature. Beyond the span of the fluid, the properties at the
+nearest end are used, so that a solver may try any temperature.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ FLUIDS: Registry[AbstractFluid] = Registry("fluid", "martensite.physics.fluids",
 
 
 class FluidProperties(NamedTuple):
-    """Properties of a fluid at one temperature, for correlations."""
+    """Properties of a fluid at one temperature."""
 
     conductivity: Scalar
     """Thermal conductivity k [W/(m K)]"""
@@ -41,10 +41,10 @@ class AbstractFluid(Parametrised):
 
     @abstractmethod
     def span(self) -> tuple[float, float]:
-        """Return the lowest and highest film temperature at which the properties are known [K]."""
+        """Return the lowest and highest film temperature [K] of the data."""
 
     def properties(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
-        """Return the properties at the film temperature [K], held beyond the span."""
+        """Return the properties at the film temperature [K], constant beyond the span."""
         return self.film_properties(xp, xp.clip(temperature, *self.span()))
 
     @abstractmethod
@@ -56,10 +56,10 @@ Row = tuple[float, ...]
 
 
 def interpolate_rows(xp: Namespace, x: Scalar, rows: Sequence[Row]) -> list[Scalar]:
-    """Return all columns of a table at `x`; the first entry of a row is its x, ascending.
+    """Return all columns of a table at `x`; each row begins with its x, ascending.
 
-    y(x) = y₀ + Σ (yₖ₊₁ - yₖ)/(xₖ₊₁ - xₖ) · clip(x - xₖ, 0, xₖ₊₁ - xₖ) is the broken line through the rows without a
-    choice between them, held beyond the first and the last.
+    y(x) = y₀ + Σ (yₖ₊₁ - yₖ)/(xₖ₊₁ - xₖ) · clip(x - xₖ, 0, xₖ₊₁ - xₖ) interpolates without branches, constant beyond
+    the ends.
     """
     found: list[Scalar] = list(rows[0][1:])
     for (left, *before), (right, *after) in pairwise(rows):

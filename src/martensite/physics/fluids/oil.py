@@ -1,12 +1,10 @@
-"""Unused engine oil, 273 K to 430 K, from the table of a textbook.
+"""Unused engine oil, 273 K to 430 K, from a textbook table.
 
-Conductivity and expansion are linear between the rows. Viscosity falls by a factor of 700 over
-the table and Prandtl number with it: their logarithms are linear between the rows (between rows
-10 K apart a straight line in ν itself would lie up to 8 % higher, near 285 K).
+Conductivity is linear between the rows. Viscosity falls by a factor of 700, and Pr with it: their logarithms are linear
+between the rows (linear ν would be up to 8 % higher, near 285 K).
 
-Kind of the numbers: textbook (Bergman, Lavine, Incropera and DeWitt, table A.5), recalled, and
-identical in a publicly posted copy. The textbook's oil has no grade. Oils differ in viscosity by
-factors; take this one as an example of an oil, not as yours.
+Kind of the values: textbook (Bergman, Lavine, Incropera and DeWitt, table A.5), recalled, and identical in a publicly
+posted copy. The oil has no grade. Viscosities of oils differ by factors: use it as an example.
 """
 
 import math
@@ -37,7 +35,7 @@ ROWS: tuple[Row, ...] = (
 
 LOGARITHMIC = tuple((t, k, math.log(1e-6 * nu), math.log(pr)) for t, k, nu, pr in ROWS)
 EXPANSION = 0.70e-3
-"""β of the whole table [1/K]"""
+"""β for all temperatures [1/K]."""
 
 
 @FLUIDS.register("oil")
@@ -47,10 +45,10 @@ class Oil(AbstractFluid):
     cites = ("bergman2011",)
 
     def span(self) -> tuple[float, float]:
-        """273 K to 430 K."""
+        """Return 273 K and 430 K."""
         return ROWS[0][0], ROWS[-1][0]
 
     def film_properties(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
-        """k, ν, Pr and β at the film temperature [K]."""
+        """Return k, ν, Pr and β at the film temperature [K]."""
         conductivity, viscosity, prandtl = interpolate_rows(xp, temperature, LOGARITHMIC)
         return FluidProperties(conductivity, xp.exp(viscosity), xp.exp(prandtl), EXPANSION)

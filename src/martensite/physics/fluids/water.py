@@ -6,11 +6,11 @@ With T̃ = T/300 K, τ = T/10 K, a = 10 K/(593 K - T) and b = 10 K/(T - 232 K):
     v = R·10 K/p · (v₀ + Σ Eᵢ a^nᵢ + Σ Fᵢ b^mᵢ)
     c_p = -R · (c₃ + τ Σ nᵢ(nᵢ+1) Gᵢ a^(nᵢ+2) + τ Σ mᵢ(mᵢ+1) Hᵢ b^(mᵢ+2))
 
-and ν = μ v, Pr = μ c_p/k, β = (∂v/∂T)/v. The formulation is valid from 253 K to 383 K. Here it is
-held below 10 °C, because β vanishes at 4 °C and the correlations for free convection fail there,
-and above 100 °C. Boiling is not modelled: a surface above 100 °C loses more than is computed.
+and ν = μ v, Pr = μ c_p/k, β = (∂v/∂T)/v. The formulation is valid from 253 K to 383 K. Properties are constant below 10
+°C, because β vanishes at 4 °C and free-convection correlations fail there, and above 100 °C. Boiling is not modelled: a
+surface above 100 °C loses more heat than computed.
 
-Source: IAPWS SR6-08(2011); coefficients taken from the public code `iapws`.
+Source: IAPWS SR6-08(2011); coefficients from the public code `iapws`.
 """
 
 from martensite.kernels.namespace import Namespace, Scalar
@@ -49,11 +49,11 @@ class Water(AbstractFluid):
     cites = ("iapws-sr6-08", "iapws-code")
 
     def span(self) -> tuple[float, float]:
-        """10 °C to 100 °C."""
+        """Return 10 °C and 100 °C in kelvin."""
         return 283.15, 373.15
 
     def film_properties(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
-        """k, ν, Pr and β at the film temperature [K]."""
+        """Return k, ν, Pr and β at the film temperature [K]."""
         log = xp.log(temperature * (1.0 / 300.0))
         dynamic = 1e-6 * _sum_powers(xp, DYNAMIC, log)
         conductivity = _sum_powers(xp, CONDUCTIVITY, log)
@@ -69,7 +69,7 @@ class Water(AbstractFluid):
 
 
 def _sum_powers(xp: Namespace, terms: Terms, log: Scalar) -> Scalar:
-    """Σ factor · exp(exponent · log)."""
+    """Return Σ factor · exp(exponent · log)."""
     found = 0.0
     for factor, exponent in terms:
         found = found + factor * xp.exp(exponent * log)
@@ -91,7 +91,7 @@ def _heat_capacity(temperature: Scalar, a: Scalar, b: Scalar) -> Scalar:
 
 
 def _sum_series(terms: Series, x: Scalar, order: int) -> Scalar:
-    """Σ factor · n(n+1)…(n+order-1) · x^(n+order): `order` derivatives of Σ factor · xⁿ."""
+    """Return the `order`-th derivative of Σ factor · xⁿ, with falling powers."""
     found = 0.0
     for factor, exponent in terms:
         for k in range(order):

@@ -1,1 +1,1 @@
-"""Materials: numbers with sources under canonical names, one TOML file per source."""
+"""Materials: parameters with sources under canonical names, one TOML file per source."""

@@ -1,16 +1,15 @@
 """Materials: one TOML file per source, read on demand.
 
-Each number carries its value with a unit, a source, where in the source it stands, and a
-kind that says how far to trust it:
+Each value has a unit, a source, a place in the source, and a kind that states its reliability:
 
     datasheet   printed by the maker
     measured    read directly from a measurement
     fitted      obtained by fitting a model to measurements
     assumed     chosen, for a stated reason
-    recalled    carried around in the literature; the original was not seen
+    recalled    known from the literature; the original was not seen
 
-A fitted set of numbers holds for the law it was fitted with. [law] names that law with its options, and a scenario that
-leaves the law out takes this one; [fit] says what was fitted to which records.
+Fitted values hold for the law they were fitted with. [law] names this law and its options, the default law of a
+scenario with this material; [fit] describes the fitted records.
 """
 
 from collections.abc import Mapping
@@ -24,7 +23,7 @@ from martensite.base.files import read_text_file, toml_document
 
 KINDS = ("datasheet", "measured", "fitted", "assumed", "recalled")
 DOUBTFUL = ("assumed", "recalled")
-"""Kinds that no measurement of this material stands behind."""
+"""Kinds without a measurement of this material."""
 _DATA = Path(__file__).parent / "data"
 _KEYS = ("title", "summary", "limits", "sources", "values", "law", "fit")
 _FIELDS = ("value", "kind", "source", "where", "note")
@@ -32,7 +31,7 @@ _FIELDS = ("value", "kind", "source", "where", "note")
 
 @dataclass(frozen=True)
 class Source:
-    """Source of parameters."""
+    """Source of values."""
 
     cite: str
     """Key in the bibliography."""
@@ -41,10 +40,10 @@ class Source:
 
 @dataclass(frozen=True)
 class MaterialNumber:
-    """One number of a material."""
+    """One value of a material."""
 
     value: float
-    """In the SI `unit`."""
+    """Value in the SI `unit`."""
     text: str
     """Text in the file, with its unit."""
     unit: str
@@ -57,7 +56,7 @@ class MaterialNumber:
 
 @dataclass(frozen=True)
 class Material:
-    """The numbers of one material, from one file."""
+    """Values of one material, from one file."""
 
     name: str
     title: str
@@ -67,33 +66,31 @@ class Material:
     sources: dict[str, Source]
     values: dict[str, MaterialNumber]
     law: dict[str, Any] | None = None
-    """The law that the numbers hold for, as a scenario would write it: `kind` and options; None
-    if they belong to no law in particular."""
+    """Law for which the values hold, as in a scenario: `kind` and options; None for any law."""
     fit: dict[str, Any] | None = None
-    """Basis of the fitted parameters: records with their hashes, bounds, errors; None if nothing was fitted here."""
+    """Basis of fitted values: records with hashes, bounds, errors; None without a fit."""
 
     def __repr__(self) -> str:
-        """Return name, law and number of parameters."""
         kind = "" if self.law is None else f", law {self.law.get('kind', 'none')}"
         return f"Material({self.name!r}{kind}, {len(self.values)} parameters)"
 
     def cites(self) -> list[str]:
-        """Return the bibliography keys of all sources that stand behind a number, in file order."""
+        """Return the bibliography keys of all used sources, in file order."""
         used = {number.source for number in self.values.values()}
         return list(dict.fromkeys(s.cite for key, s in self.sources.items() if key in used))
 
 
 def material_names() -> list[str]:
-    """Return the names of the materials that come with the package."""
+    """Return the names of the packaged materials."""
     return sorted(path.stem for path in _DATA.glob("*.toml"))
 
 
 def load_material(name: str | Path, folder: Path | None = None) -> Material:
-    """Read a material by its name, or from a user's file.
+    """Return a material by its name, or from a user's file.
 
     Args:
         name: a name from `material_names()`, or the path of a TOML file.
-        folder: where a relative path starts; the current folder if not given.
+        folder: base of a relative path; by default the current folder.
 
     Raises:
         InputError: the material does not exist, or its file is malformed.
@@ -109,7 +106,7 @@ def load_material(name: str | Path, folder: Path | None = None) -> Material:
 
 
 def read_toml(path: Path, what: str) -> dict[str, Any]:
-    """Return the document in a TOML file; `what` says in an error which kind of file it is."""
+    """Return the document in a TOML file; `what` names the kind of file in errors."""
     return toml_document(read_text_file(path, what), f"{what.capitalize()} file `{path}`")
 
 
@@ -132,15 +129,14 @@ def _read_optional(document: Mapping[str, Any], key: str, file: str) -> dict[str
 
 
 def read_sources(document: Mapping[str, Any], file: str) -> dict[str, Source]:
-    """Return the sources that a file names, by key."""
-    found = read_table(document.get("sources", {}), f"{file}, [sources]")
-    return {key: _read_source(entry, f"{file}, source `{key}`") for key, entry in found.items()}
-
-
-def _read_source(entry: Any, where: str) -> Source:
-    table = read_table(entry, where)
-    refuse_unknown(("cite", "text"), table, where)
-    return Source(read_text(table, "cite", where), read_text(table, "text", where))
+    """Return the sources of a file, by key."""
+    sources: dict[str, Source] = {}
+    for key, entry in read_table(document.get("sources", {}), f"{file}, [sources]").items():
+        where = f"{file}, source `{key}`"
+        table = read_table(entry, where)
+        refuse_unknown(("cite", "text"), table, where)
+        sources[key] = Source(read_text(table, "cite", where), read_text(table, "text", where))
+    return sources
 
 
 def _read_number(name: str, entry: Mapping[str, Any], sources: dict[str, Source], file: str) -> MaterialNumber:
@@ -150,10 +146,10 @@ def _read_number(name: str, entry: Mapping[str, Any], sources: dict[str, Source]
 
 
 def read_number(entry: Mapping[str, Any], unit: str, sources: Mapping[str, Source], where: str) -> MaterialNumber:
-    """Return a number declared in the SI `unit` from its table of value, kind, source, where and note.
+    """Return a value declared in the SI `unit` from its table of value, kind, source, where and note.
 
     Raises:
-        InputError: something is missing, unknown, or of another dimension.
+        InputError: an entry is missing, unknown, or has another dimension.
     """
     refuse_unknown(_FIELDS, entry, where)
     text, kind, source = (read_text(entry, key, where) for key in _FIELDS[:3])
@@ -170,14 +166,14 @@ def read_number(entry: Mapping[str, Any], unit: str, sources: Mapping[str, Sourc
 
 
 def read_table(entry: Any, where: str) -> dict[str, Any]:
-    """Return the entry, which must be a table."""
+    """Return an entry that must be a table."""
     if not isinstance(entry, dict):
         raise ParameterError(f"{where} must be a table, but is {entry!r}.")
     return cast("dict[str, Any]", entry)
 
 
 def read_text(entry: Mapping[str, Any], key: str, where: str) -> str:
-    """Return the text under a key, which must be there."""
+    """Return a required text entry."""
     if key not in entry:
         raise ParameterError(f"{where} needs `{key}`; none given.")
     if not isinstance(entry[key], str):
@@ -186,7 +182,7 @@ def read_text(entry: Mapping[str, Any], key: str, where: str) -> str:
 
 
 def refuse_unknown(valid: tuple[str, ...], entry: Mapping[str, Any], where: str) -> None:
-    """Raise `ParameterError` with the nearest valid key if the entry has another one."""
+    """Raise `ParameterError` with the nearest valid key for an unknown key."""
     unknown = next((key for key in entry if key not in valid), None)
     if unknown is not None:
         raise ParameterError(f"{where} has no `{unknown}`. {suggest_name(unknown, valid)}")

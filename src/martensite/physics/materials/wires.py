@@ -1,8 +1,8 @@
-"""Wire catalogues: the makers' tables of sizes, one TOML file per product.
+"""Wire catalogues: makers' tables of sizes, one TOML file per product.
 
-Every cell carries its value with a unit, its kind (as in `martensite.physics.materials.base`) and its source.
-`datasheet` is a cell that a named text prints; `recalled` is one whose original was not seen. Pull and deformation are
-printed as masses; `pull_force` and `deformation_force` are the weights of these, in newton.
+Every cell has a value with a unit, a kind (as in `martensite.physics.materials.base`) and a source. `datasheet` cells
+are printed in a named text; the originals of `recalled` cells were not seen. Pull and deformation are printed as
+masses; `pull_force` and `deformation_force` are their weights in newton.
 """
 
 import math
@@ -24,7 +24,7 @@ from martensite.physics.materials.base import (
 )
 
 GRAVITY = 9.80665
-"""Standard gravity [m/s²]: a gram of pull in newton."""
+"""Standard gravity [m/s²]."""
 UNITS = {
     "diameter": "m",
     "resistance": "ohm/m",
@@ -36,7 +36,7 @@ UNITS = {
 }
 """Column of a catalogue -> SI unit of its cells."""
 Cell = MaterialNumber
-"""A cell of a catalogue: value in SI, text as written, unit, kind, source, note."""
+"""Cell of a catalogue: value in SI, text as written, unit, kind, source, note."""
 _DATA = Path(__file__).parent / "catalogues"
 
 
@@ -45,7 +45,7 @@ class WireSize:
     """One row of a catalogue."""
 
     name: str
-    """The size under which the wire is sold, such as `0.15 mm`."""
+    """Trade name of the size, such as `0.15 mm`."""
     diameter: Cell
     """[m]"""
     resistance: Cell
@@ -89,7 +89,7 @@ class WireCatalogue:
     title: str
     summary: str
     limits: str
-    """Under which conditions the numbers hold, and what is not verified."""
+    """Conditions of validity, and unverified values."""
     sources: dict[str, Source]
     sizes: dict[str, WireSize]
     """By name, from thin to thick."""
@@ -105,9 +105,9 @@ class WireCatalogue:
         return self.sizes[name]
 
     def interpolate(self, diameter: float) -> WireSize:
-        """Interpolate a size that is not in the table, in logarithms, through the two sizes beside it.
+        """Return a size that is not in the table, interpolated in logarithms between its neighbours.
 
-        Beyond the last size they are those through the last two. The cells are of the kind `assumed`.
+        Beyond the table, the last two sizes are extrapolated. The cells have the kind `assumed`.
         """
         sizes = list(self.sizes.values())
         place = sum(one.diameter.value < diameter for one in sizes)
@@ -125,12 +125,12 @@ class WireCatalogue:
 
 
 def wire_catalogues() -> list[str]:
-    """Return the names of the wire catalogues that come with the package."""
+    """Return the names of the packaged wire catalogues."""
     return sorted(path.stem for path in _DATA.glob("*.toml"))
 
 
 def load_wires(name: str | Path = "flexinol") -> WireCatalogue:
-    """Read a wire catalogue by its name, or from a user's file.
+    """Return a wire catalogue by its name, or from a user's file.
 
     Args:
         name: a name from `wire_catalogues()`, or the path of a TOML file.

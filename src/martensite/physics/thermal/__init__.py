@@ -1,4 +1,4 @@
-"""Heat loss of an element to its surroundings."""
+"""Heat loss of an element to the ambient."""
 
 from martensite.base.lazy import attach_names
 

@@ -1,13 +1,13 @@
-"""Cooling that is driven: a fan that blows across the element, a Peltier module that pumps heat out of it.
+"""Driven cooling: a fan that blows across the element, a Peltier module that pumps heat out of it.
 
-The signal stands beside the signal of the source, has a separate waveform under [signals.NAME], and may come from a
-controller. At an instant the model is evaluated at the level of the signal. Over a step its heat flow is averaged over
-the signal: at the bounds u₁, u₂ and the mean m of the signal, with weights that give its mean and its variance v,
+The cooling signal has a separate waveform under [signals.NAME], or comes from a controller. At an instant the model is
+evaluated at the signal. Over a step its heat flow is averaged: at the bounds u₁, u₂ and the mean m of the signal, with
+weights that reproduce mean and variance v,
 
     ⟨f(u)⟩ = w₁ f(u₁) + w₂ f(u₂) + (1 - w₁ - w₂) f(m),   w₁ = v/[(m - u₁)(u₂ - u₁)],   w₂ = v/[(u₂ - m)(u₂ - u₁)]
 
-which is exact for a signal that is switched between two levels, and Simpson's rule for a ramp. Where its signal is not
-known, as in a bound on the temperature, a model stands still: signal 0.
+This is exact for a signal that switches between two levels, and Simpson's rule for a ramp. Bounds on the temperature,
+which have no signal, use signal 0.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param, part, text
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.fluids.air import Air
@@ -26,11 +27,11 @@ from martensite.physics.thermal.convection import STILL_NUSSELT, ChurchillChu, c
 from martensite.signals.moments import Moments
 
 LEAST_REYNOLDS = 1e-24
-"""Re that counts as no stream."""
+"""Re that counts as no flow."""
 
 
 class AbstractActiveCooling(AbstractCooling):
-    """Interface of a heat-loss model with a signal; `unit` is the SI unit of that."""
+    """Interface of a heat-loss model with a signal; `unit` is the SI unit of the signal."""
 
     unit: ClassVar[str] = "1"
     signal: str = text("name of its signal; actuators that name the same one share it", default="cooling")
@@ -42,54 +43,54 @@ class AbstractActiveCooling(AbstractCooling):
     def pump_heat_at(
         self, xp: Namespace, level: Scalar, temperature: Scalar, ambient: Scalar, shape: Cylinder
     ) -> Scalar | None:
-        """Return the heat flow [W] beside that of the film at a level of the signal; None if there is none."""
+        """Return the heat flow [W] in addition to the film at a level of the signal; None without such a flow."""
         return None
 
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
-        """h [W/(m² K)] as it stands still."""
+        """Return h [W/(m² K)] at signal 0."""
         return self.film_at(xp, 0.0, temperature, ambient, shape)
 
     def pump_heat(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
-        """Return the heat flow [W] beside that of the film, as it stands still."""
+        """Return the heat flow [W] in addition to the film at signal 0."""
         return self.pump_heat_at(xp, 0.0, temperature, ambient, shape)
 
+    @override
     def signals(self) -> dict[str, str]:
-        """Return its own, and those of the models in it."""
         return {self.signal: self.unit} | super().signals()
 
+    @override
     def with_signals(self, xp: Namespace, signals: Mapping[str, Scalar | Moments]) -> AbstractCooling:
-        """At the level of its signal, or averaged over a step."""
-        whole, given = self.drive_models(xp, signals), signals[self.signal]
-        held = CoolingAtLevel(model=whole, level=0.0)
-        if not isinstance(given, Moments):
-            return held.rebuilt({"level": given})
-        spread = xp.maximum(given.square - given.mean * given.mean, 0.0)
-        below, above, span = given.mean - given.low, given.high - given.mean, given.high - given.low
+        whole, signal = self.drive_models(xp, signals), signals[self.signal]
+        fixed = CoolingAtLevel(model=whole, level=0.0)
+        if not isinstance(signal, Moments):
+            return fixed.rebuilt({"level": signal})
+        spread = xp.maximum(signal.square - signal.mean * signal.mean, 0.0)
+        below, above, span = signal.mean - signal.low, signal.high - signal.mean, signal.high - signal.low
         at_low, at_high = (
             xp.where(side > 0.0, spread / xp.where(side > 0.0, side * span, 1.0), 0.0) for side in (below, above)
         )
-        levels = {"low.level": given.low, "mean.level": given.mean, "high.level": given.high}
-        found = AveragedCooling(low=held, mean=held, high=held, at_low=0.0, at_high=0.0)
-        return found.rebuilt({**levels, "at_low": at_low, "at_high": at_high})
+        levels = {"low.level": signal.low, "mean.level": signal.mean, "high.level": signal.high}
+        averaged = AveragedCooling(low=fixed, mean=fixed, high=fixed, at_low=0.0, at_high=0.0)
+        return averaged.rebuilt({**levels, "at_low": at_low, "at_high": at_high})
 
 
 class CoolingAtLevel(AbstractCooling):
-    """A driven model at a level of its signal."""
+    """Driven model at a level of its signal."""
 
     model: AbstractActiveCooling = part("the model")
     level: Number = param("1", "level of the signal, in its unit")
 
+    @override
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
-        """h [W/(m² K)] at this level."""
         return self.model.film_at(xp, self.level, temperature, ambient, shape)
 
+    @override
     def pump_heat(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
-        """Return the heat flow [W] at this level."""
         return self.model.pump_heat_at(xp, self.level, temperature, ambient, shape)
 
 
 class AveragedCooling(AbstractCooling):
-    """A driven model in the mean of a step."""
+    """Driven model averaged over a step."""
 
     low: AbstractCooling = part("at the lowest level")
     mean: AbstractCooling = part("at the mean level")
@@ -97,12 +98,12 @@ class AveragedCooling(AbstractCooling):
     at_low: Number = param("1", "weight of the lowest level", low=0.0, high=1.0)
     at_high: Number = param("1", "weight of the highest level", low=0.0, high=1.0)
 
+    @override
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
-        """Return the mean h [W/(m² K)]."""
         return self._average(*(one.film(xp, temperature, ambient, shape) for one in self._three()))
 
+    @override
     def pump_heat(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
-        """Return the mean heat flow [W]."""
         low, mean, high = (one.pump_heat(xp, temperature, ambient, shape) for one in self._three())
         return None if low is None or mean is None or high is None else self._average(low, mean, high)
 
@@ -115,15 +116,14 @@ class AveragedCooling(AbstractCooling):
 
 @COOLING.register("fan")
 class Fan(AbstractActiveCooling):
-    """A stream across the wire whose speed is a signal, in m/s; free convection where it stands.
+    """Air stream across the wire with the speed as signal, in m/s; free convection at zero speed.
 
         h⁴ = h_N⁴ + h_F(u)⁴ - h_F(0)⁴
 
-    with h_N that of the model `still` and h_F = Nu k/d of `churchill-bernstein` at the speed u. Powers of Nu are added
-    where a stream crosses what rises by itself, and the exponent 4 is the usual one for a cylinder; what
-    `churchill-bernstein` says of no stream at all, Nu = 0.3, is taken off, so that at speed 0 the wire loses what
-    `still` says. The signal is the speed of the air at the wire: blades and duct that follow a voltage late are for
-    the waveform to say. A speed below 0 is none, one above `highest` is that.
+    with h_N of the model `still` and h_F = Nu k/d of `churchill-bernstein` at the speed u. Mixed convection adds powers
+    of Nu; 4 is the usual exponent for a cylinder. The value Nu = 0.3 of `churchill-bernstein` at zero speed is
+    subtracted, so that the wire then loses the heat of `still`. The signal is the air speed at the wire; describe the
+    lag of blades and duct by the waveform. Speeds are limited to 0 … `highest`.
 
     Source: Churchill and Bernstein (1977) for h_F, Bergman et al. (2011), section 9.9, for the sum; both recalled.
     """
@@ -137,7 +137,7 @@ class Fan(AbstractActiveCooling):
     fluid: AbstractFluid = part("what it blows", FLUIDS, default=Air())
 
     def film_at(self, xp: Namespace, level: Scalar, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
-        """h [W/(m² K)] at a speed [m/s]."""
+        """Return h [W/(m² K)] at a speed [m/s]."""
         found = self.fluid.properties(xp, 0.5 * (temperature + ambient))
         speed = xp.clip(level, 0.0, self.highest)
         reynolds = xp.maximum(speed * shape.diameter / found.viscosity, LEAST_REYNOLDS)
@@ -148,10 +148,10 @@ class Fan(AbstractActiveCooling):
         fourth = _raise_to_fourth(free) + (_raise_to_fourth(forced) - _raise_to_fourth(conducted))
         return xp.sqrt(xp.sqrt(fourth))
 
+    @override
     def pump_heat_at(
         self, xp: Namespace, level: Scalar, temperature: Scalar, ambient: Scalar, shape: Cylinder
     ) -> Scalar | None:
-        """Return the heat that the model without a stream pumps [W]."""
         return self.still.pump_heat(xp, temperature, ambient, shape)
 
 
@@ -161,18 +161,18 @@ def _raise_to_fourth(base: Scalar) -> Scalar:
 
 @COOLING.register("peltier")
 class Peltier(AbstractActiveCooling):
-    """A Peltier module whose current is a signal, in A; above 0 it cools.
+    """Peltier module with the current as signal, in A; positive currents cool.
 
         G_c (T - T_c) = α I T_c - ½ I² R - K (T_h - T_c)
         G_h (T_h - T_a) = α I T_h + ½ I² R - K (T_h - T_c)
 
     with the cold side T_c on the wire through a contact G_c, and the hot side T_h on a sink of conductance G_h to the
-    surroundings. Both are linear in T_c and T_h, which have no heat capacity here. Heat q = G_c (T - T_c) leaves a
-    length `pitch` of wire; a wire of length l has l/`pitch` modules, all in series. `still` is what the film of the
-    wire loses besides. Without current the module conducts, as a bridge to the sink.
+    ambient. Both are linear in T_c and T_h, which have no heat capacity here. The heat q = G_c (T - T_c) leaves a
+    length `pitch` of wire; a wire of length l has l/`pitch` modules, all in series. `still` is the additional film of
+    the wire. Without current the module conducts to the sink.
 
-    At T_c the heat pumped is largest for I = α T_c/R; beyond, the module heats more than it pumps. The current is held
-    between -`reverse` and `highest`; below 0 the module heats the wire.
+    At T_c the pumped heat is largest for I = α T_c/R; beyond, the module heats more than it pumps. The current is
+    limited to -`reverse` … `highest`; negative currents heat the wire.
 
     Source: Goldsmid (2010), chapter 2, with contact and sink added; recalled.
     """
@@ -192,7 +192,7 @@ class Peltier(AbstractActiveCooling):
     still: AbstractCooling = part("heat-loss model of the film", COOLING, typical="churchill-chu")
 
     def check(self) -> None:
-        """Raise `ParameterError` if a side cannot be rid of what the module pumps into it."""
+        """Raise `ParameterError` if the module pumps more heat than a side can take."""
         for name, side, sign in (("highest", "sink", 1.0), ("reverse", "contact", -1.0)):
             most = getattr(self, name)
             if self._determinant(sign * self.seebeck * most) <= 0.0:
@@ -205,8 +205,8 @@ class Peltier(AbstractActiveCooling):
         cold, hot = self.contact + self.conductance + pumped, self.sink + self.conductance - pumped
         return cold * hot - self.conductance * self.conductance
 
+    @override
     def film_at(self, xp: Namespace, level: Scalar, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
-        """Return the film coefficient of `still` [W/(m² K)]."""
         return self.still.film(xp, temperature, ambient, shape)
 
     def cold_side(self, xp: Namespace, level: Scalar, temperature: Scalar, ambient: Scalar) -> Scalar:
@@ -220,7 +220,7 @@ class Peltier(AbstractActiveCooling):
     def pump_heat_at(
         self, xp: Namespace, level: Scalar, temperature: Scalar, ambient: Scalar, shape: Cylinder
     ) -> Scalar | None:
-        """Return the heat [W] out of the wire at a current [A], and what `still` pumps."""
+        """Return the heat [W] out of the wire at a current [A], including that of `still`."""
         through = self.contact * (temperature - self.cold_side(xp, level, temperature, ambient))
         own, other = through * (shape.length / self.pitch), self.still.pump_heat(xp, temperature, ambient, shape)
         return own if other is None else own + other

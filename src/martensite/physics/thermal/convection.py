@@ -2,13 +2,13 @@
 
     h = Nu k/s          Ra = g β |T - T_a| s³/(ν α)
 
-with all properties at the film temperature (T + T_a)/2 and s the size on which the correlation is built (diameter or
-length). In free convection a cylinder colder than the fluid counts by |T - T_a|. Powers of Ra below one have an
-infinite slope at T = T_a, so |T - T_a| is never taken smaller than 0.01 K.
+with all properties at the film temperature (T + T_a)/2 and the size s of the correlation (diameter or length). Powers
+of Ra below one have an infinite slope at T = T_a, so |T - T_a| is at least 0.01 K.
 """
 
 from abc import abstractmethod
 
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param, part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.fluids.air import Air
@@ -20,30 +20,30 @@ LEAST_DIFFERENCE = 0.01
 
 
 def raise_constant(xp: Namespace, base: Scalar, exponent: Scalar) -> Scalar:
-    """`base` to a constant power, for a base that is never negative."""
+    """Return a nonnegative `base` to a constant power."""
     return xp.exp(exponent * xp.log(base))
 
 
 class AbstractFreeConvection(AbstractCooling):
-    """A correlation Nu(Ra, Pr) with the fluid and the gravity that go into it."""
+    """Correlation Nu(Ra, Pr) with fluid and gravity."""
 
     fluid: AbstractFluid = part("fluid around the element", FLUIDS, default=Air())
     gravity: Number = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
 
+    @override
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
-        """h = Nu k/s [W/(m² K)] from the properties at the film temperature."""
         found = self.fluid.properties(xp, 0.5 * (temperature + ambient))
         size = self.size(shape)
         rayleigh = self.rayleigh(xp, found, xp.abs(temperature - ambient), size)
         return self.nusselt(xp, rayleigh, found.prandtl, shape) * found.conductivity / size
 
     def rayleigh(self, xp: Namespace, found: FluidProperties, difference: Scalar, size: Scalar) -> Scalar:
-        """Ra [-] of a body of this size [m] that is `difference` [K] off the fluid."""
+        """Return Ra [-] of a body of this size [m] at a temperature `difference` [K]."""
         driving = self.gravity * found.expansion * xp.maximum(difference, LEAST_DIFFERENCE)
         return driving * size * size * size / (found.viscosity * found.diffusivity)
 
     def size(self, shape: Cylinder) -> Scalar:
-        """Return the size s [m] on which Nu and Ra are built."""
+        """Return the size s [m] of Nu and Ra."""
         return shape.diameter
 
     @abstractmethod
@@ -57,17 +57,16 @@ class ChurchillChu(AbstractFreeConvection):
 
         Nu = {0.60 + 0.387 Ra^(1/6)/[1 + (0.559/Pr)^(9/16)]^(8/27)}²
 
-    on the diameter, for Ra from 1e-5 to 1e12: one smooth curve through laminar and turbulent flow. In still air it
-    agrees with `morgan` for wires near 0.2 mm; 60 K above the surroundings it lies 11 % lower at 0.381 mm, 19 % lower
-    at 1 mm and 11 % higher at 0.038 mm.
+    on the diameter, for Ra from 1e-5 to 1e12, laminar and turbulent. In still air it agrees with `morgan` for wires
+    near 0.2 mm; 60 K above ambient it is 11 % lower at 0.381 mm, 19 % lower at 1 mm and 11 % higher at 0.038 mm.
 
-    Source: Churchill and Chu (1975); the equation is that of textbooks, recalled.
+    Source: Churchill and Chu (1975); the equation of textbooks, recalled.
     """
 
     cites = ("churchill1975",)
 
+    @override
     def nusselt(self, xp: Namespace, rayleigh: Scalar, prandtl: Scalar, shape: Cylinder) -> Scalar:
-        """Return the mean Nusselt number on the diameter [-]."""
         damping = raise_constant(xp, 1.0 + raise_constant(xp, 0.559 / prandtl, 9.0 / 16.0), 8.0 / 27.0)
         root = 0.60 + 0.387 * raise_constant(xp, rayleigh, 1.0 / 6.0) / damping
         return root * root
@@ -89,17 +88,17 @@ class Morgan(AbstractFreeConvection):
     | 1e4 to 1e7 | 0.480 Ra^0.250 |
     | 1e7 to 1e12 | 0.125 Ra^0.333 |
 
-    on the diameter. The exponents rise from row to row, so each law is the largest one in its own range, and Nu here is
-    the largest of the five: the table without its jumps. At the printed limits two neighbours differ by 0.2 %, 0.2 %,
-    less than 0.1 % and 0.8 %; they meet at Ra = 1.02e-2, 95, 1.01e4 and 1.10e7 instead.
+    on the diameter. The exponents rise, so each law is the largest in its own range, and Nu here is the largest of the
+    five: the table without its jumps. At the printed limits neighbours differ by 0.2 %, 0.2 %, less than 0.1 % and 0.8
+    %; they meet at Ra = 1.02e-2, 95, 1.01e4 and 1.10e7 instead.
 
-    Source: Morgan (1975); the table is that of textbooks, recalled.
+    Source: Morgan (1975); the table of textbooks, recalled.
     """
 
     cites = ("morgan1975",)
 
+    @override
     def nusselt(self, xp: Namespace, rayleigh: Scalar, prandtl: Scalar, shape: Cylinder) -> Scalar:
-        """Return the mean Nusselt number on the diameter [-]."""
         log = xp.log(rayleigh)
         found = LAWS[0][0] * xp.exp(LAWS[0][1] * log)
         for factor, exponent in LAWS[1:]:
@@ -113,23 +112,22 @@ class LeFevreEde(AbstractFreeConvection):
 
         Nu = (4/3) {7 Ra Pr/[5 (20 + 21 Pr)]}^(1/4) + 4 (272 + 315 Pr) l/[35 (64 + 63 Pr) d]
 
-    on the length l, for laminar flow. The second term is that of the curvature. For a wire it gives most of h, which
-    then hardly depends on l; without it h would be that of a plate, several times too low. At T = T_a it is all that is
-    left, but for the 0.01 K at which |T - T_a| is held.
+    on the length l, for laminar flow. The second term is the curvature. For a wire it is most of h, which then hardly
+    depends on l; without it h would be the several times smaller value of a plate.
 
-    The wire must hang vertically; for a horizontal one take `churchill-chu` or `morgan`. The expression is a series in
-    the curvature cut after two terms, so a long thin wire lies at the end of its range. Source: LeFevre and Ede (1956),
-    as printed by Kossoski (2018), eq. (3.2).
+    The wire must hang vertically; for a horizontal wire use `churchill-chu` or `morgan`. The series in the curvature
+    has two terms, so a long thin wire is at the end of its range. Source: LeFevre and Ede (1956), as printed by
+    Kossoski (2018), eq. (3.2).
     """
 
     cites = ("lefevre-ede", "kossoski2018")
 
+    @override
     def size(self, shape: Cylinder) -> Scalar:
-        """Return the length [m]."""
         return shape.length
 
+    @override
     def nusselt(self, xp: Namespace, rayleigh: Scalar, prandtl: Scalar, shape: Cylinder) -> Scalar:
-        """Return the mean Nusselt number on the length [-]."""
         plate = 7.0 * rayleigh * prandtl / (5.0 * (20.0 + 21.0 * prandtl))
         slenderness = shape.length / shape.diameter
         curvature = 4.0 * (272.0 + 315.0 * prandtl) / (35.0 * (64.0 + 63.0 * prandtl))
@@ -142,11 +140,11 @@ class ChurchillBernstein(AbstractCooling):
 
         Nu = 0.3 + 0.62 √Re Pr^(1/3)/[1 + (0.4/Pr)^(2/3)]^(1/4) · [1 + (Re/282000)^(5/8)]^(4/5)
 
-    on the diameter, Re = u d/ν, for Re Pr above 0.2; properties at the film temperature. The stream is at the ambient
-    temperature and at right angles to the wire. Buoyancy is left out: when a wire in still air would lose as much by
-    free convection, the stream is too slow for this formula.
+    on the diameter, Re = u d/ν, for Re Pr above 0.2; properties at the film temperature. The stream is at ambient
+    temperature and perpendicular to the wire. Buoyancy is not included: the formula is invalid if free convection would
+    be as large.
 
-    Source: Churchill and Bernstein (1977); the equation is that of textbooks, recalled.
+    Source: Churchill and Bernstein (1977); the equation of textbooks, recalled.
     """
 
     cites = ("churchill1977",)
@@ -154,8 +152,8 @@ class ChurchillBernstein(AbstractCooling):
     speed: Number = param("m/s", "speed of the stream across the wire", above=0.0, high=100.0, typical="1 m/s")
     fluid: AbstractFluid = part("fluid around the element", FLUIDS, default=Air())
 
+    @override
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
-        """h = Nu k/d [W/(m² K)] from the properties at the film temperature."""
         found = self.fluid.properties(xp, 0.5 * (temperature + ambient))
         reynolds = self.speed * shape.diameter / found.viscosity
         return self.nusselt(xp, reynolds, found.prandtl) * found.conductivity / shape.diameter
@@ -166,11 +164,11 @@ class ChurchillBernstein(AbstractCooling):
 
 
 STILL_NUSSELT = 0.3
-"""Nu of `churchill-bernstein` without a stream."""
+"""Nu of `churchill-bernstein` without flow."""
 
 
 def correlate_stream(xp: Namespace, reynolds: Scalar, prandtl: Scalar) -> Scalar:
-    """Return the part of the mean Nusselt number of a wire that a cross stream adds [-]."""
+    """Return the contribution of a cross stream to the mean Nusselt number [-]."""
     damping = raise_constant(xp, 1.0 + raise_constant(xp, 0.4 / prandtl, 2.0 / 3.0), 0.25)
     laminar = 0.62 * xp.sqrt(reynolds) * raise_constant(xp, prandtl, 1.0 / 3.0) / damping
     turbulent = raise_constant(xp, 1.0 + raise_constant(xp, reynolds * (1.0 / 282000.0), 5.0 / 8.0), 0.8)

@@ -1,13 +1,13 @@
-"""Heat loss at the ends of an element: as lumped, by the exact fin between two clamps.
+"""Heat loss at the ends of an element: lumped, by the exact fin between two clamps.
 
-A wire of length l with a uniform source and ends clamped at ambient temperature is cooler near
-the clamps. With b = m l/2, m = √(4 h/(k d)), and G_c the contact conductance of one clamp, its
-steady mean overtemperature is that of the wire without ends times 1 - φ,
+A wire of length l with a uniform source and ends clamped at ambient temperature is cooler near the clamps. With b = m
+l/2, m = √(4 h/(k d)), and the contact conductance G_c of one clamp, its steady mean overtemperature is reduced by 1 -
+φ,
 
     φ = tanh b/[b (1 + β tanh b)],   β = k A m/G_c,
 
-so that the whole loses G = h S/(1 - φ) per kelvin of mean overtemperature. The healing length
-1/m is how far a clamp is felt. `axial-wire` resolves what this lumps together.
+so that the total loss is G = h S/(1 - φ) per kelvin of mean overtemperature. The healing length 1/m is the range of a
+clamp. `axial-wire` resolves the profile.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from martensite.physics.thermal.base import Cylinder
 ENDS: Registry[AbstractEnds] = Registry("ends", "martensite.physics.thermal")
 
 PARABOLA_LIMIT = 0.01
-"""Half lengths per healing length below which the profile counts as a parabola."""
+"""Half lengths per healing length below which the profile is a parabola."""
 
 
 class AbstractEnds(Parametrised):
@@ -36,10 +36,10 @@ class AbstractEnds(Parametrised):
 
 @ENDS.register("adiabatic")
 class AdiabaticEnds(AbstractEnds):
-    """Ends that lose nothing."""
+    """Adiabatic ends."""
 
     def conductance(self, xp: Namespace, film: Scalar, shape: Cylinder) -> Scalar:
-        """h S [W/K]."""
+        """Return h S [W/K]."""
         return film * (math.pi * shape.diameter * shape.length)
 
 
@@ -51,7 +51,7 @@ class ClampedEnds(AbstractEnds):
     contact: Number = param("W/K", "contact conductance of one clamp", above=0.0, high=1e9, default=1e3)
 
     def conductance(self, xp: Namespace, film: Scalar, shape: Cylinder) -> Scalar:
-        """h S/(1 - φ) [W/K]."""
+        """Return h S/(1 - φ) [W/K]."""
         section = 0.25 * math.pi * shape.diameter * shape.diameter
         along = self.thermal_conductivity * section
         healing = xp.sqrt(4.0 * film / (self.thermal_conductivity * shape.diameter))

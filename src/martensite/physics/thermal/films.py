@@ -1,5 +1,6 @@
-"""Film coefficients that depend on temperatures alone: given numbers, radiation, and the sum of two models."""
+"""Film coefficients that depend on temperatures only: constant, polynomial, radiation, and sums."""
 
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param, part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.thermal.base import COOLING, AbstractCooling, Cylinder
@@ -7,21 +8,21 @@ from martensite.physics.thermal.base import COOLING, AbstractCooling, Cylinder
 
 @COOLING.register("constant")
 class ConstantCooling(AbstractCooling):
-    """A film coefficient that depends on nothing: Q = h S (T - T_a)."""
+    """Constant film coefficient: Q = h S (T - T_a)."""
 
     h: Number = param("W/m^2/K", "film coefficient", low=0.0, high=1e5, typical="100 W/m^2/K")
 
+    @override
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
-        """Return the constant h [W/(m² K)]."""
         return self.h
 
 
 @COOLING.register("polynomial")
 class PolynomialCooling(AbstractCooling):
-    """A film coefficient of second degree in temperature, h = h₀ + h₁ θ + h₂ θ².
+    """Film coefficient of second degree in temperature, h = h₀ + h₁ θ + h₂ θ².
 
-    θ = T - `reference`; the default reference of 0 °C makes θ the temperature in degrees Celsius, the form fitted to
-    step responses in the MigaOne paper. A reference at the ambient temperature makes θ the overtemperature.
+    θ = T - `reference`. The default reference of 0 °C gives degrees Celsius, the form fitted to step responses in the
+    MigaOne paper; a reference at the ambient temperature gives the overtemperature.
     """
 
     cites = ("migaone-paper",)
@@ -34,7 +35,7 @@ class PolynomialCooling(AbstractCooling):
     reference: Number = param("K", "temperature at which θ is zero", low=0.0, high=1000.0, default=273.15)
 
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
-        """h(T) [W/(m² K)], never below zero."""
+        """Return h(T) [W/(m² K)], never below zero."""
         theta = temperature - self.reference
         return xp.maximum(self.h0 + theta * (self.h1 + theta * self.h2), 0.0)
 
@@ -49,34 +50,34 @@ class Radiation(AbstractCooling):
 
         h = ε σ_SB (T² + T_a²)(T + T_a)          so that   h (T - T_a) = ε σ_SB (T⁴ - T_a⁴)
 
-    for a grey surface that is small beside what it sees. h → 4 ε σ_SB T³ as T_a → T. It is about 6 W/(m² K) for a black
-    wire at room temperature: little beside the convection from a thin wire. Combine it with that by `combined`.
+    for a grey surface that is small compared with its enclosure. h → 4 ε σ_SB T³ as T_a → T, about 6 W/(m² K) for a
+    black wire at room temperature: little compared with convection from a thin wire. Add both with `combined`.
     """
 
     emissivity: Number = param("1", "emissivity of the surface", low=0.0, high=1.0, typical=0.6)
 
+    @override
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
-        """h [W/(m² K)]; the shape does not matter."""
         squares = temperature * temperature + ambient * ambient
         return self.emissivity * STEFAN_BOLTZMANN * squares * (temperature + ambient)
 
 
 @COOLING.register("combined")
 class CombinedCooling(AbstractCooling):
-    """The sum of two heat-loss models, h = h₁ + h₂, both to the same ambient temperature.
+    """Sum of two heat-loss models, h = h₁ + h₂, at the same ambient temperature.
 
-    Meant for convection and radiation, but any two models may stand here, another `combined` among them.
+    Any two models are allowed, also another `combined`.
     """
 
     convection: AbstractCooling = part("one heat-loss model", COOLING, typical="churchill-chu")
     radiation: AbstractCooling = part("the other heat-loss model", COOLING, typical="radiation")
 
+    @override
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
-        """h [W/(m² K)], the sum of both."""
-        given = temperature, ambient, shape
-        return self.convection.film(xp, *given) + self.radiation.film(xp, *given)
+        at = temperature, ambient, shape
+        return self.convection.film(xp, *at) + self.radiation.film(xp, *at)
 
+    @override
     def pump_heat(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
-        """Return the heat that both parts pump [W]."""
         first, other = (one.pump_heat(xp, temperature, ambient, shape) for one in (self.convection, self.radiation))
         return other if first is None else first if other is None else first + other
