@@ -1,17 +1,17 @@
-"""Tension and compression: a law of tension on either side of zero stress, with separate parameters for each.
+"""Tension and compression: a tension law on either side of zero stress, with separate parameters.
 
-On a leg of one sign s the law sees the size sσ of stress and the net share n = s·oriented, -ξ ≤ n ≤ ξ, of martensite
-oriented along it; what is oriented neither way has no strain. Only ratios of its answer count: r_S of what is not
-oriented along the stress, r of austenite, b of martensite,
+On a leg of stress sign s, the law sees |σ| = sσ and the net fraction n = s·oriented, -ξ ≤ n ≤ ξ, of martensite oriented
+along the stress. Unoriented martensite has no strain. Only ratios of its results count: r_S of material not oriented
+along the stress, r of austenite, b of martensite,
 
     forward   1 - n → (1 - n) r_S,    1 - ξ → (1 - ξ) r
-    reverse   n → n b, ξ → ξ b,       but of martensite that is oriented along the stress or neither way.
+    reverse   n → n b, ξ → ξ b,       for martensite oriented along the stress, or unoriented.
 
-Martensite oriented against it goes back by the reverse strip of the opposite side at -sσ; the austenite of that
-transforms at once as far as cooling to this point would have it. One-fraction laws orient what they form by H(σ) = ε_L
-- (ε_L - s H_min) exp(-H_k |σ|) in the middle of the part of the strip that a leg passes. Interrupted transformations
-are forgotten where load drives martensite back, and where its sign changes, but for the forward one of one-fraction
-laws. Source: this package.
+Martensite oriented against the stress reverts by the reverse strip of the opposite side at -sσ; its austenite
+transforms at once as far as cooling to this point would transform it. One-fraction laws orient new martensite by H(σ) =
+ε_L - (ε_L - s H_min) exp(-H_k |σ|) at the middle of the traversed part of the strip. Interrupted transformations are
+forgotten when stress reverts martensite or changes sign, except forward ones of one-fraction laws. Source: this
+package.
 """
 
 from collections.abc import Callable
@@ -25,16 +25,16 @@ from martensite.physics.laws.base import Fractions
 
 NONE = "none"
 STOPS, TURNS = 2, 3
-"""Points of a leg of one sign at which one process may follow another, and at which curved lines turn it."""
+"""Largest numbers of process changes and of turns of curved lines on a leg of one sign."""
 UNSET = 1.0
 Method = TypeVar("Method", bound=Callable[..., Any])
 
 
 class SidedMemory(NamedTuple):
-    """All that a law remembers that knows compression."""
+    """Memory of a law with compression."""
 
     inner: Any
-    """Memory of the law of tension, at the size of the stress; its fractions count by their ratios only."""
+    """Memory of the tension law at |σ|; only ratios of its fractions count."""
     present: Fractions
     """ξ and n."""
     against: Scalar
@@ -42,24 +42,24 @@ class SidedMemory(NamedTuple):
     side: Scalar
     """s: +1 in tension, -1 in compression."""
     reach: Scalar
-    """Lowest distance of the reverse process of what is oriented against the side."""
+    """Lowest distance of the reverse process of the fraction `against`."""
     stress: Scalar
     temperature: Scalar
 
 
 class SidedProcess(NamedTuple):
-    """The process of the law of tension, and the reverse one of what is oriented against the stress."""
+    """Process of the tension law, and reverse process of the fraction oriented against the stress."""
 
     memory: SidedMemory
-    """Before the move, seen from its side."""
+    """Memory before the move, on its side."""
     inner: Any
     acts: Scalar
-    """1 if the other one acts."""
+    """1 if the fraction oriented against the stress reverts."""
     reach: Scalar
 
 
 def by_side(method: Method, other: Callable[..., Any]) -> Method:
-    """Return a method of a law, or another one if the law knows compression."""
+    """Return `method`, or `other` for laws with compression."""
 
     @wraps(method)
     def chosen(law: Any, *arguments: Any) -> Any:
@@ -91,19 +91,19 @@ def _relocate(law: Any, xp: Namespace, memory: SidedMemory, fractions: Fractions
 
 
 def limit_against(xp: Namespace, present: Fractions, against: Scalar) -> Scalar:
-    """Limit the fraction that is oriented against a side, so that no fraction is negative."""
+    """Return the fraction oriented against a side, limited so that no fraction is negative."""
     return xp.clip(against, xp.maximum(-present.oriented, 0.0), 0.5 * (present.martensite - present.oriented))
 
 
 def _forget_history(xp: Namespace, plain: Any, forget: Flag, kept: Any, present: Fractions) -> Any:
-    """Return the memory of the law of tension, where told one without history."""
+    """Return the memory of the tension law, without history where `forget`."""
     fresh = plain.init(xp, present, kept.stress, kept.temperature)
     pairs = zip(flatten_numbers(fresh), flatten_numbers(kept), strict=True)
     return NestedShape(kept).rebuild([xp.where(forget, a, b) for a, b in pairs])
 
 
 def _turn_side(law: Any, xp: Namespace, memory: SidedMemory, stress: Scalar) -> SidedMemory:
-    """Return the memory as it is seen from the side on which most of a leg to a stress lies."""
+    """Return the memory on the side of the largest part of a leg."""
     middle = memory.stress + stress
     side = xp.where(middle > 0.0, 1.0, xp.where(middle < 0.0, -1.0, memory.side))
     turns, present = side * memory.side < 0.0, _see_fractions(memory.present, side * memory.side)
@@ -129,7 +129,7 @@ def _select(law: Any, xp: Namespace, memory: SidedMemory, stress: Scalar, kelvin
 
 
 def _find_reach(law: Any, xp: Namespace, move: SidedProcess, stress: Scalar, kelvin: Scalar) -> Scalar:
-    """Return the lowest distance of what is oriented against the stress, after the move."""
+    """Return the lowest distance of the fraction oriented against the stress, after the move."""
     side = move.memory.side
     strip = law.on_side(xp, -side).reverse_strip()
     distance = strip.distance(-side * stress, kelvin, xp)
@@ -138,7 +138,7 @@ def _find_reach(law: Any, xp: Namespace, move: SidedProcess, stress: Scalar, kel
 
 
 def compare_parts_left(xp: Namespace, rest: Scalar, before: Scalar, nothing: Scalar = 1.0) -> Scalar:
-    """rest/before [-]; something else where nothing was left before."""
+    """Return rest/before [-], or `nothing` if before is 0."""
     some = before > 0.0
     return xp.where(some, rest / xp.where(some, before, 1.0), nothing)
 
@@ -150,7 +150,7 @@ def _follow(law: Any, xp: Namespace, move: SidedProcess, *end: Scalar) -> Fracti
 def _follow_parts(
     law: Any, xp: Namespace, move: SidedProcess, stress: Scalar, kelvin: Scalar, dt: Scalar
 ) -> tuple[Fractions, Scalar]:
-    """ξ and n at the end of a move, and what is oriented against its side."""
+    """Return ξ and n at the end of a move, and the fraction oriented against its side."""
     memory, side = move.memory, move.memory.side
     plain, start, at = law.on_side(xp, side), (side * memory.stress, memory.temperature), (side * stress, kelvin)
     before, after = plain.fractions(memory.inner), plain.follow(xp, move.inner, *at, dt)
@@ -192,7 +192,7 @@ def _commit(
 def _kinetics(
     law: Any, xp: Namespace, memory: SidedMemory, stress: Scalar, kelvin: Scalar, dt: Scalar
 ) -> tuple[SidedMemory, Fractions]:
-    """Advance along a leg, cut where the stress changes its sign and where one process follows another."""
+    """Advance along a leg, cut at sign changes of stress and at process changes."""
     stops = STOPS + (TURNS if getattr(law, "surfaces", "") == "curved" else 0)
     for at in (find_zero_stress(xp, memory, stress, kelvin), (stress, kelvin)):
         for k in range(stops + 1 if law.by_ratios else 1):

@@ -1,27 +1,25 @@
-r"""Thermally activated exchange between austenite and two martensite variants.
+"""Thermally activated exchange between austenite and two martensite variants.
 
-The free energy of a layer has parabolic wells for austenite (A) and the variants M+ and M-,
-joined by concave parabolas, so that its slope is continuous:
+The free energy of a layer has parabolic wells for austenite (A) and the variants M+ and M-, joined by concave parabolas
+with continuous slope:
 
     σ_A(T) = max(0, σ_L + s (T - T_L)),       σ_M = σ_A - Δσ
     ε_A = σ_A/E_A,   ε_M = ε_T + σ_M/E_M,     K = Δσ/(ε_M - ε_A)
 
-Layers jump over the barrier ΔG from A to M+ at the rate p = exp(-λ ΔG)/τ, λ = V/(k_B T),
-and back likewise; M- mirrors M+ in σ. Three forms of the barrier:
+Layers jump over the barrier ΔG from A to M+ at the rate p = exp(-λ ΔG)/τ, λ = V/(k_B T), and back in the same way; M-
+mirrors M+ in σ. Three forms of the barrier:
 
 - `barrier`: height of the saddle over the well, at given stress. Detailed balance is exact.
-- `well`: layers at the edge of their well, a partition function over the well (erf, erfc).
-  Rates keep growing beyond the threshold; softer plateaus; no exact detailed balance.
+- `well`: layers at the edge of their well, a partition function over the well (erf, erfc). Rates keep growing beyond
+  the threshold; softer plateaus; no exact detailed balance.
 - `edge`: (σ_A - σ)²/2E_A and (σ - σ_M)²/2E_M, the barrier form with a rigid bridge.
 
-With y = ±√(λ ΔG), negative beyond the threshold, p = q(y) exp(-⟨y⟩²)/τ. Over a step y runs
-straight from y₀ to y₁. Where the rate grows its mean over the step is the closed integral of
-the Gaussian; where it falls the rate at the end counts, as in an implicit step, so that a
-plateau held by feedback does not ring. The linear exchange at mean rates is solved exactly:
-a step never overshoots, whatever the rates.
+With y = ±√(λ ΔG), negative beyond the threshold, p = q(y) exp(-⟨y⟩²)/τ. Over a step y is linear from y₀ to y₁. A
+growing rate is averaged by the closed integral of the Gaussian. A falling rate counts with its end value, as in an
+implicit step, so that a plateau held by feedback does not ring. The linear exchange at mean rates is solved exactly, so
+a step never overshoots.
 
-Sources: Achenbach (1989); Seelecke and Müller (2004), Appl. Mech. Rev. 57, for the model; the
-step is this package's.
+Sources: Achenbach (1989); Seelecke and Müller (2004), Appl. Mech. Rev. 57, for the model; the step is this package's.
 """
 
 from typing import NamedTuple
@@ -32,13 +30,13 @@ from martensite.kernels.namespace import Namespace, Scalar
 BOLTZMANN = 1.380649e-23
 """[J/K], exact by definition."""
 COLDEST = 100.0
-"""Temperature [K] below which rates are those at it: solvers may try absurd points."""
+"""Lowest temperature of the rates [K]; solvers may try lower temperatures."""
 FLATTEST = 0.05
-"""Lowest threshold σ_A in the form `well`, in thermal widths: there its well vanishes."""
+"""Lowest threshold σ_A in the form `well`, in thermal widths."""
 
 
 class BarrierConstants(NamedTuple):
-    """Constants of the free energy and of the layers."""
+    """Constants of free energy and layers."""
 
     E_A: Scalar
     E_M: Scalar
@@ -52,10 +50,10 @@ class BarrierConstants(NamedTuple):
 
 
 class Wells(NamedTuple):
-    """The free energy at one temperature."""
+    """Free energy at one temperature."""
 
     stress_A: Scalar
-    """A → M± where |σ| reaches it [Pa]."""
+    """A → M± at |σ| = stress_A [Pa]."""
     stress_M: Scalar
     gap: Scalar
     """ε_M - ε_A [-]."""
@@ -64,7 +62,7 @@ class Wells(NamedTuple):
 
 
 class Process(NamedTuple):
-    """One way over one barrier, at one stress and temperature."""
+    """Transition over one barrier at one stress and temperature."""
 
     y: Scalar
     """Root of the barrier in thermal units; negative beyond the threshold."""
@@ -73,7 +71,7 @@ class Process(NamedTuple):
 
 
 class RateStart(NamedTuple):
-    """State at the start of a step that the mean rate needs."""
+    """Start of a step, for the mean rate."""
 
     y: Scalar
     tail: Scalar
@@ -81,7 +79,7 @@ class RateStart(NamedTuple):
 
 
 def build_wells(xp: Namespace, material: BarrierConstants, threshold: Scalar, temperature: Scalar, form: str) -> Wells:
-    """Return the free energy whose threshold σ_A, before the limit at zero, is given [Pa]."""
+    """Return the free energy for a threshold σ_A [Pa] before its limit at zero."""
     per_energy = material.volume / (BOLTZMANN * xp.maximum(temperature, COLDEST))
     least = 0.0
     if form == "well":
@@ -101,21 +99,21 @@ class BarrierScales(NamedTuple):
 
 
 def compute_scales(xp: Namespace, material: BarrierConstants, at: Wells, form: str) -> BarrierScales:
-    """Return the reciprocals of the thermal widths; the bridge between the wells softens the saddle."""
+    """Return the reciprocal thermal widths; the bridge between the wells softens the saddle."""
     bridge = at.gap / material.width if form == "barrier" else 0.0
     half = 0.5 * at.per_energy
     return BarrierScales(xp.sqrt(half * (1.0 / material.E_A + bridge)), xp.sqrt(half * (1.0 / material.E_M + bridge)))
 
 
 def compute_edges(at: Wells, scale: BarrierScales, stress: Scalar) -> tuple[Scalar, Scalar]:
-    """y inside σ_A and inside σ_M, for the variant that a positive stress favours."""
+    """Return y inside σ_A and σ_M, for the variant favoured by positive stress."""
     return (at.stress_A - stress) * scale.A, (stress - at.stress_M) * scale.M
 
 
 def build_processes(
     xp: Namespace, material: BarrierConstants, at: Wells, stress: Scalar, form: str
 ) -> tuple[Process, Process]:
-    """From austenite to the variant that a positive `stress` favours, and back."""
+    """Return the processes from austenite to the variant favoured by positive `stress`, and back."""
     scale = compute_scales(xp, material, at, form)
     u, z = compute_edges(at, scale, stress)
     if form == "edge":
@@ -130,10 +128,7 @@ def build_processes(
 def _compute_saddle(
     xp: Namespace, material: BarrierConstants, at: Wells, stress: Scalar, u: Scalar, z: Scalar
 ) -> tuple[Process, Process]:
-    """Inside the thresholds u and z; beyond the other one the saddle is gone.
-
-    There the barrier is the whole difference of the wells.
-    """
+    """Return the processes inside the thresholds u and z; beyond the other threshold without saddle."""
     up, down = at.stress_A - stress, stress - at.stress_M
     middle = (stress - 0.5 * (at.stress_A + at.stress_M)) * at.gap
     square = xp.where(stress < -at.stress_A, -4.0 * at.stress_A * stress, up * up)
@@ -143,7 +138,7 @@ def _compute_saddle(
 
 
 def _out_of_well(xp: Namespace, u: Scalar, v: Scalar) -> Process:
-    """Return the rate over the edge at u of a well that ends at -v and u, in thermal widths."""
+    """Return the rate over the edge at u of a well from -v to u, in thermal widths."""
     beyond, behind = u < 0.0, v < 0.0
     a, b = xp.abs(u), xp.abs(v)
     scaled_a, scaled_b = xp.erfcx(a), xp.erfcx(b)
@@ -157,26 +152,26 @@ def _out_of_well(xp: Namespace, u: Scalar, v: Scalar) -> Process:
 
 
 def _half_line(xp: Namespace, z: Scalar) -> Scalar:
-    """exp(⟨z⟩²)-scaled rate out of a well that reaches to infinity."""
+    """Return the exp(⟨z⟩²)-scaled rate out of an unbounded well."""
     a = xp.abs(z)
     scaled = xp.erfcx(a)
     return 1.0 / xp.where(z > 0.0, 2.0 - xp.exp(-a * a) * scaled, scaled)
 
 
 def compute_rate(xp: Namespace, process: Process, time: Scalar) -> Scalar:
-    """Return the rate of a process at its point [1/s]."""
+    """Return the rate of a process [1/s]."""
     a = xp.maximum(process.y, 0.0)
     return process.factor * xp.exp(-a * a) / time
 
 
 def keep_process(xp: Namespace, process: Process) -> RateStart:
-    """Return the state to keep of a process at the start of a step."""
+    """Return the quantities at the start of a step that the mean rate needs."""
     a = xp.maximum(process.y, 0.0)
     return RateStart(process.y, xp.exp(-a * a) * (0.5 * ROOT_PI) * xp.erfcx(a))
 
 
 def mean_rate(xp: Namespace, start: RateStart, end: Process) -> Scalar:
-    """τ times the rate over a step: its mean where it grows, that at the end where it falls."""
+    """Return τ times the rate over a step: the mean of a growing rate, the end value of a falling one."""
     a = xp.maximum(end.y, 0.0)
     bell = xp.exp(-a * a)
     fall = start.y - end.y

@@ -4,7 +4,7 @@ The constitutive equation is integrated, so that elastic loops close:
 
     ε = [σ - Θ (T - T_ref)]/E + ε_L ξ_S
 
-with ξ_S the oriented fraction. Tension and elongation are positive; Θ > 0 means that a free bar shrinks on heating.
+with the oriented fraction ξ_S. Tension and elongation are positive; Θ > 0 means that a free bar shrinks on heating.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ WIDTHS = (("M_f", "M_s"), ("A_s", "A_f"))
 
 
 def require_order(law: Parametrised, *pairs: tuple[str, str]) -> None:
-    """Raise `ParameterError` unless the first temperature of every pair is the lower."""
+    """Raise `ParameterError` unless the first temperature of each pair is the lower one."""
     owner = law.registered_name or type(law).__name__
     for low, high in pairs:
         if not getattr(law, low) < getattr(law, high):
@@ -35,7 +35,7 @@ def require_order(law: Parametrised, *pairs: tuple[str, str]) -> None:
 
 
 def find_side_strain(xp: Namespace, law: AbstractSidedLaw, name: str, fractions: Fractions) -> Scalar:
-    """Return the strain [-] of oriented martensite, by the parameter of that name, in compression its own."""
+    """Return the strain [-] of oriented martensite, with a separate parameter in compression."""
     own = getattr(law, name)
     if law.compression == "asymmetric":
         other = getattr(law, f"{name}_compression")
@@ -44,7 +44,7 @@ def find_side_strain(xp: Namespace, law: AbstractSidedLaw, name: str, fractions:
 
 
 class AbstractTwoPhaseLaw(AbstractLaw):
-    """Moduli of the phases, and the temperatures between which they transform without stress."""
+    """Moduli of the phases, and transformation temperatures at zero stress."""
 
     orders: ClassVar[tuple[tuple[str, str], ...]] = WIDTHS
 
@@ -57,12 +57,12 @@ class AbstractTwoPhaseLaw(AbstractLaw):
 
     @property
     def tension_only(self) -> bool:
-        """Return True if it does not know compression."""
+        """Return True."""
         return True
 
 
 class AbstractSidedLaw(AbstractTwoPhaseLaw):
-    """A law of tension that may know compression (`kinetics.asymmetry`)."""
+    """Tension law with optional compression (`kinetics.asymmetry`)."""
 
     compression: str = option(
         "what stress below zero does: drives martensite of tension back, or forms its own, by equal or own numbers",
@@ -75,14 +75,14 @@ class AbstractSidedLaw(AbstractTwoPhaseLaw):
     C_M_compression: Number = param("Pa/K", "C_M in compression; 0: as in tension", low=0.0, high=1e9, default=0.0)
 
     sided: ClassVar[tuple[str, ...]] = ("C_A", "C_M")
-    """Parameters that may differ in compression; others of their names end in `_compression`."""
+    """Parameters with a separate value in compression, named `…_compression`."""
     by_ratios: ClassVar[bool] = True
-    """True if only ratios of the law of tension count in compression; False if it knows both orientations."""
+    """True if only ratios of the tension law count in compression; False for both orientations."""
     keeps_forward: ClassVar[bool] = False
-    """True if a forward transformation waits through a change of sign of stress."""
+    """True if a forward transformation survives a sign change of stress."""
 
     def __init_subclass__(cls, *, init: bool = True) -> None:
-        """Let methods of a law of tension go by the side of zero stress, if it knows compression."""
+        """Wrap the methods of a tension law for both signs of stress."""
         super().__init_subclass__(init=init)
         for name in SIDED_METHODS.keys() & vars(cls).keys():
             if not getattr(vars(cls)[name], "__isabstractmethod__", False):
@@ -90,11 +90,11 @@ class AbstractSidedLaw(AbstractTwoPhaseLaw):
 
     @property
     def tension_only(self) -> bool:
-        """Return True if it does not know compression."""
+        """Return True without compression."""
         return self.compression == NONE
 
     def on_side(self, xp: Namespace, side: Scalar) -> Self:
-        """Return the law of tension [+1] or compression [-1], about the size of stress."""
+        """Return the law of tension [+1] or compression [-1] in terms of |σ|."""
         found: dict[str, Scalar] = {}
         for name in self.sided if self.compression == "asymmetric" else ():
             own, other = getattr(self, name), getattr(self, f"{name}_compression")
@@ -105,7 +105,7 @@ class AbstractSidedLaw(AbstractTwoPhaseLaw):
 
 
 class AbstractShapes(Parametrised):
-    """Numbers of ranges that are no cosines between straight lines; options of the laws call for them."""
+    """Parameters of rounded, waisted and curved ranges; options of the laws select them."""
 
     n_1: Number = param("1", "roundness of the forward start", low=LEAST_EXPONENT, high=1.0, default=1.0)
     n_2: Number = param("1", "roundness of the forward end", low=LEAST_EXPONENT, high=1.0, default=1.0)
@@ -123,7 +123,7 @@ class AbstractShapes(Parametrised):
     widening_r: Number = param("K/Pa", "growth of the reverse range, if curved", low=0.0, high=1e-6, default=0.0)
 
     def describe_unused(self, hardening: str, surfaces: str) -> list[str]:
-        """Return the sentences about numbers that these choices do not call for."""
+        """Return sentences about parameters that these options do not use."""
         found: list[str] = []
         if hardening != "waisted" and max(self.waist_f, self.waist_r) > 0.0:
             found.append('A waist counts only with the option `hardening = "waisted"` of the law.')
@@ -133,7 +133,7 @@ class AbstractShapes(Parametrised):
 
 
 class AbstractPhaseDiagram(AbstractTwoPhaseLaw):
-    """Strips shifted by stress, and a Young's modulus that a law chooses."""
+    """Strips shifted by stress; subclasses choose Young's modulus."""
 
     eps_L: Number = param("1", "maximum recoverable strain", above=0.0, high=0.2, typical=0.04)
     C_A: Number = param("Pa/K", "Clausius–Clapeyron slope of the reverse strip", low=1e5, high=1e9, typical="8 MPa/K")
@@ -149,7 +149,7 @@ class AbstractPhaseDiagram(AbstractTwoPhaseLaw):
         """Return Young's modulus [Pa]."""
 
     def mixture(self, fractions: Fractions) -> Scalar:
-        """E_A + ξ (E_M - E_A) [Pa]."""
+        """Return E_A + ξ (E_M - E_A) [Pa]."""
         return self.E_A + fractions.martensite * (self.E_M - self.E_A)
 
     def check(self) -> None:
@@ -157,37 +157,35 @@ class AbstractPhaseDiagram(AbstractTwoPhaseLaw):
         require_order(self, *WIDTHS)
 
     def cautions(self) -> list[str]:
-        """Return the sign of Θ; a law adds what its strips may do."""
-        if self.Theta > 0.0:
-            return ["Theta > 0: a free bar shrinks on heating (the expansion enters as -E α)."]
-        return []
+        """Return a caution about the sign of Θ; laws add cautions about strips."""
+        return ["Theta > 0: a free bar shrinks on heating (the expansion enters as -E α)."] * (self.Theta > 0.0)
 
     def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
-        """ε_L ξ_S - Θ (T - T_ref)/E [-]."""
+        """Return ε_L ξ_S - Θ (T - T_ref)/E [-]."""
         thermal = self.Theta * (temperature - self.T_ref) / self.young(fractions)
         return self.transformation_strain(xp, fractions) - thermal
 
     def transformation_strain(self, xp: Namespace, fractions: Fractions) -> Scalar:
-        """ε_L ξ_S [-]."""
+        """Return ε_L ξ_S [-]."""
         return self.eps_L * fractions.oriented
 
     def compliance(self, xp: Namespace, fractions: Fractions) -> Scalar:
-        """1/E [1/Pa]."""
+        """Return 1/E [1/Pa]."""
         return 1.0 / self.young(fractions)
 
 
 class AbstractSidedDiagram(AbstractPhaseDiagram, AbstractSidedLaw):
-    """A phase diagram of tension that may have one of compression."""
+    """Phase diagram with optional compression."""
 
     eps_L_compression: Number = param("1", "eps_L in compression; 0: as in tension", low=0.0, high=0.2, default=0.0)
     H_min: Number = param("1", "two-way strain: of martensite formed at no stress", low=-0.2, high=0.2, default=0.0)
 
     def check(self) -> None:
-        """Raise `ParameterError` if a strip has no width, or compression meets a rule that it does not know."""
+        """Raise `ParameterError` if a strip has no width, or the options contradict compression."""
         super().check()
         if self.compression == NONE:
             return
-        self.__dict__.update(twins=True, one_way=False)  # what is oriented changes by itself
+        self.__dict__.update(twins=True, one_way=False)  # the oriented fraction changes separately
         if self.history == "return-point":
             raise ParameterError('`compression` knows no return points; take `history = "resume"` or `"restart"`.')
         if abs(self.H_min) > self.eps_L:
@@ -196,5 +194,5 @@ class AbstractSidedDiagram(AbstractPhaseDiagram, AbstractSidedLaw):
             )
 
     def transformation_strain(self, xp: Namespace, fractions: Fractions) -> Scalar:
-        """ε_L ξ_S [-], with the ε_L of its sign."""
+        """Return ε_L ξ_S [-] with ε_L of the sign of stress."""
         return find_side_strain(xp, self, "eps_L", fractions)

@@ -1,36 +1,32 @@
-r"""Smooth hardening: the share of a transformation range that makes a martensite fraction.
+"""Smooth hardening: the part of a transformation range that corresponds to a martensite fraction.
 
     h(ξ) = ½ [1 + ξ^m - (1 - ξ)^n],      0 < m, n ≤ 1,      h(0) = 0, h(1) = 1
 
-For m = n = 1 it is h = ξ; smaller exponents round the corners at the start (m) and at the end
-(n), where the slope of h is infinite. Inverted without that singularity: below ξ = ½ in the
-variable p = ξ^m, above it in p = (1 - ξ)^n, with the exponents exchanged,
+For m = n = 1 it is h = ξ; smaller exponents round the corners at the start (m) and at the end (n), where the slope of h
+is infinite. The inversion avoids that singularity: below ξ = ½ in the variable p = ξ^m, above it in p = (1 - ξ)^n, with
+exchanged exponents,
 
     φ(p) = p + 1 - (1 - p^(1/m))^n = 2 h
 
-is convex with slopes from 1 on. Newton's iteration from the right therefore comes down to the
-root and needs no bracket: six steps reach rounding for all exponents from 0.05 to 1. Only the
-last of them is differentiated, which gives the slopes of the root.
+is convex with slopes from 1. Newton's iteration from the right thus decreases to the root without a bracket: six steps
+reach rounding for exponents from 0.05 to 1. Only the last step is differentiated, which gives the slopes of the root.
+Source: Hartl and Lagoudas, in Lagoudas et al. (2012), Int. J. Plasticity 32–33; the inversion is this package's.
 
-Source: Hartl and Lagoudas, in Lagoudas et al. (2012), Int. J. Plasticity 32–33; the inversion
-is this package's.
-
-The waist draws the middle of a range together: with y = 2h - 1, which runs from -1 to 1,
+The waist contracts the middle of a range: with y = 2h - 1, from -1 to 1,
 
     y_w = (1 - b) y + b y³,     h_w = ½ (1 + y_w),     0 ≤ b < 1
 
 keeps both ends. In the middle h_w rises 1 - b times as fast as h, at the ends 1 + 2b times: most of the fraction
-changes within a narrow part of the range, between long tails. b = 0 is h itself. The mean of y³ over all fractions, for
-the energy of hardening, is a sum of beta functions.
+changes within a narrow part of the range, between long tails. b = 0 gives h. The mean of y³ over all fractions, for the
+energy of hardening, is a sum of beta functions.
 
-The inverse is the one real root of the cubic. With the hyperbolic form of Cardano's solution, rearranged so that
-nothing cancels and nothing is divided by b,
+The inverse is the one real root of the cubic, in the hyperbolic form of Cardano's solution without cancellation and
+without division by b,
 
     y = 3 y_w/[(1 - b)(1 + u² + u⁻²)],    u³ = s + √(1 + s²),    s² = 27 b y_w²/[4 (1 - b)³] .
 
-Its slopes are those of a step of Newton's method from there, which are bounded also at b = 0.
-
-Source: this package's own extension; it is not published. The root is Cardano's.
+Its slopes come from one step of Newton's method, bounded also at b = 0. Source: an unpublished extension of this
+package.
 """
 
 import math
@@ -40,17 +36,17 @@ from martensite.kernels.namespace import Namespace, Scalar
 LEAST_EXPONENT = 0.05
 ITERATIONS = 6
 NOTHING = 1e-60
-"""Bases below it count as 0: their logarithm has no bounded slope."""
+"""Bases below this value count as 0: their logarithm has no bounded slope."""
 
 
 def raise_positive(xp: Namespace, base: Scalar, exponent: Scalar) -> Scalar:
-    """`base` to a positive power; 0 for bases that are not positive."""
+    """Return `base` to a positive power; 0 for bases that are not positive."""
     safe = xp.exp(exponent * xp.log(xp.maximum(base, NOTHING)))
     return xp.where(base > NOTHING, safe, 0.0)
 
 
 def compute_hardening(xp: Namespace, fraction: Scalar, start: Scalar, end: Scalar) -> Scalar:
-    """h(ξ) [-] with the exponents at the start and at the end of the range."""
+    """Return h(ξ) [-] with the exponents at start and end of the range."""
     left = raise_positive(xp, 1.0 - fraction, end)
     return 0.5 * (1.0 + raise_positive(xp, fraction, start) - left)
 
@@ -62,7 +58,7 @@ def hardening_integral(xp: Namespace, fraction: Scalar, start: Scalar, end: Scal
 
 
 def invert_hardening(xp: Namespace, share: Scalar, start: Scalar, end: Scalar) -> Scalar:
-    """Return the fraction ξ with h(ξ) = share, limited to [0, 1]; exactly 0 and 1 at and beyond them."""
+    """Return the fraction ξ with h(ξ) = share, limited to [0, 1]."""
     share = xp.clip(share, 0.0, 1.0)
     middle = compute_hardening(xp, 0.5, start, end)
     below = share < middle
@@ -78,7 +74,7 @@ def invert_hardening(xp: Namespace, share: Scalar, start: Scalar, end: Scalar) -
 
 
 def _improve_root(xp: Namespace, p: Scalar, twice: Scalar, near: Scalar, far: Scalar) -> Scalar:
-    """One step towards φ(p) = twice; of a root, it has the slopes of the root."""
+    """Return p after one Newton step towards φ(p) = twice, with the slopes of the root."""
     part = raise_positive(xp, p, 1.0 / near)
     rest = raise_positive(xp, 1.0 - part, far)
     slope = 1.0 + rest * part * far / ((1.0 - part) * near * xp.maximum(p, NOTHING))
@@ -86,20 +82,20 @@ def _improve_root(xp: Namespace, p: Scalar, twice: Scalar, near: Scalar, far: Sc
 
 
 MOST_WAIST = 0.98
-"""Largest b: there the middle is fifty times as steep as without a waist."""
+"""Largest b; there the middle is fifty times as steep as without a waist."""
 HALF_LOG = 0.5 * math.log(2.0 * math.pi)
 SHIFT = 6
-"""Steps up to where Stirling's series of four terms is right to 3e-11."""
+"""Steps to the range where Stirling's series of four terms is accurate to 3e-11."""
 
 
 def apply_waist(share: Scalar, waist: Scalar) -> Scalar:
-    """h_w [-] of a share h [-], with b = `waist`."""
+    """Return h_w [-] of h = `share`, with b = `waist`."""
     y = 2.0 * share - 1.0
     return 0.5 + 0.5 * y * (1.0 - waist + waist * y * y)
 
 
 def remove_waist(xp: Namespace, share: Scalar, waist: Scalar) -> Scalar:
-    """Return the h [-] with h_w = share, limited to [0, 1]; exactly 0 and 1 at and beyond them."""
+    """Return the h [-] with h_w = share, limited to [0, 1]."""
     share = xp.clip(share, 0.0, 1.0)
     wanted = 2.0 * share - 1.0
     root = _find_waist_root(xp, xp.detach(wanted), xp.detach(waist))
@@ -110,7 +106,7 @@ def remove_waist(xp: Namespace, share: Scalar, waist: Scalar) -> Scalar:
 
 
 def _find_waist_root(xp: Namespace, wanted: Scalar, waist: Scalar) -> Scalar:
-    """y of the module's equations; its slopes are not used."""
+    """Return y of the module's equations, without its slopes."""
     thin = 1.0 - waist
     s = xp.abs(wanted) * xp.sqrt(6.75 * waist / (thin * thin * thin))
     u = xp.exp(2.0 / 3.0 * xp.log(s + xp.sqrt(1.0 + s * s)))
@@ -118,7 +114,7 @@ def _find_waist_root(xp: Namespace, wanted: Scalar, waist: Scalar) -> Scalar:
 
 
 def waist_energy(xp: Namespace, start: Scalar, end: Scalar) -> Scalar:
-    """∫ (y³ - y) dξ [-] over all fractions: b times it is added to 2 ∫ h dξ.
+    """Return ∫ (y³ - y) dξ [-] over all fractions; b times this value is added to 2 ∫ h dξ.
 
     Args:
         xp: namespace.
@@ -131,12 +127,12 @@ def waist_energy(xp: Namespace, start: Scalar, end: Scalar) -> Scalar:
 
 
 def _compute_beta(xp: Namespace, a: Scalar, b: Scalar) -> Scalar:
-    """Euler's beta function of arguments from 1 on."""
+    """Return Euler's beta function for arguments from 1."""
     return xp.exp(_log_gamma(xp, a) + _log_gamma(xp, b) - _log_gamma(xp, a + b) + HALF_LOG)
 
 
 def _log_gamma(xp: Namespace, x: Scalar) -> Scalar:
-    """ln Γ(x) - ½ ln 2π for x from 1 on, by Stirling's series above and steps down."""
+    """Return ln Γ(x) - ½ ln 2π for x from 1, by Stirling's series and recursion."""
     product = x
     for k in range(1, SHIFT):
         product = product * (x + k)

@@ -1,25 +1,23 @@
-"""History of transformations with two strips: who acts, from where, and the new memory.
+"""History of transformations with two strips: active process, its start, and the new memory.
 
-A process multiplies the remaining fraction by left(v₁)/left(v₀), where v is the distance to its finish line as a
-fraction of the strip (1 at the start line, 0 at the finish line) of the coordinate T - σ/C. Forward (austenite →
-martensite) works on y = 1 - ξ, reverse on y = ξ. Three rules define the memory; the first two differ in v₀ alone:
+A process multiplies the remaining fraction by left(v₁)/left(v₀), with the distance v to its finish line as a fraction
+of the strip (1 at the start line, 0 at the finish line) in the coordinate T - σ/C. Forward (austenite → martensite)
+acts on y = 1 - ξ, reverse on y = ξ. Three rules define the memory; the first two differ in v₀ only:
 
-- resume: the v at which the branch was opened, and y never grows on it; an interrupted
-  transformation waits until the path passes the point where it stopped. Opening the opposite
-  branch, by an actual opposite move inside its strip, forgets it. One memory level, not
-  return-point memory: inner loops do not close as in a Preisach model.
-- restart: v at the start of every increment, the literal reading of the papers; small cycles
-  inside one strip ratchet.
-- return-point: as resume, but a branch leads back to where the one before of its direction was
-  interrupted, so that loops close within loops (see `return_points`).
+- resume: v₀ is the v at which the branch was opened, and y never grows on it. An interrupted transformation continues
+  when the path passes the point of interruption. An opposite move inside the opposite strip forgets it. This is one
+  memory level: inner loops do not close as in a Preisach model.
+- restart: v₀ is v at the start of each increment, the literal reading of the papers; small cycles inside one strip
+  ratchet.
+- return-point: as resume, but a branch leads back to the interruption of the previous branch of its direction, so that
+  nested loops close (see `return_points`).
 
-Where both processes could act (strips overlap when C_A and C_M differ) the branch in progress goes on, else the one met
-first, else reverse. The result does not depend on how a straight leg is cut into increments.
+If both processes could act (strips overlap for C_A ≠ C_M), the branch in progress continues, else the process met
+first, else reverse. The result does not depend on the increments of a straight leg.
 
-A strip may be endless: its process goes on beyond the finish line, where v < 0, and forgets
-where it began, left(a)/left(b) = left(1 - (b - a)). The memory then holds the lowest v reached
-on the branch (resume) instead of a scale, so that no tail underflows. Where both processes
-could act, one that is past its finish line yields to one that is not, else to reverse.
+An endless strip continues beyond the finish line (v < 0) and forgets its start, left(a)/left(b) = left(1 - (b - a)).
+The memory is then the lowest v reached on the branch (resume) instead of a scale, so that no tail underflows. If both
+processes could act, the process past its finish line yields to the other, else to reverse.
 """
 
 from collections.abc import Callable
@@ -40,40 +38,40 @@ from martensite.physics.kinetics.return_points import (
 
 RESUME, RESTART, RETURN_POINT = "resume", "restart", "return-point"
 LEAST_REST = 1e-3
-"""Part of a transformation below which nothing is left of it."""
+"""Fraction of a transformation below which it counts as complete."""
 
 FARTHEST = 60.0
-"""Strip widths beyond its finish line from which on an endless process is complete, for return points."""
+"""Strip widths beyond the finish line at which an endless process counts as complete, for return points."""
 
 
 class BranchedLeft(NamedTuple):
-    """Remaining fraction of a process, which depends on the direction of the process."""
+    """Remaining fraction that depends on the direction of the process."""
 
     find: Callable[[Namespace, Scalar, Flag], Scalar]
 
 
 Left: TypeAlias = Callable[[Namespace, Scalar], Scalar] | BranchedLeft
-"""Fraction that a process leaves at a distance from its finish line."""
+"""Remaining fraction as a function of the distance from the finish line."""
 
 
 def find_left(left: Left, xp: Namespace, distance: Scalar, ahead: Flag) -> Scalar:
-    """Return the fraction that the forward process leaves where `ahead`, else the reverse one."""
+    """Return the fraction left by the forward process where `ahead`, else by the reverse process."""
     return left.find(xp, distance, ahead) if isinstance(left, BranchedLeft) else left(xp, distance)
 
 
 LegStart: TypeAlias = Any
-"""Start of a leg, a memory or a place on the way: it has a `stress` [Pa] and a `temperature` [K]."""
+"""Start of a leg: a memory or a point, with `stress` [Pa] and `temperature` [K]."""
 
 
 class PathPoint(NamedTuple):
-    """A point on the way."""
+    """Point of a path."""
 
     stress: Scalar
     temperature: Scalar
 
 
 class StripCurve(NamedTuple):
-    """Tension adds bend · σ (σ - 2 calm) [K/Pa², Pa] to the middle of a strip, growth · σ [K/Pa] to start - finish."""
+    """Bending of a strip: bend · σ (σ - 2 calm) [K/Pa², Pa] shifts the middle, growth · σ [K/Pa] widens it."""
 
     bend: Scalar
     calm: Scalar
@@ -84,7 +82,7 @@ STRAIGHT = StripCurve(0.0, 0.0, 0.0)
 
 
 class Strip(NamedTuple):
-    """One process: coordinate T - σ·per_slope runs from its start to its finish line."""
+    """One process: the coordinate T - σ·per_slope runs from its start to its finish line."""
 
     finish: Scalar
     """Finish temperature at zero stress [K]."""
@@ -93,12 +91,12 @@ class Strip(NamedTuple):
     per_slope: Scalar
     """1/C [K/Pa]."""
     endless: bool = False
-    """The process goes on beyond its finish line; a word of the law, not a value."""
+    """True if the process continues beyond its finish line; a property of the law."""
     curve: StripCurve | tuple[()] = ()
-    """Curve of the lines, if they are not straight."""
+    """Curvature of the lines; empty for straight lines."""
 
     def distance(self, stress: Scalar, temperature: Scalar, xp: Namespace = floats) -> Scalar:
-        """Return the unlimited distance to the finish line in widths of the strip [-]; `xp` serves curved lines."""
+        """Return the unlimited distance to the finish line in strip widths [-]; curved lines need `xp`."""
         straight = (temperature - stress * self.per_slope - self.finish) * self.per_width
         if not self.curve:
             return straight
@@ -109,7 +107,7 @@ class Strip(NamedTuple):
     def find_level(
         self, xp: Namespace, start: LegStart, stress: Scalar, ends: tuple[Scalar, Scalar], level: Scalar
     ) -> Scalar:
-        """Return the share of a leg after which a distance that falls all along it comes down to a level; 1 if nowhere.
+        """Return the fraction of a leg at which a falling distance reaches a level; 1 if nowhere.
 
         It is the root of (distance - level) · width, a parabola over the leg.
         """
@@ -122,9 +120,9 @@ class Strip(NamedTuple):
         return xp.where(ends[0] > level, xp.where(ends[1] < level, xp.clip(share, 0.0, 1.0), 1.0), 0.0)
 
     def find_turn(self, xp: Namespace, start: LegStart, stress: Scalar, temperature: Scalar) -> Scalar:
-        """Return the share of a leg of one sign after which the distance may turn; 1 if nowhere.
+        """Return the fraction of a leg of one sign at which the distance may turn; 1 if nowhere.
 
-        There (distance - ½) = N/W is level, N'W = N W'; of both roots the one on this side of W = 0.
+        There (distance - ½) = N/W is stationary, N'W = N W'; the root on this side of W = 0 is used.
         """
         before, after, square = self._describe_leg(xp, start.stress, stress)
         here = (self.distance(start.stress, start.temperature, xp) - 0.5) * before
@@ -136,31 +134,28 @@ class Strip(NamedTuple):
         return xp.where(xp.both(share > 0.0, xp.abs(down) > 0.0), xp.minimum(share, 1.0), 1.0)
 
     def _describe_leg(self, xp: Namespace, before: Scalar, stress: Scalar) -> tuple[Scalar, Scalar, Scalar]:
-        """Return the widths at both ends of a leg, positive, and what is square in the share of it of N [K]."""
+        """Return the positive widths at both ends of a leg, and the quadratic coefficient of N [K]."""
         curve, first, last = self.curve or STRAIGHT, xp.maximum(before, 0.0), xp.maximum(stress, 0.0)
         one, other = (xp.abs(1.0 / self.per_width + curve.growth * tension) for tension in (first, last))
         return one, other, xp.where(self.per_width > 0.0, -1.0, 1.0) * curve.bend * (last - first) * (last - first)
 
 
 class OneFractionMemory(NamedTuple):
-    """All that a one-fraction law remembers."""
+    """Memory of a one-fraction law."""
 
     fraction: Scalar
     branch: Scalar
-    """+1 forward, -1 reverse in progress, 0 none yet."""
+    """+1 forward, -1 reverse in progress, 0 initially."""
     scale: Scalar
-    """Remaining fraction at the start line of this branch [-].
-
-    Of an endless process: the lowest distance it has reached on this branch.
-    """
+    """Remaining fraction at the start line of this branch [-]; for endless processes the lowest distance reached."""
     stress: Scalar
     temperature: Scalar
     points: ReturnPoints | tuple[()] = ()
-    """Under the rule return-point, instead of a scale."""
+    """Used by the rule return-point instead of a scale."""
 
 
 class OneFractionProcess(NamedTuple):
-    """The process selected for an increment, and all that `follow` needs of it."""
+    """Process selected for an increment."""
 
     direction: Scalar
     scale: Scalar
@@ -170,12 +165,12 @@ class OneFractionProcess(NamedTuple):
     per_width: Scalar
     per_slope: Scalar
     course: BranchCourse | tuple[()] = ()
-    """Under the rule return-point."""
+    """Used by the rule return-point."""
     curve: StripCurve | tuple[()] = ()
-    """Curve of the lines, if they are not straight."""
+    """Curvature of the lines; empty for straight lines."""
 
     def distance(self, stress: Scalar, temperature: Scalar, xp: Namespace = floats) -> Scalar:
-        """Return the distance to the finish line of the process in widths of its strip [-]; unlimited."""
+        """Return the unlimited distance to the finish line in strip widths [-]."""
         strip = Strip(self.finish, self.per_width, self.per_slope, curve=self.curve)
         return strip.distance(stress, temperature, xp)
 
@@ -192,19 +187,19 @@ class StripLeg(NamedTuple):
     begin: Scalar
     """Distance at the start, limited to [0, 1], or to at most 1 if endless."""
     ahead: Flag
-    """The finish line is not reached yet at the start."""
+    """True if the start lies before the finish line."""
     passes: Flag
-    """The leg moves towards the finish line inside the strip, from a point not on that line."""
+    """True if the leg moves towards the finish line inside the strip."""
     acts: Flag
-    """True if the process acts, and some fraction remains."""
+    """True if it passes and some fraction remains."""
     enters: Scalar
-    """Share of the leg after which the strip is entered."""
+    """Fraction of the leg before the strip."""
     leaves: Scalar
-    """Share of the leg after which the finish line is reached."""
+    """Fraction of the leg before the finish line."""
 
 
 def round_off(xp: Namespace, strip: Strip, start: LegStart, stress: Scalar, temperature: Scalar) -> Scalar:
-    """Return the rounding error of the distance [-] travelled on a leg."""
+    """Return the rounding error of the distance [-] over a leg."""
     size = xp.abs(start.temperature) + xp.abs(temperature)
     size = size + (xp.abs(start.stress) + xp.abs(stress)) * strip.per_slope
     if strip.curve:
@@ -216,35 +211,31 @@ def round_off(xp: Namespace, strip: Strip, start: LegStart, stress: Scalar, temp
 def follow_strip(
     xp: Namespace, strip: Strip, start: LegStart, stress: Scalar, temperature: Scalar, left: Scalar
 ) -> StripLeg:
-    """Follow one strip's coordinate along the leg from its starting point.
-
-    What differs by rounding alone is equal: a point so near to the start line lies on it, and
-    a leg that gets no further into the strip does not pass.
-    """
+    """Return one strip along a leg; differences below rounding count as zero."""
     first = strip.distance(start.stress, start.temperature, xp)
     last = strip.distance(stress, temperature, xp)
-    travel, hair = first - last, round_off(xp, strip, start, stress, temperature)
-    moving = travel > hair
+    travel, rounding = first - last, round_off(xp, strip, start, stress, temperature)
+    moving = travel > rounding
     safe = xp.where(moving, travel, 1.0)
-    enters = xp.clip((first - 1.0 - hair) / safe, 0.0, 1.0)
+    enters = xp.clip((first - 1.0 - rounding) / safe, 0.0, 1.0)
     leaves = xp.clip(first / safe, 0.0, 1.0)
     if strip.curve:
-        enters, leaves = (strip.find_level(xp, start, stress, (first, last), level) for level in (1.0 + hair, 0.0))
+        enters, leaves = (strip.find_level(xp, start, stress, (first, last), level) for level in (1.0 + rounding, 0.0))
     if strip.endless:
-        before = xp.where(xp.abs(first - 1.0) > hair, first - 1.0, 0.0)
+        before = xp.where(xp.abs(first - 1.0) > rounding, first - 1.0, 0.0)
         begin, enters = 1.0 + xp.minimum(before, 0.0), xp.clip(before / safe, 0.0, 1.0)
-        passes = xp.both(moving, last + hair < 1.0)
-        return StripLeg(begin, begin > hair, passes, xp.both(passes, left > 0.0), enters, leaves)
+        passes = xp.both(moving, last + rounding < 1.0)
+        return StripLeg(begin, begin > rounding, passes, xp.both(passes, left > 0.0), enters, leaves)
     begin, end = xp.clip(first, 0.0, 1.0), xp.clip(last, 0.0, 1.0)
-    ahead = begin > hair
-    passes = xp.both(begin - end > hair, ahead)
+    ahead = begin > rounding
+    passes = xp.both(begin - end > rounding, ahead)
     return StripLeg(begin, ahead, passes, xp.both(passes, left > 0.0), enters, leaves)
 
 
 def follow_both_strips(
     xp: Namespace, forward: Strip, reverse: Strip, memory: OneFractionMemory, stress: Scalar, temperature: Scalar
 ) -> tuple[StripLeg, StripLeg, Flag]:
-    """Return both courses of a leg, and whether the reverse process acts first."""
+    """Return both strips along a leg, and whether the reverse process acts first."""
     f = follow_strip(xp, forward, memory, stress, temperature, 1.0 - memory.fraction)
     r = follow_strip(xp, reverse, memory, stress, temperature, memory.fraction)
     if forward.endless:
@@ -255,10 +246,10 @@ def follow_both_strips(
 
 
 def endless_turns(xp: Namespace, f: StripLeg, r: StripLeg, branch: Scalar) -> tuple[StripLeg, StripLeg, Flag]:
-    """Decide the turns of endless processes.
+    """Return both strips and whether reverse acts first, for endless processes.
 
-    One in progress has always something left to transform, though rounding may hide it. From
-    where both could act, one that is past its finish line waits for the other.
+    A process in progress always has something left, even below rounding. If both could act, the process past its finish
+    line waits.
     """
     f_acts = xp.either(f.acts, xp.both(f.passes, branch > 0.0))
     r_acts = xp.either(r.acts, xp.both(r.passes, branch < 0.0))
@@ -281,7 +272,7 @@ def select_process(
     stress: Scalar,
     temperature: Scalar,
 ) -> OneFractionProcess:
-    """Return the process that a straight leg to (stress, temperature) sets off first."""
+    """Return the process that a straight leg to (stress, temperature) starts first."""
     f, r, back = follow_both_strips(xp, forward, reverse, memory, stress, temperature)
     direction = xp.where(back, -1.0, xp.where(f.acts, 1.0, 0.0))
     ahead = direction > 0.0
@@ -311,13 +302,13 @@ def select_process(
 
 
 def choose_curve(xp: Namespace, ahead: Flag, forward: Strip, reverse: Strip) -> StripCurve | tuple[()]:
-    """Return the curve of one of two strips; none if they are straight."""
+    """Return the curve of one of two strips; empty for straight strips."""
     pairs = zip(forward.curve, reverse.curve, strict=True)
     return StripCurve(*(xp.where(ahead, *pair) for pair in pairs)) if forward.curve else ()
 
 
 def limit_distance(xp: Namespace, distance: Scalar, endless: bool) -> Scalar:
-    """Return the distance at which a process is looked at that remembers return points."""
+    """Return the distance limited for processes with return points."""
     return xp.clip(distance, -FARTHEST if endless else 0.0, 1.0)
 
 
@@ -347,7 +338,7 @@ def commit_move(
     temperature: Scalar,
     endless: bool = False,
 ) -> OneFractionMemory:
-    """Return the memory after the accepted move; return points are those of before (`remember_points`)."""
+    """Return the memory after the accepted move, with unchanged return points (see `remember_points`)."""
     acted = xp.abs(move.direction) > 0.0
     scale = move.scale
     if endless and not move.course:
@@ -370,7 +361,7 @@ def remember_points(
     after: OneFractionMemory,
     endless: bool = False,
 ) -> OneFractionMemory:
-    """Return the memory after a move with its return points, if its rule has them."""
+    """Return the memory after a move with its return points, for the rule return-point."""
     if not before.points or not move.course:
         return after
     ahead = move.direction > 0.0
@@ -393,8 +384,8 @@ def relocate_memory(
 ) -> OneFractionMemory:
     """Return the memory at another fraction and another point, on the same branch.
 
-    Its scale keeps the ratio of the remaining fraction y to its bound, y ≤ scale · left(v): an active process
-    continues, and a waiting process keeps its distance.
+    The ratio of the remaining fraction y to its bound, y ≤ scale · left(v), is kept: an active process continues, and a
+    waiting process keeps its distance.
     """
     ahead = memory.branch > 0.0
     before, after = (
@@ -417,7 +408,7 @@ def relocate_memory(
 
 
 def compare_parts(xp: Namespace, before: Scalar, now: Scalar, least: float) -> Scalar:
-    """By how much a part has grown, if there was and is more than a least one of it; else 1."""
+    """Return the ratio of two parts if both exceed `least`; else 1."""
     some = xp.both(before > least, now > least)
     return xp.where(some, now / xp.where(some, before, 1.0), 1.0)
 
@@ -425,7 +416,7 @@ def compare_parts(xp: Namespace, before: Scalar, now: Scalar, least: float) -> S
 def relocate_points(
     xp: Namespace, left: Left, strips: tuple[Strip, Strip], memory: OneFractionMemory, after: OneFractionMemory
 ) -> OneFractionMemory:
-    """Relocate a memory under the rule return-point: L and remaining fractions of both directions keep their ratios."""
+    """Relocate return points: ratios of L and of remaining fractions are kept in both directions."""
     if not memory.points:
         return after
 
@@ -447,7 +438,7 @@ def find_point_kinks(
 ) -> list[Scalar]:
     """Return numbers that cross 0 where an interrupted branch continues and where the next loop of a direction closes.
 
-    The two distances to the finish lines are those at the point of the memory.
+    `ahead` and `back` are the distances to the finish lines at the point of the memory.
     """
     if not memory.points:
         return []
@@ -466,16 +457,15 @@ def find_point_kinks(
 def find_handover(
     xp: Namespace, forward: Strip, reverse: Strip, memory: OneFractionMemory, stress: Scalar, temperature: Scalar
 ) -> tuple[Scalar, Scalar]:
-    """Return the point of a leg at which its first process is done and a second may begin.
+    """Return the point of a leg at which its first process ends and a second may begin.
 
-    It lies some roundings beyond the finish line, so that the first process is complete. The
-    second needs nothing to transform before: the first one makes it. Two endless processes may
-    share a leg in three parts: reverse, forward, reverse.
+    The point lies some roundings beyond the finish line, so that the first process is complete. Two endless processes
+    may share a leg in three parts: reverse, forward, reverse.
     """
     f, r, back = follow_both_strips(xp, forward, reverse, memory, stress, temperature)
     two = xp.both(f.passes, r.passes)
     first, second = r.leaves, f.leaves
-    if forward.endless:  # see courses: forward is followed by reverse, reverse by forward
+    if forward.endless:  # forward is followed by reverse, reverse by forward
         first = xp.maximum(f.enters, r.leaves)
         first = xp.where(first < f.leaves, first, 1.0)
         second = xp.maximum(r.enters, f.leaves)
@@ -484,7 +474,7 @@ def find_handover(
 
 
 def find_zero_stress(xp: Namespace, start: LegStart, stress: Scalar, temperature: Scalar) -> tuple[Scalar, Scalar]:
-    """Return the point of a leg where its stress changes sign; its end if nowhere."""
+    """Return the point of a leg with zero stress; its end if there is none."""
     crosses = start.stress * stress < 0.0
     share = start.stress / xp.where(crosses, start.stress - stress, 1.0)
     return turning_point(xp, start, stress, temperature, xp.where(crosses, share, 1.0))
@@ -493,7 +483,7 @@ def find_zero_stress(xp: Namespace, start: LegStart, stress: Scalar, temperature
 def find_turn(
     xp: Namespace, strips: tuple[Strip, Strip], start: LegStart, stress: Scalar, temperature: Scalar
 ) -> tuple[Scalar, Scalar]:
-    """Return the first point of a leg where curved lines turn it, or tension begins or ends; else its end."""
+    """Return the first turn of curved lines or zero stress on a leg; else its end."""
     end = find_zero_stress(xp, start, stress, temperature)
     turns = [strip.find_turn(xp, start, *end) for strip in strips]
     return turning_point(xp, start, *end, xp.minimum(*turns))
@@ -502,7 +492,7 @@ def find_turn(
 def turning_point(
     xp: Namespace, start: LegStart, stress: Scalar, temperature: Scalar, done: Scalar
 ) -> tuple[Scalar, Scalar]:
-    """Return the point of a leg some roundings beyond a share of it; its end exactly at the end."""
+    """Return the point some roundings beyond a fraction of a leg."""
     share = xp.minimum(1.0, done + 64.0 * xp.eps())
     whole = share >= 1.0
     turn_stress = start.stress + share * (stress - start.stress)

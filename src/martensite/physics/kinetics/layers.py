@@ -1,14 +1,12 @@
-"""Common base of the laws of layers in energy wells: parameters, strain, heat, free energy.
+"""Base of laws of layers in energy wells: parameters, strain, heat, free energy.
 
-Austenite and the martensite variants M+ and M- sit in parabolic wells of the free energy,
-joined by concave parabolas so that its slope is continuous:
+Austenite and the martensite variants M+ and M- are parabolic wells of the free energy, joined by concave parabolas with
+continuous slope:
 
     σ_A(T) = σ_L + s (T - T_L),   σ_M = σ_A - Δσ,   ε_A = σ_A/E_A,   ε_M = ε_T + σ_M/E_M
-
     ψ'(ε) = E_A ε  up to ε_A,   σ_A - K (ε - ε_A)  up to ε_M,   E_M (ε - ε_T)  beyond;  ψ even
 
-The threshold σ_A never falls below zero: cold martensite switches between its variants at
-|σ| = Δσ.
+The threshold σ_A never falls below zero: cold martensite switches between its variants at |σ| = Δσ.
 """
 
 from collections.abc import Sequence
@@ -31,7 +29,7 @@ class VariantFractions(NamedTuple):
 
 
 def split_variants(fractions: Fractions) -> VariantFractions:
-    """x₊ and x₋ of a phase state."""
+    """Return x₊ and x₋ of a phase state."""
     martensite, oriented = fractions
     return VariantFractions(0.5 * (martensite + oriented), 0.5 * (martensite - oriented))
 
@@ -49,18 +47,18 @@ class Pull(NamedTuple):
     offset: Scalar
 
     def drive(self, stress: Scalar, threshold: Scalar) -> Scalar:
-        """Return the stress by which the process would end beyond its threshold [Pa]."""
+        """Return the stress beyond the threshold of the process [Pa]."""
         return self.by_stress * stress + self.by_threshold * threshold + self.offset
 
 
 PRESENT = 1e-6
 """Fraction above which a phase counts as present."""
 NEVER = -1e15
-"""Drive [Pa] of a process that has no layers."""
+"""Drive [Pa] of a process without layers."""
 
 
 class AbstractLayers(AbstractLaw):
-    """A law of layers in wells; subclasses say how many groups of layers there are."""
+    """Law of layers in wells; subclasses define the groups of layers."""
 
     twins = True
     one_way = False
@@ -97,32 +95,32 @@ class AbstractLayers(AbstractLaw):
 
     @property
     def form(self) -> str:
-        """Form of the barriers, see `kinetics.barriers`."""
+        """Return the form of the barriers, see `kinetics.barriers`."""
         return "barrier"
 
     @property
     def constant_heat(self) -> bool:
-        """Return True unless work or free energy adds to it."""
+        """Return True for the heat model `constant`."""
         return self.heat_model == "constant"
 
     def material(self) -> BarrierConstants:
-        """Return the constants of the free energy and of the layers."""
+        """Return the constants of free energy and layers."""
         return BarrierConstants(self.E_A, self.E_M, self.eps_T, self.Delta_sigma, self.layer_volume, self.layer_time)
 
     def linear_transition_stress(self, temperature: Scalar) -> Scalar:
-        """σ_L + s (T - T_L) [Pa], before the limit at zero."""
+        """Return σ_L + s (T - T_L) [Pa], before the limit at zero."""
         return self.sigma_L + self.dsigma_dT * (temperature - self.T_L)
 
     def transition_stress(self, xp: Namespace, temperature: Scalar) -> Scalar:
-        """σ_A(T) [Pa], never below zero."""
+        """Return σ_A(T) [Pa], never below zero."""
         return xp.maximum(self.linear_transition_stress(temperature), 0.0)
 
     def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
-        """ε_T (x₊ - x₋) [-]."""
+        """Return ε_T (x₊ - x₋) [-]."""
         return self.eps_T * fractions.oriented
 
     def compliance(self, xp: Namespace, fractions: Fractions) -> Scalar:
-        """(x₊ + x₋)/E_M + A/E_A [1/Pa]."""
+        """Return (x₊ + x₋)/E_M + A/E_A [1/Pa]."""
         martensite = fractions.martensite
         return martensite / self.E_M + (1.0 - martensite) / self.E_A
 
@@ -137,14 +135,14 @@ class AbstractLayers(AbstractLaw):
         return latent
 
     def depth(self, xp: Namespace, temperature: Scalar) -> Scalar:
-        """β(T) = ψ_A(0) - ψ_M(ε_T) [J/m³], the difference of the two wells at rest."""
+        """Return β(T) = ψ_A(0) - ψ_M(ε_T) [J/m³], the difference of the unloaded wells."""
         rise = self.linear_transition_stress(temperature)
         eps_A, eps_M = rise / self.E_A, self.eps_T + (rise - self.Delta_sigma) / self.E_M
         martensite = self.E_M * (self.eps_T - eps_A) * (self.eps_T - eps_M)
         return 0.5 * (martensite - self.E_A * eps_A * eps_M)
 
     def strongest(self, xp: Namespace, present: VariantFractions, stress: Scalar, temperature: Scalar) -> Pull:
-        """Return the process that an elastic trial drives hardest, among those with layers left."""
+        """Return the process with the largest drive under an elastic trial, among present phases."""
         austenite = 1.0 - present.plus - present.minus
         candidates = (
             (Pull(1.0, -1.0, 0.0), austenite),
@@ -162,19 +160,16 @@ class AbstractLayers(AbstractLaw):
         return chosen
 
     def overshoot(self, xp: Namespace, pull: Pull, stress: Scalar, temperature: Scalar) -> Scalar:
-        """Return the stress by which the pulled process would end beyond its threshold [Pa]."""
+        """Return the stress beyond the threshold of a process [Pa]."""
         return pull.drive(stress, self.transition_stress(xp, temperature))
 
     def crossing(self, xp: Namespace, memory: Any, move: Any, stress: Scalar, temperature: Scalar) -> Scalar:
-        """Return the overshoot of the trial beyond the threshold, in widths of the hysteresis [-].
-
-        Every move of these laws has a `pull`.
-        """
+        """Return the overshoot of the trial in widths of the hysteresis [-]."""
         over = self.overshoot(xp, move.pull, stress, temperature)
         return xp.maximum(over, 0.0) / self.Delta_sigma
 
     def free_energy(self, xp: Namespace, strain: Scalar, temperature: Scalar) -> Scalar:
-        """ψ(ε, T) [J/m³], zero at the bottom of the austenite well."""
+        """Return ψ(ε, T) [J/m³], zero at the bottom of the austenite well."""
         rise = self.transition_stress(xp, temperature)
         eps_A = rise / self.E_A
         eps_M = self.eps_T + (rise - self.Delta_sigma) / self.E_M
@@ -188,7 +183,7 @@ class AbstractLayers(AbstractLaw):
 
 
 class CrystalMemory(NamedTuple):
-    """All that a single crystal remembers."""
+    """Memory of a single crystal."""
 
     present: VariantFractions
     stress: Scalar
@@ -196,18 +191,18 @@ class CrystalMemory(NamedTuple):
 
 
 class AbstractCrystal(AbstractLayers):
-    """Layers that are all alike; a law adds how they move."""
+    """Identical layers; subclasses define their motion."""
 
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> CrystalMemory:
-        """Return the memory of a wire in a phase state that has no history."""
+        """Return the memory of a phase state without history."""
         return CrystalMemory(split_variants(fractions), stress, temperature)
 
     def fractions(self, memory: CrystalMemory) -> Fractions:
-        """ξ = x₊ + x₋, oriented x₊ - x₋."""
+        """Return ξ = x₊ + x₋ and oriented x₊ - x₋."""
         return join_variants(memory.present)
 
     def populations(self, memory: CrystalMemory) -> tuple[Sequence[Scalar], Sequence[Scalar]]:
-        """x₊ and x₋."""
+        """Return x₊ and x₋."""
         return (memory.present.plus,), (memory.present.minus,)
 
     def remember(

@@ -1,22 +1,21 @@
-"""Return points: where branches were interrupted, so that loops close within loops.
+"""Return points: interruptions of branches, so that nested loops close.
 
-Let y be the remaining fraction of a direction (forward 1 - ξ, reverse ξ), and L = left(v) the value of its curve at
-the distance v from its finish line: 1 on the start line, 0 on the finish line. A branch is straight in L,
+Let y be the remaining fraction of a direction (forward 1 - ξ, reverse ξ), and L = left(v) the value of its curve at the
+distance v from its finish line: 1 on the start line, 0 on the finish line. A branch is straight in L,
 
     y = y_t + s (L - L_t),     s = (y_b - y_t)/(L_b - L_t),
 
-from where it begins (b) to its target (t): the point at which the branch before of the same direction was interrupted,
-or completion, L_t = y_t = 0, if none is remembered. At its target it goes over into that branch, and the loop between
-is wiped out. For strips that do not overlap this is a Preisach operator whose weight is a product of two functions,
-one of each coordinate: all of it follows from the major loop.
+from its beginning (b) to its target (t): the interruption of the previous branch of the same direction, or completion,
+L_t = y_t = 0. At its target it continues that branch, and the loop between is wiped out. For strips without overlap
+this is a Preisach operator whose weight is a product of two functions, one of each coordinate: everything follows from
+the major loop.
 
-A target is passed where L or the remaining fraction is not larger than there. All targets are given up, as under the
-rule resume, where the remaining fraction is larger than on the whole branch to close on, or where the way back to it
-would be `STEEPEST` times as steep as it is; that needs overlapping strips, different slopes C_A and C_M, or a start in
-the middle of a loop.
+A target is passed if L or the remaining fraction is not larger than at the target. All targets are given up, as under
+the rule resume, if the remaining fraction exceeds the whole target branch, or if the way back would be `STEEPEST` times
+as steep. This requires overlapping strips, C_A ≠ C_M, or a start in the middle of a loop.
 
-The memory is bounded. Where `DEPTH` branches of each direction are remembered already, the innermost loop is forgotten
-for a new one, and how far a branch moved by that is kept.
+The memory is bounded: beyond `DEPTH` branches per direction, a new loop replaces the innermost one, and the resulting
+shift of a branch is recorded.
 
 Sources: Mayergoyz (1986), Phys. Rev. Lett. 56, for wiping-out; the straight branches are this package's.
 """
@@ -28,16 +27,16 @@ from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
 
 DEPTH = 8
-"""Interrupted branches that are remembered of each direction."""
+"""Remembered interrupted branches per direction."""
 SHARE_TOLERANCE = 1e-12
-"""Difference of two L or of two fractions that counts as zero."""
+"""Difference of two L or two fractions that counts as zero."""
 STEEPEST = 10.0
 """Largest ratio of the slope of the way back to a branch to the slope of the branch."""
 NOWHERE = 2.0 * DEPTH
 NONE, PASSED = -1.0, 2.0
-"""An L below and one above all others."""
+"""Values below and above all L."""
 COMPLETE_REST = 1e-15
-"""Remaining fraction of a transformation that counts as complete."""
+"""Remaining fraction that counts as complete."""
 
 
 class BranchLine(NamedTuple):
@@ -52,35 +51,35 @@ class BranchLine(NamedTuple):
 
 
 class Branch(NamedTuple):
-    """A branch, and how far it came."""
+    """Branch and its progress."""
 
     share: Scalar
-    """The lowest L on it [-]; less than 0 of one that does not count."""
+    """Lowest L reached [-]; negative for an invalid branch."""
     lines: tuple[BranchLine, ...]
-    """One for every fraction, the martensite first."""
+    """One line per fraction, martensite first."""
 
 
 class ReturnPoints(NamedTuple):
-    """All branches that a law remembers, interrupted ones with the outermost first."""
+    """All remembered branches; interrupted branches from the outermost."""
 
     branch: Branch
-    """The one in progress."""
+    """Branch in progress."""
     forward: tuple[Branch, ...]
     reverse: tuple[Branch, ...]
     forwards: Scalar
-    """Number of interrupted forward branches that count."""
+    """Number of valid interrupted forward branches."""
     reverses: Scalar
     forgotten: Scalar
-    """Largest change of a fraction, anywhere on a branch, by what was forgotten [-]."""
+    """Largest change of a fraction on a branch by forgotten loops [-]."""
 
 
 class BranchCourse(NamedTuple):
-    """The branch in progress, and those of its direction that it leads back to."""
+    """Branch in progress, and its possible targets."""
 
     branch: Branch
     outer: tuple[Branch, ...]
     met: Scalar
-    """Number of them."""
+    """Number of valid targets."""
 
 
 FallTest = Callable[[Sequence[Scalar]], Flag]
@@ -88,7 +87,7 @@ FallTest = Callable[[Sequence[Scalar]], Flag]
 
 
 def start_branch(fractions: int) -> Branch:
-    """Return the completed transformation, to which a branch without a target leads."""
+    """Return the completed transformation, the target of a branch without interruption."""
     return Branch(0.0, (BranchLine(0.0, 0.0),) * fractions)
 
 
@@ -120,7 +119,7 @@ def select_course(
     rest: Sequence[Scalar],
     admits: FallTest | None = None,
 ) -> BranchCourse:
-    """Return the course of a direction: on along the branch in progress, or from (share, rest) on if it `turns`."""
+    """Return the course of a direction: the branch in progress, or a new branch from (share, rest) if it `turns`."""
     stack = [choose_branch(xp, ahead, *both) for both in zip(points.forward, points.reverse, strict=True)]
     count, complete = count_places(xp, points, ahead, turns), start_branch(len(rest))
     above = xp.where(turns, share, PASSED)
@@ -137,7 +136,7 @@ def select_course(
 
 
 def count_places(xp: Namespace, points: ReturnPoints, ahead: Flag, turns: Flag) -> Scalar:
-    """Count the branches of a direction, less the one that is dropped for a branch interrupted by a turn."""
+    """Return the number of branches of a direction, without the branch dropped by a turn."""
     own, other = (points.forwards, points.reverses), (points.reverses, points.forwards)
     full = xp.both(turns, xp.where(ahead, *other) >= DEPTH)
     return xp.where(ahead, *own) - xp.where(full, 1.0, 0.0)
@@ -153,13 +152,13 @@ def find_closing(xp: Namespace, target: Branch, share: Scalar, rest: Sequence[Sc
 
 
 def compute_rests(xp: Namespace, course: BranchCourse, share: Scalar, rest: Sequence[Scalar]) -> list[Scalar]:
-    """Return the remainder of every fraction at L = share, from a `rest` before."""
+    """Return the remainder of each fraction at L = share, at most `rest`."""
     lines = follow_lines(xp, course, share)
     return [xp.minimum(line.at(share), one) for line, one in zip(lines, rest, strict=True)]
 
 
 def follow_lines(xp: Namespace, course: BranchCourse, share: Scalar) -> tuple[BranchLine, ...]:
-    """Return the lines of the outermost branch that is met above L = share, or of the one in progress."""
+    """Return the lines of the outermost branch met above L = share, or of the branch in progress."""
     branch = course.branch
     for one in reversed(course.outer):
         branch = choose_branch(xp, share < one.share, one, branch)
@@ -178,13 +177,13 @@ def commit_course(
     """Return the memory after a move.
 
     Args:
-        xp: the namespace.
-        points: the memory before.
-        course: the one that was followed.
-        direction: +1 if forward acted, -1 if reverse did, 0 if neither.
-        interrupts: it interrupted a branch of the other direction that was not complete.
+        xp: namespace.
+        points: memory before.
+        course: followed course.
+        direction: +1 forward, -1 reverse, 0 neither.
+        interrupts: true if the move interrupts an incomplete branch of the other direction.
         share: L at the end of the move [-].
-        left: the remaining fraction there [-].
+        left: remaining fraction there [-].
     """
     ahead, back = direction > 0.0, direction < 0.0
     low = xp.minimum(course.branch.share, share)
@@ -198,7 +197,7 @@ def commit_course(
     full = xp.both(interrupts, others >= DEPTH)
     stopped, lost = forget_loop(xp, points, course, ahead)
     slot = xp.where(interrupts, xp.minimum(others, DEPTH - 1.0), NOWHERE)
-    # a loop consists of one branch of either direction: as many are wiped out of both
+    # a loop has one branch of each direction: both directions lose the same number
     wiped = own - count - xp.where(full, 1.0, 0.0)
     others = xp.maximum(xp.where(interrupts, slot + 1.0, others) - wiped, 0.0)
     count, others = (xp.where(left > COMPLETE_REST, number, 0.0) for number in (count, others))
@@ -213,12 +212,12 @@ def commit_course(
 
 
 def put_branch(xp: Namespace, stack: tuple[Branch, ...], slot: Scalar, branch: Branch) -> tuple[Branch, ...]:
-    """Return the branches with another one in a slot; those behind it do not count."""
+    """Return the stack with a branch in a slot; later slots become invalid."""
     return tuple(choose_branch(xp, slot <= float(k), branch, one) for k, one in enumerate(stack))
 
 
 def forget_loop(xp: Namespace, points: ReturnPoints, course: BranchCourse, ahead: Flag) -> tuple[Branch, Scalar]:
-    """Return the interrupted branch, without the innermost loop if all places are taken, and what that changes [-]."""
+    """Return the interrupted branch, without the innermost loop of a full stack, and the resulting change [-]."""
     own, other = (points.forward, points.reverse), (points.reverse, points.forward)
     last, facing = (choose_branch(xp, ahead, yes[-1], no[-1]) for yes, no in (own, other))
     outer, stopped = choose_branch(xp, ahead, other[0][-2], other[1][-2]), points.branch
@@ -238,7 +237,7 @@ def forget_loop(xp: Namespace, points: ReturnPoints, course: BranchCourse, ahead
 def scale_points(
     xp: Namespace, points: ReturnPoints, ahead: Flag, forward: Sequence[Scalar], reverse: Sequence[Scalar]
 ) -> ReturnPoints:
-    """Multiply L and the remaining fractions of all branches by the factors of their direction."""
+    """Return the points with L and remaining fractions multiplied by factors per direction."""
 
     def scale_branch(one: Branch, factors: Sequence[Scalar]) -> Branch:
         share, *rests = factors
@@ -255,7 +254,7 @@ def scale_points(
 
 
 def find_next(xp: Namespace, stack: tuple[Branch, ...], count: Scalar, share: Scalar) -> Scalar:
-    """L less the one at which the innermost branch is met again; 1 if none counts."""
+    """Return L less the L of the innermost valid branch; 1 without one."""
     met = stack[0].share
     for k, one in enumerate(stack[1:], 1):
         met = xp.where(count > float(k), one.share, met)

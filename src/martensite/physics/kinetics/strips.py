@@ -1,8 +1,8 @@
-"""Common base of laws with one martensite fraction and two transformation strips.
+"""Base of laws with one martensite fraction and two transformation strips.
 
 With u = T - σ/C_M and w = T - σ/C_A, forward (austenite → martensite) runs in M_f < u < M_s for du < 0 and reverse in
-A_s < w < A_f for dw > 0. A law says what a process leaves to transform at a distance from its finish line, and Young's
-modulus (`kinetics.diagram`); the history rules are those of `kinetics.history`. All martensite counts as oriented.
+A_s < w < A_f for dw > 0. A law defines the fraction left at a distance from the finish line, and Young's modulus
+(`kinetics.diagram`); the history rules are in `kinetics.history`. All martensite counts as oriented.
 """
 
 from abc import abstractmethod
@@ -30,10 +30,10 @@ Point: TypeAlias = tuple[Scalar, Scalar]
 
 
 class AbstractStripLaw(AbstractSidedDiagram):
-    """Two strips, one fraction; a law adds `left`, `young` and its options."""
+    """Two strips, one fraction; subclasses add `left`, `young` and options."""
 
     endless: ClassVar[bool] = False
-    """True if processes go on beyond their finish lines and forget where they began."""
+    """True if processes continue beyond their finish lines and forget their start."""
     keeps_forward = True
 
     H_k: Number = param(
@@ -44,27 +44,27 @@ class AbstractStripLaw(AbstractSidedDiagram):
     def left(self, xp: Namespace, distance: Scalar) -> Scalar:
         """Return the fraction that a process leaves at a distance from its finish line [-].
 
-        The distance is 1 on the start line and 0 on the finish line. Endless processes are
-        asked below 0 too and must fulfil left(a)/left(b) = left(1 - (b - a)).
+        The distance is 1 on the start line and 0 on the finish line. Endless processes also need values below 0, with
+        left(a)/left(b) = left(1 - (b - a)).
         """
 
     def left_of(self, xp: Namespace, distance: Scalar, ahead: Flag) -> Scalar:
-        """Return the fraction left by the forward process where `ahead`; laws with different branches override it."""
+        """Return the fraction left by the forward process where `ahead`, else by the reverse process."""
         return self.left(xp, distance)
 
     def curves(self) -> tuple[StripCurve | tuple[()], StripCurve | tuple[()]]:
-        """Return the bending of both strips by tension; empty for straight strips."""
+        """Return the bending of both strips; empty for straight strips."""
         return (), ()
 
     def cautions(self) -> list[str]:
-        """Return the unusual orders of temperatures, the sign of Θ."""
+        """Return cautions about the order of temperatures and the sign of Θ."""
         found = super().cautions()
         if self.A_s < self.M_s:
             found.append("A_s is below M_s: the strips overlap at zero stress already.")
         return found
 
     def doubt(self) -> Doubt | None:
-        """Return a doubt where the strips overlap."""
+        """Return a doubt if the strips overlap."""
         forward, reverse = (curve or STRAIGHT for curve in self.curves())
         gap, bend = self.A_s - self.M_s, reverse.bend - forward.bend
         slope = 1.0 / self.C_A - 1.0 / self.C_M - 2.0 * bend * forward.calm - 0.5 * (forward.growth - reverse.growth)
@@ -82,7 +82,7 @@ class AbstractStripLaw(AbstractSidedDiagram):
         )
 
     def strips(self) -> tuple[Strip, Strip]:
-        """Return the strips of the forward and of the reverse transformation."""
+        """Return the forward and reverse strip."""
         forward, reverse = self.curves()
         return (
             Strip(self.M_f, 1.0 / (self.M_s - self.M_f), 1.0 / self.C_M, self.endless, forward),
@@ -90,11 +90,11 @@ class AbstractStripLaw(AbstractSidedDiagram):
         )
 
     def reverse_strip(self) -> Strip:
-        """Return the one of the reverse transformation."""
+        """Return the reverse strip."""
         return self.strips()[1]
 
     def find_stop(self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar) -> Point:
-        """Return the point of a leg where a process may follow another or a line turns it; its end if there is none."""
+        """Return the point of a leg where the process changes or a line turns; else its end."""
         end = stress, temperature
         if self.curves()[0]:
             end = history.find_turn(xp, self.strips(), memory, *end)
@@ -107,7 +107,7 @@ class AbstractStripLaw(AbstractSidedDiagram):
         return compare_parts_left(xp, *(self.left_of(xp, xp.clip(v, 0.0, 1.0), False) for v in (distance, reach)))
 
     def find_rests(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> tuple[Scalar, Scalar]:
-        """Return the fractions of unoriented material and of austenite that cooling to a point leaves [-]."""
+        """Return the fractions of unoriented material and austenite after cooling to a point [-]."""
         distance = self.strips()[0].distance(stress, temperature, xp)
         rest = self.left_of(xp, history.limit_distance(xp, distance, self.endless), True)
         return rest, rest
@@ -115,7 +115,7 @@ class AbstractStripLaw(AbstractSidedDiagram):
     def orient_martensite(
         self, xp: Namespace, side: Scalar, move: OneFractionProcess, start: Point, end: Point
     ) -> tuple[Scalar, Scalar]:
-        """H/ε_L at the middle of what a move passes of the strip [-], and of martensite that stress does not form."""
+        """Return H/ε_L at the middle of the traversed strip [-], and 0 for thermal martensite."""
         first, last = move.distance(*start, xp), move.distance(*end, xp)
         safe = xp.where(first > last, first - last, 1.0)
         places = [xp.clip((first - level) / safe, 0.0, 1.0) for level in (1.0, -history.FARTHEST * self.endless)]
@@ -126,42 +126,42 @@ class AbstractStripLaw(AbstractSidedDiagram):
         return 1.0 - (1.0 - side * self.H_min / self.eps_L) * xp.exp(-self.H_k * size)
 
     def trained_share(self, xp: Namespace, stress: Scalar) -> Scalar:
-        """1, or H/ε_L along tension if compression counts [-]."""
+        """Return 1, or H/ε_L along tension with compression [-]."""
         side = xp.where(stress < 0.0, -1.0, 1.0)
         return 1.0 if self.compression == NONE else side * self._orient(xp, side, xp.abs(stress))
 
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> OneFractionMemory:
-        """Return the memory of a wire that has no history; all martensite counts as oriented."""
+        """Return the memory of a phase state without history."""
         points = start_points(1) if self.history == RETURN_POINT else ()
         return OneFractionMemory(fractions.martensite, 0.0, 0.0, stress, temperature, points)
 
     def relocate(
         self, xp: Namespace, memory: OneFractionMemory, fractions: Fractions, stress: Scalar, temperature: Scalar
     ) -> OneFractionMemory:
-        """The branch in progress goes on from another fraction at another point."""
+        """Return the memory at another fraction and point; the branch continues."""
         there = fractions.martensite, stress, temperature
         after = history.relocate_memory(xp, BranchedLeft(self.left_of), self.strips(), memory, *there)
         return history.relocate_points(xp, BranchedLeft(self.left_of), self.strips(), memory, after)
 
     def fractions(self, memory: OneFractionMemory) -> Fractions:
-        """All martensite counts as oriented."""
+        """Return ξ, all of it oriented."""
         return Fractions(memory.fraction, memory.fraction)
 
     def find_forgotten_change(self, memory: OneFractionMemory) -> Scalar | None:
-        """By return points that found no place any more [-]."""
+        """Return the change by forgotten return points [-]."""
         return memory.points.forgotten if self.compression == NONE and memory.points else None
 
     def select(
         self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar
     ) -> OneFractionProcess:
-        """Return the process set off by a straight move to (stress [Pa], temperature [K])."""
+        """Return the process of a straight move to (stress [Pa], temperature [K])."""
         rule = self.history
         return history.select_process(xp, rule, BranchedLeft(self.left_of), *self.strips(), memory, stress, temperature)
 
     def follow(
         self, xp: Namespace, move: OneFractionProcess, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
-        """Return the fractions if the move ends at (stress, temperature); independent of dt."""
+        """Return the fractions if the move ends at (stress, temperature)."""
         fraction = history.follow_process(xp, BranchedLeft(self.left_of), move, stress, temperature, self.endless)
         return Fractions(fraction, fraction)
 
@@ -183,10 +183,7 @@ class AbstractStripLaw(AbstractSidedDiagram):
     def kinetics(
         self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> tuple[OneFractionMemory, Fractions]:
-        """Advance along a straight leg; both processes may act, one after the other.
-
-        Lines that are curved may make it turn, once for each of them, and where tension begins or ends.
-        """
+        """Advance along a straight leg, cut at turns of curved lines; both processes may act."""
         for _ in range(TURNS if self.curves()[0] else 0):
             turn = history.find_turn(xp, self.strips(), memory, stress, temperature)
             memory, _ = self._advance(xp, memory, *turn, dt)
@@ -195,18 +192,18 @@ class AbstractStripLaw(AbstractSidedDiagram):
     def _advance(
         self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> tuple[OneFractionMemory, Fractions]:
-        """Advance along a piece of a leg on which no coordinate turns back."""
+        """Advance along a piece of a leg without turns."""
         for _ in range(2 if self.endless else 1):
             between = history.find_handover(xp, *self.strips(), memory, stress, temperature)
             memory, _ = super().kinetics(xp, memory, *between, dt)
         return super().kinetics(xp, memory, stress, temperature, dt)
 
     def kinks(self, xp: Namespace, memory: OneFractionMemory) -> list[Scalar]:
-        """Return the start and finish lines of both strips, and where an interrupted branch goes on."""
+        """Return the distances to start and finish lines, and to the continuation of a branch."""
         forward, reverse = self.strips()
         at = memory.stress, memory.temperature
         ahead, back = forward.distance(*at, xp), reverse.distance(*at, xp)
-        # a complete transformation is one until its finish line is passed the other way
+        # a transformation stays complete until its finish line is passed in the other direction
         ahead = xp.where(xp.either(memory.fraction < 1.0, ahead < 0.0), ahead, 2.0)
         back = xp.where(xp.either(memory.fraction > 0.0, back < 0.0), back, 2.0)
         lines = [ahead - 1.0, back - 1.0]
@@ -227,7 +224,7 @@ class AbstractStripLaw(AbstractSidedDiagram):
     def crossing(
         self, xp: Namespace, memory: OneFractionMemory, move: OneFractionProcess, stress: Scalar, temperature: Scalar
     ) -> Scalar:
-        """Return the share of the selected strip crossed by the move [-]; tails do not count."""
+        """Return the fraction of the selected strip crossed by the move [-], without tails."""
         start = move.distance(memory.stress, memory.temperature, xp)
         end = move.distance(stress, temperature, xp)
         if self.endless:
@@ -239,9 +236,9 @@ class AbstractCosineLaw(AbstractStripLaw):
     """Strips with the cosines of Liang and Rogers, and the modulus of the mixture."""
 
     def left(self, xp: Namespace, distance: Scalar) -> Scalar:
-        """sin²(π/2 · distance)."""
+        """Return sin²(π/2 · distance)."""
         return history.compute_cosine_rest(xp, distance)
 
     def young(self, fractions: Fractions) -> Scalar:
-        """E_A + ξ (E_M - E_A) [Pa]."""
+        """Return E_A + ξ (E_M - E_A) [Pa]."""
         return self.mixture(fractions)

@@ -1,46 +1,43 @@
-r"""Transformation surfaces of the Boyd–Lagoudas model, and their constants from calibration.
+"""Transformation surfaces of the Boyd–Lagoudas model, and their calibration.
 
-With ΔS = 1/E_M - 1/E_A, the current transformation strain H(σ) and the hardening shares h of
-`martensite.physics.kinetics.hardening`, transformation needs (forward; reverse, with Λ = ε_t/ξ)
+With ΔS = 1/E_M - 1/E_A, the current transformation strain H(σ) and the hardening functions h of
+`martensite.physics.kinetics.hardening`, transformation requires (forward; reverse, with Λ = ε_t/ξ)
 
     (1 - D) H σ + ½ ΔS σ² + ρΔs₀ T - ρΔu₀ - a₁ h_f(ξ) - a₃ - Y₀ = 0
     (1 + D) Λ σ + ½ ΔS σ² + ρΔs₀ T - ρΔu₀ - a₂ h_r(ξ) + a₃ + Y₀ = 0
 
-Seven constants follow from what is measured. At σ = 0 the surfaces lie at M_s (ξ = 0) and M_f
-(ξ = 1), at A_f (ξ = 0) and A_s (ξ = 1):
+Seven constants follow from measured quantities. At σ = 0 the surfaces lie at M_s (ξ = 0) and M_f (ξ = 1), at A_f (ξ =
+0) and A_s (ξ = 1):
 
     a₁ = ρΔs₀ (M_f - M_s),   a₂ = ρΔs₀ (A_s - A_f),   ρΔu₀ = ½ ρΔs₀ (M_s + A_f),
     Y₀ + a₃ = ½ ρΔs₀ (M_s - A_f),
 
-and equal hardening energy both ways, ∫(a₁ h_f + a₃) dξ = ∫(a₂ h_r - a₃) dξ, separates the last:
+and equal hardening energy in both directions, ∫(a₁ h_f + a₃) dξ = ∫(a₂ h_r - a₃) dξ, gives the last:
 
     4 a₃ = a₂ (1 + 1/(n₃+1) - 1/(n₄+1)) - a₁ (1 + 1/(n₁+1) - 1/(n₂+1))
 
-or, with other shares h, 2 a₃ = a₂ ∫h_r dξ - a₁ ∫h_f dξ.
-
-At σ_cal the lines of constant ξ have the slopes dσ/dT = C_M and C_A. With G = d(Hσ)/dσ there
-(Λ = H(σ): cycles at constant stress), -ρΔs₀ = C_M [(1-D) G + σ ΔS] = C_A [(1+D) G + σ ΔS], so
+or, with other functions h, 2 a₃ = a₂ ∫h_r dξ - a₁ ∫h_f dξ. At σ_cal the lines of constant ξ have the slopes dσ/dT = C_M
+and C_A. With G = d(Hσ)/dσ there (Λ = H(σ): cycles at constant stress), -ρΔs₀ = C_M [(1-D) G + σ ΔS] = C_A [(1+D) G + σ
+ΔS], so
 
     ρΔs₀ = -2 C_M C_A (G + σ ΔS)/(C_M + C_A),     D = (C_M - C_A)(G + σ ΔS)/[(C_M + C_A) G].
 
-Divided by ρΔs₀ the surfaces are temperatures: forward runs while T - s_f(σ) falls below
-M_s - (M_s - M_f) h_f, reverse while T - s_r(σ, Λ) rises above A_f - (A_f - A_s) h_r. Tension is
-positive; in compression H = H_min and the elastic term is left out, so that stress never
-works against martensite.
+Divided by ρΔs₀ the surfaces are temperatures: forward runs while T - s_f(σ) falls below M_s - (M_s - M_f) h_f, reverse
+while T - s_r(σ, Λ) rises above A_f - (A_f - A_s) h_r. Tension is positive; in compression H = H_min without the elastic
+term, so that stress never works against martensite.
 
-Measured loops keep neither straight lines beyond the work of transformation nor the width of their ranges. With the
-option `surfaces = "curved"`, for tension, M = ½ (M_s + M_f) and A = ½ (A_s + A_f),
+Measured loops have neither straight lines nor constant widths. With the option `surfaces = "curved"`, for tension, M =
+½ (M_s + M_f) and A = ½ (A_s + A_f),
 
     forward   M + s_f(σ) + c_f σ (σ - 2 σ_cal) - T = (h_f - ½) (M_s - M_f + w_f σ)
     reverse   A + s_r(σ, Λ) + c_r σ (σ - 2 σ_cal) - T = (h_r - ½) (A_f - A_s + w_r σ)
 
-with c = `curvature`, w = `widening`, so that temperatures at zero stress and slopes at σ_cal mean what they did: c
-bends the line of the middle, w spreads a range about it.
+with c = `curvature`, w = `widening`: c bends the middle line and w widens the range; temperatures at zero stress and
+slopes at σ_cal keep their meaning.
 
-Sources: Boyd and Lagoudas (1996); Lagoudas et al. (2012), Int. J. Plasticity 32–33, with the
-smooth hardening of Hartl and Lagoudas. The derivation is written out for this package. The
-options `hardening = "waisted"` (`martensite.physics.kinetics.hardening`) and `surfaces = "curved"` are this
-package's extensions.
+Sources: Boyd and Lagoudas (1996); Lagoudas et al. (2012), Int. J. Plasticity 32–33, with the smooth hardening of Hartl
+and Lagoudas; derivation by this package. The options `hardening = "waisted"` (`martensite.physics.kinetics.hardening`)
+and `surfaces = "curved"` are this package's extensions.
 """
 
 from collections.abc import Iterator
@@ -60,16 +57,16 @@ from martensite.physics.laws.base import Doubt
 SAMPLES = 201
 """Fractions at which the order of the surfaces is checked."""
 SOUGHT, STEPS = 25e6, 40
-"""Stresses [Pa] up to which it is looked for where they meet, if they are curved."""
+"""Step [Pa] and number of stresses at which curved surfaces are checked."""
 MEETING, PEAK = 6, 8
 """Newton steps."""
 
 
 class Constants(NamedTuple):
-    """Constants from calibration, in the symbols of the module's equations."""
+    """Calibrated constants, in the symbols of the module's equations."""
 
     rho_Delta_s0: Scalar
-    """Difference of entropy per volume, martensite less austenite [J/m³/K]; negative."""
+    """Entropy difference per volume, martensite less austenite [J/m³/K]; negative."""
     rho_Delta_u0: Scalar
     """Difference of internal energy per volume [J/m³]."""
     a_1: Scalar
@@ -77,13 +74,13 @@ class Constants(NamedTuple):
     a_3: Scalar
     """Hardening [J/m³]."""
     Y_0: Scalar
-    """Threshold of dissipation at no stress [J/m³]."""
+    """Dissipation threshold at zero stress [J/m³]."""
     D: Scalar
     """Growth of the threshold with the work of transformation [-]."""
 
 
 class WorkScale(NamedTuple):
-    """Factors that turn work into shifts of temperature."""
+    """Factors from work to temperature shifts."""
 
     forward: Scalar
     """(1 - D)/(-ρΔs₀) [m³ K/J]."""
@@ -94,7 +91,7 @@ class WorkScale(NamedTuple):
 
 
 class StraightPath(NamedTuple):
-    """A straight way in stress [Pa] and temperature [K], from a point over a distance."""
+    """Straight path in stress [Pa] and temperature [K]: start and total change."""
 
     stress: Scalar
     temperature: Scalar
@@ -102,7 +99,7 @@ class StraightPath(NamedTuple):
     warmer: Scalar
 
     def at(self, part: Scalar) -> tuple[Scalar, Scalar]:
-        """Return the stress [Pa] and temperature [K] after a part of the way [-]."""
+        """Return the stress [Pa] and temperature [K] after a fraction of the path."""
         return self.stress + part * self.more, self.temperature + part * self.warmer
 
 
@@ -110,23 +107,23 @@ class TransformationRange(NamedTuple):
     """Temperatures of a surface under a stress."""
 
     start: Scalar
-    """Warmest temperature without stress [K]."""
+    """Highest temperature at zero stress [K]."""
     shift: Scalar
-    """Shift by the stress [K]."""
+    """Shift by stress [K]."""
     width: Scalar
-    """From the coolest to the warmest temperature [K]."""
+    """From the lowest to the highest temperature [K]."""
 
     def share(self, temperature: Scalar) -> Scalar:
-        """Return the hardening share h [-] at a temperature; unlimited."""
+        """Return the unlimited hardening function h [-] at a temperature."""
         return (self.start - temperature + self.shift) / self.width
 
     def temperature(self, share: Scalar) -> Scalar:
-        """Return the temperature [K] of a hardening share."""
+        """Return the temperature [K] of a value of h."""
         return self.start + self.shift - self.width * share
 
 
 class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
-    """Parameters, constants and surfaces; a law adds memory and flow."""
+    """Parameters, constants and surfaces; subclasses add memory and flow."""
 
     orders = (*WIDTHS, ("M_f", "A_s"), ("M_s", "A_f"))
 
@@ -157,13 +154,13 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
     by_ratios = False
 
     def on_side(self, xp: Namespace, side: Scalar) -> Self:
-        """Return the law of tension [+1] or compression [-1]; unoriented martensite stays on the side of tension."""
+        """Return the law of tension [+1] or compression [-1]; unoriented martensite counts as tension."""
         law = super().on_side(xp, side)
         law.__dict__.update(H_min=side * self.H_min, reorients=self.compression != NONE)
         return law
 
     def check(self) -> None:
-        """Raise `ParameterError` where the surfaces have no width, no order or no slope."""
+        """Raise `ParameterError` if the surfaces have no width, order or slope."""
         require_order(self, *self.orders)
         if self.H_min > self.H_sat:
             raise ParameterError(
@@ -189,11 +186,11 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
             )
 
     def gap(self) -> float:
-        """Return the least distance from the forward to the reverse surface at zero stress [K]."""
+        """Return the smallest distance from the forward to the reverse surface at zero stress [K]."""
         return next(self._find_gaps(0.0))
 
     def _find_gaps(self, *stresses: float) -> Iterator[float]:
-        """Yield the least distance under each of some stresses [Pa], of cycles at it [K]."""
+        """Yield the smallest distance [K] at each stress [Pa], for cycles at this stress."""
         parts = [i / (SAMPLES - 1) for i in range(SAMPLES)]
         shares = [(self.forward_hardening(floats, xi), self.reverse_hardening(floats, xi)) for xi in parts]
         scale = self.scale(floats)
@@ -203,7 +200,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
             yield min(reverse.temperature(back) - forward.temperature(forth) for forth, back in shares)
 
     def cautions(self) -> list[str]:
-        """Return a martensite that is stiffer than austenite, a waist without effect."""
+        """Return cautions about stiff martensite, unused parameters and falling finish temperatures."""
         found: list[str] = []
         if self.E_M > self.E_A:
             found.append("E_M is above E_A: martensite is usually the softer phase.")
@@ -217,7 +214,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         return found
 
     def _find_falling_finish(self) -> float | None:
-        """Return the stress [Pa] from which on the cool end of a range falls, of cycles at it, if there is one."""
+        """Return the stress [Pa] above which M_f or A_s falls, for cycles at this stress; None if nowhere."""
         scale, before = self.scale(floats), (self.M_f, self.A_s)
         for k in range(1, STEPS + 1 if self.surfaces == "curved" else 1):
             at = k * SOUGHT
@@ -229,7 +226,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         return None
 
     def doubt(self) -> Doubt | None:
-        """Return a doubt where the surfaces meet under stress."""
+        """Return a doubt if the surfaces meet under stress."""
         if self.surfaces == "curved":
             stresses = [k * SOUGHT for k in range(1, STEPS + 1)]
             pairs = zip(stresses, self._find_gaps(*stresses), strict=True)
@@ -271,7 +268,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         )
 
     def scale(self, xp: Namespace) -> WorkScale:
-        """Return the factors of the surfaces from the constants."""
+        """Return the factors of the surfaces."""
         constants = self.constants(xp)
         per_entropy = -1.0 / constants.rho_Delta_s0
         return WorkScale(
@@ -281,39 +278,39 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         )
 
     def current(self, xp: Namespace, stress: Scalar) -> Scalar:
-        """H(σ) [-]: strain of martensite that forms under a stress [Pa]."""
+        """Return H(σ) [-], the strain of martensite that forms under a stress [Pa]."""
         excess = xp.maximum(stress - self.sigma_crit, 0.0)
         return self.H_min + (self.H_sat - self.H_min) * (1.0 - xp.exp(-self.H_k * excess))
 
     def trained_share(self, xp: Namespace, stress: Scalar) -> Scalar:
-        """H(σ)/H_sat [-]."""
+        """Return H(σ)/H_sat [-]."""
         if self.compression == NONE:
             return self.current(xp, stress) / self.H_sat
         side = xp.where(stress < 0.0, -1.0, 1.0)
         return side * self.on_side(xp, side).trained_share(xp, side * stress)
 
     def forward_hardening(self, xp: Namespace, fraction: Scalar) -> Scalar:
-        """h_f(ξ) [-]."""
+        """Return h_f(ξ) [-]."""
         share = compute_hardening(xp, fraction, self.n_1, self.n_2)
         return apply_waist(share, self.waist_f) if self.hardening == "waisted" else share
 
     def reverse_hardening(self, xp: Namespace, fraction: Scalar) -> Scalar:
-        """h_r(ξ) [-]."""
+        """Return h_r(ξ) [-]."""
         share = compute_hardening(xp, fraction, self.n_3, self.n_4)
         return apply_waist(share, self.waist_r) if self.hardening == "waisted" else share
 
     def smooth(self, xp: Namespace, share: Scalar, waist: Scalar) -> Scalar:
-        """Return the share h [-] of smooth hardening that belongs to a share with its waist."""
+        """Return h [-] of smooth hardening for a value with waist."""
         return remove_waist(xp, share, waist) if self.hardening == "waisted" else share
 
     def forward_share(self, xp: Namespace, scale: WorkScale, stress: Scalar, temperature: Scalar) -> Scalar:
-        """h_f that forward transformation would reach at (σ, T) [-]; unlimited."""
+        """Return the unlimited h_f that forward transformation would reach at (σ, T) [-]."""
         return self._forward_line(xp, scale, stress).share(temperature)
 
     def reverse_share(
         self, xp: Namespace, scale: WorkScale, strain: Scalar, stress: Scalar, temperature: Scalar
     ) -> Scalar:
-        """h_r that reverse transformation of martensite of a strain Λ would leave; unlimited."""
+        """Return the unlimited h_r that reverse transformation of martensite of strain Λ would leave [-]."""
         return self._reverse_line(xp, scale, strain, stress).share(temperature)
 
     def _forward_line(self, xp: Namespace, scale: WorkScale, stress: Scalar) -> TransformationRange:
@@ -334,7 +331,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         curvature: Scalar,
         widening: Scalar,
     ) -> TransformationRange:
-        """Return a range under a stress [Pa]; it ends at `ends` [K] at none, and work shifts it by `shift` [K]."""
+        """Return a range at a stress [Pa]; `ends` [K] hold at zero stress, `shift` [K] is by work."""
         low, high = ends
         tension = xp.maximum(stress, 0.0)
         shift = shift + 0.5 * scale.elastic * tension * tension
@@ -346,26 +343,25 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         return TransformationRange(high, shift, width)
 
     def forward_meeting(self, xp: Namespace, scale: WorkScale, way: StraightPath, share: Scalar) -> Scalar:
-        """Return the part of a way after which `forward_share` rises beyond a share; 1 if it does not.
+        """Return the fraction of a path at which `forward_share` rises beyond a value; 1 if nowhere.
 
-        Sought from the end of the way, since the share may fall before it rises.
+        The search starts at the end of the path, because the value may fall before it rises.
         """
 
         def beyond(xp: Namespace, part: Scalar) -> Scalar:
-            hair = 1e-13 * part  # a slope where there is none
-            return self.forward_share(xp, scale, *way.at(part)) - share + hair
+            tilt = 1e-13 * part  # avoids a zero slope
+            return self.forward_share(xp, scale, *way.at(part)) - share + tilt
 
         rises = self.forward_share(xp, scale, *way.at(1.0)) > share
         part = solve_bracketed(xp, beyond, 1.0, (-1.0, 2.0), MEETING)
         return xp.where(rises, xp.clip(part, 0.0, 1.0), 1.0)
 
     def forward_peak(self, xp: Namespace, scale: WorkScale, way: StraightPath) -> Scalar:
-        """Return the part of a way at which `forward_share` may have a maximum inside.
+        """Return the fraction of a path at which `forward_share` may have a maximum inside.
 
-        Over t = k σ the slope of s_f falls about t = 3 only (if at all), and from there Newton's
-        way to the point with the slope of the leg is monotone. Without a maximum any point does.
-        (A maximum below sigma_crit, possible if E_M is above E_A, is not looked for; of a range that widens, the
-        peak of its middle is taken: both are errors of large steps only.)
+        Over t = k σ the slope of s_f falls at most near t = 3; from there Newton's iteration to the slope of the leg is
+        monotone. Without a maximum any point is valid. A maximum below sigma_crit (E_M above E_A) is not found, and a
+        widening range uses the peak of its middle: both are errors of large steps only.
         """
         moves = xp.abs(way.more) > 1.0
         size = xp.where(moves, way.more, 1.0)
@@ -386,7 +382,7 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         return xp.where(moves, xp.clip((t / rate - way.stress) / size, 0.0, 1.0), 0.0)
 
     def reverse_peak(self, xp: Namespace, scale: WorkScale, way: StraightPath, strain: Scalar) -> Scalar:
-        """Return the part of a way at which `reverse_share` is least, if that is inside."""
+        """Return the fraction of a path at which `reverse_share` has its minimum, if inside."""
         curve, slope = scale.elastic, scale.reverse * strain
         if self.surfaces == "curved":
             curve, slope = curve + 2.0 * self.curvature_r, slope - 2.0 * self.curvature_r * self.sigma_cal
@@ -397,11 +393,11 @@ class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
         return xp.where(bends, xp.clip(part, 0.0, 1.0), 0.0)
 
     def softening(self) -> Scalar:
-        """ΔS [1/Pa]."""
+        """Return ΔS [1/Pa]."""
         return 1.0 / self.E_M - 1.0 / self.E_A
 
     def _work(self, xp: Namespace, stress: Scalar) -> Scalar:
-        """G = d(Hσ)/dσ [-]."""
+        """Return G = d(Hσ)/dσ [-]."""
         excess = stress - self.sigma_crit
         steep = self.H_k * xp.exp(-self.H_k * xp.maximum(excess, 0.0))
         grows = xp.where(excess > 0.0, (self.H_sat - self.H_min) * steep, 0.0)

@@ -1,20 +1,19 @@
 """Kinetics of two martensite fractions: detwinned by stress (S), twinned by cooling (T).
 
-Strips of one-fraction laws are `history.Strip`; the rules resume and restart mean the same
-here. S runs along s = σ - C_M max(T - M_s, 0), which is straight on a leg but for one kink at
-T = M_s and never convex: its deepest point is at the kink or at an end of the leg. S and T may
-act together and do not depend on their order (product law): with r = (1 - P₁)/(1 - P₀) of each,
+The strips are `history.Strip`; the rules resume and restart are the same. S runs along s = σ - C_M max(T - M_s, 0),
+which is straight on a leg except for a kink at T = M_s, and never convex: its deepest point is the kink or an end of
+the leg. S and T may act together in any order (product law): with r = (1 - P₁)/(1 - P₀) of each,
 
     forward   1 - ξ_S = (1 - ξ_S0) r_S,   1 - ξ = (1 - ξ₀) r_S r_T
     reverse   ξ_S = ξ_S0 r,               ξ = ξ₀ r
 
-The memory holds how near its finish line each process has come since the branch was opened.
+The memory is the smallest distance of each process from its finish line since the branch was opened.
 
-Under the rule return-point (`return_points`) both fractions are straight in L of the process that acts, 1 - ξ and 1 -
-ξ_S forward, ξ and ξ_S in reverse, from where a branch begins to its target. Forward the points remembered are those of
-one process, S or T, the first one to act (S if both do). While there are such points the other process follows the
-rule resume: it multiplies the remaining fraction, also at these points. A target is given up as well if on the way to
-it reverse would make more of a fraction, or S more twins.
+Under the rule return-point (`return_points`) both fractions are straight in L of the active process, 1 - ξ and 1 - ξ_S
+forward, ξ and ξ_S in reverse, from the beginning of a branch to its target. Forward return points belong to one
+process, S or T: the first to act (S if both act). The other process then follows the rule resume and multiplies the
+remaining fraction, also at these points. A target is also given up if reverse would increase a fraction, or S the
+twins.
 """
 
 from collections.abc import Sequence
@@ -52,36 +51,36 @@ from martensite.physics.kinetics.return_points import (
 from martensite.physics.laws.base import Fractions
 
 UNSET = 1.0
-"""A distance to the finish line that no process has ever reduced."""
+"""Distance to the finish line that no process has reduced."""
 
 
 class Diagram(NamedTuple):
-    """The strips of the three processes, and where the one of S bends."""
+    """Strips of the three processes, and the bend of S."""
 
     loading: Strip
-    """S, as a strip of T - σ/C_M at temperatures not below the bend."""
+    """S, as a strip of T - σ/C_M above the bend."""
     cooling: Strip
-    """T, which stress does not shift."""
+    """T, independent of stress."""
     reverse: Strip
     bend: Scalar
     """M_s [K], below which the lines of S are horizontal."""
 
 
 class TwinPoints(NamedTuple):
-    """Return points; those of the forward direction are of T or of S."""
+    """Return points; forward ones belong to T or S."""
 
     points: ReturnPoints
     twinned: Scalar
-    """1 if they are of T."""
+    """1 for T."""
 
 
 class TwoFractionMemory(NamedTuple):
-    """All that a law with two fractions remembers; a reach is a distance in [0, 1]."""
+    """Memory of a law with two fractions; a reach is a distance in [0, 1]."""
 
     martensite: Scalar
     oriented: Scalar
     branch: Scalar
-    """+1 forward, -1 reverse in progress, 0 none yet."""
+    """+1 forward, -1 reverse in progress, 0 initially."""
     loading: Scalar
     """Reach of S on this branch [-]."""
     cooling: Scalar
@@ -91,11 +90,11 @@ class TwoFractionMemory(NamedTuple):
     stress: Scalar
     temperature: Scalar
     recalled: TwinPoints | tuple[()] = ()
-    """Under the rule return-point."""
+    """Used by the rule return-point."""
 
 
 class TwoFractionDirection(NamedTuple):
-    """The direction selected for a leg, and all that `follow` needs of it."""
+    """Direction selected for a leg."""
 
     direction: Scalar
     martensite: Scalar
@@ -104,23 +103,22 @@ class TwoFractionDirection(NamedTuple):
     """At the start of the leg [Pa]."""
     temperature: Scalar
     finish: Scalar
-    """Place of the finish line of the strip of S or of the reverse process, whichever acts; so are the next two fields.
-    """
+    """Finish line of the strip of S or reverse, whichever acts; also for the next two fields."""
     per_width: Scalar
     per_slope: Scalar
     bend: Scalar
     """Temperature below which the lines of that strip are horizontal [K]."""
     reach: Scalar
-    """Distance that S or reverse has to fall below before anything transforms."""
+    """Distance below which S or reverse transforms."""
     cooling: Scalar
-    """Strip values of T."""
+    """Reach of T."""
     course: BranchCourse | tuple[()] = ()
-    """Under the rule return-point."""
+    """Used by the rule return-point."""
     twinned: Scalar = 0.0
-    """1 if it is one of T."""
+    """1 for a course of T."""
 
     def strip(self) -> Strip:
-        """Return the strip of S or of the reverse process, whichever acts."""
+        """Return the strip of S or of reverse, whichever acts."""
         return Strip(self.finish, self.per_width, self.per_slope)
 
 
@@ -131,13 +129,13 @@ class Courses(NamedTuple):
     cooling: StripLeg
     reverse: StripLeg
     ahead: Flag
-    """Forward acts first: S or T or both."""
+    """True if forward (S, T or both) acts first."""
     back: Flag
-    """Reverse acts first."""
+    """True if reverse acts first."""
 
 
 def start_memory(rule: str, fractions: Fractions, stress: Scalar, temperature: Scalar) -> TwoFractionMemory:
-    """Return the memory of a wire that has no history."""
+    """Return the memory of a phase state without history."""
     reaches, points = (UNSET, UNSET, UNSET), TwinPoints(start_points(2), 0.0) if rule == RETURN_POINT else ()
     return TwoFractionMemory(fractions.martensite, fractions.oriented, 0.0, *reaches, stress, temperature, points)
 
@@ -150,20 +148,20 @@ def relocate_memory(
     stress: Scalar,
     temperature: Scalar,
 ) -> TwoFractionMemory:
-    """Return the memory put at other fractions and another point, on the same branch.
+    """Return the memory at other fractions and another point, on the same branch.
 
-    Reaches go with the distances: what was going on goes on, what waited waits as far.
+    Reaches shift with the distances: an active process continues, and a waiting process keeps its distance.
     """
 
-    def shifted(strip: Strip, reach: Scalar, bend: Scalar) -> Scalar:
+    def shift_reach(strip: Strip, reach: Scalar, bend: Scalar) -> Scalar:
         before = strip.distance(memory.stress, xp.maximum(memory.temperature, bend))
         after = strip.distance(stress, xp.maximum(temperature, bend))
         return xp.where(reach < UNSET, xp.clip(reach + (after - before), 0.0, UNSET), reach)
 
     reaches = (
-        shifted(diagram.loading, memory.loading, diagram.bend),
-        shifted(diagram.cooling, memory.cooling, 0.0),
-        shifted(diagram.reverse, memory.reverse, 0.0),
+        shift_reach(diagram.loading, memory.loading, diagram.bend),
+        shift_reach(diagram.cooling, memory.cooling, 0.0),
+        shift_reach(diagram.reverse, memory.reverse, 0.0),
     )
     if not memory.recalled:
         return TwoFractionMemory(*fractions, memory.branch, *reaches, stress, temperature)
@@ -184,10 +182,9 @@ def relocate_memory(
 
 
 def list_kinks(xp: Namespace, rule: str, diagram: Diagram, memory: TwoFractionMemory) -> list[Scalar]:
-    """Return the distances to all kinks of the processes [-].
+    """Return the distances to all kinks of the processes [-]: the bend of S, and the starts of S, T and reverse.
 
-    These are the bend of S from above and from below, then the points where S, T and reverse start or go on. A process
-    that has nothing left to transform is 1 away.
+    The distance of a complete process is 1.
     """
     at, oriented, twinned = memory.stress, 1.0 - memory.oriented, 1.0 - memory.martensite
     rows = (
@@ -220,7 +217,7 @@ def bent_course(
     temperature: Scalar,
     left: Scalar,
 ) -> StripLeg:
-    """Follow S along a leg: one straight piece on either side of the kink."""
+    """Return S along a leg, a straight piece on each side of the kink."""
     start = PathPoint(memory.stress, memory.temperature)
     crosses, share, turn = find_kink(xp, bend, start, stress, temperature)
     end = PathPoint(stress, xp.maximum(temperature, bend))
@@ -238,10 +235,9 @@ def bent_course(
 def follow_all_strips(
     xp: Namespace, diagram: Diagram, memory: TwoFractionMemory, stress: Scalar, temperature: Scalar
 ) -> Courses:
-    """Return the course of each process on a leg, and which one acts first.
+    """Return each process along a leg, and the first to act.
 
-    Where reverse may act too, S acts above the bend or while the wire is heated, T only below
-    the bend while it is cooled: then T never comes before S.
+    If reverse may also act, S acts above the bend or on heating, T only below the bend on cooling: T never precedes S.
     """
     to = stress, temperature
     s = bent_course(xp, diagram.loading, diagram.bend, memory, *to, 1.0 - memory.oriented)
@@ -258,11 +254,7 @@ def follow_all_strips(
 def find_handover(
     xp: Namespace, found: Courses, memory: TwoFractionMemory, stress: Scalar, temperature: Scalar
 ) -> tuple[Scalar, Scalar]:
-    """Return the point of a leg at which the first direction is done and the other may begin.
-
-    It lies some roundings beyond, so that the first is complete. The other direction needs
-    nothing to transform before: the first one makes it.
-    """
+    """Return the point of a leg, some roundings late, at which the first direction ends and the other may begin."""
     s, t, r = found.loading, found.cooling, found.reverse
     two = xp.both(r.passes, xp.either(s.passes, t.passes))
     forward = xp.where(s.acts, s.leaves, t.leaves)
@@ -273,7 +265,7 @@ def find_handover(
 def select_direction(
     xp: Namespace, rule: str, diagram: Diagram, memory: TwoFractionMemory, found: Courses
 ) -> TwoFractionDirection:
-    """Return the direction that a leg sets off first, and from where."""
+    """Return the first direction of a leg, and its start."""
     course, twinned = select_points(xp, memory, found)
     whole = found.loading, found.cooling, found.reverse
     s, t, r = (xp.where(one.ahead, one.begin, 0.0) for one in whole)
@@ -302,9 +294,9 @@ def select_direction(
 def turn_points(
     xp: Namespace, memory: TwoFractionMemory, recalled: TwinPoints, direction: Scalar
 ) -> tuple[ReturnPoints, Flag]:
-    """Return the memory as a move begins, empty after a complete branch; and whether it interrupts one.
+    """Return the return points at the start of a move, empty after a complete branch; and whether it interrupts one.
 
-    S is complete where all is detwinned, T where no austenite is left.
+    S is complete without twins and austenite, T without austenite.
     """
     points, turned = recalled.points, memory.branch * direction < 0.0
     forward = 1.0 - xp.where(recalled.twinned > 0.5, memory.martensite, memory.oriented)
@@ -315,7 +307,7 @@ def turn_points(
 
 
 def select_points(xp: Namespace, memory: TwoFractionMemory, found: Courses) -> tuple[BranchCourse | tuple[()], Scalar]:
-    """Return the course back to return points, and whether it is one of T (1)."""
+    """Return the course to return points, and 1 if it belongs to T."""
     if not memory.recalled:
         return (), 0.0
     before = memory.recalled.twinned
@@ -341,7 +333,7 @@ def select_points(xp: Namespace, memory: TwoFractionMemory, found: Courses) -> t
 def compute_distances(
     xp: Namespace, diagram: Diagram, move: TwoFractionDirection, stress: Scalar, temperature: Scalar
 ) -> tuple[Scalar, Scalar]:
-    """Return the least distance of S or reverse on a leg that ends there, and the one of T at its end."""
+    """Return the smallest distance of S or reverse on a leg that ends there, and the final distance of T."""
     strip = move.strip()
     crosses, _, turn = find_kink(xp, move.bend, PathPoint(move.stress, move.temperature), stress, temperature)
     end = strip.distance(stress, xp.maximum(temperature, move.bend))
@@ -351,7 +343,7 @@ def compute_distances(
 
 
 def compute_rest_ratio(xp: Namespace, reach: Scalar, distance: Scalar) -> Scalar:
-    """(1 - P₁)/(1 - P₀) of a cosine process; 1 where nothing is left on its curve."""
+    """Return (1 - P₁)/(1 - P₀) of a cosine process; 1 if it is complete."""
     left = reach > 0.0
     share = xp.quarter_sine(xp.minimum(reach, distance))
     share = share / xp.quarter_sine(xp.where(left, reach, 1.0))
@@ -395,15 +387,15 @@ def commit_move(
     stress: Scalar,
     temperature: Scalar,
 ) -> TwoFractionMemory:
-    """Return the memory after the accepted move: what acts clears the reach of the other direction."""
+    """Return the memory after the accepted move; the reach of the other direction is cleared."""
     ahead, back = move.direction > 0.0, move.direction < 0.0
     branch = xp.where(xp.either(ahead, back), move.direction, memory.branch)
     reaches = memory.loading, memory.cooling, memory.reverse
     recalled = memory.recalled
     if rule != RESTART:
         first, cooled = compute_distances(xp, diagram, move, stress, temperature)
-        hair = round_off(xp, move.strip(), memory, stress, temperature)
-        falls = move.reach - first > hair
+        rounding = round_off(xp, move.strip(), memory, stress, temperature)
+        falls = move.reach - first > rounding
         cools = move.cooling - cooled > round_off(xp, diagram.cooling, memory, 0.0, temperature)
         loading = xp.where(falls, first, memory.loading)
         cooling = xp.where(cools, cooled, memory.cooling)
@@ -428,11 +420,11 @@ def remember_points(
     """Return the return points after a move.
 
     Args:
-        xp: the namespace.
-        memory: the one before the move.
-        move: the one that was made.
-        fractions: at its end.
-        distances: of S or reverse and of T to their finish lines, as `compute_distances` gives them.
+        xp: namespace.
+        memory: memory before the move.
+        move: accepted move.
+        fractions: fractions at its end.
+        distances: result of `compute_distances`.
         loading: reach of S at its end.
     """
     if not memory.recalled or not move.course:
@@ -445,18 +437,18 @@ def remember_points(
     ratios = compute_rest_ratio(xp, move.reach, first), compute_rest_ratio(xp, move.cooling, cooled)
     end, left = compute_cosine_rest(xp, xp.where(of_twins, cooled, first)), xp.where(ahead, rest[1], rest[0])
     points = commit_course(xp, points, move.course, move.direction, interrupts, end, left)
-    # what the other process did multiplies all that is left, so that the order of the two does not matter
+    # the other process multiplies the remaining fraction, so the order of the two does not matter
     ratio = xp.where(ahead, xp.where(of_twins, *ratios), 1.0)
     branch, *forward = (scale_martensite(one, ratio) for one in (points.branch, *points.forward))
     turns_to_s = xp.both(xp.both(of_twins, ratios[0] < 1.0), points.forwards < 0.5)
     share = compute_cosine_rest(xp, loading)
-    anew = Branch(share, tuple(draw_line(xp, share, one, 0.0, 0.0) for one in rest))
-    points = points._replace(branch=choose_branch(xp, turns_to_s, anew, branch), forward=tuple(forward))
+    fresh = Branch(share, tuple(draw_line(xp, share, one, 0.0, 0.0) for one in rest))
+    points = points._replace(branch=choose_branch(xp, turns_to_s, fresh, branch), forward=tuple(forward))
     return TwinPoints(points, xp.where(turns_to_s, 0.0, move.twinned))
 
 
 def scale_martensite(branch: Branch, ratio: Scalar) -> Branch:
-    """Return the branch with the remaining fraction of all martensite multiplied by a ratio."""
+    """Return the branch with the remaining martensite fraction multiplied by a ratio."""
     whole, oriented = branch.lines
     return branch._replace(lines=(BranchLine(whole.scale * ratio, whole.offset * ratio), oriented))
 
@@ -469,7 +461,7 @@ def compute_crossing(
     stress: Scalar,
     temperature: Scalar,
 ) -> Scalar:
-    """Return the largest share of a strip that the selected direction crosses on a move [-]."""
+    """Return the largest fraction of a strip that the selected direction crosses on a move [-]."""
     first, cooled = compute_distances(xp, diagram, move, stress, temperature)
     warm = xp.maximum(memory.temperature, move.bend)
     begin = xp.clip(move.strip().distance(memory.stress, warm), 0.0, 1.0)
