@@ -1,9 +1,8 @@
 """The contract of every one-dimensional law, explicit in stress and temperature.
 
-A law remembers (`memory`), decides which process a move of stress and temperature sets off
-(`select`), says how far that process gets (`follow`), and stores what happened (`commit`).
-`kinetics` is the three in a row. Strain follows in closed form, affine in stress at frozen
-fractions. The split lets a solver ask `follow` many times at the price of one `select`.
+A law has a memory, selects the process that a move of stress and temperature starts (`select`), follows it to the end
+of the move (`follow`), and stores the result (`commit`); `kinetics` combines the three. Strain follows in closed form,
+affine in stress at frozen fractions. A solver can call `follow` many times after one `select`.
 
 Sign convention: tension and elongation positive; strain counted from unloaded austenite at the reference temperature.
 """
@@ -13,6 +12,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import Any, ClassVar, NamedTuple, Self
 
+from martensite.base.interfaces import override
 from martensite.base.parameters import Parametrised
 from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
@@ -21,24 +21,24 @@ from martensite.kernels.nested import choose_tuple
 LAWS: Registry[AbstractLaw] = Registry("law", "martensite.physics.laws", typical="liang-rogers")
 
 COLD = 100.0
-"""Temperature [K] from which a wire is warmed to the start of a run: the least transformation temperature of laws."""
+"""Temperature [K] from which a wire is warmed to the start of a run: the lowest transformation temperature of laws."""
 SHELF_TIME = 1e5
-"""Time [s] that a law with rates has had to come to rest at the start of a run: about a day."""
+"""Time [s], about a day, in which a rate-dependent law reaches its steady state before a run."""
 TURNED = 1e-6
-"""Change of the net oriented fraction [-] from which on a wire was turned by the stress."""
+"""Change of the net oriented fraction [-] that counts as reorientation by stress."""
 
 
 class Fractions(NamedTuple):
-    """Phase state as every law reports it."""
+    """Phase state of every law."""
 
     martensite: Scalar
-    """Total martensite fraction ξ in [0, 1]: resistance, latent heat, modulus depend on it."""
+    """Total martensite fraction ξ in [0, 1], for resistance, latent heat and modulus."""
     oriented: Scalar
-    """Net oriented (detwinned) fraction in [-ξ, ξ]: transformation strain depends on it."""
+    """Net oriented (detwinned) fraction in [-ξ, ξ], for transformation strain."""
 
     @property
     def rphase(self) -> Scalar:
-        """Return the R-phase as a share of what is not martensite [-]; 0 unless a law says otherwise."""
+        """Return the R-phase as a fraction of the material that is not martensite [-]."""
         return 0.0
 
     @property
@@ -48,25 +48,25 @@ class Fractions(NamedTuple):
 
 
 class RPhaseFractions(Fractions):
-    """With a third number; laws that know no R-phase keep two and pay nothing for it.
+    """Phase state with an R-phase; other laws keep two values.
 
-    The share is the third number, and not ξ_R, since it stays as it is while martensite takes from both phases.
+    The third value is not ξ_R but a fraction of the remaining material, which stays constant while martensite forms.
     """
 
     def __new__(cls, martensite: Scalar, oriented: Scalar, rphase: Scalar) -> Self:
-        """Return all three of them."""
+        """Return a phase state of three values."""
         return super(Fractions, cls).__new__(cls, (martensite, oriented, rphase))
 
     __repr__ = tuple[Scalar].__repr__
 
     @property
+    @override
     def rphase(self) -> Scalar:
-        """Return the R-phase as a share of what is not martensite [-]."""
         return self[-1]
 
     @property
+    @override
     def rphase_fraction(self) -> Scalar:
-        """Return the R-phase fraction ξ_R in [0, 1 - ξ]."""
         return self.rphase * (1.0 - self.martensite)
 
 
@@ -74,70 +74,67 @@ class Doubt(NamedTuple):
     """Range in which a law is not reliable."""
 
     stress: float
-    """From this stress on [Pa]."""
+    """Lower limit of the range [Pa]."""
     sentence: str
 
 
 class AbstractLaw(Parametrised):
-    """Interface of a law. Memory and move are NamedTuples of scalars of the law's own.
+    """Interface of a law; memory and move are NamedTuples of scalars.
 
-    Every memory holds at least `stress` [Pa] and `temperature` [K] of the last accepted point.
+    Each memory has at least `stress` [Pa] and `temperature` [K] of the last accepted point.
     """
 
     twins: ClassVar[bool] = False
-    """True if martensite may be present that is not oriented; else all of it counts."""
+    """True if unoriented martensite is possible; else all martensite is oriented."""
     rphase: ClassVar[bool] = False
     """True if its fractions are `RPhaseFractions`."""
     one_way: ClassVar[bool] = True
-    """True if one move changes both fractions in a fixed proportion, wherever it ends."""
+    """True if a move changes both fractions in a fixed proportion."""
     steep: ClassVar[bool] = False
-    """True if the law offers `drive`."""
+    """True if the law has `drive`."""
     orders: ClassVar[tuple[tuple[str, str], ...]] = ()
-    """Pairs of parameters of which the first must be below the second: searches keep them in order."""
+    """Pairs of parameters, the first below the second; searches keep the order."""
     rate_dependent: ClassVar[bool] = False
-    """True if time acts, not only the path of stress and temperature."""
+    """True if the result depends on time."""
     grouped: ClassVar[bool] = False
-    """True if the law divides the material into groups, each with a separate phase state."""
+    """True if the law has groups with separate phase states."""
 
     @property
     def tension_only(self) -> bool:
-        """Return True if all its martensite is that of tension, which compression drives back."""
+        """Return True if compression reverts all martensite."""
         return False
 
     @property
     def constant_heat(self) -> bool:
-        """Return True if the heat of transformation is the latent heat of the element, whatever else."""
+        """Return True if the heat of transformation is the latent heat of the element."""
         return True
 
     def doubt(self) -> Doubt | None:
-        """Return a stress beyond which the law is doubtful, if there is one: a run near it says so."""
+        """Return the stress range in which the law is doubtful; runs near it report it."""
         return None
 
     def find_forgotten_change(self, memory: Any) -> Scalar | None:
-        """Return the largest change [-] of a fraction by a forgotten loop of a bounded memory; None if none occurs."""
+        """Return the largest change [-] of a fraction by a forgotten loop; None for unbounded memories."""
         return None
 
     @abstractmethod
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> Any:
-        """Return the memory of a wire in a phase state that has no history."""
+        """Return the memory of a phase state without history."""
 
     def trained_share(self, xp: Namespace, stress: Scalar) -> Scalar:
-        """Return the share of martensite that is oriented once it has formed under a stress [Pa].
-
-        That of a wire that was cooled under this stress before: 1 unless the law says otherwise.
-        """
+        """Return the oriented fraction of martensite that formed under a stress [Pa]; 1 by default."""
         return 1.0
 
     def warm_up(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> Any:
         """Return the memory of a trained wire that was warmed from cold martensite under a constant stress.
 
-        Martensite that the law does not keep at the end of the way is austenite there.
+        Martensite that the law does not keep at the end is austenite there.
 
         Args:
             xp: namespace of the runtime.
-            fractions: phase state that the wire has if the law keeps it.
-            stress: at the end of the way, and all along it [Pa].
-            temperature: at the end of the way [K]. A law with rates waits there for `SHELF_TIME` instead.
+            fractions: phase state, if the law keeps it.
+            stress: constant stress [Pa].
+            temperature: final temperature [K]. A rate-dependent law stays there for `SHELF_TIME` instead.
         """
         given = self.init(xp, fractions, stress, temperature)
         some = fractions.martensite > 0.0
@@ -157,18 +154,18 @@ class AbstractLaw(Parametrised):
     def relocate(self, xp: Namespace, memory: Any, fractions: Fractions, stress: Scalar, temperature: Scalar) -> Any:
         """Return a memory moved to another point, as an observer corrects it; the same point changes nothing.
 
-        The history moves along: an active transformation continues from there, because only the estimate is corrected
-        and the wire does not change. By default the history is empty.
+        An active transformation continues from there, because only the estimate changes. By default the history is
+        empty.
         """
         return self.init(xp, fractions, stress, temperature)
 
     @abstractmethod
     def select(self, xp: Namespace, memory: Any, stress: Scalar, temperature: Scalar) -> Any:
-        """Return the process that a straight move to (stress [Pa], temperature [K]) sets off."""
+        """Return the process that a straight move to (stress [Pa], temperature [K]) starts."""
 
     @abstractmethod
     def follow(self, xp: Namespace, move: Any, stress: Scalar, temperature: Scalar, dt: Scalar) -> Fractions:
-        """Return the fractions at the end of the move if it ends at (stress, temperature) after dt [s].
+        """Return the fractions if the move ends at (stress, temperature) after dt [s].
 
         The oriented fraction must not fall with stress, nor the total rise with temperature.
         """
@@ -208,31 +205,28 @@ class AbstractLaw(Parametrised):
         return free + self.compliance(xp, fractions) * stress
 
     def heat(self, xp: Namespace, latent: Scalar, stress: Scalar, temperature: Scalar) -> Scalar:
-        """Return the heat released per volume by the whole forward transformation [J/m³].
-
-        It is the constant `latent` heat of the element unless the law says otherwise.
-        """
+        """Return the heat released by the whole forward transformation [J/m³]; by default `latent`."""
         return latent
 
     def released(self, fractions: Fractions) -> Scalar:
-        """Return the share of that heat which has been released in a phase state [-]."""
+        """Return the released fraction of that heat in a phase state [-]."""
         return fractions.martensite
 
     def drive(self, xp: Namespace, move: Any, stress: Scalar, temperature: Scalar, dt: Scalar) -> Scalar:
         """Return the distance of the selected process beyond balance at the end, on any scale.
 
-        Nearly linear in (stress, temperature), 0 where it would come to rest: from it the solve
-        of a `steep` law, whose answer changes within a small part of a move, guesses its start.
+        It is nearly linear in (stress, temperature) and 0 in equilibrium. The solver of a `steep` law takes its first
+        guess from it.
         """
         return 0.0
 
     def kinks(self, xp: Namespace, memory: Any) -> list[Scalar]:
-        """Return the numbers that fall through 0 where a transformation starts or ends on the way on [-].
+        """Return numbers that fall through 0 where a transformation starts or ends, smooth on both sides.
 
-        Smooth on both sides, for a march that ends a step there. None where that is not known, or where nothing bends.
+        The time integration ends a step there. The list is empty for laws without known kinks.
         """
         return []
 
     @abstractmethod
     def crossing(self, xp: Namespace, memory: Any, move: Any, stress: Scalar, temperature: Scalar) -> Scalar:
-        """Return the share of a transformation strip that a move crosses [-]: for the step control."""
+        """Return the fraction of a transformation strip that a move crosses [-], for the step control."""

@@ -1,24 +1,24 @@
-r"""Brinson law: detwinned and twinned martensite, cosine kinetics, admissible dual region.
+"""Brinson law: detwinned and twinned martensite, cosine kinetics, admissible dual region.
 
-ξ = ξ_S + ξ_T. Stress forms ξ_S from austenite and from twinned martensite, cooling forms ξ_T
-from austenite, heating takes both back in proportion. With s = σ - C_M max(T - M_s, 0):
+ξ = ξ_S + ξ_T. Stress forms ξ_S from austenite and twinned martensite, cooling forms ξ_T from austenite, heating reverts
+both in proportion. With s = σ - C_M max(T - M_s, 0):
 
     S  ds > 0   1 - p = cos²(φ/2),  φ = π (s - σ_s)/(σ_f - σ_s)
     T  dT < 0   1 - p = sin²(ψ/2),  ψ = π (T - M_f)/(M_s - M_f)
     R  dw > 0   1 - p = cos²(θ/2),  θ = π (w - A_s)/(A_f - A_s),   w = T - σ/C_A
 
-Each process multiplies the remaining fraction by its (1 - P₁)/(1 - P₀); S and T together by
-the product (see `two_fractions`), which keeps ξ ≤ 1 where the published sum does not. Integrated
-constitutive equation:
+Each process multiplies the remaining fraction by its (1 - P₁)/(1 - P₀); S and T together by the product (see
+`two_fractions`), which keeps ξ ≤ 1, unlike the published sum. Integrated constitutive equation:
 
     ε = [σ - Θ (T - T_ref)]/E(ξ) + ε_L ξ_S,   E(ξ) = E_A + ξ (E_M - E_A)
 
-Sources: Brinson (1993), J. Intell. Mater. Syst. Struct. 4; for the dual region Chung, Heo and
-Lee (2007), Smart Mater. Struct. 16. Ratio form and history rules are this package's. Tension
-positive; Θ > 0 means that a free bar shrinks on heating.
+Sources: Brinson (1993), J. Intell. Mater. Syst. Struct. 4; for the dual region Chung, Heo and Lee (2007), Smart Mater.
+Struct. 16. Ratio form and history rules are this package's. Tension positive; Θ > 0 means that a free bar shrinks on
+heating.
 """
 
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
@@ -30,7 +30,7 @@ from martensite.physics.kinetics.two_fractions import Diagram, TwoFractionDirect
 from martensite.physics.laws.base import LAWS, Doubt, Fractions
 
 PIECES = 3
-"""A leg may hold S, then reverse, then T, or these in another order; more is not possible."""
+"""Largest number of processes on a leg: S, reverse and T in some order."""
 
 
 @LAWS.register("brinson")
@@ -53,8 +53,8 @@ class Brinson(AbstractSidedDiagram):
     )
     sided = (*AbstractSidedDiagram.sided, "sigma_s", "sigma_f")
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if a strip has no width."""
         super().check()
         for side in (1.0, -1.0):
             law = self.on_side(floats, side)
@@ -64,15 +64,15 @@ class Brinson(AbstractSidedDiagram):
                     f"against {law.sigma_f / 1e6:.4g} MPa{' in compression' if side < 0.0 else ''}."
                 )
 
+    @override
     def cautions(self) -> list[str]:
-        """Return the unusual orders of temperatures, loops that would create work, the sign of Θ."""
         found = super().cautions()
         if self.A_s < self.M_s:
             found.append("A_s is below M_s: cooling and heating transform at the same temperature.")
         return found
 
+    @override
     def doubt(self) -> Doubt | None:
-        """Return a doubt where the strips overlap."""
         if not self.C_A > self.C_M:
             return None
         return Doubt(
@@ -82,12 +82,12 @@ class Brinson(AbstractSidedDiagram):
         )
 
     def overlap(self) -> Scalar:
-        """Return the stress [Pa] at which the start lines of S and of the reverse process meet."""
+        """Return the stress [Pa] at which the start lines of S and reverse meet."""
         ends = self.sigma_s + self.C_A * self.A_s - self.C_M * self.M_s
         return max(self.sigma_s, self.C_A * (ends / (self.C_A - self.C_M) - self.A_s))
 
     def workless(self) -> Scalar:
-        """Return the temperature [K] at which a full isothermal loop does no work at a constant modulus."""
+        """Return the temperature [K] at which a full isothermal loop does no work at constant modulus."""
         ends = 0.5 * (self.sigma_s + self.sigma_f) + 0.5 * self.C_A * (self.A_s + self.A_f)
         return (ends - self.C_M * self.M_s) / (self.C_A - self.C_M)
 
@@ -103,13 +103,13 @@ class Brinson(AbstractSidedDiagram):
         )
 
     def reverse_strip(self) -> Strip:
-        """Return the one of the reverse transformation."""
+        """Return the reverse strip."""
         return self.diagram().reverse
 
     def find_stop(
         self, xp: Namespace, memory: TwoFractionMemory, stress: Scalar, temperature: Scalar
     ) -> tuple[Scalar, Scalar]:
-        """Return the point of a leg where one direction may follow another; its end if there is none."""
+        """Return the point of a leg where the direction may change; else its end."""
         found = two_fractions.follow_all_strips(xp, self.diagram(), memory, stress, temperature)
         return two_fractions.find_handover(xp, found, memory, stress, temperature)
 
@@ -118,7 +118,7 @@ class Brinson(AbstractSidedDiagram):
         return two_fractions.compute_rest_ratio(xp, reach, distance)
 
     def find_rests(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> tuple[Scalar, Scalar]:
-        """Return the fractions that S, and S and T, leave at a point of material that comes from above [-]."""
+        """Return the fractions that S, and S and T, leave at a point reached by cooling [-]."""
         diagram = self.diagram()
         places = (diagram.loading, xp.maximum(temperature, diagram.bend)), (diagram.cooling, temperature)
         distances = (xp.clip(strip.distance(stress, kelvin), 0.0, 1.0) for strip, kelvin in places)
@@ -126,41 +126,42 @@ class Brinson(AbstractSidedDiagram):
         return loading, loading * cooling
 
     def orient_martensite(self, xp: Namespace, side: Scalar, *_: object) -> tuple[Scalar, Scalar]:
-        """Return all that S forms is oriented along the stress, H_min/ε_L of what T forms along tension [-]."""
+        """Return the oriented fractions [-] of S and T: 1 and H_min/ε_L along tension."""
         return 1.0, side * self.H_min / self.eps_L
 
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> TwoFractionMemory:
-        """Return the memory of a wire that has no history; needs 0 ≤ ξ_S ≤ ξ ≤ 1."""
+        """Return the memory of a phase state without history; needs 0 ≤ ξ_S ≤ ξ ≤ 1."""
         return two_fractions.start_memory(self.history, fractions, stress, temperature)
 
+    @override
     def relocate(
         self, xp: Namespace, memory: TwoFractionMemory, fractions: Fractions, stress: Scalar, temperature: Scalar
     ) -> TwoFractionMemory:
-        """The branch in progress goes on from other fractions at another point."""
         return two_fractions.relocate_memory(xp, self.diagram(), memory, fractions, stress, temperature)
 
+    @override
     def find_forgotten_change(self, memory: TwoFractionMemory) -> Scalar | None:
-        """By return points that found no place any more [-]."""
         return memory.recalled.points.forgotten if self.compression == NONE and memory.recalled else None
 
+    @override
     def fractions(self, memory: TwoFractionMemory) -> Fractions:
-        """ξ and ξ_S."""
         return Fractions(memory.martensite, memory.oriented)
 
+    @override
     def select(
         self, xp: Namespace, memory: TwoFractionMemory, stress: Scalar, temperature: Scalar
     ) -> TwoFractionDirection:
-        """Return the direction set off by a straight move to (stress [Pa], temperature [K])."""
         diagram = self.diagram()
         found = two_fractions.follow_all_strips(xp, diagram, memory, stress, temperature)
         return two_fractions.select_direction(xp, self.history, diagram, memory, found)
 
+    @override
     def follow(
         self, xp: Namespace, move: TwoFractionDirection, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
-        """Return the fractions if the move ends at (stress, temperature); independent of dt."""
         return two_fractions.follow_direction(xp, self.diagram(), move, stress, temperature)
 
+    @override
     def commit(
         self,
         xp: Namespace,
@@ -171,14 +172,13 @@ class Brinson(AbstractSidedDiagram):
         temperature: Scalar,
         dt: Scalar,
     ) -> TwoFractionMemory:
-        """Return the memory after the accepted move."""
         end = fractions, stress, temperature
         return two_fractions.commit_move(xp, self.history, self.diagram(), memory, move, *end)
 
     def kinetics(
         self, xp: Namespace, memory: TwoFractionMemory, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> tuple[TwoFractionMemory, Fractions]:
-        """Advance along a straight leg; both directions may act, one after the other."""
+        """Advance along a straight leg; both directions may act in succession."""
         diagram = self.diagram()
         for _ in range(PIECES - 1):
             found = two_fractions.follow_all_strips(xp, diagram, memory, stress, temperature)
@@ -188,16 +188,16 @@ class Brinson(AbstractSidedDiagram):
             memory = self.commit(xp, memory, move, fractions, *between, dt)
         return super().kinetics(xp, memory, stress, temperature, dt)
 
+    @override
     def kinks(self, xp: Namespace, memory: TwoFractionMemory) -> list[Scalar]:
-        """Return the distances to the bend of S and to where S, T and the reverse process start or go on [-]."""
         return two_fractions.list_kinks(xp, self.history, self.diagram(), memory)
 
     def young(self, fractions: Fractions) -> Scalar:
-        """E(ξ) = E_A + ξ (E_M - E_A) [Pa]."""
+        """Return E(ξ) = E_A + ξ (E_M - E_A) [Pa]."""
         return self.mixture(fractions)
 
+    @override
     def crossing(
         self, xp: Namespace, memory: TwoFractionMemory, move: TwoFractionDirection, stress: Scalar, temperature: Scalar
     ) -> Scalar:
-        """Return the largest share of a strip crossed by the move [-]."""
         return two_fractions.compute_crossing(xp, self.diagram(), memory, move, stress, temperature)

@@ -1,16 +1,15 @@
 """One move of a law whose end feeds back on the stress and temperature that drive it.
 
 Let z be the phase fractions at the end of a step. Load line and heat balance give stress and temperature as functions
-of z, the law gives fractions f(σ, T): the step is the fixed point z = f(σ(z), T(z)). With frozen fractions the move
-ends at the elastic trial, where the law overshoots to f₀, for feedback restrains every transformation: more martensite
-means a hotter and less stressed wire. On the chord from the present fractions z₀ to f₀,
+of z, and the law gives fractions f(σ, T): the step is the fixed point z = f(σ(z), T(z)). With frozen fractions the move
+ends at the elastic trial, where the law overshoots to f₀, because feedback restrains every transformation: more
+martensite means a hotter and less stressed wire. On the chord from the present fractions z₀ to f₀,
 
     z(q) = (1 - q) z₀ + q f₀,        g(q) = q - n·[f(σ(z(q)), T(z(q))) - z₀],   n·(f₀ - z₀) = 1,
 
-g rises from -1 to at least 0 between q = 0 and 1, with g' ≥ 1: a bracketed Newton iteration
-cannot diverge. For laws whose fractions change in a fixed proportion the chord holds the
-solution. For the others it is near, and Newton's method in all fractions follows. An R-phase is a third number: both
-it and martensite are restrained by the heat and the strain of either, so that the chord is one for three as well.
+g rises from -1 to at least 0 between q = 0 and 1, with g' ≥ 1: a bracketed Newton iteration cannot diverge. For laws
+whose fractions change in a fixed proportion the chord contains the solution. For other laws the solution is near, and
+Newton's method in all fractions follows. An R-phase is a third fraction with the same restraint.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,40 +22,37 @@ from martensite.kernels.nested import find_largest, sum_column
 from martensite.physics.laws.base import AbstractLaw, Fractions
 
 Settle = Callable[[Namespace, Fractions], tuple[Scalar, Scalar]]
-"""Stress [Pa] and temperature [K] at the end of the step, given the fractions there."""
+"""Stress [Pa] and temperature [K] at the end of the step, as a function of the fractions there."""
 
 REFINED = 2
-"""Newton steps of the first guess; they do not ask the law for an answer."""
+"""Newton steps of the first guess, without calls of the law."""
 LEAST_OVERSHOOT = 1e-30
 """Overshoot [-] below which nothing transforms."""
 POLISHING_STEP = 1e-3
-"""Step on the chord from which Newton's method in both fractions goes on."""
+"""Step on the chord below which Newton's method in all fractions takes over."""
 WHOLE = 4.0
-"""So many roundings from the whole chord are the whole chord."""
+"""Distance from the end of the chord, in roundings, that counts as the end."""
 POLISHED = 1e-13
 """Mismatch of the fractions [-] that counts as zero."""
 MOST_STEPS = 24
-"""Steps of Newton's method in both fractions."""
+"""Steps of Newton's method in all fractions."""
 
 
 class StepReport(NamedTuple):
-    """Report of a step: the basis of its status."""
+    """Accuracy of a step, the basis of its status."""
 
     residual: Scalar
     """Largest mismatch |z - f| of a fraction at the end of the step."""
     crossing: Scalar
-    """Share of a transformation strip crossed by the elastic trial."""
+    """Fraction of a transformation strip crossed by the elastic trial."""
     ripple: Scalar = 0.0
-    """Temperature [K] that a mean of the drive leaves out."""
+    """Temperature [K] that the mean drive neglects."""
 
 
 def advance_memory(
     xp: Namespace, law: AbstractLaw, memory: Any, settle: Settle, dt: Scalar, change: Scalar = 0.0
 ) -> tuple[Any, StepReport]:
-    """Return the memory after a step of dt [s], and the report of the step.
-
-    About this `change` of the martensite fraction the solve begins to look; it changes nothing in what is found.
-    """
+    """Return the memory after a step of dt [s] and its report; `change` of martensite is a first guess only."""
     start = law.fractions(memory)
     trial = settle(xp, start)
     move = law.select(xp, memory, *trial)
@@ -81,13 +77,13 @@ def advance_memory(
 
 
 def _blend_fractions(start: Fractions, aim: Fractions, q: Scalar) -> Fractions:
-    """Return the point after a share q of the way; exact at both ends."""
+    """Return the point at a fraction q of the chord; exact at both ends."""
     rest = 1.0 - q
     return type(start)(*(q * b + rest * a for a, b in zip(start, aim, strict=True)))
 
 
 def _guess_place(xp: Namespace, drive: Callable[[Namespace, Scalar], Scalar]) -> Scalar:
-    """Find the zero of the drive of a steep law on the chord: the secant, then Newton's method."""
+    """Return the zero of the drive of a steep law on the chord, by secant and Newton steps."""
     first, last = drive(xp, 0.0), drive(xp, 1.0)
     falls = first > last
     q = xp.clip(first / xp.where(falls, first - last, 1.0), 0.0, 1.0)
@@ -113,7 +109,7 @@ def _seek_on_chord(
     enough: float,
     smooth: bool,
 ) -> Fractions:
-    """Return the point of the chord from `start` through `aim` that the law answers with itself."""
+    """Return the fixed point of the law on the chord from `start` through `aim`."""
     ways = [b - a for a, b in zip(start, aim, strict=True)]
     size = sum_column([xp.abs(way) for way in ways])
     moves = size > LEAST_OVERSHOOT
@@ -134,7 +130,7 @@ def _seek_on_chord(
 def _polish_fractions(
     xp: Namespace, answer: Callable[[Namespace, Fractions], Fractions], start: Fractions
 ) -> Fractions:
-    """Newton's method in all fractions; a step that does not help is shortened."""
+    """Return the fixed point by a damped Newton method in all fractions."""
     size = len(start)
 
     def move(numbers: Sequence[Scalar], length: Scalar) -> Fractions:
@@ -149,19 +145,19 @@ def _polish_fractions(
         kept = [xp.where(better, new, old) for new, old in zip((*tried, *newton), before, strict=True)]
         left, length = xp.where(better, residual, least), xp.where(better, 1.0, 0.25 * length)
         far = sum_column([xp.abs(step) for step in kept[size:]]) > SMALL
-        going = xp.both(left > POLISHED, xp.both(far, length > SMALL))
-        return (xp.where(going, 1.0, 0.0), *kept, length, left)
+        more = xp.both(left > POLISHED, xp.both(far, length > SMALL))
+        return (xp.where(more, 1.0, 0.0), *kept, length, left)
 
     begin = 1.0, *start, *[0.0 for _ in start], 1.0, float("inf")
-    going, *found, length, _ = xp.iterate(MOST_STEPS, turn, *begin)
-    end = move(found, xp.where(going > 0.0, 0.0, length))
+    unfinished, *numbers, length, _ = xp.iterate(MOST_STEPS, turn, *begin)
+    end = move(numbers, xp.where(unfinished > 0.0, 0.0, length))
     at = type(start)(*(xp.detach(x) for x in end))
     step, _ = _compute_newton_step(xp, answer, at)
     return type(start)(*(xp.implicit_root(x, y + d) for x, y, d in zip(end, at, step, strict=True)))
 
 
 def _limit_fractions(xp: Namespace, numbers: Fractions) -> Fractions:
-    """Return the nearest legal phase state: an iterate may lie outside."""
+    """Return the nearest valid phase state."""
     martensite = xp.clip(numbers.martensite, 0.0, 1.0)
     oriented = xp.clip(numbers.oriented, -martensite, martensite)
     return type(numbers)(martensite, oriented, *(xp.clip(x, 0.0, 1.0) for x in numbers[2:]))
@@ -179,7 +175,7 @@ def _compute_newton_step(
     short = [x - y for x, y in zip(found, at, strict=True)]
     rows = [[*row, x] for row, x in zip(rows, short, strict=True)]
     third = rows.pop() if len(rows) > len(Fractions._fields) else None
-    if third:  # is eliminated first: what it does to itself only restrains it, so that its pivot is at least 1
+    if third:  # eliminated first: the R-phase restrains itself, so its pivot is at least 1
         rows = [[x - row[2] / third[2] * y for x, y in zip(row, third, strict=True)] for row in rows]
     (a, b, *_, short_m), (c, d, *_, short_o) = rows
     determinant = a * d - b * c

@@ -1,9 +1,7 @@
-r"""Lagoudas law: Boyd–Lagoudas surfaces, smooth hardening, transformation strain H(σ).
+"""Lagoudas law: Boyd–Lagoudas surfaces, smooth hardening, transformation strain H(σ).
 
-One-dimensional form. Surfaces, calibration and their sources are described in
-`martensite.physics.kinetics.surfaces`, the hardening shares h in
-`martensite.physics.kinetics.hardening`
-and, with the option `hardening = "waisted"`, `martensite.physics.kinetics.hardening`:
+One-dimensional form. `martensite.physics.kinetics.surfaces` has the surfaces, their calibration and sources,
+`martensite.physics.kinetics.hardening` the hardening functions h:
 
     ε = σ [1/E_A + ξ (1/E_M - 1/E_A)] + ε_t + [α_A + ξ (α_M - α_A)] (T - T_ref)
     dε_t = H(σ) dξ (forward),     dε_t = (ε_t/ξ) dξ (reverse),
@@ -13,26 +11,25 @@ Both surfaces are inverted for the fraction, which makes ξ a play operator of (
 
     ξ₁ = max{ξ_f(σ, T), min[ξ_r(σ, T, Λ), ξ₀]},        Λ = ε_t/ξ
 
-with ξ_f on the forward and ξ_r on the reverse surface, right for steps of any size. Any
-initial state is legal; one outside its surfaces moves onto them at once. Where both processes
-could act (unoriented martensite under high stress) forward is stronger: martensite stays if it
-would form again at once.
+with ξ_f on the forward and ξ_r on the reverse surface, for steps of any size. Any initial state is valid; a state
+outside its surfaces moves onto them at once. If both processes could act (unoriented martensite under high stress),
+forward is stronger: martensite stays if it would form again at once.
 
-ε_t is exact on reverse (Λ is constant) and at constant stress. On forward under changing stress
-∫H dξ has no closed form; H is taken as a parabola in h (without waist) over the part of the way
-on which ξ grows, with the corners of h(ξ) integrated exactly. This converges with the step (in
-fourth order along prescribed legs); ξ sees it through Λ, on the next reverse transformation only.
+ε_t is exact on reverse (Λ is constant) and at constant stress. On forward under changing stress ∫H dξ has no closed
+form; H is a parabola in h (without waist) over the part of the path on which ξ grows, and the corners of h(ξ) are
+integrated exactly. The error is of fourth order in the step along prescribed legs, and affects ξ through Λ in the next
+reverse transformation only.
 
-The waist is this package's own extension and is not published: a cubic in h, one for each
-direction, that makes the middle of a branch steeper and its tails longer than exponents can, as
-measured isobaric cycles of trained wires show. It acts in both surfaces like any other h.
+The waist is an unpublished extension: a cubic in h for each direction. It makes the middle of a branch steeper and its
+tails longer than exponents can, as in measured isobaric cycles of trained wires.
 
-Not in the law: reorientation (martensite keeps the strain with which it formed until it
-transforms), compression, plasticity, R-phase, the share σ (α_M - α_A) of the driving force.
+Not included: reorientation (martensite keeps its strain until it transforms), compression, plasticity, R-phase, the
+contribution σ (α_M - α_A) to the driving force.
 """
 
 from typing import ClassVar, NamedTuple
 
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import choose_tuple
@@ -43,29 +40,29 @@ from martensite.physics.laws.base import LAWS, Fractions
 
 
 class LagoudasMemory(NamedTuple):
-    """All that the law remembers."""
+    """Memory of the law."""
 
     fraction: Scalar
     ratio: Scalar
-    """Oriented share of the martensite, ε_t/(ξ H_sat) [-]; kept on reverse."""
+    """Oriented fraction of the martensite, ε_t/(ξ H_sat) [-]; constant on reverse."""
     stress: Scalar
     temperature: Scalar
 
 
 class LagoudasProcess(NamedTuple):
-    """The state before, and where on a straight way from there ξ would grow."""
+    """Previous state, and the part of a straight path on which ξ grows."""
 
     fraction: Scalar
     ratio: Scalar
     stress: Scalar
     temperature: Scalar
     grows_from: Scalar
-    """Part of the way after which the forward surface is met [-]."""
+    """Fraction of the path at which the forward surface is met [-]."""
     grows_to: Scalar
-    """Part of the way after which all is martensite [-]; 1 if that is not reached."""
+    """Fraction of the path at which all is martensite [-]; 1 if not reached."""
 
     def way(self, stress: Scalar, temperature: Scalar) -> StraightPath:
-        """Return the straight way from the state before to a point."""
+        """Return the straight path from the previous state to a point."""
         begin = self.stress, self.temperature
         return StraightPath(*begin, stress - self.stress, temperature - self.temperature)
 
@@ -74,22 +71,21 @@ class LagoudasProcess(NamedTuple):
 class Lagoudas(AbstractSurfaceLaw):
     """Boyd–Lagoudas law with smooth hardening and stress-dependent transformation strain.
 
-    With `hardening = "waisted"` branches have steeper middles and longer tails, by a cubic of
-    this package's own that is not published.
+    With `hardening = "waisted"` branches have steeper middles and longer tails (unpublished extension).
     """
 
     cites = ("lagoudas2012", "boyd1996", "hartl2010")
     twins: ClassVar[bool] = True
     one_way: ClassVar[bool] = False
     reorients: ClassVar[bool] = False
-    """True on a side of a law that knows compression: martensite may be oriented against the stress."""
+    """True with compression: martensite may be oriented against the stress."""
 
     alpha_A: Number = param("1/K", "thermal expansion of austenite", low=-1e-4, high=1e-4, default=0.0)
     alpha_M: Number = param("1/K", "thermal expansion of martensite", low=-1e-4, high=1e-4, default=0.0)
     T_ref: Number = param("K", "temperature of zero thermal strain", low=0.0, high=1000.0, default=293.15)
 
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> LagoudasMemory:
-        """Return the memory of a wire in any phase state; ε_t is `oriented` times H_sat."""
+        """Return the memory of a phase state; ε_t is `oriented` times H_sat."""
         some = fractions.martensite > 0.0
         ratio = fractions.oriented / xp.where(some, fractions.martensite, 1.0)
         ratio = xp.where(some, xp.clip(ratio, -1.0, 1.0), 0.0)
@@ -99,16 +95,16 @@ class Lagoudas(AbstractSurfaceLaw):
         self, xp: Namespace, memory: LagoudasMemory, fractions: Fractions, stress: Scalar, temperature: Scalar
     ) -> LagoudasMemory:
         """Return the memory as if the path began there; without martensite, the ratio is kept."""
-        found = self.init(xp, fractions, stress, temperature)
+        fresh = self.init(xp, fractions, stress, temperature)
         some = fractions.martensite > 0.0
-        return found._replace(ratio=xp.where(some, found.ratio, memory.ratio))
+        return fresh._replace(ratio=xp.where(some, fresh.ratio, memory.ratio))
 
+    @override
     def fractions(self, memory: LagoudasMemory) -> Fractions:
-        """Return the phase state stored in a memory."""
         return Fractions(memory.fraction, memory.ratio * memory.fraction)
 
+    @override
     def select(self, xp: Namespace, memory: LagoudasMemory, stress: Scalar, temperature: Scalar) -> LagoudasProcess:
-        """Find the part of a straight way to (stress [Pa], temperature [K]) in which the martensite grows."""
         scale = self.scale(xp)
         move = LagoudasProcess(*memory, grows_from=0.0, grows_to=1.0)
         way = move.way(stress, temperature)
@@ -116,10 +112,10 @@ class Lagoudas(AbstractSurfaceLaw):
         start, end = (self.forward_meeting(xp, scale, way, share) for share in (here, 1.0))
         return move._replace(grows_from=start, grows_to=end)
 
+    @override
     def follow(
         self, xp: Namespace, move: LagoudasProcess, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
-        """Return the fractions if the move ends at (stress, temperature); independent of dt."""
         scale, way = self.scale(xp), move.way(stress, temperature)
         strain = move.ratio * self.H_sat
         share = self.reverse_share(xp, scale, strain, stress, temperature)
@@ -127,7 +123,7 @@ class Lagoudas(AbstractSurfaceLaw):
         left = xp.minimum(invert_hardening(xp, share, self.n_3, self.n_4), move.fraction)
         share = self.smooth(xp, self.forward_share(xp, scale, stress, temperature), self.waist_f)
         fraction = xp.maximum(invert_hardening(xp, share, self.n_1, self.n_2), left)
-        if self.reorients:  # what goes back from the other orientation and forms again is new
+        if self.reorients:  # martensite that reverts from the other orientation and forms again is new
             move = move._replace(fraction=xp.where(move.ratio < 0.0, left, move.fraction))
         gained = self._integrate_strain(xp, scale, move, way, xp.maximum(fraction, move.fraction))
         kept = move.ratio * xp.minimum(fraction, move.fraction)
@@ -136,9 +132,9 @@ class Lagoudas(AbstractSurfaceLaw):
     def _integrate_strain(
         self, xp: Namespace, scale: WorkScale, move: LagoudasProcess, way: StraightPath, fraction: Scalar
     ) -> Scalar:
-        """∫H dξ [-] up to a fraction.
+        """Return ∫H dξ [-] up to a fraction.
 
-        H = H₀ + c (h - h₀) + a parabola that is 0 at both ends and right near the middle of h.
+        H = H₀ + c (h - h₀) + a parabola that is 0 at both ends and exact near the middle of h.
         """
         exponents = self.n_1, self.n_2
         first, last = (compute_hardening(xp, x, *exponents) for x in (move.fraction, fraction))
@@ -147,7 +143,7 @@ class Lagoudas(AbstractSurfaceLaw):
         safe = xp.where(climbs, climb, 1.0)
 
         def reached(part: Scalar) -> tuple[Scalar, Scalar]:
-            """Return the stress at a part of the growth, and the share h_f reached there."""
+
             stress, kelvin = way.at(move.grows_from + part * (move.grows_to - move.grows_from))
             return stress, self.forward_share(xp, scale, stress, kelvin)
 
@@ -163,9 +159,9 @@ class Lagoudas(AbstractSurfaceLaw):
         return grown * (slow + bulge) + area * more
 
     def _halfway(self, xp: Namespace, middle: Scalar, first: Scalar, climb: Scalar) -> Scalar:
-        """Return the part of a growth after which h has done half of its climb, about.
+        """Return the approximate fraction of a growth at which h has risen by half.
 
-        Along it h_f is a parabola through both ends and what it reaches in the `middle`.
+        h_f is a parabola through both ends and its value in the `middle`.
         """
         goal = 0.5
         if self.hardening == "waisted":
@@ -177,6 +173,7 @@ class Lagoudas(AbstractSurfaceLaw):
         bend = 4.0 * xp.clip((middle - first) / climb, 0.0, 1.0) - 1.0
         return 2.0 * goal / (bend + xp.sqrt(bend * bend + 4.0 * goal - 4.0 * goal * bend))
 
+    @override
     def commit(
         self,
         xp: Namespace,
@@ -187,7 +184,6 @@ class Lagoudas(AbstractSurfaceLaw):
         temperature: Scalar,
         dt: Scalar,
     ) -> LagoudasMemory:
-        """Return the memory after the accepted move."""
         grown = fractions.martensite > memory.fraction
         if self.reorients:
             grown = xp.either(grown, xp.both(memory.ratio < 0.0, fractions.martensite > 0.0))
@@ -198,7 +194,7 @@ class Lagoudas(AbstractSurfaceLaw):
     def kinetics(
         self, xp: Namespace, memory: LagoudasMemory, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> tuple[LagoudasMemory, Fractions]:
-        """Advance along a straight leg, with stops wherever a process may turn inside it."""
+        """Advance along a straight leg, cut wherever a process may turn inside it."""
         here = memory.stress, memory.temperature
         there = LagoudasProcess(*memory, grows_from=0.0, grows_to=1.0)
         found = self.follow(xp, there, *here, 0.0)
@@ -211,7 +207,7 @@ class Lagoudas(AbstractSurfaceLaw):
     def _advance(
         self, xp: Namespace, memory: LagoudasMemory, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> tuple[LagoudasMemory, Fractions]:
-        """Advance along a piece of a leg on which forward transformation does not turn back."""
+        """Advance along a piece of a leg without a forward turn."""
         way = LagoudasProcess(*memory, grows_from=0.0, grows_to=1.0).way(stress, temperature)
         strain = memory.ratio * self.H_sat
         turn = way.at(self.reverse_peak(xp, self.scale(xp), way, strain))
@@ -221,20 +217,20 @@ class Lagoudas(AbstractSurfaceLaw):
         return super().kinetics(xp, memory, stress, temperature, dt)
 
     def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
-        """H_sat·oriented + [α_A + ξ (α_M - α_A)] (T - T_ref) [-]."""
+        """Return H_sat·oriented + [α_A + ξ (α_M - α_A)] (T - T_ref) [-]."""
         alpha = self.alpha_A + fractions.martensite * (self.alpha_M - self.alpha_A)
         return find_side_strain(xp, self, "H_sat", fractions) + alpha * (temperature - self.T_ref)
 
     def compliance(self, xp: Namespace, fractions: Fractions) -> Scalar:
-        """1/E_A + ξ (1/E_M - 1/E_A) [1/Pa]."""
+        """Return 1/E_A + ξ (1/E_M - 1/E_A) [1/Pa]."""
         return 1.0 / self.E_A + fractions.martensite * self.softening()
 
     def crossing(
         self, xp: Namespace, memory: LagoudasMemory, move: LagoudasProcess, stress: Scalar, temperature: Scalar
     ) -> Scalar:
-        """Return the share of a transformation range by which the move goes beyond its surface [-].
+        """Return the largest overshoot of a surface by the move, as a fraction of its range [-].
 
-        Shares without waist, since these tell how much of the fraction changes.
+        The values have no waist, because these measure the change of the fraction.
         """
         scale = self.scale(xp)
         ahead = xp.clip(self.forward_share(xp, scale, stress, temperature), 0.0, 1.0)

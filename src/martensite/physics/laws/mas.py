@@ -1,24 +1,24 @@
-r"""Müller–Achenbach–Seelecke law of a single crystal: three wells, thermally activated jumps.
+"""Müller–Achenbach–Seelecke law of a single crystal: three wells, thermally activated jumps.
 
     dx₊/dt = p_A₊ A - p_₊A x₊,    dx₋/dt = p_A₋ A - p_₋A x₋,    A = 1 - x₊ - x₋
     ε = ε_T (x₊ - x₋) + σ [(x₊ + x₋)/E_M + A/E_A]
 
-with the wells of `kinetics.layers` and the rates of `kinetics.barriers`. A plateau lies
-a little inside its threshold and moves with the logarithm of the rate (0.3 MPa per decade for
-V = 5e-23 m³). Layer volume V and time τ mean something only together with the form of the
-rates.
+with the wells of `kinetics.layers` and the rates of `kinetics.barriers`. A plateau lies slightly inside its threshold
+and moves with the logarithm of the rate (0.3 MPa per decade for V = 5e-23 m³). Layer volume V and time τ have a meaning
+only together with the form of the rates.
 
-With a published latent heat the free energy is rarely consistent: `heat_model =
-"free-energy"` takes the heat -T dβ/dT from it instead (β the difference of the wells at
-rest); `stress` adds the work and the elastic part σ ε_T + ½ σ² (1/E_A - 1/E_M).
+A published latent heat is rarely consistent with the free energy: `heat_model = "free-energy"` takes the heat -T dβ/dT
+from it instead (β the difference of the unloaded wells); `stress` adds the work and the elastic part σ ε_T + ½ σ²
+(1/E_A - 1/E_M).
 
-Sources: Seelecke and Müller (2004), Appl. Mech. Rev. 57; the limit σ_A ≥ 0 as in a public
-implementation of the Saarland group (Ullrich 2014).
+Sources: Seelecke and Müller (2004), Appl. Mech. Rev. 57; the limit σ_A ≥ 0 as in a public implementation of the
+Saarland group (Ullrich 2014).
 """
 
 from collections.abc import Callable
 from typing import NamedTuple
 
+from martensite.base.interfaces import override
 from martensite.base.parameters import option
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics.barriers import (
@@ -36,7 +36,7 @@ from martensite.physics.laws.base import LAWS, Fractions
 
 
 class MasStep(NamedTuple):
-    """A step from the remembered point."""
+    """Step from the remembered point."""
 
     present: VariantFractions
     starts: tuple[RateStart, ...]
@@ -44,7 +44,7 @@ class MasStep(NamedTuple):
 
 
 RESTING = 0.03
-"""Share of its layers that a process at rest is guessed to move in one step."""
+"""Fraction of its layers that a process near equilibrium moves in one step, for the first guess."""
 
 
 @LAWS.register("mas")
@@ -62,8 +62,8 @@ class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
     )
 
     @property
+    @override
     def form(self) -> str:
-        """Form of the rates."""
         return self.rates
 
     def barriers(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> tuple[Process, ...]:
@@ -74,20 +74,20 @@ class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
         minus = build_processes(xp, constants, at, -stress, self.form)
         return (*plus, *minus)
 
+    @override
     def select(self, xp: Namespace, memory: CrystalMemory, stress: Scalar, temperature: Scalar) -> MasStep:
-        """Return the barriers at the start of a step."""
         found = self.barriers(xp, memory.stress, memory.temperature)
         starts = tuple(keep_process(xp, process) for process in found)
         return MasStep(memory.present, starts, self.strongest(xp, memory.present, stress, temperature))
 
+    @override
     def follow(self, xp: Namespace, move: MasStep, stress: Scalar, temperature: Scalar, dt: Scalar) -> Fractions:
-        """Return the fractions if the step of dt [s] ends at (stress, temperature)."""
         ends = self.barriers(xp, stress, temperature)
         flows = mean_flows(xp, move.starts, ends, dt / self.layer_time)
         return join_variants(exchange_fractions(xp, move.present, flows))
 
     def drive(self, xp: Namespace, move: MasStep, stress: Scalar, temperature: Scalar, dt: Scalar) -> Scalar:
-        """Return the stress by which the pulled process would end beyond its rest in a step of dt [Pa]."""
+        """Return the stress beyond the equilibrium of the process in a step of dt [Pa]."""
         pull = move.pull
         at = build_wells(xp, self.material(), self.linear_transition_stress(temperature), temperature, self.form)
         scale = compute_scales(xp, self.material(), at, self.form)
@@ -100,7 +100,7 @@ class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
         found = self.barriers(xp, stress, temperature)
         return Flows(*(compute_rate(xp, process, self.layer_time) for process in found))
 
+    @override
     def jumps(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Callable[[Scalar], Flows]:
-        """Return the rates of the jumps, which do not depend on the quantile."""
         rates = self.jump_rates(xp, stress, temperature)
         return lambda quantile: rates

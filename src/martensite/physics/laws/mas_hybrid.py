@@ -1,27 +1,27 @@
-r"""Müller–Achenbach–Seelecke law in its rate-independent limit: modes instead of rates.
+"""Müller–Achenbach–Seelecke law in its rate-independent limit: modes instead of rates.
 
-While a transformation runs, stress rests at its threshold; otherwise fractions are frozen.
-The modes A, M+, M-, A↔M+ and A↔M- are not switched by events but are the data themselves:
+While a transformation runs, stress stays at its threshold; otherwise fractions are frozen. The modes A, M+, M-, A↔M+
+and A↔M- need no switching events, because the state defines them:
 
     R± = ½ + (±σ - σ̂_M)/w  on [0, 1]     x± cannot stay above R±
     F± = ½ + (±σ - σ̂_A)/w  on [0, 1]     x± rises to F± as long as there is austenite
 
-a play operator with a ramp of width w (0.1 MPa), which closes every minor loop. Thermal
-activation moves the resting stress inside the thresholds by the barrier that layers pass in
-the `transit_time` t_c,
+a play operator with a ramp of width w (0.1 MPa), which closes every minor loop. Thermal activation moves the stress
+inside the thresholds by the barrier that layers pass in the `transit_time` t_c,
 
     σ̂_A = max(0, σ_A - √ln(t_c/τ)/k_A),   σ̂_M = σ_M + √ln(t_c/τ)/k_M,
     k² = ½ λ (1/E + 1/K),   λ = V/(k_B T_L),
 
-so that plateaus lie where the rate law has them at a rate of about 1/t_c; a decade of rate is
-0.2 to 0.3 MPa. Without it (t_c ≤ τ) plateaus lie at the nominal thresholds.
+so that plateaus agree with the rate law at a rate of about 1/t_c; a decade of rate is 0.2 to 0.3 MPa. For t_c ≤ τ
+plateaus lie at the nominal thresholds.
 
-Source: the idea of a hybrid automaton of five modes is that of Mandolino, Ferrante and
-Rizzello (2021), arXiv 2103.03586 (abstract seen); the play form is this package's.
+Source: the hybrid automaton of five modes by Mandolino, Ferrante and Rizzello (2021), arXiv 2103.03586 (abstract seen);
+the play form is this package's.
 """
 
 from typing import NamedTuple
 
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics.barriers import build_wells, compute_scales
@@ -30,14 +30,14 @@ from martensite.physics.laws.base import LAWS, Fractions
 
 
 class HybridStep(NamedTuple):
-    """A step from the remembered point."""
+    """Step from the remembered point."""
 
     present: VariantFractions
     pull: Pull
 
 
 class Rests(NamedTuple):
-    """Stresses [Pa] at which transformations rest."""
+    """Equilibrium stresses [Pa] of transformations."""
 
     A: Scalar
     M: Scalar
@@ -45,7 +45,7 @@ class Rests(NamedTuple):
 
 @LAWS.register("mas-hybrid")
 class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
-    """Single crystal without rates: stress rests at a threshold while layers switch."""
+    """Rate-independent single crystal: stress stays at a threshold while layers switch."""
 
     cites = ("mandolino2021", "seelecke2004")
 
@@ -53,7 +53,7 @@ class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
     ramp: Number = param("Pa", "stress over which a transformation runs", low=1e3, high=1e8, default=1e5)
 
     def inside(self, xp: Namespace) -> Rests:
-        """Return the distances inside σ_A and σ_M at which transformations rest [Pa], from the wells at T_L."""
+        """Return the distances of the equilibrium stresses inside σ_A and σ_M [Pa], from the wells at T_L."""
         constants = self.material()
         at = build_wells(xp, constants, self.sigma_L, self.T_L, self.form)
         scale = compute_scales(xp, constants, at, self.form)
@@ -67,19 +67,19 @@ class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
             xp.maximum(threshold - inside.A, 0.0), self.transition_stress(xp, temperature) - self.Delta_sigma + inside.M
         )
 
+    @override
     def select(self, xp: Namespace, memory: CrystalMemory, stress: Scalar, temperature: Scalar) -> HybridStep:
-        """Return the state in balance at the start, and the process that is driven hardest."""
         present = self.balance(xp, memory.present, memory.stress, memory.temperature)
         return HybridStep(present, self.strongest(xp, present, stress, temperature))
 
+    @override
     def follow(self, xp: Namespace, move: HybridStep, stress: Scalar, temperature: Scalar, dt: Scalar) -> Fractions:
-        """Return the fractions if the step ends at (stress, temperature); independent of dt."""
         return join_variants(self.balance(xp, move.present, stress, temperature))
 
     def balance(
         self, xp: Namespace, present: VariantFractions, stress: Scalar, temperature: Scalar
     ) -> VariantFractions:
-        """Return the remaining and the newly formed fractions of the variants at a point."""
+        """Return the remaining and newly formed fractions of the variants at a point."""
         rests = self.rests(xp, temperature)
 
         def reached(stress: Scalar, rest: Scalar) -> Scalar:
@@ -109,7 +109,7 @@ class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
         return super().kinetics(xp, halfway, stress, temperature, dt)
 
     def drive(self, xp: Namespace, move: HybridStep, stress: Scalar, temperature: Scalar, dt: Scalar) -> Scalar:
-        """Return the distance beyond the middle of the remaining ramp, for the pulled process [Pa]."""
+        """Return the distance beyond the middle of the remaining ramp [Pa]."""
         rests, pull, now = self.rests(xp, temperature), move.pull, move.present
         present = xp.where(pull.by_stress * pull.by_threshold < 0.0, now.plus, now.minus)
         by_A = pull.by_threshold * rests.A - 0.5 * present * self.ramp

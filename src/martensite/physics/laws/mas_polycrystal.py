@@ -1,16 +1,14 @@
-r"""Müller–Achenbach–Seelecke law of a polycrystal: groups of layers in series.
+"""Müller–Achenbach–Seelecke law of a polycrystal: groups of layers in series.
 
     ε = Σ wᵢ { ε_T (x₊ᵢ - x₋ᵢ) + σ [(x₊ᵢ + x₋ᵢ)/E_M + Aᵢ/E_A] }
 
-Every group follows the single-crystal law with the barrier form of the rates. Groups differ
-by a normal distribution of standard deviation `spread`, at the medians of equally probable
-classes, so that all weights are equal:
+Every group follows the single-crystal law with the barrier form of the rates. Groups differ by a normal distribution of
+standard deviation `spread`, at the medians of equally probable classes of equal weight:
 
-- `barriers` (default): each group has its own threshold σ_A + δᵢ. Plateaus get slopes, minor
-  loops are smooth, a wire under tension comes back to its start.
-- `internal-stress`: each group feels its own stress σ + σᵢ. Groups with σ + σᵢ < 0 turn into
-  M- on cooling and a weak bias cannot turn them back: part of the stroke is lost. Known defect
-  of this variant for tension wires; it is here for comparison.
+- `barriers` (default): each group has its own threshold σ_A + δᵢ. Plateaus get slopes, minor loops are smooth, a wire
+  under tension returns to its start.
+- `internal-stress`: each group has its own stress σ + σᵢ, for comparison. Groups with σ + σᵢ < 0 turn into M- on
+  cooling and a weak bias cannot turn them back: a tension wire loses part of its stroke, a known defect.
 
 With zero spread both are the single crystal.
 
@@ -21,6 +19,7 @@ from collections.abc import Callable, Sequence
 from statistics import NormalDist
 from typing import NamedTuple
 
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import sum_column
@@ -41,7 +40,7 @@ Column = Sequence[Scalar]
 
 
 class PolycrystalMemory(NamedTuple):
-    """All that a polycrystal remembers: the variants of every group."""
+    """Memory of a polycrystal: the variants of each group."""
 
     plus: Column
     minus: Column
@@ -51,14 +50,14 @@ class PolycrystalMemory(NamedTuple):
 
 
 class PolycrystalStep(NamedTuple):
-    """A step from the remembered point; one entry per group."""
+    """Step from the remembered point; one entry per group."""
 
     plus: Column
     minus: Column
     starts: tuple[Column, ...]
     pull: Pull
     rest: Scalar
-    """Overshoot at the start [Pa]: a process in progress stays near it."""
+    """Overshoot at the start [Pa]; a process in progress stays near it."""
 
 
 @LAWS.register("mas-polycrystal")
@@ -78,12 +77,12 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         return tuple(NormalDist().inv_cdf((k + 0.5) / count) for k in range(count))
 
     def shifts(self, quantile: Scalar) -> tuple[Scalar, Scalar]:
-        """Return the shift of the threshold and of the stress of a group [Pa]."""
+        """Return the shifts of threshold and stress of a group [Pa]."""
         shift = self.spread * quantile
         return (shift, 0.0) if self.distribution == "barriers" else (0.0, shift)
 
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> PolycrystalMemory:
-        """Return the memory of a wire in a phase state that has no history; all groups are alike."""
+        """Return the memory of a phase state without history, equal in all groups."""
         present, count = split_variants(fractions), int(self.groups)
         columns = (present.plus,) * count, (present.minus,) * count
         return PolycrystalMemory(*columns, fractions, stress, temperature)
@@ -91,7 +90,7 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
     def relocate(
         self, xp: Namespace, memory: PolycrystalMemory, fractions: Fractions, stress: Scalar, temperature: Scalar
     ) -> PolycrystalMemory:
-        """Each variant shrinks by one factor in all groups, or grows in proportion to austenite."""
+        """Scale a shrinking variant by one factor in all groups; a growing one grows in proportion to austenite."""
         before, after = split_variants(memory.mean), split_variants(fractions)
 
         def shrunk(now: Scalar, then: Scalar) -> Scalar:
@@ -113,24 +112,24 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         plus, minus = columns
         return self.remember(xp, plus, minus, stress, temperature)
 
+    @override
     def populations(self, memory: PolycrystalMemory) -> tuple[Column, Column]:
-        """x₊ and x₋ of every group."""
         return memory.plus, memory.minus
 
+    @override
     def remember(
         self, xp: Namespace, plus: Column, minus: Column, stress: Scalar, temperature: Scalar
     ) -> PolycrystalMemory:
-        """Return the memory with these populations of every group."""
         mean = self.mean(xp, plus, minus)
         return PolycrystalMemory(tuple(plus), tuple(minus), mean, stress, temperature)
 
+    @override
     def jumps(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Callable[[Scalar], Flows]:
-        """Return the rates [1/s] of the four processes, by the quantile of a group."""
         four, time = self.group(xp, stress, temperature), self.layer_time
         return lambda quantile: Flows(*(compute_rate(xp, process, time) for process in four(quantile)))
 
+    @override
     def fractions(self, memory: PolycrystalMemory) -> Fractions:
-        """Return the mean over the groups of ξ = x₊ + x₋ and of x₊ - x₋."""
         return memory.mean
 
     def mean(self, xp: Namespace, plus: Column, minus: Column) -> Fractions:
@@ -139,8 +138,8 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         a, b = share * sum_column(plus), share * sum_column(minus)
         return Fractions(xp.minimum(a + b, 1.0), a - b)
 
+    @override
     def select(self, xp: Namespace, memory: PolycrystalMemory, stress: Scalar, temperature: Scalar) -> PolycrystalStep:
-        """Return the barriers of all groups at the start of a step."""
         group = self.group(xp, memory.stress, memory.temperature)
 
         def start(quantile: Scalar) -> tuple[Scalar, ...]:
@@ -154,8 +153,8 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
     def group(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Callable[[Scalar], tuple[Process, ...]]:
         """Return the four processes at a point, as a function of the quantile of a group.
 
-        The bridge between the wells is that of the mean threshold for all groups; beyond the
-        far threshold, where nothing ever jumps, the barrier keeps growing as a parabola.
+        All groups use the bridge between the wells of the mean threshold; beyond the opposite threshold, where no layer
+        jumps, the barrier grows as a parabola.
         """
         constants, threshold = self.material(), self.linear_transition_stress(temperature)
         middle = build_wells(xp, constants, threshold, temperature, self.form)
@@ -184,12 +183,13 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         plus, minus = xp.each(advance, self.quantiles(), move.plus, move.minus, *move.starts)
         return plus, minus
 
+    @override
     def follow(
         self, xp: Namespace, move: PolycrystalStep, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
-        """Return the fractions if the step of dt [s] ends at (stress, temperature)."""
         return self.mean(xp, *self.groups_after(xp, move, stress, temperature, dt))
 
+    @override
     def commit(
         self,
         xp: Namespace,
@@ -200,10 +200,9 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         temperature: Scalar,
         dt: Scalar,
     ) -> PolycrystalMemory:
-        """Return the memory after the accepted step."""
         plus, minus = self.groups_after(xp, move, stress, temperature, dt)
         return self.remember(xp, plus, minus, stress, temperature)
 
+    @override
     def drive(self, xp: Namespace, move: PolycrystalStep, stress: Scalar, temperature: Scalar, dt: Scalar) -> Scalar:
-        """Return the distance beyond the start of the process that the trial drives hardest [Pa]."""
         return self.overshoot(xp, move.pull, stress, temperature) - move.rest

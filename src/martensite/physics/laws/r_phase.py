@@ -1,22 +1,23 @@
-r"""Law with an R-phase between austenite and martensite: two transformations with the kinetics of Liang and Rogers.
+"""Law with an R-phase between austenite and martensite: two transformations with the kinetics of Liang and Rogers.
 
-    ξ   martensite of the whole                       T - σ/C_M from M_s to M_f, T - σ/C_A from A_s to A_f
-    ρ   R-phase of what is not martensite             T - σ/C_R from R_s to R_f, and back dT_R higher
+    ξ   martensite fraction                           T - σ/C_M from M_s to M_f, T - σ/C_A from A_s to A_f
+    ρ   R-phase fraction of the rest                  T - σ/C_R from R_s to R_f, and back dT_R higher
 
-so that ξ_R = ρ (1 - ξ). Martensite takes from austenite and R in proportion, which leaves ρ as it is, and reverts into
-the one that is stable there: into R below its strips, into austenite above them. C_R is two to three times C_M, so that
-the start lines meet at a stress beyond which martensite is first and less and less austenite is left for R.
+so that ξ_R = ρ (1 - ξ). Martensite takes from austenite and R in proportion, which keeps ρ, and reverts into the phase
+that is stable there: R below its strips, austenite above. C_R is two to three times C_M, so that the start lines meet
+at a stress beyond which martensite forms first and little austenite remains for R.
 
     ε = [σ - Θ (T - T_ref)]/E + ε_L ξ + ε_R ξ_R,     E = E_A + ξ (E_M - E_A) + ξ_R (E_R - E_A)
 
-All R counts as oriented, as all martensite does. By Clausius and Clapeyron the latent heat of A → R would be the share
-C_R ε_R/(C_M ε_L) of the whole; it is a parameter. ε grows with ξ and with ρ, and both lag behind the stress, so no
-isothermal loop creates work but where the strips of martensite overlap.
+All R-phase and all martensite count as oriented. By Clausius and Clapeyron the latent heat of A → R would be the
+fraction C_R ε_R/(C_M ε_L) of the whole; it is a parameter. ε grows with ξ and ρ, and both lag behind the stress, so an
+isothermal loop creates work only if the strips of martensite overlap.
 """
 
 from typing import NamedTuple
 
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, param
 from martensite.base.units import DEGREES
 from martensite.kernels.namespace import Namespace, Scalar
@@ -32,7 +33,7 @@ class RPhaseMemory(NamedTuple):
 
     martensite: OneFractionMemory
     rphase: OneFractionMemory
-    """Memory of the fraction of R in the material that is not martensite."""
+    """Memory of ρ."""
 
     @property
     def stress(self) -> Scalar:
@@ -46,22 +47,22 @@ class RPhaseMemory(NamedTuple):
 
 
 class RPhaseMove(NamedTuple):
-    """The process of each transformation."""
+    """Process of each transformation."""
 
     martensite: OneFractionProcess
     rphase: OneFractionProcess
 
 
 class CosineStrips(AbstractCosineLaw):
-    """One transformation of a law that has two."""
+    """One transformation of a law with two."""
 
 
 @LAWS.register("r-phase")
 class RPhase(AbstractPhaseDiagram):
     """Liang–Rogers kinetics for martensite and, with narrow steep strips, for the R-phase.
 
-    Facts on the R-phase are recalled (review: Otsuka and Ren, 2005). Only the abstract was read of the paper that asks
-    for three fractions in models of actuators (2026). The interaction of the two transformations is an assumption of
+    Facts on the R-phase are recalled (review: Otsuka and Ren, 2005). Of the paper that demands three fractions in
+    actuator models (2026), only the abstract was read. The interaction of the two transformations is an assumption of
     this package.
     """
 
@@ -84,42 +85,42 @@ class RPhase(AbstractPhaseDiagram):
         "1", "latent heat of the R-phase as a share of that of martensite", low=0.0, high=1.0, typical=0.25
     )
 
+    @override
     def check(self) -> None:
-        """Raise `ParameterError` if a strip has no width, or the R-phase as much strain as martensite."""
         super().check()
         require_order(self, ("R_f", "R_s"))
         if not self.eps_R < self.eps_L:
             words = f"must be below `eps_L`, but is {self.eps_R:.4g} against {self.eps_L:.4g}."
             raise ParameterError(f"Parameter `eps_R` of `{self.registered_name}` {words}")
 
+    @override
     def cautions(self) -> list[str]:
-        """Return the cautions of the martensite, and a caution if the R-phase is hardly visible on cooling."""
         found = self.whole().cautions()
         if self.M_s >= self.R_s:
             found.append("M_s is not below R_s: martensite forms first, and little R-phase or none is seen on cooling.")
         return found
 
+    @override
     def doubt(self) -> Doubt | None:
-        """Return the doubt of the martensite."""
         return self.whole().doubt()
 
     def highest_stress(self) -> Scalar:
-        """Return the stress [Pa] at which the start lines meet: beyond it martensite forms before the R-phase."""
+        """Return the stress [Pa] beyond which martensite forms before the R-phase."""
         return (self.R_s - self.M_s) / (1.0 / self.C_M - 1.0 / self.C_R)
 
     def whole(self) -> CosineStrips:
-        """Return the law of the martensite."""
+        """Return the law of martensite."""
         law, own = object.__new__(CosineStrips), self.__dict__
         law.__dict__.update({name: own.get(name, one.default) for name, one in CosineStrips.declarations.items()})
         return law
 
     def parent(self) -> CosineStrips:
-        """Return the law of what is not martensite, whose martensite is the R-phase."""
+        """Return the law of ρ, as if R were its martensite."""
         law, back = self.whole(), {"A_s": self.R_f + self.dT_R, "A_f": self.R_s + self.dT_R}
         return law.rebuilt(back | {"M_s": self.R_s, "M_f": self.R_f, "C_A": self.C_R, "C_M": self.C_R})
 
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> RPhaseMemory:
-        """Return the memory of a wire that has no history; its R-phase is that of one that was cooled to this point."""
+        """Return the memory without history; the R-phase is that of cooling to this point."""
         at, parent = (stress, temperature), self.parent()
         share = 1.0 - parent.left(xp, xp.clip(parent.strips()[0].distance(*at), 0.0, 1.0))
         own = self.whole().init(xp, fractions, *at)
@@ -128,7 +129,7 @@ class RPhase(AbstractPhaseDiagram):
     def relocate(
         self, xp: Namespace, memory: RPhaseMemory, fractions: Fractions, stress: Scalar, temperature: Scalar
     ) -> RPhaseMemory:
-        """Return the branches in progress go on; the R-phase, which no observer asks for, goes along its curve."""
+        """Return the memory at another point; branches continue, and ρ follows its curve."""
         at, parent, before = (stress, temperature), self.parent(), memory.rphase
         forward, reverse = parent.strips()
         cools = before.branch >= 0.0
@@ -140,29 +141,30 @@ class RPhase(AbstractPhaseDiagram):
         own = self.whole().relocate(xp, memory.martensite, fractions, *at)
         return RPhaseMemory(own, parent.relocate(xp, before, Fractions(share, share), *at))
 
+    @override
     def find_forgotten_change(self, memory: RPhaseMemory) -> Scalar | None:
-        """Return the larger of both [-]."""
         own = self.whole().find_forgotten_change(memory.martensite)
         more = self.parent().find_forgotten_change(memory.rphase)
         return None if own is None or more is None else max(own, more)
 
     def fractions(self, memory: RPhaseMemory) -> RPhaseFractions:
-        """ξ, ξ again and ρ."""
+        """Return ξ, ξ and ρ."""
         return RPhaseFractions(*self.whole().fractions(memory.martensite), memory.rphase.fraction)
 
+    @override
     def select(self, xp: Namespace, memory: RPhaseMemory, stress: Scalar, temperature: Scalar) -> RPhaseMove:
-        """Return the processes set off by a straight move to (stress [Pa], temperature [K])."""
         at = stress, temperature
         return RPhaseMove(self.whole().select(xp, memory.martensite, *at), self.parent().select(xp, memory.rphase, *at))
 
+    @override
     def follow(
         self, xp: Namespace, move: RPhaseMove, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> RPhaseFractions:
-        """Return the fractions if the move ends at (stress, temperature); independent of dt."""
         at = stress, temperature, dt
         share = self.parent().follow(xp, move.rphase, *at).martensite
         return RPhaseFractions(*self.whole().follow(xp, move.martensite, *at), share)
 
+    @override
     def commit(
         self,
         xp: Namespace,
@@ -173,7 +175,6 @@ class RPhase(AbstractPhaseDiagram):
         temperature: Scalar,
         dt: Scalar,
     ) -> RPhaseMemory:
-        """Return the memory after the accepted move."""
         at, share = (stress, temperature, dt), Fractions(fractions.rphase, fractions.rphase)
         own = self.whole().commit(xp, memory.martensite, move.martensite, fractions, *at)
         return RPhaseMemory(own, self.parent().commit(xp, memory.rphase, move.rphase, share, *at))
@@ -181,30 +182,30 @@ class RPhase(AbstractPhaseDiagram):
     def kinetics(
         self, xp: Namespace, memory: RPhaseMemory, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> tuple[RPhaseMemory, Fractions]:
-        """Advance along a straight leg, on which both processes of martensite may act but one of the R-phase."""
+        """Advance along a straight leg; martensite may have two processes in succession, the R-phase one."""
         between = history.find_handover(xp, *self.whole().strips(), memory.martensite, stress, temperature)
         memory, _ = super().kinetics(xp, memory, *between, dt)
         return super().kinetics(xp, memory, stress, temperature, dt)
 
     def young(self, fractions: Fractions) -> Scalar:
-        """E_A + ξ (E_M - E_A) + ξ_R (E_R - E_A) [Pa]."""
+        """Return E_A + ξ (E_M - E_A) + ξ_R (E_R - E_A) [Pa]."""
         return self.mixture(fractions) + fractions.rphase_fraction * (self.E_R - self.E_A)
 
     def transformation_strain(self, xp: Namespace, fractions: Fractions) -> Scalar:
-        """ε_L ξ + ε_R ξ_R [-]."""
+        """Return ε_L ξ + ε_R ξ_R [-]."""
         return super().transformation_strain(xp, fractions) + self.eps_R * fractions.rphase_fraction
 
+    @override
     def released(self, fractions: Fractions) -> Scalar:
-        """ξ and its share of ξ_R [-]."""
         return fractions.martensite + self.latent_R * fractions.rphase_fraction
 
+    @override
     def kinks(self, xp: Namespace, memory: RPhaseMemory) -> list[Scalar]:
-        """Return the kinks of both transformations."""
         return [*self.whole().kinks(xp, memory.martensite), *self.parent().kinks(xp, memory.rphase)]
 
+    @override
     def crossing(
         self, xp: Namespace, memory: RPhaseMemory, move: RPhaseMove, stress: Scalar, temperature: Scalar
     ) -> Scalar:
-        """Return the larger share of a strip crossed by the move [-]."""
         own = self.whole().crossing(xp, memory.martensite, move.martensite, stress, temperature)
         return xp.maximum(own, self.parent().crossing(xp, memory.rphase, move.rphase, stress, temperature))

@@ -1,20 +1,19 @@
-r"""A step of a law of rates by a Rosenbrock method, coupled with heat and mechanism.
+"""Rosenbrock step of a rate-dependent law, coupled with heat and mechanism.
 
 The populations x of all groups of layers and the temperature T follow
 
     dx/dt = f(x, σ, T),     C dT/dt = P(ξ, T, t) - Q(T) + Λ(σ, T) dξ/dt,     σ = S(ξ, oriented, T)
 
-with the stress S on the load line. Rodas4 takes six linear solves with the one matrix
-I/(γ Δt) - J, stiffly accurate and L-stable, of order four; the solution of order three inside it
-shows the error. The matrix is never set up: groups depend on each other through stress and
-temperature only, so each is a system of two, and the temperature closes them by one equation.
+with the stress S on the load line. Rodas4 needs six linear solves with the matrix I/(γ Δt) - J; it is stiffly accurate,
+L-stable and of order four, and an embedded solution of order three gives the error. The matrix is never assembled:
+groups are coupled through stress and temperature only, so each is a 2 × 2 system, and one equation gives the
+temperature.
 
-No method of this kind keeps fractions between 0 and 1 if its step is too long. What is outside is
-set on the bound in the result, and left in the one it is compared with, so that an error control
-sees it; it is never hidden.
+Long steps may leave fractions outside 0 to 1. The result is limited, the embedded solution is not, so that the error
+control detects the excess.
 
-Sources: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, section IV.7 and
-their code RODAS for the coefficients and the continuous output.
+Sources: Hairer and Wanner (1996), Solving Ordinary Differential Equations II, section IV.7 and their code RODAS for the
+coefficients and the continuous output.
 """
 
 from __future__ import annotations
@@ -39,7 +38,7 @@ POINTS = (
     (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950),
     (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 1.0),
 )
-"""Coefficients of the points at which each stage evaluates the rates, by the stages before."""
+"""Coefficients of previous stages in the state of each stage."""
 CARRIED = (
     (),
     (-5.6688,),
@@ -48,22 +47,22 @@ CARRIED = (
     (7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160),
     (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054),
 )
-"""Coefficients of the stages before in each stage, per step."""
+"""Coefficients of previous stages in the equation of each stage, per step."""
 TIMES = (0.0, 0.386, 0.21, 0.63, 1.0, 1.0)
 SLOPES = (0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0)
-"""Share of the rate of change with time alone."""
+"""Factors of the explicit time derivative."""
 INNER = (10.12623508344586, -7.487995877610167, -34.80091861555747, -7.992771707568823, 1.025137723295662)
 OUTER = (-0.6762803392801253, 6.087714651680015, 16.43084320892478, 24.76722511418386, -6.594389125716872)
 """Coefficients of the continuous output."""
 
 
 class Coupling(NamedTuple):
-    """Coupling of a law of rates; `at` is (ξ, oriented fraction, temperature [K])."""
+    """Coupling of a rate-dependent law; `at` is (ξ, oriented fraction, temperature [K])."""
 
     stress: Callable[[Namespace, Column], Scalar]
     """Stress on the load line [Pa]."""
     power: Callable[[Namespace, Column], Column]
-    """Net heat flow in the middle of the step [W], and its change in time [W/s]."""
+    """Net heat flow in the middle of the step [W], and its time derivative [W/s]."""
     latent: Callable[[Namespace, Scalar, Scalar], Scalar]
     """Heat of the whole forward transformation [J] at (stress [Pa], temperature [K])."""
     capacity: Scalar
@@ -71,38 +70,38 @@ class Coupling(NamedTuple):
 
 
 class _Group(NamedTuple):
-    """A group of layers, or a change of one: a population of each variant."""
+    """Population of each variant in a group, or its change."""
 
     plus: Scalar
     minus: Scalar
 
 
 class _Linear(NamedTuple):
-    """Rates of all groups, linearised at the start; one entry per group."""
+    """Linearised rates of all groups; one entry per group."""
 
     rates: _Columns
     inverse: tuple[Column, Column, Column, Column]
     """Inverse of I/(γ Δt) - J within a group."""
     by_stress: _Columns
-    """Effect of a change of stress, through that inverse."""
+    """That inverse times the derivative with respect to stress."""
     by_temperature: _Columns
 
 
 class _Columns(NamedTuple):
-    """Populations of all groups, or changes of them."""
+    """Populations of all groups, or their changes."""
 
     plus: Column
     minus: Column
 
     def mean(self) -> tuple[Scalar, Scalar]:
-        """Return means of martensite and oriented fraction over the groups."""
+        """Return the mean martensite and oriented fractions."""
         share = 1.0 / len(self.plus)
         a, b = share * sum_column(self.plus), share * sum_column(self.minus)
         return a + b, a - b
 
 
 class _Stage(NamedTuple):
-    """A change of the whole system."""
+    """Change of the whole system."""
 
     groups: _Columns
     martensite: Scalar
@@ -110,17 +109,13 @@ class _Stage(NamedTuple):
     temperature: Scalar
 
     def scalars(self) -> list[Scalar]:
-        """Return the values that do not belong to single groups."""
         return [self.martensite, self.oriented, self.temperature]
 
 
 def advance_rosenbrock(
     xp: Namespace, law: AbstractExchange, memory: Any, coupling: Coupling, dt: Scalar
 ) -> tuple[Any, Any, Any]:
-    """Return the memory after a step of dt [s], in its middle, and after it to the lower order.
-
-    `dt` must be above 0.
-    """
+    """Return the memory after a step of dt > 0 [s], in its middle, and after it to the lower order."""
     start = _Columns(*law.populations(memory))
     at = [*start.mean(), memory.temperature]
     stages = _Stages(xp, law, coupling, start, at, dt).solve()
@@ -135,7 +130,7 @@ def advance_rosenbrock(
 
 
 def find_rates(xp: Namespace, law: AbstractExchange, memory: Any, T: Scalar, coupling: Coupling) -> tuple[Any, Column]:
-    """Return the memory with the stress at a temperature [K], and the rates: of x₊ and x₋ of all groups, of T."""
+    """Return the memory with the stress at a temperature [K], and the rates of x₊, x₋ and T."""
     here = _Columns(*law.populations(memory))
     at = [*here.mean(), T]
     stress = coupling.stress(xp, at)
@@ -171,14 +166,13 @@ class _Stages:
         self._close(at)
 
     def solve(self) -> list[_Stage]:
-        """Return all stages, one after the other."""
-        found: list[_Stage] = []
+        stages: list[_Stage] = []
         for k in range(6):
-            found.append(self._solve_stage(k, found))
-        return found
+            stages.append(self._solve_stage(k, stages))
+        return stages
 
     def _stress(self, at: Sequence[Scalar]) -> tuple[Scalar, list[Scalar]]:
-        """Return the stress on the load line, and its slopes."""
+        """Return the stress on the load line, and its derivatives."""
 
         def stress(xp: Namespace, at: Column) -> Column:
             return [self.coupling.stress(xp, at)]
@@ -262,7 +256,7 @@ class _Stages:
         return _Stage(_Columns(*groups), m, o, change)
 
     def _state(self, weights: Sequence[float], before: Sequence[_Stage]) -> list[Scalar]:
-        """Return the fractions and temperature where a stage asks for rates."""
+        """Return fractions and temperature at a stage."""
         changes = zip(*(one.scalars() for one in (self.begin, *before)), strict=True)
         return [x + _weigh_numbers(weights, rest) for x, *rest in changes]
 
@@ -300,7 +294,6 @@ class _Stages:
 
 
 def _sum_flows(flows: Flows, at: _Group) -> _Group:
-    """Return the net flows between the phases of a group."""
     austenite = 1.0 - at.plus - at.minus
     return _Group(
         flows.to_plus * austenite - flows.from_plus * at.plus, flows.to_minus * austenite - flows.from_minus * at.minus
@@ -340,7 +333,7 @@ def _sum_stages(xp: Namespace, begin: _Stage, stages: Sequence[_Stage], weights:
 
 
 def _make_settle(xp: Namespace, law: AbstractExchange, coupling: Coupling) -> Callable[[_Stage, bool], Any]:
-    """Makes a memory of a state, with populations within their bounds if they are to be."""
+    """Return a function that makes a memory of a state, optionally with limited populations."""
 
     def limit(plus: Scalar, minus: Scalar) -> list[Scalar]:
         plus = xp.clip(plus, 0.0, 1.0)

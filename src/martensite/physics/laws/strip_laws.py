@@ -1,23 +1,24 @@
-r"""Laws with one martensite fraction and two strips: Liang–Rogers, Tanaka, Elahinia–Ashrafiuon.
+"""Laws with one martensite fraction and two strips: Liang–Rogers, Tanaka, Elahinia–Ashrafiuon.
 
 With u = T - σ/C_M and w = T - σ/C_A they share the strips and the constitutive equation of
 `martensite.physics.kinetics.strips`, in integrated form so that elastic loops close,
 
     ε = [σ - Θ (T - T_ref)]/E + ε_L ξ,
 
-and differ in their curves and in Young's modulus E. Forward needs du = dT - dσ/C_M < 0, reverse dw = dT - dσ/C_A > 0:
-the sign of dT alone never decides. Θ > 0 means that a free bar shrinks on heating. The cosines, in ratio form (exact,
-and free of 0/0 at the strip ends), are
+and differ in their curves and in Young's modulus E. Forward requires du = dT - dσ/C_M < 0, reverse dw = dT - dσ/C_A >
+0; the sign of dT alone does not decide. Θ > 0 means that a free bar shrinks on heating. The cosines in ratio form
+(exact, without 0/0 at the strip ends) are
 
     forward  1 - ξ = (1 - ξ₀) sin²(θ_M/2)/sin²(θ_M0/2),   θ_M = π (u - M_f)/(M_s - M_f),   M_f < u < M_s
     reverse      ξ = ξ₀ cos²(θ_A/2)/cos²(θ_A0/2),         θ_A = π (w - A_s)/(A_f - A_s),   A_s < w < A_f
 
-The history rules `resume` and `restart` are this package's (`martensite.physics.kinetics.history`): where the strips
-overlap (C_A > C_M) one process acts, the branch in progress, else the one met first, else reverse.
+The history rules `resume` and `restart` are this package's (`martensite.physics.kinetics.history`). If the strips
+overlap (C_A > C_M), one process acts: the branch in progress, else the process met first, else reverse.
 """
 
 import math
 
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, option, param
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.physics.kinetics.diagram import AbstractShapes
@@ -31,8 +32,8 @@ from martensite.physics.laws.base import LAWS, Fractions
 class LiangRogers(AbstractCosineLaw, AbstractShapes):
     """Liang–Rogers kinetics (cosines) with a constant or ξ-dependent Young's modulus.
 
-    With a transformation stress that is linear in ξ, σ = E ε + Ω ξ + Θ (T - T_ref) and Ω = -ε_L E(1). That differs only
-    between the phases, and only if E depends on ξ.
+    With a transformation stress linear in ξ, σ = E ε + Ω ξ + Θ (T - T_ref) and Ω = -ε_L E(1). This differs only between
+    the phases, and only if E depends on ξ.
 
     Source: Liang and Rogers (1990), J. Intell. Mater. Syst. Struct. 1.
     """
@@ -69,7 +70,7 @@ class LiangRogers(AbstractCosineLaw, AbstractShapes):
     sigma_cal: Number = param("Pa", "stress at which C_A and C_M hold, if curved", low=0.0, high=2e9, default=0.0)
 
     def left_of(self, xp: Namespace, distance: Scalar, ahead: Flag) -> Scalar:
-        """sin²(π/2 · distance), or 1 - ξ with h(ξ) = 1 - distance forward, and ξ with h(ξ) = distance in reverse."""
+        """Return sin²(π/2 · distance), or 1 - ξ with h(ξ) = 1 - distance forward, ξ with h(ξ) = distance reverse."""
         if self.hardening == "cosine":
             return self.left(xp, distance)
         forward, reverse = (self.n_2, self.n_1, self.waist_f), (self.n_3, self.n_4, self.waist_r)
@@ -77,8 +78,8 @@ class LiangRogers(AbstractCosineLaw, AbstractShapes):
         share = remove_waist(xp, distance, waist) if self.hardening == "waisted" else distance
         return invert_hardening(xp, share, first, last)
 
+    @override
     def curves(self) -> tuple[StripCurve | tuple[()], StripCurve | tuple[()]]:
-        """Bend and spread of both strips."""
         if self.surfaces == "straight":
             return (), ()
         return (
@@ -86,8 +87,8 @@ class LiangRogers(AbstractCosineLaw, AbstractShapes):
             StripCurve(self.curvature_r, self.sigma_cal, -self.widening_r),
         )
 
+    @override
     def cautions(self) -> list[str]:
-        """Return the cautions of its strips, and cautions for parameters that no option uses."""
         found = super().cautions() + self.describe_unused(self.hardening, self.surfaces)
         for name, slope, curve in zip(("M_f", "A_s"), (self.C_M, self.C_A), self.curves(), strict=True):
             falls = _find_fall(slope, curve) if curve else None
@@ -98,14 +99,14 @@ class LiangRogers(AbstractCosineLaw, AbstractShapes):
                 )
         return found
 
+    @override
     def young(self, fractions: Fractions) -> Scalar:
-        """Return Young's modulus [Pa] by the chosen rule."""
         if self.modulus == "mixture":
             return self.mixture(fractions)
         return self.E_A if self.modulus == "austenite" else self.E_M
 
     def transformation_strain(self, xp: Namespace, fractions: Fractions) -> Scalar:
-        """ε_L ξ, or -Ω ξ/E with Ω = -ε_L E(1) [-]."""
+        """Return ε_L ξ, or -Ω ξ/E with Ω = -ε_L E(1) [-]."""
         strain = super().transformation_strain(xp, fractions)
         if self.transformation == "strain":
             return strain
@@ -113,7 +114,7 @@ class LiangRogers(AbstractCosineLaw, AbstractShapes):
 
 
 ENOUGH = 2e9
-"""Stress [Pa] up to which it is looked for lines that fall."""
+"""Highest stress [Pa] at which falling lines are reported."""
 
 
 def _find_fall(slope: float, curve: StripCurve) -> float | None:
@@ -126,7 +127,7 @@ def _find_fall(slope: float, curve: StripCurve) -> float | None:
 
 
 STEEPNESS = 2.0 * math.log(10.0)
-"""Exponent of a whole strip: it leaves 1 %."""
+"""Exponent of a whole strip, which leaves 1 %."""
 
 
 @LAWS.register("tanaka")
@@ -136,9 +137,9 @@ class Tanaka(AbstractStripLaw):
         forward  1 - ξ = (1 - ξ₀) exp[-a_M (u₀ - u)],     a_M = 2 ln 10/(M_s - M_f),     u ≤ M_s
         reverse      ξ = ξ₀ exp[-a_A (w - w₀)],           a_A = 2 ln 10/(A_f - A_s),     w ≥ A_s
 
-    with u₀ = M_s and w₀ = A_s for a process that starts on its start line. The constants mean that 99 % is done on the
-    finish line; the rest follows beyond it and is not cut off. Where the strips overlap the branch in progress goes on
-    until its finish line, then the other until its own.
+    with u₀ = M_s and w₀ = A_s for a process that starts on its start line. 99 % is complete on the finish line; the
+    tail beyond it is not cut off. If the strips overlap, the branch in progress continues to its finish line, then the
+    other to its own.
 
     Source: Tanaka (1986), Res Mechanica 18, as restated by Kossoski (2018), where ξ₀ in the forward curve, the signs of
     the exponents and the temperature width in the stress factors are misprinted; the original was not seen.
@@ -150,11 +151,11 @@ class Tanaka(AbstractStripLaw):
     modulus: str = option("Young's modulus, constant", "austenite", "martensite", default="austenite")
 
     def left(self, xp: Namespace, distance: Scalar) -> Scalar:
-        """exp[-2 ln 10 (1 - distance)]."""
+        """Return exp[-2 ln 10 (1 - distance)]."""
         return xp.exp(-STEEPNESS * (1.0 - distance))
 
+    @override
     def young(self, fractions: Fractions) -> Scalar:
-        """Return Young's modulus [Pa] of the chosen phase."""
         return self.E_A if self.modulus == "austenite" else self.E_M
 
 
@@ -165,12 +166,12 @@ class Elahinia(AbstractCosineLaw):
         E(ξ) = E_A + ξ (E_M - E_A)
         dσ = E dε - ε_L E dξ + (E_M - E_A)(ε - ε_L ξ) dξ + Θ dT
 
-    The rate form is often printed without its third term; then it is the differential of no stress function, and closed
-    loops leave a spurious strain. For strips that overlap the paper has no rule.
+    The rate form is often printed without its third term. It then is not the differential of a stress function, and
+    closed loops leave a spurious strain. The paper has no rule for overlapping strips.
 
-    Two statements that are printed about this model: "reduces to Liang–Rogers at constant stress" is true for ξ;
-    strains agree up to E(ξ), and fully with its option `modulus = "mixture"`. "Reduces to Brinson when isothermal" is
-    false: it starts to transform at a stress lower by Brinson's start stress of detwinning, and it does not detwin.
+    Two printed statements about this model: "reduces to Liang–Rogers at constant stress" is true for ξ; strains agree
+    up to E(ξ), and fully with the option `modulus = "mixture"`. "Reduces to Brinson when isothermal" is false:
+    transformation starts at a stress lower by Brinson's start stress of detwinning, and there is no detwinning.
 
     Source: Elahinia and Ashrafiuon (2002), J. Vib. Acoust. 124, as restated by Kossoski (2018); the original was not
     seen.

@@ -1,30 +1,31 @@
-"""Wear: what cycles change in a law, and how it settles.
+"""Wear: saturating drift of law parameters with cycles.
 
-    N' = ½ |ξ'| + a max(T - T_h, 0)         cycles done;   w = 1 - exp(-N/N₀)
+    N' = ½ |ξ'| + a max(T - T_h, 0)         completed cycles;   w = 1 - exp(-N/N₀)
     ε_r' = max(ε_∞ σ/σ_r - ε_r, 0) N'/N₀    residual strain: at a constant stress ε_∞ (σ/σ_r) w
 
 Transformation temperatures are shifted by w ΔT, transformation strains multiplied by 1 - w s. Residual strain never
-goes back. It goes with the fraction at the end of a step, inside its solve, at the stress of its start; the numbers of
-the law are those at its start: they lag by what one step changes, an error of first order.
+decreases. It follows the fraction at the end of a step, inside its solve, at the initial stress; the law parameters are
+those at the start of the step, an error of first order.
 
 Source: an internal variable that saturates exponentially with accumulated transformation, after Tanaka et al. (1995)
-and Zaki and Moumni (2007), both from memory. Numbers are the user's own: none are known here of any wire.
+and Zaki and Moumni (2007), both from memory. The user must supply all values: no wire data are known.
 """
 
 from typing import NamedTuple
 
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, Parametrised, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.base import AbstractLaw, Fractions
 
 TEMPERATURES = ("A_s", "A_f", "M_s", "M_f", "T_L")
 STRAINS = ("eps_L", "eps_T", "H_sat", "H_min", "eps_L_compression", "H_sat_compression")
-"""Parameters of laws that are shifted, and that are lessened."""
+"""Law parameters that are shifted, and that are reduced."""
 
 
 class Worn(NamedTuple):
-    """State of wear of an element: residual strain [-]; fraction and stress [Pa] at that time."""
+    """Wear of an element: cycles, residual strain [-]; fraction and stress [Pa] at that time."""
 
     cycles: Scalar
     residual: Scalar
@@ -48,15 +49,15 @@ class Wear(Parametrised):
     overheat_temperature: Number = param("K", "temperature above which heat wears", low=200.0, high=1e3, default=1e3)
     overheat_rate: Number = param("1/K/s", "cycles done in a second, per kelvin above it", low=0.0, default=0.0)
 
+    @override
     def cautions(self) -> list[str]:
-        """Return a caution that the parameters have no known source."""
         return ["Wear follows numbers of no known source: it predicts nothing beyond the cycles they were fitted to."]
 
     def check_law(self, law: AbstractLaw) -> None:
-        """Raise `ParameterError` if nothing in a law can wear, or residual strain outdoes its transformation."""
-        found = {leaf.path: leaf.value for leaf in law.leaves()}
-        strain = max((found[name] for name in STRAINS if name in found), default=0.0)
-        if not strain or not any(name in found for name in TEMPERATURES):
+        """Raise `ParameterError` if a law has no wearing parameters, or residual strain grows too fast."""
+        values = {leaf.path: leaf.value for leaf in law.leaves()}
+        strain = max((values[name] for name in STRAINS if name in values), default=0.0)
+        if not strain or not any(name in values for name in TEMPERATURES):
             listed = ", ".join((*STRAINS, *TEMPERATURES))
             raise ParameterError(f"Law `{law.registered_name}` cannot wear: it has none of {listed}.")
         if self.temperature_shift and law.steep and not law.rate_dependent:
@@ -68,7 +69,7 @@ class Wear(Parametrised):
             )
 
     def begin(self, xp: Namespace, fractions: Fractions, stress: Scalar) -> Worn:
-        """Return the wear by the cycles before the start, under the stress [Pa] there."""
+        """Return the wear of the cycles before the start, at the initial stress [Pa]."""
         new = Worn(0.0, 0.0, fractions.martensite, stress)
         return Worn(self.cycles, self._grow(xp, new, self.cycles), *new[2:])
 
@@ -81,7 +82,7 @@ class Wear(Parametrised):
         return Worn(worn.cycles + more, self._grow(xp, worn, more), fractions.martensite, stress)
 
     def apply(self, xp: Namespace, law: AbstractLaw, worn: Worn) -> AbstractLaw:
-        """Return the law as it is worn."""
+        """Return the worn law."""
         done = self._settle(xp, worn.cycles)
         shift, left = done * self.temperature_shift, 1.0 - done * self.stroke_loss
         numbers = {leaf.path: leaf.value for leaf in law.leaves()}
@@ -97,14 +98,13 @@ class Wear(Parametrised):
         return twin
 
     def _settle(self, xp: Namespace, cycles: Scalar) -> Scalar:
-        """Return the share of the change that is done."""
+        """Return the completed fraction of the change."""
         return 1.0 - xp.exp(-cycles / self.settling_cycles)
 
     def _turn(self, xp: Namespace, worn: Worn, fractions: Fractions) -> Scalar:
-        """Return the cycles between two fractions."""
         return 0.5 * xp.abs(fractions.martensite - worn.martensite)
 
     def _grow(self, xp: Namespace, worn: Worn, more: Scalar) -> Scalar:
-        """Return the residual strain so many cycles later."""
+        """Return the residual strain `more` cycles later."""
         aim = self.residual_strain * (xp.maximum(worn.stress, 0.0) / self.reference_stress)
         return worn.residual + xp.maximum(aim - worn.residual, 0.0) * self._settle(xp, more)
