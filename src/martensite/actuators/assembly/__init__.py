@@ -1,4 +1,4 @@
-"""Systems: one element, or several, on a mechanism."""
+"""Systems: one or several elements on a mechanism."""
 
 from martensite.actuators.assembly.actuator import Actuator, Feed, Group, Members
 from martensite.actuators.assembly.base import AbstractSystem, State

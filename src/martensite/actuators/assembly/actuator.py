@@ -1,4 +1,4 @@
-"""An actuator: an element, its surroundings, and what drives it."""
+"""An actuator: element, environment and source."""
 
 from collections.abc import Mapping
 from typing import Any, ClassVar, Generic, NamedTuple, Self, TypeVar
@@ -7,6 +7,7 @@ from martensite.actuators.assembly.outputs import OBSERVABLES, Observation
 from martensite.actuators.elements.base import ELEMENTS, AbstractElement, CellProfile, Heating
 from martensite.actuators.mechanisms.base import Load, Output
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import REQUIRED, Declared, Parametrised, part
 from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
@@ -18,13 +19,12 @@ Kind = TypeVar("Kind", bound=Parametrised)
 
 
 class Members(Parametrised, Generic[Kind]):
-    """Components of one kind by name, in the order in which they were given."""
+    """Components of one kind by name, in the given order."""
 
     noun: ClassVar[str] = "component"
-    """Noun for a component of this kind."""
     kind: ClassVar[type[Any]] = Parametrised
     registry: ClassVar[Registry[Any] | None] = None
-    """Registry from which files choose a component by its name, if there are several kinds."""
+    """Registry from which files choose a component by name."""
 
     def __init__(self, **members: Kind) -> None:
         for name, member in members.items():
@@ -36,8 +36,8 @@ class Members(Parametrised, Generic[Kind]):
             self.__dict__[name] = member
 
     @property
+    @override
     def declarations(self) -> dict[str, Declared]:  # type: ignore[override]
-        """Declare one part per component."""
         article = "an" if self.noun[0] in "aeiou" else "a"
         return {name: Declared("part", f"{article} {self.noun}", REQUIRED) for name in self.__dict__}
 
@@ -47,57 +47,57 @@ class Members(Parametrised, Generic[Kind]):
 
 
 class Feed(NamedTuple):
-    """Input of an element during a step of a march."""
+    """Input of an element during a time step."""
 
     moments: Moments
-    """Moments of its drive signal."""
+    """Moments of the drive signal."""
     owed: Scalar
-    """Heat that the step before should have brought as well [J]."""
+    """Heat missing from the previous step [J]."""
 
 
 class Actuator(Parametrised):
-    """An element, its environment and a source."""
+    """Element, environment and source."""
 
     element: AbstractElement = part("the shape-memory element", ELEMENTS)
     environment: Environment = part("surroundings")
     source: AbstractSource = part("what drives the element", SOURCES)
 
     def start(self, xp: Namespace, force: Scalar, drive: Scalar) -> Any:
-        """Return the state of the element at rest under a force [N], as warm as its surroundings."""
+        """Return the equilibrium of the element under a force [N] at ambient temperature."""
         imposed = self.source.sets_temperature
         temperature = drive if imposed else self.environment.temperature
         return self.element.init(xp, force, temperature)
 
     def load(self, state: Any, drive: Scalar | Feed) -> Load:
-        """Return the element in a state, under a drive signal, as a mechanism sees it."""
+        """Return the element in a state, under a drive signal, as a mechanism needs it."""
         signal, owed = drive if isinstance(drive, Feed) else (drive, 0.0)
         heating = Heating(self.environment, self.source, signal, owed)
         return Load(self.element, state, heating)
 
     def with_cooling_signals(self, xp: Namespace, signals: Mapping[str, Scalar | Moments]) -> Self:
-        """Return the actuator under the signals of what cools it."""
+        """Return the actuator under its cooling signals."""
         cooling = self.environment.cooling
         return self.rebuilt({"environment.cooling": cooling.with_signals(xp, signals)}) if cooling.signals() else self
 
     def observe_element(self, xp: Namespace, state: Any, force: Scalar, drive: Scalar) -> dict[str, Scalar]:
-        """Return every output, by name, under a force [N] and a drive signal."""
+        """Return each output, by name, under a force [N] and a drive signal."""
         condition = self.element.condition(xp, state, force, self.environment)
         current = self.source.current(xp, drive, condition.resistance)
         seen = Observation(drive, force, current, condition)
         return {name: OBSERVABLES[name].compute(seen) for name in self.own_outputs()}
 
     def own_outputs(self) -> dict[str, Output]:
-        """Return the outputs of the element and of its drive."""
+        """Return the outputs of element and drive."""
         rphase = getattr(self.element.law, "rphase", False)  # a user-defined element may have no law
         return {name: one.output for name, one in OBSERVABLES.items() if rphase or not one.of_rphase}
 
     def profile(self, state: Any) -> CellProfile:
-        """Return the quantities that vary along the element; described in `PROFILES`."""
+        """Return the quantities of `PROFILES` along the element."""
         return self.element.profile(state)
 
 
 class Group(Members[Actuator], init=False):
-    """Actuators by the names of the ports that they stand at."""
+    """Actuators by port name."""
 
     noun = "actuator"
     kind = Actuator

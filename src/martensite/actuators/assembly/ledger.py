@@ -1,13 +1,13 @@
 """Energy accounts of a system in a state: the heat, and the mechanical energy.
 
-Two ledgers, since the heat balance of an element leaves mechanical work out:
+There are two balances, because the heat balance of an element excludes mechanical work:
 
-    heat    what drives put in = lost + change of (sensible + latent)
+    heat    input of the drives = losses + change of (sensible + latent)
     work    of the elements = change of (springs + gravity + kinetic + magnetic)
                             + dissipated + given to the outside
 
-Some of it is a function of the state. The rest is the work of a force along a way, which whoever
-marches adds up, as it does the losses, which are a power.
+Some accounts are functions of the state. The others are work along a path or losses, which the time integration adds
+up.
 """
 
 from dataclasses import dataclass, field
@@ -16,13 +16,13 @@ from martensite.actuators.elements.base import Effort
 from martensite.kernels.namespace import Scalar
 
 HEAT = ("sensible", "latent")
-"""Accounts of the heat that elements hold."""
+"""Accounts of heat in elements."""
 HELD = ("elastic", "springs", "gravity", "kinetic", "magnetic")
-"""Accounts of mechanical energy that is held; the elastic one by the elements."""
+"""Accounts of stored mechanical energy; elements store the elastic energy."""
 FLOWING = ("work", "dissipated", "outside")
-"""Accounts of work: of the elements, of what resists, and against the outside."""
+"""Accounts of work: of elements, of resistance, and against the outside."""
 EXCHANGED = ("exchanged_heat", "exchanged")
-"""Accounts of heat and of work that changed places, whichever way it went: the scales of the residuals."""
+"""Accounts of exchanged heat and work in absolute terms, the scales of the residuals."""
 ACCOUNTS: tuple[str, ...] = (*HEAT, *HELD, *FLOWING, *EXCHANGED)
 
 
@@ -31,14 +31,14 @@ class Entries:
     """Energy accounts of a state; a missing account is empty."""
 
     held: dict[str, Scalar] = field(default_factory=dict[str, Scalar])
-    """Energies [J] that are functions of the state, but for constants, by account."""
+    """Account -> energy [J] as a function of the state, up to a constant."""
     efforts: list[tuple[str, Effort]] = field(default_factory=list[tuple[str, Effort]])
-    """Efforts along ways, with their accounts."""
+    """Account and effort along a path."""
     lost: Scalar = 0.0
-    """Power [W] that elements whose heat is known lose to the surroundings."""
+    """Heat loss [W] of elements of known heat."""
     heat: bool = False
-    """True if there is a ledger of the heat."""
+    """True if there is a heat balance."""
     work: bool = False
-    """True if there is a ledger of the work."""
+    """True if there is a work balance."""
     unknown: tuple[str, ...] = ()
-    """Why there is none, in sentences."""
+    """Reasons for missing balances, in sentences."""

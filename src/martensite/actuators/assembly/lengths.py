@@ -1,4 +1,4 @@
-"""Lengths of elements as a mechanism is assembled, from which it is drawn."""
+"""Initial lengths of the elements on a mechanism, for drawings."""
 
 from collections.abc import Mapping, Sequence
 from typing import TypeAlias
@@ -12,7 +12,7 @@ Course: TypeAlias = Sequence[float] | Numbers
 
 
 def measure_lengths(system: AbstractSystem, columns: Mapping[str, Course]) -> dict[str, float]:
-    """Return the length of the element at each port at the start [m], from the first sample of the columns of a run."""
+    """Return the initial length of the element at each port [m], from the first sample of a run."""
     return {
         port: _find_natural_length(one.element) + elongation
         for (port, one), elongation in zip(system.actuators().items(), _list_elongations(system, columns), strict=True)
@@ -22,24 +22,24 @@ def measure_lengths(system: AbstractSystem, columns: Mapping[str, Course]) -> di
 def record_lengths(
     system: AbstractSystem, columns: Mapping[str, Course], drawn: AbstractSystem, strains: Mapping[str, float]
 ) -> dict[str, float]:
-    """Return the same lengths as functions of recorded numbers.
+    """Return the initial lengths as functions of recorded parameters.
 
-    An elongation is proportional to the natural length and to the strain. This is exact for wires; for a coil whose
-    numbers differ from those of the run it is an approximation.
+    Elongation is proportional to natural length and strain: exact for wires, approximate for a coil with other
+    parameters.
 
     Args:
-        system: what was run.
-        columns: of the run.
-        drawn: the same system with recorded numbers.
+        system: simulated system.
+        columns: columns of the run.
+        drawn: the same system with recorded parameters.
         strains: recorded first strain by port.
     """
-    found: dict[str, float] = {}
+    lengths: dict[str, float] = {}
     for (port, one), elongation in zip(system.actuators().items(), _list_elongations(system, columns), strict=True):
         natural = _find_natural_length(drawn.actuators()[port].element)
         strain = columns[system.label(port, "strain")][0]
         share = elongation / _find_natural_length(one.element)
-        found[port] = natural * (1.0 + (share / strain * strains[port] if strain else share))
-    return found
+        lengths[port] = natural * (1.0 + (share / strain * strains[port] if strain else share))
+    return lengths
 
 
 def _list_elongations(system: AbstractSystem, columns: Mapping[str, Course]) -> list[float]:
@@ -52,7 +52,7 @@ def _list_elongations(system: AbstractSystem, columns: Mapping[str, Course]) -> 
 
 
 def _find_natural_length(element: AbstractElement) -> float:
-    """Return the length from which elongation counts [m]; 0.1 m if the element has no length."""
+    """Return the length at zero elongation [m]; 0.1 m for an element without length."""
     one = getattr(element, "one", None)
     if isinstance(one, AbstractElement):
         return _find_natural_length(one) * getattr(element, "behind", lambda: 1.0)()

@@ -1,7 +1,6 @@
-"""Outputs of an element and of its drive: every output is declared once.
+"""Outputs of an element and its drive, each declared once.
 
-Another output of every actuator is one more entry of `OBSERVABLES`; runs, files, figures, exports
-and the bench list it by itself.
+A new entry of `OBSERVABLES` appears in runs, files, figures, exports and the bench.
 """
 
 from collections.abc import Callable
@@ -14,7 +13,7 @@ from martensite.kernels.namespace import Scalar
 
 
 class Observation(NamedTuple):
-    """Values that outputs are computed from."""
+    """Values from which outputs are computed."""
 
     drive: Scalar
     """Signal of the source, in its unit."""
@@ -23,20 +22,18 @@ class Observation(NamedTuple):
     current: Scalar
     """[A]"""
     condition: Condition
-    """Measurable condition of the element."""
 
 
 @dataclass(frozen=True)
 class Observable:
-    """One output: how it is called, and how it is computed."""
+    """One output and its kernel."""
 
     output: Output
     compute: Callable[[Observation], Scalar]
-    """A kernel."""
     after_mechanism: bool = False
-    """True if it comes after the outputs of the mechanism in a system of one element."""
+    """True if it follows the outputs of the mechanism in a system of one element."""
     of_rphase: bool = False
-    """True if only elements whose law knows an R-phase have it; `OUTPUTS` are the outputs of all elements."""
+    """True for laws with an R-phase only; `OUTPUTS` excludes it."""
 
 
 OBSERVABLES: dict[str, Observable] = {
@@ -67,7 +64,7 @@ OBSERVABLES: dict[str, Observable] = {
     ),
     "heat_loss": Observable(Output("W", "heat flow to the environment", "Q"), lambda of: of.condition.heat_loss, True),
 }
-"""The unit of the drive is that of its source."""
+"""The unit of the drive is the unit of its source."""
 
 OUTPUTS: dict[str, Output] = {name: one.output for name, one in OBSERVABLES.items() if not one.of_rphase}
 

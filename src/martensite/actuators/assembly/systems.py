@@ -1,4 +1,4 @@
-"""Systems: one element on a mechanism, or an actuator at every port of one; and a system through some equal steps."""
+"""Systems: one element on a mechanism, or an actuator at each port; and repeated equal steps of a system."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -9,6 +9,7 @@ from martensite.actuators.assembly.base import AbstractAssembly, AbstractSystem,
 from martensite.actuators.assembly.outputs import OBSERVABLES
 from martensite.actuators.mechanisms.base import Column, Output
 from martensite.base.errors import ParameterError, suggest_name
+from martensite.base.interfaces import override
 from martensite.base.parameters import part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
@@ -25,7 +26,7 @@ SUPPLIED = {
 
 
 class System(Actuator, AbstractAssembly):
-    """An element, its environment, a source and a mechanism of one port."""
+    """Element, environment, source and a mechanism of one port."""
 
     def check(self) -> None:
         """Raise `ParameterError` if the mechanism does not take one element."""
@@ -37,23 +38,22 @@ class System(Actuator, AbstractAssembly):
             )
         self._check_signals()
 
+    @override
     def actuators(self) -> dict[str, Actuator]:
-        """Itself."""
         return {self.mechanism.ports()[0]: self}
 
+    @override
     def label(self, port: str, name: str) -> str:
-        """Return the plain name: there is one actuator."""
         return name
 
+    @override
     def drive_at(self, port: str) -> str:
-        """`drive`."""
         return "drive"
 
+    @override
     def outputs(self) -> dict[str, Output]:
-        """Return the outputs of the element, and after the force the outputs of the mechanism."""
         own = self.own_outputs()
-        found = _insert_mechanism(own, self.of_mechanism())
-        return found | {"drive": own["drive"]._replace(unit=self.source.unit)}
+        return _insert_mechanism(own, self.of_mechanism()) | {"drive": own["drive"]._replace(unit=self.source.unit)}
 
     def description(self) -> str:
         """Return a description such as `wire (brinson) on bias-spring, driven by power`."""
@@ -61,13 +61,13 @@ class System(Actuator, AbstractAssembly):
         names = f"{element.registered_name} ({element.law.registered_name})"
         return f"{names} on {load}, driven by {self.source.registered_name}"
 
+    @override
     def arrange_outputs(self, seen: list[dict[str, Scalar]], mechanism: dict[str, Scalar]) -> dict[str, Scalar]:
-        """Merge the outputs of the element, and after the force the outputs of the mechanism."""
         (one,) = seen
         return _insert_mechanism(one, mechanism)
 
+    @override
     def profile(self, state: State) -> list[Column]:  # type: ignore[override]
-        """Return the quantities that vary along the element; described in `PROFILES`."""
         return list(self.element.profile(state.elements[0]))
 
 
@@ -78,22 +78,22 @@ def _insert_mechanism(own: Mapping[str, T], mechanism: Mapping[str, T]) -> dict[
 
 
 class Machine(AbstractAssembly):
-    """A mechanism and the actuators at its ports; outputs are called `port.temperature`.
+    """Mechanism and the actuators at its ports; outputs have names such as `port.temperature`.
 
-    With a supply that they share, its voltage is found at the start of every step; the step is made twice, with the
-    mean of the resistances before and after the first time, which keeps it of second order.
+    The voltage of a shared supply is computed at the start of each step. The step is then repeated with the mean of the
+    resistances before and after it, which gives second order.
     """
 
     group: Group = part("actuators by port", default=Group())
     supply: SharedSupply | None = part("supply that the sources share; each has its own if left out", default=None)
 
     def check(self) -> None:
-        """Raise `ParameterError` unless there is one actuator for every port."""
+        """Raise `ParameterError` unless there is one actuator for each port."""
         ports, members = self.mechanism.ports(), self.group.members()
         name = self.mechanism.registered_name
-        for given in members:
-            if given not in ports:
-                raise ParameterError(f"`{name}` has no port `{given}`. {suggest_name(given, ports)}")
+        for port in members:
+            if port not in ports:
+                raise ParameterError(f"`{name}` has no port `{port}`. {suggest_name(port, ports)}")
         missing = [port for port in ports if port not in members]
         if missing:
             raise ParameterError(
@@ -102,25 +102,25 @@ class Machine(AbstractAssembly):
             )
         self._check_signals()
 
+    @override
     def actuators(self) -> dict[str, Actuator]:
-        """In the order of the ports."""
         members = self.group.members()
         return {port: members[port] for port in self.mechanism.ports()}
 
+    @override
     def label(self, port: str, name: str) -> str:
-        """`port.name`."""
         return f"{port}.{name}"
 
+    @override
     def drive_at(self, port: str) -> str:
-        """Return the name of the port."""
         return port
 
     def exchanges(self) -> bool:
-        """Never with a supply that is shared."""
+        """Return False with a shared supply."""
         return self.supply is None and super().exchanges()
 
+    @override
     def step(self, xp: Namespace, state: State, *drives: Scalar | Feed, dt: Scalar) -> tuple[State, StepReport]:
-        """Advance by `dt` [s] under constant drive signals, or what they bring in that time."""
         if self.supply is None:
             return super().step(xp, state, *drives, dt=dt)
         ahead, _ = super().step(xp, state, *drives, dt=dt)
@@ -132,7 +132,7 @@ class Machine(AbstractAssembly):
         return State(tuple(states), own), report
 
     def of_mechanism(self) -> dict[str, Output]:
-        """Return the outputs of the mechanism, its signals, and the outputs of a shared supply."""
+        """Return the outputs of the mechanism, its signals, and a shared supply."""
         return super().of_mechanism() | (SUPPLIED if self.supply is not None else {})
 
     def _observe_rig(self, xp: Namespace, state: State, drives: Sequence[Scalar]) -> Column:
@@ -144,7 +144,7 @@ class Machine(AbstractAssembly):
     def _driven_actuators(
         self, xp: Namespace, state: State, drives: Sequence[Scalar | Feed], ohms: Sequence[Scalar] = ()
     ) -> list[Actuator]:
-        """With what the supply leaves them at these resistances [ohm], or at those of the state."""
+        """Return the actuators at the supply voltage for these resistances [ohm], or those of the state."""
         actuators = super()._driven_actuators(xp, state, drives)
         if self.supply is None:
             return actuators
@@ -157,14 +157,14 @@ class Machine(AbstractAssembly):
         rows = [(one.element, one.environment, own) for one, own in zip(self._actuators(), state.elements, strict=True)]
         return [one.condition(xp, own, one.force(own), around).resistance for one, around, own in rows]
 
+    @override
     def outputs(self) -> dict[str, Output]:
-        """Return the outputs of the mechanism, then the outputs of every actuator."""
-        found = self.of_mechanism()
+        outputs = self.of_mechanism()
         for port, one in self.actuators().items():
             for name, (unit, words, symbol) in one.own_outputs().items():
                 unit = one.source.unit if name == "drive" else unit
-                found[self.label(port, name)] = Output(unit, f"{words}, {port}", symbol)
-        return found
+                outputs[self.label(port, name)] = Output(unit, f"{words}, {port}", symbol)
+        return outputs
 
     def description(self) -> str:
         """Return a description such as `parallel-platform with 3 × coil-spring (liang-rogers)`."""
@@ -174,8 +174,8 @@ class Machine(AbstractAssembly):
         words = ", ".join(f"{count} × {kind}" for kind, count in kinds.items())
         return f"{self.mechanism.registered_name} with {words or 'no elements'}"
 
+    @override
     def arrange_outputs(self, seen: list[dict[str, Scalar]], mechanism: dict[str, Scalar]) -> dict[str, Scalar]:
-        """Merge the outputs of the mechanism, then the outputs of every actuator."""
         rows = zip(self.actuators(), seen, strict=True)
         own = {self.label(port, name): value for port, one in rows for name, value in one.items()}
         return mechanism | own
@@ -184,12 +184,12 @@ class Machine(AbstractAssembly):
 def _list_consumers(
     actuators: Sequence[Actuator], drives: Sequence[Scalar | Feed], ohms: Sequence[Scalar]
 ) -> list[Consumer]:
-    given = [one.moments.mean if isinstance(one, Feed) else one for one in drives]
-    return [Consumer(one.source, u, r) for one, u, r in zip(actuators, given, ohms, strict=False)]
+    means = [one.moments.mean if isinstance(one, Feed) else one for one in drives]
+    return [Consumer(one.source, u, r) for one, u, r in zip(actuators, means, ohms, strict=False)]
 
 
 Piece = tuple[Sequence[Scalar], Scalar]
-"""Signals, and for how long [s]."""
+"""Signals and their duration [s]."""
 
 
 def advance_steps(
@@ -201,8 +201,8 @@ def advance_steps(
     def turn(*numbers: Any) -> list[Any]:
         now, worst = shape.rebuild(numbers[:size]), StepReport(*numbers[size:])
         for signals, length in pieces:
-            now, found = system.step(xp, now, *signals, dt=length)
-            worst = StepReport(*map(xp.maximum, worst, found))
+            now, report = system.step(xp, now, *signals, dt=length)
+            worst = StepReport(*map(xp.maximum, worst, report))
         return flatten_numbers(now) + flatten_numbers(worst)
 
     begin = [*flatten_numbers(state), *(0.0 for _ in StepReport._fields)]

@@ -1,4 +1,4 @@
-"""Elements: a law, a heat balance, a resistance and a geometry, coupled by numbers."""
+"""Elements: law, heat balance, resistance and geometry."""
 
 from martensite.base.lazy import attach_names
 

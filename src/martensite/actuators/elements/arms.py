@@ -1,15 +1,15 @@
-r"""Wires, tubes and ribbons that turn an arm: twisted, or bent to a circle.
+"""Wires, tubes and ribbons that turn an arm: twisted, or bent to a circle.
 
-With twist or angle φ between the ends, length l, radius r, and height y over the neutral axis
+With angle φ between the ends, length l, radius r, and height y over the neutral axis
 
     torsion    γ = r φ/l,   M = ∫ τ r dA,   σ = √3 τ,   ε = γ/√3 (so that G = E/3)
     bending    ε = y φ/l,   M = ∫ σ y dA.
 
-To a mechanism an element has a length and a force. An arm or a drum of radius a makes them, e = a φ and F = M/a; with
-`arm` = 1 m they are an angle [rad] and a moment [N m], which is the same all along, as a pair of forces makes it.
+A mechanism needs a length and a force. An arm or drum of radius a gives e = a φ and F = M/a; with `arm` = 1 m these are
+an angle [rad] and a moment [N m], constant along the element.
 
-Fibres of a bent wire lie at equal angles, y = R sin α, those of a tube too, with three through its wall (Simpson's
-rule): both are exact for ∫ y² dA. The neutral axis is in the middle: half is computed, and counts twice.
+Fibres of a bent wire or tube lie at equal angles, y = R sin α, with three through the wall of a tube (Simpson's rule);
+both are exact for ∫ y² dA. The neutral axis is the middle: one half is computed and counts twice.
 """
 
 import math
@@ -19,16 +19,17 @@ from martensite.actuators.elements.base import ELEMENTS
 from martensite.actuators.elements.network import Column
 from martensite.actuators.elements.section import ROOT3, AbstractSection, find_section_points
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.thermal.base import Cylinder
 
 WALL = ((0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0))
-"""Simpson's rule, the outer surface last."""
+"""Simpson's rule, outer surface last."""
 
 
 class AbstractArm(AbstractSection):
-    """A section that turns an arm."""
+    """Section that turns an arm."""
 
     straight: ClassVar[bool] = False
 
@@ -38,7 +39,7 @@ class AbstractArm(AbstractSection):
     arm: Number = param("m", "radius of the arm or drum at its end", above=0.0, high=10.0, typical="5 mm")
 
     def check(self) -> None:
-        """Raise `ParameterError` if a tube has no wall, or fibres cannot ask the law."""
+        """Raise `ParameterError` if a tube has no wall, or the law does not allow fibres."""
         super().check()
         if self.inner_diameter >= self.diameter:
             raise ParameterError(
@@ -46,8 +47,8 @@ class AbstractArm(AbstractSection):
                 f"{1e3 * self.diameter:.4g} mm, but is {1e3 * self.inner_diameter:.4g} mm."
             )
 
+    @override
     def wire_length(self) -> Scalar:
-        """Return the length [m]."""
         return self.length
 
     def section(self) -> Scalar:
@@ -57,16 +58,16 @@ class AbstractArm(AbstractSection):
 
 @ELEMENTS.register("torsion-wire")
 class TorsionWire(AbstractArm):
-    """A straight wire or tube that is twisted."""
+    """Twisted straight wire or tube."""
 
     def fibre_columns(self, xp: Namespace) -> tuple[Column, Column]:
-        """Rings: γ/√3 per way of the arm [1/m], and volume [m³]."""
+        """Return γ/√3 per arm displacement [1/m] and volume [m³] of the rings."""
         return self.cut_rings(self.inner_diameter, 1.0 / (ROOT3 * self.length * self.arm))
 
 
 @ELEMENTS.register("bending-beam")
 class BendingBeam(AbstractArm):
-    """A ribbon, wire or tube that is bent to a circle."""
+    """Ribbon, wire or tube that is bent to a circle."""
 
     shape: str = option("its section", "ribbon", "wire", "tube", default="ribbon")
     diameter: Number = param(
@@ -76,13 +77,13 @@ class BendingBeam(AbstractArm):
     arm: Number = param("m", "radius of the arm at its end", above=0.0, high=10.0, typical="10 mm")
 
     def check(self) -> None:
-        """Raise `ParameterError` if only a tube could be hollow, or fibres cannot ask the law."""
+        """Raise `ParameterError` if only a tube could be hollow, or the law does not allow fibres."""
         super().check()
         if self.inner_diameter > 0.0 and self.shape != "tube":
             raise ParameterError("Parameter `inner_diameter` of `bending-beam` must be 0 unless `shape` is `tube`.")
 
+    @override
     def section(self) -> Scalar:
-        """Return the cross-section [m²]."""
         return self.diameter * self.width if self.shape == "ribbon" else super().section()
 
     def cylinder(self) -> Cylinder:
@@ -91,7 +92,7 @@ class BendingBeam(AbstractArm):
         return Cylinder(around, self.length)
 
     def fibre_columns(self, xp: Namespace) -> tuple[Column, Column]:
-        """Return the strain per way of the arm [1/m] and volume [m³], both sides of the neutral axis together."""
+        """Return strain per arm displacement [1/m] and volume [m³], both sides of the neutral axis together."""
         count, half, inner = int(self.fibres), 0.5 * self.diameter, 0.5 * self.inner_diameter
         each = math.pi / (2 * count - 1)
         turns = [((k + 0.5) * each, each if k + 1 < count else 0.5 * each) for k in range(count)]

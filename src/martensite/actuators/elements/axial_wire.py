@@ -1,12 +1,11 @@
-"""Axial wire: heat conducted along a wire, with a phase state and temperature per cell.
+"""Axial wire: heat conduction along a wire, with a phase state and temperature per cell.
 
     ρ c ∂T/∂t = ∂/∂y (k ∂T/∂y) + ρ λ ∂ξ/∂t - (4/d) h (T - T_a) + j²ρ_el
     1/k = (1 - ξ)/k_A + ξ/k_M
 
-under one force, between clamps at ambient temperature that take G_c (T - T_a) each. `spans`
-says into how many equal lengths clamps divide the wire; half a span is cut into cells
-(finite volumes), narrower towards the clamp, and stands for all of them. Second order in the
-cells. The healing length √(k d/(4 h)) is how far a clamp is felt: some millimetres.
+under one force, between clamps at ambient temperature that take G_c (T - T_a) each. Clamps divide the wire into `spans`
+equal lengths; half a span is cut into cells (finite volumes), narrower towards the clamp, and represents all of them.
+Second order in the cells. The healing length √(k d/(4 h)), some millimetres, is the range of a clamp.
 
 Cell faces lie at y = ℓ (e^{γ s} - 1)/(e^γ - 1), s = 0, 1/N … 1 from the clamp to the middle.
 """
@@ -18,6 +17,7 @@ from martensite.actuators.elements.cells import AbstractCells
 from martensite.actuators.elements.columns import Links
 from martensite.actuators.elements.network import Column
 from martensite.actuators.elements.wire import Wire
+from martensite.base.interfaces import override
 from martensite.base.parameters import FROM_MATERIAL, Number, option, param, part
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
@@ -25,7 +25,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 
 @ELEMENTS.register("axial-wire")
 class AxialWire(AbstractCells):
-    """A wire that is cooler near its clamps."""
+    """Wire that is cooler near its clamps."""
 
     thermal_conductivity: Number = param(
         "W/m/K", "thermal conductivity of austenite", above=0.0, high=1e9, default=FROM_MATERIAL, typical="15 W/m/K"
@@ -44,11 +44,11 @@ class AxialWire(AbstractCells):
     wire: Wire = part("the wire that is cut", ELEMENTS)
 
     def check(self) -> None:
-        """Raise `ParameterError` unless it is a plain wire that is cut."""
+        """Raise `ParameterError` unless a plain wire is cut."""
         self.require_cells()
 
     def copies(self) -> Scalar:
-        """Return the half spans."""
+        """Return the number of half spans."""
         return 2.0 * self.spans
 
     def lengths(self, xp: Namespace) -> Column:
@@ -58,14 +58,14 @@ class AxialWire(AbstractCells):
         scale = self.wire.length / (self.copies() * (faces[-1] - 1.0))
         return [scale * (b - a) for a, b in pairwise(faces)]
 
+    @override
     def places(self) -> list[float]:
-        """Return the middles of the cells, from the clamp [m]."""
         lengths = self.lengths(floats)
         ends = [0.0, *accumulate(lengths)]
         return [0.5 * (a + b) for a, b in pairwise(ends)]
 
     def links(self, xp: Namespace, fractions: Column) -> Links:
-        """Conduction between cells, and through the first half cell to the clamp [W/K]."""
+        """Return the conductances between cells, and from the first cell to the clamp [W/K]."""
         along = self.thermal_conductivity * self.wire.section()
         less = 1.0 / self.conductivity_ratio - 1.0
         halves = [

@@ -1,11 +1,11 @@
-"""Interface of an element to the system that couples it.
+"""Interface of an element to the system.
 
-An element advances through a step on its own, given what heats it and the force that the mechanism puts on a spring of
-its kind: at frozen phase fractions and temperature an element is a spring, and its tangent
+At frozen phase fractions and temperature an element is a spring with the tangent
 
     elongation = free + compliance · force
 
-is all a mechanism ever sees of it, whatever the law, the shape or the number of cells.
+This is all a mechanism needs, for any law, shape or number of cells. An element advances through a step given its
+heating and the force that the mechanism exerts on such a spring.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ ELEMENTS: Registry[AbstractElement] = Registry("element", "martensite.actuators.
 
 
 class Spring(NamedTuple):
-    """Elongation = free + compliance · force, from the length at zero strain."""
+    """elongation = free + compliance · force, from the length at zero strain."""
 
     free: Scalar
     """Elongation at zero force [m]."""
@@ -43,7 +43,7 @@ class Spring(NamedTuple):
 
 
 class Effort(NamedTuple):
-    """Force along a way: ∫ force d(way) is an energy [J]."""
+    """Force along a path: ∫ force d(way) is an energy [J]."""
 
     force: Scalar
     """[N], [N m], [V], or heat [J]."""
@@ -52,17 +52,18 @@ class Effort(NamedTuple):
 
 
 class StoredHeat(NamedTuple):
-    """The heat that an element holds."""
+    """Heat stored in an element."""
 
     sensible: Scalar
-    """[J], but for a constant."""
+    """[J], up to a constant."""
     latent: tuple[Effort, ...]
-    """Latent heat absorbed by a forward transformation [J] along the martensite fraction, negative, for every part of
-    the element."""
+    """Negative latent heat of the forward transformation [J] along the martensite fraction, for each part of the
+    element.
+    """
 
 
 Pull = Callable[[Namespace, Spring], Scalar]
-"""Force [N] at which a spring and the mechanism fit."""
+"""Force [N] at which a spring and the mechanism are in equilibrium."""
 
 
 @dataclass(frozen=True)
@@ -72,9 +73,9 @@ class Heating:
     environment: Environment
     source: AbstractSource
     drive: Scalar | Moments
-    """Signal of the source, in its unit: one that is constant, or what it brings in the step."""
+    """Constant signal of the source in its unit, or its moments in the step."""
     owed: Scalar = 0.0
-    """Heat that the step before should have brought as well [J]."""
+    """Heat missing from the previous step [J]."""
 
     def heat(self, xp: Namespace, resistance: Scalar) -> Heat:
         """Return the power [W] in a resistance [ohm]."""
@@ -85,7 +86,7 @@ class Heating:
         return Heat(power, 0.0, power)
 
     def ripple(self, xp: Namespace, resistance: Scalar, capacity: Scalar, dt: Scalar) -> Scalar:
-        """Return the temperature [K] that is left out by what heats on the average of a step of dt [s]."""
+        """Return the temperature [K] that mean heating over a step of dt [s] neglects."""
         if not isinstance(self.drive, Moments):
             return 0.0
         heat = self.heat(xp, resistance)
@@ -93,19 +94,19 @@ class Heating:
 
     @property
     def temperature(self) -> Scalar | None:
-        """Return the temperature imposed on the element [K]; None if the heat balance decides."""
+        """Return the imposed temperature of the element [K]; None with a heat balance."""
         if not self.source.sets_temperature:
             return None
         return self.drive.mean if isinstance(self.drive, Moments) else self.drive
 
 
 class Condition(NamedTuple):
-    """Measurable condition of an element in a state."""
+    """Measurable condition of an element."""
 
     temperature: Scalar
     """Mean [K]."""
     hottest: Scalar
-    """Highest anywhere in the element [K]."""
+    """Maximum in the element [K]."""
     martensite_fraction: Scalar
     oriented_fraction: Scalar
     stress: Scalar
@@ -116,11 +117,10 @@ class Condition(NamedTuple):
     heat_loss: Scalar
     """[W]"""
     rphase_fraction: Scalar = 0.0
-    """R-phase fraction, for a law that has one."""
 
 
 class CellProfile(NamedTuple):
-    """Quantities that vary along or across an element, one number per cell."""
+    """Quantities along or across an element, one value per cell."""
 
     cell_temperature: Sequence[Scalar]
     """[K]"""
@@ -138,32 +138,32 @@ class MaterialPoint(NamedTuple):
     martensite_fraction: Scalar
     oriented_fraction: Scalar
     kinks: tuple[Scalar, ...]
-    """Kinks of the law, see `AbstractLaw.kinks`."""
+    """See `AbstractLaw.kinks`."""
 
 
 class AbstractElement(Parametrised):
-    """Interface of an element: its `law`, its safety `limits`, and a state of its type."""
+    """Interface of an element: its `law`, its safety `limits`, and its state."""
 
     straight: ClassVar[bool] = True
-    """False if its strain is not that of a straight wire, which tears."""
+    """False if its strain is not that of a straight wire."""
     passes: ClassVar[int] = 1
-    """Turns in which force and tangent are fitted; 1 for an element that is linear in force."""
+    """Iterations for force and tangent; 1 for an element that is linear in force."""
 
     law: Given[AbstractLaw] = NotImplemented
-    """The stress–strain–temperature law."""
+    """Stress–strain–temperature law."""
     limits: ElementLimits = NotImplemented
-    """Limits that a run warns about."""
+    """Limits of warnings."""
 
     material: InitVar[Material | str | Path | None] = None
-    """Argument of every element, not a field of it: numbers that are left out are those of the material."""
+    """Argument of every element, not a field: source of omitted values."""
 
     def __init__(self, *unnamed: Any, material: Material | str | Path | None = None, **values: Any) -> None:
-        """An element from numbers in SI or texts with a unit.
+        """Create an element from values in SI or texts with a unit.
 
         Args:
             unnamed: refused with a sentence.
-            material: one whose numbers are taken where none are given: its name, or a file.
-            values: what is declared, by name; a law or another component may be named.
+            material: name or file of a material that supplies omitted values.
+            values: declared fields by name; components can be given by name.
         """
         if material is not None:
             values = complete_from_material(type(self), material, values)
@@ -171,7 +171,7 @@ class AbstractElement(Parametrised):
 
     @abstractmethod
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Any:
-        """Return the state at the start, under `force` [N] and at `temperature` [K]."""
+        """Return the initial state under `force` [N] and at `temperature` [K]."""
 
     @abstractmethod
     def tangent(self, xp: Namespace, state: Any, force: Scalar) -> Spring:
@@ -183,7 +183,7 @@ class AbstractElement(Parametrised):
 
     @property
     def exchanges(self) -> bool:
-        """Return True if it offers `advance_rosenbrock`, for a law that gives rates."""
+        """Return True if it offers `advance_rosenbrock`, for a rate-dependent law."""
         return False
 
     def advance_rosenbrock(
@@ -193,15 +193,15 @@ class AbstractElement(Parametrised):
         raise make_missing_error(type(self), ["advance_rosenbrock"])
 
     def differentiate(self, xp: Namespace, state: Any, heating: Heating, pull: Pull) -> tuple[Any, Sequence[Scalar]]:
-        """Return the state that follows from its continuous numbers, and their rates [1/s], temperature last [K/s]."""
+        """Return the state of the given continuous variables, and their rates [1/s], temperature last [K/s]."""
         raise make_missing_error(type(self), ["differentiate"])
 
     def warm_start(self, state: Any, found: Any) -> Any:
-        """Return the state, with what `found`, where a step from it ended before, tells its solve."""
+        """Return the state with first guesses from `found`, the end of a previous step from it."""
         return state
 
     def rates(self, state: Any) -> list[Scalar]:
-        """Return the numbers of a state that only tell a solve where to look: rates of the last step."""
+        """Return the state variables that are first guesses only: rates of the last step."""
         return []
 
     @abstractmethod
@@ -209,7 +209,7 @@ class AbstractElement(Parametrised):
         """Return the force at the end of the last step [N]."""
 
     def in_state(self, xp: Namespace, state: Any, fractions: Fractions, temperature: Scalar, force: Scalar) -> Any:
-        """Return a state put elsewhere, as an observer corrects it, under a force [N].
+        """Return a state moved to other fractions, as an observer corrects it, under a force [N].
 
         Raises:
             ParameterError: the element has no single phase state and temperature [K].
@@ -226,18 +226,18 @@ class AbstractElement(Parametrised):
 
     @abstractmethod
     def condition(self, xp: Namespace, state: Any, force: Scalar, environment: Environment) -> Condition:
-        """Everything that can be measured on the element under a force [N]."""
+        """Return the measurable condition under a force [N]."""
 
     def profile(self, state: Any) -> CellProfile:
-        """Return the temperature and martensite fraction along the element; nothing where it has no along."""
+        """Return temperature and martensite fraction along the element; empty for a uniform element."""
         return CellProfile((), ())
 
     def places(self) -> list[float]:
-        """Return the places of the points of the profile [m]."""
+        """Return the places of the profile [m]."""
         return []
 
     def points(self, xp: Namespace, state: Any) -> list[MaterialPoint]:
-        """Return the places of about equal weight; none where a law of rates acts, which knows no turn."""
+        """Return material points of about equal weight; empty for a rate-dependent law."""
         return []
 
     def heat_content(self, xp: Namespace, state: Any) -> Scalar | None:
@@ -245,14 +245,11 @@ class AbstractElement(Parametrised):
         return None
 
     def stored_heat(self, xp: Namespace, state: Any) -> StoredHeat | None:
-        """Return the heat that it holds, whatever its latent heat depends on; None if it does not say."""
+        """Return the stored heat for any latent heat; None if not available."""
         return None
 
     def elastic_energy(self, xp: Namespace, state: Any) -> Scalar | None:
-        """Return the energy [J] that unloading at frozen fractions and temperature would give back.
-
-        None if the element does not say.
-        """
+        """Return the energy [J] recovered by unloading at frozen fractions and temperature; None if not available."""
         return None
 
     @abstractmethod
@@ -261,11 +258,11 @@ class AbstractElement(Parametrised):
 
     @abstractmethod
     def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
-        """Return the heat flow to the environment [W] of an element that is equally hot everywhere."""
+        """Return the heat flow to the environment [W] at a uniform temperature."""
 
 
 def points_of(xp: Namespace, law: AbstractLaw, memories: Sequence[Any]) -> list[MaterialPoint]:
-    """Return points from the memories of a law; none if it has rates."""
+    """Return material points from the memories of a law; empty for a rate-dependent law."""
     if law.rate_dependent:
         return []
     return [MaterialPoint(m.temperature, m.stress, *law.fractions(m)[:2], tuple(law.kinks(xp, m))) for m in memories]
@@ -274,7 +271,7 @@ def points_of(xp: Namespace, law: AbstractLaw, memories: Sequence[Any]) -> list[
 def equilibrium_force(
     xp: Namespace, tangent: Callable[[Namespace, Scalar], Spring], pull: Pull, force: Scalar, passes: int
 ) -> Scalar:
-    """Return the force [N] at which element and mechanism fit, from a force nearby: Newton's method."""
+    """Return the equilibrium force [N] of element and mechanism, from a force nearby by Newton's method."""
     for _ in range(passes):
         force = pull(xp, tangent(xp, force))
     return force

@@ -21,6 +21,7 @@ from martensite.actuators.elements.network import Column, EndToEnd, Linkage
 from martensite.actuators.elements.sweeps import SweepStep
 from martensite.actuators.elements.wire import Wire
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, find_largest, flatten_numbers, sum_column
 from martensite.physics.laws.base import AbstractLaw, Fractions
@@ -29,19 +30,18 @@ from martensite.physics.thermal.base import Environment
 from martensite.physics.thermal.ends import AdiabaticEnds
 
 SWEEPS, HALF_SWEEPS, LAST_SWEEPS = 4, 20, 4
-"""Sweeps of a step; where they do not settle it, sweeps that take half of every change, for where
-all cells cross a kink together sweeps go to and fro over it; and the last ones."""
+"""Sweeps of a step; then sweeps at half of each change, which stop oscillations over a kink; then the last ones."""
 SETTLED = 1e-11
 """Change of a fraction in a sweep [-] that counts as zero."""
 
 
 class AbstractCut(AbstractElement):
-    """A wire, or several, as cells; a subclass cuts and links them."""
+    """One or several wires cut into cells; subclasses cut and link them."""
 
     wire: Wire
 
     def require_cells(self) -> None:
-        """Raise `ParameterError` unless the cells are plain wires, under a law they can solve."""
+        """Raise `ParameterError` unless the cells are plain wires with a suitable law."""
         owner, wire = self.registered_name, self.wire
         if wire.registered_name != Wire.registered_name:
             raise ParameterError(f"Element `{owner}` is made of `wire`, but holds `{wire.registered_name}`.")
@@ -73,7 +73,7 @@ class AbstractCut(AbstractElement):
         return self.wire.limits
 
     def copies(self) -> Scalar:
-        """Return the number of equal rows of cells in the element, end to end."""
+        """Return the number of equal rows of cells, end to end."""
         return 1.0
 
     @abstractmethod
@@ -89,7 +89,7 @@ class AbstractCut(AbstractElement):
         return self.wire.rebuilt({"length": length})
 
     def shares(self, xp: Namespace) -> Column:
-        """Return the parts of the current that flow through the cells."""
+        """Return the fraction of the current through each cell."""
         return [1.0 for _ in self.lengths(xp)]
 
     def linkage(self) -> Linkage:
@@ -115,7 +115,7 @@ class AbstractCut(AbstractElement):
     def balance_force(
         self, xp: Namespace, free: Column, soft: Column, pull: Pull, force: Scalar
     ) -> tuple[Scalar, Column]:
-        """Return the force [N] at which cells and mechanism fit, from one nearby; and that on each cell."""
+        """Return the equilibrium force [N] of cells and mechanism, and the force on each cell."""
         linkage = self.linkage()
 
         def near(xp: Namespace, force: Scalar) -> Spring:
@@ -125,7 +125,7 @@ class AbstractCut(AbstractElement):
         return force, self.force_share(xp, free, soft, force)
 
     def force_share(self, xp: Namespace, free: Column, soft: Column, force: Scalar) -> Column:
-        """Return the part of a force [N] that each cell carries."""
+        """Return the part of a force [N] on each cell."""
         linkage = self.linkage()
         whole = linkage.whole(xp, free, soft, force)
         own = [Spring(*pair) for pair in zip(free, soft, strict=True)]
@@ -133,28 +133,28 @@ class AbstractCut(AbstractElement):
 
 
 class AbstractCells(AbstractCut):
-    """Cells that share force and current, with heat between neighbours."""
+    """Cells that share force and current, with heat exchange between neighbours."""
 
+    @override
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Cells:
-        """Return the state at the start, under `force` [N] and at `temperature` [K]."""
         memory = self.wire.init(xp, force, temperature).memory
         return Cells((memory,) * len(self.lengths(xp)), force)
 
+    @override
     def force(self, state: Cells) -> Scalar:
-        """Return the force at the end of the last step [N]."""
         return state.force
 
+    @override
     def tangent(self, xp: Namespace, state: Cells, force: Scalar) -> Spring:
-        """Return all cells as one spring, near a force [N]."""
         return self.linkage().whole(xp, *self.springs(xp, *self._columns(state)), force)
 
+    @override
     def profile(self, state: Cells) -> CellProfile:
-        """Return the temperature and martensite fraction of every cell."""
         m, _, temperatures = self._columns(state)
         return CellProfile(temperatures, m)
 
+    @override
     def points(self, xp: Namespace, state: Cells) -> list[MaterialPoint]:
-        """Every cell, unless the law has rates."""
         return points_of(xp, self.law, state.memories)
 
     def _columns(self, state: Cells) -> tuple[Column, Column, Column]:
@@ -162,10 +162,10 @@ class AbstractCells(AbstractCut):
         m, o = [f.martensite for f in fractions], [f.oriented for f in fractions]
         return m, o, [memory.temperature for memory in state.memories]
 
+    @override
     def advance(
         self, xp: Namespace, state: Cells, heating: Heating, pull: Pull, dt: Scalar
     ) -> tuple[Cells, StepReport]:
-        """Return the state after a step of dt [s], and the report of the step."""
         step = SweepStep(self, state, heating, pull, dt)
         start = step.start(xp)
         guess = step.guess_without_transformation(start)
@@ -185,8 +185,8 @@ class AbstractCells(AbstractCut):
         _, _, *numbers = xp.iterate(most, turn, 1.0, 0.0, *flatten_numbers(guess))
         return step.end(xp, start, shape.rebuild(numbers))
 
+    @override
     def condition(self, xp: Namespace, state: Cells, force: Scalar, environment: Environment) -> Condition:
-        """Everything that can be measured on the element under a force [N]."""
         lengths, (m, o, temperatures) = self.lengths(xp), self._columns(state)
         free, soft = self.springs(xp, m, o, temperatures)
         carried = self.force_share(xp, free, soft, force)
@@ -218,8 +218,8 @@ class AbstractCells(AbstractCut):
             heat_loss=self.copies() * (sum_column(losses) + sum_column(drained)),
         )
 
+    @override
     def stored_heat(self, xp: Namespace, state: Cells) -> StoredHeat:
-        """C T of all cells, and λ along the martensite fraction of each."""
         fractions, _, temperatures = self._columns(state)
 
         def one(length: Scalar, at: Scalar, stress: Scalar) -> tuple[Scalar, Scalar]:
@@ -230,21 +230,21 @@ class AbstractCells(AbstractCut):
         stresses = [memory.stress for memory in state.memories]
         held, latent = xp.each(one, self.lengths(xp), temperatures, stresses)
         efforts = [Effort(self.copies() * h, x) for h, x in zip(latent, fractions, strict=True)]
-        if self.law.constant_heat:  # then the energy itself is known, which takes one number
+        if self.law.constant_heat:  # the energy itself, as one number
             efforts = [Effort(1.0, sum_column([h * x for h, x in efforts]))]
         return StoredHeat(self.copies() * sum_column(held), tuple(efforts))
 
+    @override
     def elastic_energy(self, xp: Namespace, state: Cells) -> Scalar:
-        """½ compliance · force² of all cells [J]."""
         free, soft = self.springs(xp, *self._columns(state))
         carried = self.force_share(xp, free, soft, state.force)
         rows = zip(soft, carried, strict=True)
         return self.copies() * sum_column([0.5 * c * each * each for c, each in rows])
 
+    @override
     def heat_capacity_total(self) -> Scalar:
-        """Return the heat capacity without transformation [J/K]."""
         return self.wire.heat_capacity_total()
 
+    @override
     def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
-        """Return the heat flow through the surface [W] if all cells are equally hot."""
         return self.wire.heat_loss(xp, temperature, environment)

@@ -1,4 +1,4 @@
-r"""Close-coiled helical spring: torsion of the wire as an equivalent axial problem.
+"""Close-coiled helical spring: torsion of the wire as an equivalent axial problem.
 
 With wire diameter d, mean coil diameter D, N turns, elongation y and force F
 
@@ -8,21 +8,19 @@ so a law in σ and ε, with G = E/3, makes the spring
 
     F = [G(ξ) d⁴/(8 N D³)] (y - y_tr),      y_tr = π N D² √3 ε_tr/d.
 
-With law `liang-rogers`, `modulus = "mixture"` and `transformation = "stress"` this is the
-published F = G(ξ) d⁴ y/(8 N D³) + π d³ Ω ξ/(8 √3 D), where Ω = -ε_L E_M.
+With law `liang-rogers`, `modulus = "mixture"` and `transformation = "stress"` this is the published F = G(ξ) d⁴ y/(8 N
+D³) + π d³ Ω ξ/(8 √3 D), where Ω = -ε_L E_M.
 
-Elongation is counted from the unloaded austenite coil of length `free_length`. The stress is
-the equivalent one at the surface of the wire; one state stands for the whole section. A coil
-can get no shorter than N d: turns that touch carry what presses them, with a stiffness of
-`contact` spring rates. At `deflection = "large"` the wire is a Kirchhoff rod
-(`martensite.actuators.elements.helix`), which stiffens as it is drawn out; force and stress keep
-the
-relation of the unloaded coil. A `stress_factor` multiplies the stress alone: the law is then
-driven, and the limit met, by the inner fibre; without one by the mean of the surface, as published.
+Elongation is counted from the unloaded austenite coil of length `free_length`. The stress is the equivalent stress at
+the surface of the wire; one state represents the whole section. A coil cannot be shorter than N d: touching turns carry
+compression with a stiffness of `contact` spring rates. At `deflection = "large"` the wire is a Kirchhoff rod
+(`martensite.actuators.elements.helix`), which stiffens on elongation; force and stress keep the relation of the
+unloaded coil. A `stress_factor` multiplies the stress only: law and limit then refer to the inner fibre, otherwise to
+the mean of the surface, as published.
 
-Sign convention: tension and elongation positive. Θ of the law counts as a shear, which no free
-expansion makes: leave it zero. Source: Liang and Rogers (1990) as restated, with its equation
-for the spring, by Ranjith Pillai et al. (2018).
+Sign convention: tension and elongation positive. Θ of the law would count as a shear, which free expansion does not
+cause: leave it zero. Source: Liang and Rogers (1990) as restated, with its equation for the spring, by Ranjith Pillai
+et al. (2018).
 """
 
 import math
@@ -34,13 +32,14 @@ from martensite.actuators.elements.base import ELEMENTS, Spring
 from martensite.actuators.elements.network import Column
 from martensite.actuators.elements.section import ROOT3, AbstractSection
 from martensite.base.errors import ParameterError, require_known
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, option, param
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.base import Fractions
 
 STEEPEST = math.radians(10.0)
-"""Pitch angle above which the theory of flat coils is cautioned against."""
+"""Largest pitch angle of the flat-coil theory without a caution."""
 
 
 def _return_one(index: Scalar) -> Scalar:
@@ -61,7 +60,7 @@ STIFFNESS_FACTORS: dict[str, Callable[[Scalar], Scalar]] = {
 
 
 class Coil(NamedTuple):
-    """A coil at a force, contact left out."""
+    """Coil at a force, without contact."""
 
     open: Spring
     """Tangent of the open coil."""
@@ -72,7 +71,7 @@ class Coil(NamedTuple):
 
 
 def _draw_out_rod(xp: Namespace, rod: helix.Helix, solid: Scalar, force: Scalar) -> Coil:
-    """Return the turns of a rod that is drawn out; `solid` is the length at which they touch [m]."""
+    """Return an elongated rod; `solid` is the length at which the turns touch [m]."""
     at, touching = helix.at_force(xp, rod, force), helix.at_length(xp, rod, solid)
     free = at.length - rod.length * rod.sine - at.compliance * at.force
     return Coil(Spring(free, at.compliance), touching.force, touching.compliance)
@@ -80,12 +79,12 @@ def _draw_out_rod(xp: Namespace, rod: helix.Helix, solid: Scalar, force: Scalar)
 
 PHASES = ("austenite", "martensite")
 ROOM = 293.15
-"""Temperature at which a spring rate is stated [K]; it matters to a law with thermal expansion only."""
+"""Temperature of a stated spring rate [K], for laws with thermal expansion."""
 
 
 @ELEMENTS.register("coil-spring")
 class CoilSpring(AbstractSection):
-    """A helical extension spring of round wire that transforms uniformly."""
+    """Helical extension spring of round wire that transforms uniformly."""
 
     cites = ("liang1990", "ranjith2018", "wahl1963", "ancker1958", "love1927")
     passes: ClassVar[int] = 3
@@ -115,7 +114,7 @@ class CoilSpring(AbstractSection):
     )
 
     def check(self) -> None:
-        """Raise `ParameterError` if the coil cannot be wound, or the law not hold its state."""
+        """Raise `ParameterError` if the coil cannot be wound, or the law cannot have the initial state."""
         super().check()
         exact = "exact" in (self.stress_factor, self.stiffness_factor)
         least, words = (coil_theory.LEAST_INDEX, "at least 3") if exact else (1.0, "above 1")
@@ -138,20 +137,20 @@ class CoilSpring(AbstractSection):
                 f"pitch), but is {1e3 * self.free_length:.6g} mm."
             )
 
+    @override
     def cautions(self) -> list[str]:
-        """Return the coils too steep for the theory of flat ones."""
         pitch = math.atan(self.free_length / (self.circumference() * self.turns))
         if self.deflection == "large" or pitch <= STEEPEST:
             return super().cautions()
         return [*super().cautions(), f'Pitch angle {math.degrees(pitch):.3g} deg: prefer `deflection = "large"`.']
 
     def mean_diameter(self) -> Scalar:
-        """Between centres of the wire [m]."""
+        """Return D between wire centres [m]."""
         outer = self.coil_measure == "outer"
         return self.coil_diameter - self.diameter if outer else self.coil_diameter
 
     def circumference(self) -> Scalar:
-        """π D [m]."""
+        """Return π D [m]."""
         return math.pi * self.mean_diameter()
 
     def index(self) -> Scalar:
@@ -159,7 +158,7 @@ class CoilSpring(AbstractSection):
         return coil_theory.spring_index(self.diameter, self.mean_diameter())
 
     def solid_length(self) -> Scalar:
-        """N d [m]: that of turns which touch."""
+        """Return N d [m], the length of touching turns."""
         return self.turns * self.diameter
 
     def wire_length(self) -> Scalar:
@@ -178,7 +177,7 @@ class CoilSpring(AbstractSection):
         """Return the spring rate [N/m] of open turns near the free length, in one phase.
 
         Args:
-            phase: `austenite`, or `martensite` whose variants do not change.
+            phase: `austenite`, or `martensite` with fixed variants.
 
         Raises:
             ParameterError: the phase does not exist.
@@ -187,8 +186,8 @@ class CoilSpring(AbstractSection):
         share = float(PHASES.index(phase))
         return 1.0 / self.spring(floats, Fractions(share, 0.0), ROOM, 0.0).compliance
 
+    @override
     def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Spring:
-        """Return the tangent at `force` [N] with frozen fractions and temperature [K]."""
         if not self.uniform:
             return super().spring(xp, fractions, temperature, force)
         strain, compliance = self._wire(xp, fractions, temperature)
@@ -199,37 +198,37 @@ class CoilSpring(AbstractSection):
         return self._close_turns(xp, coil, coil.compliance / (1.0 + self.contact), force)
 
     def _close_turns(self, xp: Namespace, coil: Coil, closed: Scalar, force: Scalar) -> Spring:
-        """Return a coil whose turns touch at small forces, and have a compliance then [m/N]."""
+        """Return a coil whose turns touch at small forces and then have a compliance [m/N]."""
         solid = self.solid_length() - self.free_length - closed * coil.touch
         shut = force < coil.touch
         return Spring(xp.where(shut, solid, coil.open.free), xp.where(shut, closed, coil.open.compliance))
 
     def fibre_columns(self, xp: Namespace) -> tuple[Column, Column]:
-        """Return the rings of the wire: γ/√3 per elongation [1/m], and volume [m³]."""
+        """Return γ/√3 per elongation [1/m] and volume [m³] of the rings of the wire."""
         return self.cut_rings(0.0, 2.0 / (self.diameter * self.reach()))
 
     def _contact_rate(self, xp: Namespace) -> Scalar:
-        """Return the stiffness of turns of fibres that touch [N/m]: so many spring rates of austenite."""
+        """Return the stiffness of touching turns of fibres [N/m]."""
         _, second, _ = self.compute_moments(xp)
         return self.contact * second / self.law.compliance(xp, Fractions(0.0, 0.0))
 
+    @override
     def add_contact(self, xp: Namespace, open: Spring, force: Scalar) -> Spring:
-        """Fibres as one spring, with the turns that touch."""
         closed = open.compliance / (1.0 + open.compliance * self._contact_rate(xp))
         touch = (self.solid_length() - self.free_length - open.free) / open.compliance
         return self._close_turns(xp, Coil(open, touch, open.compliance), closed, force)
 
+    @override
     def elastic_energy(self, xp: Namespace, state: Any) -> Scalar | None:
-        """Return the elastic energy [J], of the wire and of turns that touch."""
-        held = super().elastic_energy(xp, state)
-        if self.uniform or held is None:
-            return held
+        energy = super().elastic_energy(xp, state)
+        if self.uniform or energy is None:
+            return energy
         e = self.locate_surface(xp, state).elongation
         pressed = xp.minimum(e - (self.solid_length() - self.free_length), 0.0)
-        return held + 0.5 * self._contact_rate(xp) * pressed * pressed
+        return energy + 0.5 * self._contact_rate(xp) * pressed * pressed
 
     def elastic_energy_at(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Scalar:
-        """Return the elastic energy [J] under a force [N], of the wire and of turns that touch."""
+        """Return the elastic energy [J] under a force [N], of wire and touching turns."""
         strain, compliance = self._wire(xp, fractions, temperature)
         if self.deflection == "large":
             rod = self._rod(strain, compliance)
@@ -245,7 +244,7 @@ class CoilSpring(AbstractSection):
         return wire + closed * pressed * (coil.touch + 0.5 * pressed)
 
     def _flat(self, strain: Scalar, compliance: Scalar) -> Coil:
-        """Flat turns: linear, at a transformation strain [-] and a compliance [1/Pa]."""
+        """Return flat turns at a transformation strain [-] and a compliance [1/Pa]."""
         free, per_force = strain * self.reach(), compliance * self.reach() * self._leverage()
         touch = (self.solid_length() - self.free_length - free) / per_force
         return Coil(Spring(free, per_force), touch, per_force)
@@ -263,16 +262,16 @@ class CoilSpring(AbstractSection):
         )
 
     def _wire(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> tuple[Scalar, Scalar]:
-        """Return transformation strain [-], and compliance [1/Pa] with the factor of curvature on the spring rate."""
+        """Return transformation strain [-], and compliance [1/Pa] with the stiffness factor."""
         stiffening = STIFFNESS_FACTORS[self.stiffness_factor](self.index())
         return self.law.free_strain(xp, fractions, temperature), self.law.compliance(xp, fractions) / stiffening
 
     def _leverage(self) -> Scalar:
-        """√3 τ per force, without curvature [Pa/N]."""
+        """Return √3 τ per force, without curvature [Pa/N]."""
         return ROOT3 * coil_theory.shear_stress(1.0, self.diameter, self.mean_diameter())
 
     def stress(self, xp: Namespace, force: Scalar) -> Scalar:
-        """Return the equivalent stress √3 τ [Pa] at the surface of the wire, with the factor chosen."""
+        """Return the equivalent stress √3 τ [Pa] at the surface of the wire, with the chosen factor."""
         factor = STRESS_FACTORS[self.stress_factor](self.index())
         return force * (self._leverage() * factor)
 

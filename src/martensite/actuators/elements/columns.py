@@ -1,4 +1,4 @@
-"""State of elements of many cells, and of many fibres: one column per quantity."""
+"""States of elements of many cells or fibres: one column per quantity."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.kernels.nested import choose_tuple
 
 LARGE = 1e300
-"""Bound that stands for infinity."""
+"""Bound that represents infinity."""
 
 
 class Cells(NamedTuple):
@@ -27,11 +27,11 @@ class Links(NamedTuple):
     between: Column
     """From each cell to the next."""
     outside: Column
-    """From each cell to the surroundings, besides its surface."""
+    """From each cell to the ambient, besides its surface."""
 
 
 class StepStart(NamedTuple):
-    """One column per quantity that a step starts from."""
+    """Columns at the start of a step."""
 
     temperature: Column
     martensite: Column
@@ -39,9 +39,9 @@ class StepStart(NamedTuple):
     capacity: Column
     """[J/K]"""
     diagonal: Column
-    """Heat capacity, more by what is lost as it warms [J/K]."""
+    """Heat capacity plus increase of losses [J/K]."""
     right: Column
-    """Diagonal · T less the heat lost [J]."""
+    """Diagonal · T less the heat loss [J]."""
     latent: Column
     """[J]"""
     long: Column
@@ -51,7 +51,7 @@ class StepStart(NamedTuple):
 
 
 class SweepGuess(NamedTuple):
-    """One column per quantity that a sweep leaves to the next; slopes of the answer of a cell."""
+    """Columns that a sweep passes to the next, with derivatives of each cell."""
 
     martensite: Column
     oriented: Column
@@ -68,32 +68,32 @@ class SweepGuess(NamedTuple):
     shrinks: Column
     """Elongation per temperature at constant force [m/K]."""
     warms: Column
-    """Latent heat that a kelvin takes up [J/K]."""
+    """Latent heat absorbed per kelvin [J/K]."""
     gives: Column
-    """Latent heat that a newton sets free [J/N]."""
+    """Latent heat released per newton [J/N]."""
     crossing: Column
 
 
 class HeatBalanceColumns(NamedTuple):
-    """The linear part of the heat balance of a step."""
+    """Linear part of the heat balance of a step."""
 
     diagonal: Column
     right: Column
-    """With the heat of the current."""
+    """Includes Joule heat."""
     links: Column
 
 
 class Point(NamedTuple):
-    """Elongation and temperature that all fibres share [m, K]."""
+    """Elongation [m] and temperature [K] common to all fibres."""
 
     elongation: Scalar
     temperature: Scalar
 
 
 class SectionHeat(NamedTuple):
-    """Temperature at the end of a step if nothing transforms [K], and per heat [K/J].
+    """Final temperature without transformation [K], and per heat [K/J].
 
-    What another resistance takes up, by the martensite at its end [J/m³] and the elongation [J/m].
+    Heat by changes of resistance is per martensite [J/m³] and per elongation [J/m].
     """
 
     base: Scalar
@@ -104,32 +104,32 @@ class SectionHeat(NamedTuple):
 
 
 class Bracket(NamedTuple):
-    """Bracket of a root, and the mismatch at the last step inside."""
+    """Bracket of a root, and the last mismatch inside."""
 
     low: Scalar = -LARGE
     high: Scalar = LARGE
     last: Scalar = LARGE
 
     def narrow(self, xp: Namespace, at: Scalar, up: Flag, bound: Scalar) -> Bracket:
-        """By a number above or below which the root lies, but not beyond a bound."""
+        """Return the bracket above or below a value, limited by a bound."""
         low, high = xp.where(up, at, bound), xp.where(up, bound, at)
         return Bracket(xp.maximum(self.low, low), xp.minimum(self.high, high), self.last)
 
     def limit(self, xp: Namespace, wanted: Scalar, off: Scalar) -> Scalar:
-        """Return the wanted value; the middle if that is outside, or `off` is above half of the last mismatch."""
+        """Return the wanted value, or the middle if it is outside or `off` exceeds half of the last mismatch."""
         good = xp.both(xp.both(self.low < wanted, wanted < self.high), off <= 0.5 * self.last)
         closed = xp.both(self.low > -LARGE, self.high < LARGE)
         return xp.where(xp.either(good, xp.negate(closed)), wanted, 0.5 * self.low + 0.5 * self.high)
 
     def choose(self, xp: Namespace, flag: Flag, other: Bracket) -> Bracket:
-        """Return another one where the flag holds."""
+        """Return `other` where the flag holds."""
         return choose_tuple(xp, flag, other, self)
 
 
 class Turn(NamedTuple):
-    """A turn of a solve: the least and the last correction, and whether some fibres transform and others do not.
+    """One iteration of a solve: smallest and last correction, and whether only some fibres transform.
 
-    Then the brackets of elongation and temperature, and how far off fibres were that were moved alone.
+    Also the brackets of elongation and temperature, and the mismatch of fibres that were moved alone.
     """
 
     going: Scalar
@@ -148,7 +148,7 @@ class Turn(NamedTuple):
 
 
 class Round(NamedTuple):
-    """A solve with one choice of processes, which are columns of numbers."""
+    """Solve with one choice of processes, as columns."""
 
     going: Scalar
     first: Scalar

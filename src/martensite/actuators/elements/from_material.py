@@ -1,8 +1,8 @@
-"""The numbers of an element from a material: `Wire(material="flexinol-90", diameter="0.25 mm", …)`.
+"""Values of an element from a material: `Wire(material="flexinol-90", diameter="0.25 mm", …)`.
 
-Given arguments take precedence. Omitted parameters come from the material under the same name; the law is the one that
-the material's parameters hold for, else the typical one; the resistance is that of the mixture. Parameters that the
-material does not hold must be given; otherwise the class raises an error.
+Given arguments take precedence. Omitted parameters come from the material under the same name. The default law is the
+law of the material, else the typical one; the default resistance is the mixture. Values that the material lacks must be
+given.
 """
 
 from collections.abc import Mapping
@@ -14,35 +14,35 @@ from martensite.base.registry import Registry
 from martensite.physics.materials.base import Material, load_material
 
 ASSUMED_KINDS = {"resistance": "mixture"}
-"""Component -> kind that is meant when none is named."""
+"""Component -> default kind."""
 
 
 def complete_from_material(
     cls: type[Parametrised], material: Material | str | Path, given: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return the arguments of a class: the given ones, and the rest from a material.
+    """Return the arguments of a class: given values, and the rest from a material.
 
     Raises:
         InputError: the material or a named component does not exist.
     """
-    known = material if isinstance(material, Material) else load_material(material)
-    found = dict(given)
+    source = material if isinstance(material, Material) else load_material(material)
+    values = dict(given)
     for name, declared in cls.declarations.items():
-        value = found.get(name)
+        value = values.get(name)
         if declared.registry is not None and (value is None or isinstance(value, str)):
-            part = _build_part(name, declared.registry, value, known)
+            part = _build_part(name, declared.registry, value, source)
             if part is not None:
-                found[name] = part
+                values[name] = part
         elif value is None and declared.registry is None and isinstance(declared.default, Parametrised):
             inner = type(declared.default)
-            found[name] = inner(**complete_from_material(inner, known, {}))
-        elif value is None and name in known.values:
-            found[name] = known.values[name].text
-    return found
+            values[name] = inner(**complete_from_material(inner, source, {}))
+        elif value is None and name in source.values:
+            values[name] = source.values[name].text
+    return values
 
 
 def _build_part(name: str, registry: Registry[Any], kind: str | None, material: Material) -> Parametrised | None:
-    """Return a component of a kind with the numbers of a material; None if its default will do."""
+    """Return a component with values of a material; None if its default is sufficient."""
     own = material.law if name == "law" and material.law is not None else {}
     kind = kind or own.get("kind") or ASSUMED_KINDS.get(name)
     if name == "law":

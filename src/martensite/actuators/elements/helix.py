@@ -1,9 +1,8 @@
-r"""Helical spring at large deflection: Kirchhoff's and Love's rod, ends held against rotation.
+"""Helical spring at large deflection: Kirchhoff's and Love's rod, ends held against rotation.
 
-A helix of wire length l keeps its N turns, so that the angle per length κ₀ = 2πN/l stays too. With pitch angle a,
-length H = l sin a and subscript 0 for the unloaded helix of the reference phase, the changes of curvature and twist
-are κ₀ (cos a - cos a₀) and κ₀ (sin a - sin a₀). A transformation strain twists the wire by itself, dt_tr = 2 γ_tr/d;
-it enters as natural twist:
+A helix of wire length l keeps its N turns, and thus the angle per length κ₀ = 2πN/l. With pitch angle a, length H = l
+sin a and subscript 0 for the unloaded helix of the reference phase, the changes of curvature and twist are κ₀ (cos a -
+cos a₀) and κ₀ (sin a - sin a₀). A transformation strain is a natural twist of the wire, dt_tr = 2 γ_tr/d:
 
     U = (l/2) { E I κ₀² (cos a - cos a₀)² + G J [κ₀ (sin a - sin a₀) - dt_tr]² }
 
@@ -11,11 +10,10 @@ F = dU/dH, written with the slope t = tan a, E I = (1 + ν) G J and w = F/(κ₀
 
     w = t cos a₀ - [ν sin a + sin a₀ + dt_tr/κ₀]/(1 + ν)
 
-which is nearly linear in t. The slope of F over H has the closed form used here. For a flat
-spring (a₀ = 0) and small t it is the linear law F = G d⁴ (H - H_tr)/(8 N D³).
+which is nearly linear in t. dF/dH has a closed form. For a flat spring (a₀ = 0) and small t it is the linear law F = G
+d⁴ (H - H_tr)/(8 N D³).
 
-Source: Love (1927), on thin rods bent into helices; the form in t and the natural twist are this
-package's.
+Source: Love (1927), on thin rods bent into helices; the form in t and the natural twist are this package's.
 """
 
 from typing import NamedTuple
@@ -23,14 +21,14 @@ from typing import NamedTuple
 from martensite.kernels.namespace import Namespace, Scalar
 
 TURNS = 5
-"""Newton steps from force to slope; the first guess is right for small slopes."""
+"""Newton steps from force to slope."""
 
 HALVINGS = 4
 """Steps of Heron's rule."""
 
 
 class Helix(NamedTuple):
-    """A helix of one phase mixture."""
+    """Helix of one phase mixture."""
 
     length: Scalar
     """Length of the wire [m]."""
@@ -46,7 +44,7 @@ class Helix(NamedTuple):
     """Natural twist dt_tr [rad/m]."""
 
     def scale(self) -> Scalar:
-        """κ₀² E I [N]."""
+        """Return κ₀² E I [N]."""
         return self.angle * self.angle * self.bending
 
     def cosine(self, xp: Namespace) -> Scalar:
@@ -54,16 +52,16 @@ class Helix(NamedTuple):
         return xp.sqrt(1.0 - self.sine * self.sine)
 
     def natural(self) -> Scalar:
-        """Return the resistance of unloaded pitch and natural twist against the force [-]."""
+        """Return the contribution of unloaded pitch and natural twist to w [-]."""
         return (self.sine + self.twist / self.angle) / (1.0 + self.poisson)
 
     def slenderness(self) -> Scalar:
-        """ν/(1 + ν) [-]: 1 - GJ/EI."""
+        """Return ν/(1 + ν) [-] = 1 - GJ/EI."""
         return self.poisson / (1.0 + self.poisson)
 
 
 class HelixPoint(NamedTuple):
-    """A point of the force–length curve."""
+    """Point of the force–length curve."""
 
     length: Scalar
     """H [m]."""
@@ -74,7 +72,7 @@ class HelixPoint(NamedTuple):
 
 
 def compute_secant(slope: Scalar) -> Scalar:
-    """√(1 + t²) for |t| ≤ 1 by Heron's rule, for want of a namespace; exact to rounding."""
+    """Return √(1 + t²) for |t| ≤ 1 by Heron's rule, without a namespace."""
     square = 1.0 + slope * slope
     root = 0.5 * (1.0 + square)
     for _ in range(HALVINGS):
@@ -83,7 +81,7 @@ def compute_secant(slope: Scalar) -> Scalar:
 
 
 def at_slope(xp: Namespace, helix: Helix, slope: Scalar) -> HelixPoint:
-    """Return the point at which the pitch angle has the given slope t."""
+    """Return the point at a slope t of the pitch angle."""
     cosine = 1.0 / xp.sqrt(1.0 + slope * slope)
     sine, cubed = slope * cosine, cosine * cosine * cosine
     share, steep = helix.slenderness(), helix.cosine(xp)
@@ -93,13 +91,13 @@ def at_slope(xp: Namespace, helix: Helix, slope: Scalar) -> HelixPoint:
 
 
 def at_length(xp: Namespace, helix: Helix, length: Scalar) -> HelixPoint:
-    """Return the point at a length H [m] below that of the wire."""
+    """Return the point at a length H [m] below the wire length."""
     sine = length / helix.length
     return at_slope(xp, helix, sine / xp.sqrt(1.0 - sine * sine))
 
 
 def find_elastic_energy(xp: Namespace, helix: Helix, length: Scalar) -> Scalar:
-    """U [J] at a length H [m] below that of the wire."""
+    """Return U [J] at a length H [m] below the wire length."""
     sine = length / helix.length
     bent = xp.sqrt(1.0 - sine * sine) - helix.cosine(xp)
     twisted = sine - helix.sine - helix.twist / helix.angle

@@ -1,17 +1,17 @@
-"""Limits of an element: what a run warns about, and what it never leaves."""
+"""Limits of an element: warnings and stops of a run."""
 
 from martensite.base.parameters import Number, Parametrised, param
 
 MELTING = 1583.15
 """Temperature [K] at which NiTi melts (1310 degC, binary alloys of 50 at. %)."""
 STRONGEST = 3e9
-"""Stress [Pa] that no NiTi wire has ever borne."""
+"""Stress [Pa] above the strength of any NiTi wire."""
 LONGEST = 0.2
-"""Strain [-] of a straight wire beyond which it has torn, or no law here describes it."""
+"""Strain [-] of a straight wire at which it has torn, or no law is valid."""
 
 
 class ElementLimits(Parametrised):
-    """Limits beyond which a run warns, infinite where nothing is known, and at which it stops."""
+    """Limits of warnings (infinite if unknown) and stops of a run."""
 
     temperature_limit: Number = param("K", "highest temperature without damage", above=0.0, default=float("inf"))
     stress_limit: Number = param("Pa", "highest stress for long life", above=0.0, default=float("inf"))

@@ -5,17 +5,14 @@ Given the phase fractions at the end of a step, everything else follows in close
     T    heat balance, linearised at the start of the step, with latent heat
     F    balance of the element (a spring at these fractions and T) with the mechanism
 
-so the coupled step is the search for the fractions that the law answers with themselves
-(`laws.coupling`). Second order in the step: power, resistance and latent heat count as they are
-in its middle, to first order, and a wire that only relaxes does so by
+so the coupled step is a fixed point of the fractions (`laws.coupling`). It is of second order: power, resistance and
+latent heat are mid-step values, to first order, and pure relaxation follows
 
     ΔT = [Δt (P - Q) + Δt² P' (½ coth(z/2) - 1/z)]/(C g),   g = z/(1 - exp(-z)),   z = Δt Q'/C,
 
-so that a rest is one step, and a rising or falling power causes no error. An element that is not
-linear in force is linearised at the force before, and again at the one found.
-
-Under a law of rates the whole system is one of ordinary differential equations, which a march with
-an error control takes by a method of higher order (`laws.rosenbrock`).
+so that one step reaches the steady state, and a linear power causes no error. A nonlinear element is linearised at the
+previous force, and again at the new force. With a rate-dependent law the system is a set of ordinary differential
+equations, which a method of higher order integrates (`laws.rosenbrock`).
 """
 
 from abc import abstractmethod
@@ -34,6 +31,7 @@ from martensite.actuators.elements.base import (
     equilibrium_force,
     points_of,
 )
+from martensite.base.interfaces import override
 from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian, value_and_slope
 from martensite.kernels.namespace import Namespace, Scalar
@@ -57,31 +55,31 @@ class Lumped(NamedTuple):
     force: Scalar
     """[N]"""
     rate: Scalar
-    """Rate of the martensite fraction in the last step [1/s]: the first guess of the next solve."""
+    """Rate of the martensite fraction in the last step [1/s], the next first guess."""
     worn: Any = ()
-    """State of wear by cycles (`laws.wear`)."""
+    """Wear by cycles (`laws.wear`)."""
 
 
 class HeatLine(NamedTuple):
     """Heat balance of a step, linearised at its start: temperature as a function of fractions."""
 
     fractions: Fractions
-    """At the start."""
+    """Initial fractions."""
     start: Scalar
-    """Temperature at the start [K]."""
+    """Initial temperature [K]."""
     share: Scalar
     """Temperature per heat [K/J]."""
     heat: Scalar
-    """Heat that remains if nothing transforms [J]."""
+    """Heat without transformation [J]."""
     by_martensite: Scalar
-    """More of it per martensite [J]: latent heat, and what another resistance takes up."""
+    """Heat per martensite [J]: latent heat, and effect of resistance."""
     by_oriented: Scalar
     by_rphase: Scalar
-    """Per R-phase as a share of what is not martensite, by its resistance."""
+    """Heat per R-phase ratio, by resistance."""
     latent: Scalar
     """Latent heat of the whole transformation [J]."""
     released: Callable[[Fractions], Scalar]
-    """Share of it released in a phase state [-]."""
+    """Released fraction of it in a phase state [-]."""
     bend_martensite: Scalar
     """Change of the latent heat along the step, per martensite, oriented fraction and kelvin."""
     bend_oriented: Scalar
@@ -102,13 +100,13 @@ class HeatLine(NamedTuple):
 
 
 def compute_relaxation(xp: Namespace, z: Scalar) -> Scalar:
-    """z/(1 - exp(-z)) by its Padé approximant: a step as long as one likes ends at rest."""
+    """Return a Padé approximant of z/(1 - exp(-z)), valid for steps of any length."""
     slow = (1.0 + z * (2.0 / 3.0 + z * (1.0 / 6.0))) / (1.0 + xp.maximum(z, 0.0) * (1.0 / 6.0))
     return xp.where(z > 0.0, slow, xp.maximum(1.0 + 0.5 * z, 0.1))
 
 
 def compute_lateness(xp: Namespace, z: Scalar) -> Scalar:
-    """½ coth(z/2) - 1/z: a rising power counts more, since less of what comes late is lost."""
+    """Return ½ coth(z/2) - 1/z, the extra weight of rising power."""
     later = xp.maximum(z, 0.0)
     return z / (12.0 + 2.0 * later * later / (10.0 + later))
 
@@ -116,9 +114,9 @@ def compute_lateness(xp: Namespace, z: Scalar) -> Scalar:
 def relax_heat(
     xp: Namespace, dt: Scalar, capacity: Scalar, power: Scalar, change: Scalar, less: Scalar
 ) -> tuple[Scalar, Scalar]:
-    """Return the temperature per heat [K/J] and heat [J] of a step of dt [s], in which nothing transforms.
+    """Return temperature per heat [K/J] and heat [J] of a step of dt [s] without transformation.
 
-    Of a power [W] that is taken up at its start, its `change` with time [W/s], and by how much less it is per kelvin.
+    The power [W] at the start has the time derivative `change` [W/s] and falls by `less` [W/K].
     """
     z = dt * less / capacity
     share = 1.0 / (capacity * compute_relaxation(xp, z))
@@ -126,10 +124,10 @@ def relax_heat(
 
 
 class AbstractLumped(AbstractElement):
-    """An element that is the same all over; a subclass answers for its shape."""
+    """Uniform element; subclasses define its shape."""
 
     wear: Wear | None = None
-    """Wear of the element by cycles."""
+    """Wear by cycles."""
 
     @property
     def uniform(self) -> bool:
@@ -137,16 +135,16 @@ class AbstractLumped(AbstractElement):
         return True
 
     def apply_wear(self, xp: Namespace, worn: Any) -> Self:
-        """Return the element as it is worn, without further wear; itself where nothing wears it."""
+        """Return the worn element, without further wear."""
         return self
 
     @abstractmethod
     def initial_fractions(self, xp: Namespace, stress: Scalar) -> Fractions:
-        """Return the phase state at the start, under a stress [Pa], as far as the law keeps it."""
+        """Return the initial phase state under a stress [Pa], as far as the law keeps it."""
 
     @abstractmethod
     def latent_heat_total(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
-        """Return the heat released by the whole forward transformation [J] at (stress, temperature)."""
+        """Return the heat of the whole forward transformation [J] at (stress, temperature)."""
 
     @abstractmethod
     def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Spring:
@@ -154,7 +152,7 @@ class AbstractLumped(AbstractElement):
 
     @abstractmethod
     def stress(self, xp: Namespace, force: Scalar) -> Scalar:
-        """Return the stress [Pa] that drives the law, from the force [N]."""
+        """Return the stress [Pa] in the law, from the force [N]."""
 
     @abstractmethod
     def strain(self, xp: Namespace, elongation: Scalar) -> Scalar:
@@ -166,14 +164,14 @@ class AbstractLumped(AbstractElement):
     ) -> Scalar:
         """Return the resistance [ohm] at a martensite and an R-phase fraction."""
 
+    @override
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Lumped:
-        """Return the state at the start: the equilibrium under `force` [N] and at `temperature` [K]."""
         stress = self.stress(xp, force)
         memory, worn = self.warm_up(xp, stress, temperature)
         return Lumped(memory, force, 0.0, worn)
 
     def warm_up(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> tuple[Any, Any]:
-        """Return what law and wear remember at the start, under a stress [Pa] and at a temperature [K]."""
+        """Return the initial memories of law and wear, under a stress [Pa] and at a temperature [K]."""
         fractions = self.initial_fractions(xp, stress)
         worn = () if self.wear is None else self.wear.begin(xp, fractions, stress)
         law = self.apply_wear(xp, worn).law
@@ -187,29 +185,29 @@ class AbstractLumped(AbstractElement):
         memory = self.apply_wear(floats, worn).law.init(floats, fractions, stress, temperature)
         return Lumped(memory, force, 0.0, worn)
 
+    @override
     def force(self, state: Lumped) -> Scalar:
-        """Return the force at the end of the last step [N]."""
         return state.force
 
+    @override
     def in_state(
         self, xp: Namespace, state: Lumped, fractions: Fractions, temperature: Scalar, force: Scalar
     ) -> Lumped:
-        """Return a state put elsewhere, with its history, under a force [N]."""
         stress = self.stress(xp, force)
         law = self.apply_wear(xp, state.worn).law
         worn = state.worn if self.wear is None else state.worn._replace(martensite=fractions.martensite, stress=stress)
         moved = law.relocate(xp, state.memory, fractions, stress, temperature)
         return Lumped(moved, force, state.rate, worn)
 
+    @override
     def tangent(self, xp: Namespace, state: Lumped, force: Scalar) -> Spring:
-        """Return the element as a spring in a state, near a force [N]."""
         fractions = self.law.fractions(state.memory)
         return self.apply_wear(xp, state.worn).spring(xp, fractions, state.memory.temperature, force)
 
+    @override
     def advance(
         self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar
     ) -> tuple[Lumped, StepReport]:
-        """Return the state after a step of dt [s], and the report of the step."""
         if self.wear is not None:
             after, report = self.apply_wear(xp, state.worn).advance(xp, state, heating, pull, dt)
             end, memory = self.law.fractions(after.memory), after.memory
@@ -239,7 +237,7 @@ class AbstractLumped(AbstractElement):
 
     @property
     def exchanges(self) -> bool:
-        """Return True if the law is an exchange of layers that nothing wears."""
+        """Return True if the law is an exchange of layers, without wear."""
         return isinstance(self.law, AbstractExchange) and self.wear is None
 
     def advance_rosenbrock(
@@ -247,15 +245,15 @@ class AbstractLumped(AbstractElement):
     ) -> tuple[Lumped, Lumped, Lumped]:
         """Return states after a step of dt [s], in its middle, and after it to a lower order.
 
-        The field `owed` of the heating is not used. The law must be an exchange of layers.
+        The law must be an exchange of layers; `owed` of the heating is ignored.
         """
         law = cast(AbstractExchange, self.law)
         coupling, lumped = self._couple(xp, state, heating, pull, dt)
         after, middle, coarse = advance_rosenbrock(xp, law, state.memory, coupling, dt)
         return lumped(after), lumped(middle), lumped(coarse)
 
+    @override
     def differentiate(self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull) -> tuple[Lumped, Column]:
-        """Return the state at given populations and temperature, and their rates, for `advance_rosenbrock`."""
         law, imposed = cast(AbstractExchange, self.law), heating.temperature
         coupling, lumped = self._couple(xp, state, heating, pull, 1.0)
         temperature = state.memory.temperature if imposed is None else imposed
@@ -265,7 +263,7 @@ class AbstractLumped(AbstractElement):
     def _couple(
         self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar
     ) -> tuple[Coupling, Callable[[Any], Lumped]]:
-        """Return the coupling of a law of rates in a step of dt [s], and the element with a memory of it."""
+        """Return the coupling of a rate-dependent law in a step of dt [s], and a constructor of states."""
         law = cast(AbstractExchange, self.law)
         start, imposed = state.memory.temperature, heating.temperature
 
@@ -296,16 +294,16 @@ class AbstractLumped(AbstractElement):
 
         return Coupling(stress, power, latent, self.heat_capacity_total()), lumped
 
+    @override
     def rates(self, state: Lumped) -> list[Scalar]:
-        """Return the rate of the martensite fraction."""
         return [state.rate]
 
+    @override
     def warm_start(self, state: Lumped, found: Lumped) -> Lumped:
-        """Return the state, from which a step begins to look where it ended before."""
         return state._replace(rate=found.rate)
 
     def _heat_line(self, xp: Namespace, state: Lumped, heating: Heating, loaded: Loaded, dt: Scalar) -> HeatLine:
-        """T at the end of the step as a function of the fractions there."""
+        """Return T at the end of the step as a function of the fractions there."""
         law, memory = self.law, state.memory
         start, stress = memory.temperature, memory.stress
         fractions = law.fractions(memory)
@@ -323,7 +321,7 @@ class AbstractLumped(AbstractElement):
             return [heat.mean, heat.slope]
 
         def reached(xp: Namespace, at: Column) -> Column:
-            """Return the strain and stress on the load line."""
+
             there = phases(at[0], at[1], *at[3:])
             force = loaded(xp, there, at[2])
             return [self._strain_under(xp, there, at[2], force), self.stress(xp, force)]
@@ -356,24 +354,20 @@ class AbstractLumped(AbstractElement):
         )
 
     def _ohms_of(self, xp: Namespace, fractions: Fractions, strain: Scalar, temperature: Scalar) -> Scalar:
-        """Return the resistance [ohm] in a phase state."""
         rphase = [fractions.rphase_fraction] if self.law.rphase else []
         return self.ohms(xp, fractions.martensite, strain, temperature, *rphase)
 
     def _strain_under(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Scalar:
-        """Return the strain [-] by the elongation, which is that of the law for a straight wire only.
-
-        A curved wire is stressed more than it is strained, and turns that touch are not strained.
-        """
+        """Return the strain [-] by elongation; in coils stress and contact do not follow the law's strain."""
         spring = self.spring(xp, fractions, temperature, force)
         return self.strain(xp, spring.free + spring.compliance * force)
 
+    @override
     def points(self, xp: Namespace, state: Lumped) -> list[MaterialPoint]:
-        """The whole element, unless its law has rates."""
         return points_of(xp, self.apply_wear(xp, state.worn).law, [state.memory])
 
     def heat_content(self, xp: Namespace, state: Lumped) -> Scalar | None:
-        """C T - λ ξ [J], if the latent heat λ is a number."""
+        """Return C T - λ ξ [J] for a constant latent heat λ."""
         if not self.law.constant_heat:
             return None
         memory = state.memory
@@ -381,30 +375,30 @@ class AbstractLumped(AbstractElement):
         released = self.law.released(self.law.fractions(memory))
         return self.heat_capacity_total() * memory.temperature - latent * released
 
+    @override
     def stored_heat(self, xp: Namespace, state: Lumped) -> StoredHeat:
-        """C T, and λ along the share of it that is released."""
         memory = state.memory
         latent = self.apply_wear(xp, state.worn).latent_heat_total(xp, memory.stress, memory.temperature)
         released = self.law.released(self.law.fractions(memory))
         sensible = self.heat_capacity_total() * memory.temperature
         return StoredHeat(sensible, (Effort(-latent, released),))
 
+    @override
     def elastic_energy(self, xp: Namespace, state: Lumped) -> Scalar | None:
-        """Return the energy [J] that unloading at frozen fractions and temperature would give back."""
         fractions, temperature = self.law.fractions(state.memory), state.memory.temperature
         return self.elastic_energy_at(xp, fractions, temperature, state.force)
 
     def elastic_energy_at(
         self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
     ) -> Scalar | None:
-        """Return the elastic energy under a force [N]: ½ compliance · force², if the element is linear in force."""
+        """Return ½ compliance · force² [J] under a force [N]; None for a nonlinear element."""
         if self.passes > 1:
             return None
         spring = self.spring(xp, fractions, temperature, force)
         return 0.5 * spring.compliance * force * force
 
+    @override
     def condition(self, xp: Namespace, state: Lumped, force: Scalar, environment: Environment) -> Condition:
-        """Everything that can be measured on the element under a force [N]."""
         memory = state.memory
         fractions, temperature = self.law.fractions(memory), memory.temperature
         strain = self.strain(xp, self.elongation(xp, state, force))

@@ -1,13 +1,12 @@
-"""Ribbon: equal wires side by side, so close that they warm each other.
+"""Ribbon: equal parallel wires that warm each other.
 
-All have one elongation and pull together; one that is longer than the others hangs slack. The
-current flows through the first `heated` of them one after the other, the rest are passive.
-Between neighbours at the axis distance D flows, through what fills the gap,
+All have one elongation; a longer wire is slack. The current flows through the first `heated` wires in series, the
+others are passive. Between neighbours at the axis distance D the gap conducts
 
     G' (T_i - T_j),   G' = 2π k/acosh[(2 D² - d²)/d²]   per length,
 
-the exact conduction between two parallel cylinders alone in a medium. Each wire loses heat to
-the surroundings as if it were alone, so this is an upper bound of what neighbours exchange.
+the exact conduction between two parallel cylinders in a medium. Each wire loses heat to the ambient as if it were
+alone, so this is an upper bound of the exchange.
 """
 
 import math
@@ -18,6 +17,7 @@ from martensite.actuators.elements.columns import Cells, Links
 from martensite.actuators.elements.network import Column, Linkage, ParallelCells
 from martensite.actuators.elements.wire import Wire
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import Number, option, param, part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.thermal.base import Environment
@@ -51,20 +51,20 @@ class Ribbon(AbstractCells):
                 f"{1e3 * self.wire.diameter:.4g} mm, but is {1e3 * self.distance:.4g} mm."
             )
 
+    @override
     def lengths(self, xp: Namespace) -> Column:
-        """Every wire is one cell [m]."""
         return [self.wire.length for _ in range(int(self.wires))]
 
     def shares(self, xp: Namespace) -> Column:
-        """1 for wires in the circuit, 0 for the others."""
+        """Return 1 for wires in the circuit, 0 for the others."""
         return [xp.clip(self.heated - k, 0.0, 1.0) for k in range(int(self.wires))]
 
+    @override
     def places(self) -> list[float]:
-        """Return the axes of the wires, from the first [m]."""
         return [k * self.distance for k in range(int(self.wires))]
 
+    @override
     def links(self, xp: Namespace, fractions: Column) -> Links:
-        """Conduction between neighbours [W/K]."""
         ratio = self.distance / self.wire.diameter
         x = 2.0 * ratio * ratio - 1.0
         acosh = xp.log(x + xp.sqrt(x * x - 1.0))
@@ -72,20 +72,20 @@ class Ribbon(AbstractCells):
         count = int(self.wires)
         return Links([between] * (count - 1), [0.0] * count)
 
+    @override
     def linkage(self) -> Linkage:
-        """Side by side."""
         return ParallelCells()
 
+    @override
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Cells:
-        """Return every wire with its part of the force [N]."""
         count = int(self.wires)
         memory = self.wire.init(xp, force * (1.0 / count), temperature).memory
         return Cells((memory,) * count, force)
 
+    @override
     def heat_capacity_total(self) -> Scalar:
-        """Return the heat capacity of all wires without transformation [J/K]."""
         return int(self.wires) * self.wire.heat_capacity_total()
 
+    @override
     def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
-        """Return the heat flow through the surfaces [W] if all wires are equally hot."""
         return int(self.wires) * self.wire.heat_loss(xp, temperature, environment)

@@ -1,16 +1,15 @@
-"""Elements whose strain differs over the section: twisted, bent, or wound into a coil.
+"""Elements with a strain that varies over the section: twisted, bent, or wound into a coil.
 
-Plane sections stay plane: where the strain is ℓ_i per elongation e, a fibre that stands for a volume V_i has
+Plane sections stay plane: with the strain ℓ_i per elongation e, a fibre of volume V_i has
 
     ε_i = ℓ_i e,        F = Σ V_i ℓ_i σ_i
 
-by virtual work. Every fibre has a memory of the law, all have one temperature; at frozen fractions they are springs
-side by side. With `section_model = "surface"` the fibre at the surface stands for all: F = σ Σ V_i ℓ_i²/ℓ_n, exact
-while the section is elastic. Torsion enters by its equivalent, σ = √3 τ and ε = γ/√3.
+by virtual work. Each fibre has a memory of the law, all have one temperature; at frozen fractions they are parallel
+springs. With `section_model = "surface"` the surface fibre represents all: F = σ Σ V_i ℓ_i²/ℓ_n, exact for an elastic
+section. Torsion is equivalent to σ = √3 τ and ε = γ/√3.
 
-Sections and laws are symmetric: fibres under compression do as those on the other side, mirrored, and are not
-computed. A fibre may still come under stress of the other sign, as the surface does where a bar that has yielded is
-let go: the law then answers for that stress.
+Sections and laws are symmetric: fibres in compression mirror the other side and are not computed. A fibre may still
+change the sign of its stress, such as the surface of a yielded bar on unloading; the law then handles this stress.
 """
 
 import math
@@ -35,6 +34,7 @@ from martensite.actuators.elements.network import Column
 from martensite.actuators.elements.section_step import advance_fibres, advance_section
 from martensite.actuators.elements.wire import AbstractRoundWire
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import option
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
@@ -46,11 +46,11 @@ from martensite.physics.thermal.base import Environment
 ROOT3 = math.sqrt(3.0)
 """Equivalent stress per shear stress."""
 LOST = 1e-9
-"""Smallest lost martensite fraction of a section that is no longer as trained."""
+"""Loss of martensite fraction above which a section is no longer in its trained state."""
 
 
 class Section(NamedTuple):
-    """State of a section of fibres: what each remembers, the surface last, and the force [N]."""
+    """State of a section of fibres: memories, the surface last, and the force [N]."""
 
     memories: tuple[Any, ...]
     force: Scalar
@@ -59,9 +59,9 @@ class Section(NamedTuple):
 
 @cache
 def find_section_points(count: int) -> tuple[tuple[float, float], ...]:
-    """Return the places in (0, 1], rising, and weights, of the interpolating rule at cos(2πk/(2n - 1)), k = 0 … n - 1.
+    """Return rising points in (0, 1] and weights of the interpolating rule at cos(2πk/(2n - 1)), k = 0 … n - 1.
 
-    One lies on the surface; weights are above zero and add up to 1, and polynomials of degree n - 1 are exact.
+    One point is on the surface; weights are positive with sum 1, and polynomials of degree n - 1 are exact.
     """
     whole, rows = 2 * count - 1, list[tuple[float, float]]()
     for k in range(count - 1, -1, -1):
@@ -72,7 +72,7 @@ def find_section_points(count: int) -> tuple[tuple[float, float], ...]:
 
 
 class AbstractSection(AbstractRoundWire, AbstractLumped):
-    """A section of fibres; a subclass says where they are."""
+    """Section of fibres; subclasses place them."""
 
     section_model: str = option(
         "what stands for the section: its surface, or fibres all over it", "surface", "fibres", default="fibres"
@@ -81,7 +81,7 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
 
     @abstractmethod
     def fibre_columns(self, xp: Namespace) -> tuple[Column, Column]:
-        """Return the strain per elongation [1/m] and volume [m³] of every fibre, the surface last."""
+        """Return the strain per elongation [1/m] and volume [m³] of each fibre, the surface last."""
 
     def cut_rings(self, inner: Scalar, per_radius: Scalar) -> tuple[Column, Column]:
         """Return levers and volumes of rings outside a diameter [m], at a strain per elongation and radius [1/m²]."""
@@ -90,16 +90,16 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         return [per_radius * r for r, _ in rings], [2.0 * math.pi * length * r * w for r, w in rings]
 
     def add_contact(self, xp: Namespace, open: Spring, force: Scalar) -> Spring:
-        """Return the element near a force [N], of its fibres as a spring."""
+        """Return the element near a force [N] from the spring of its fibres."""
         return open
 
     @property
+    @override
     def uniform(self) -> bool:
-        """Return whether one phase state holds for the whole section."""
         return self.section_model == "surface"
 
     def check(self) -> None:
-        """Raise `ParameterError` if the law cannot hold the initial state, or not be asked by fibres."""
+        """Raise `ParameterError` if the law cannot have the initial state, or does not allow fibres."""
         super().check()
         law, lopsided = self.law, getattr(self.law, "compression", "") == "asymmetric"
         if not self.uniform and (lopsided or law.rate_dependent or law.grouped or law.rphase or self.wear):
@@ -109,8 +109,8 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
                 f"{' with `compression` = `asymmetric`' * lopsided}; try `section_model` = `surface`."
             )
 
+    @override
     def cautions(self) -> list[str]:
-        """Return the laws that strain a section where it has no strain."""
         law, found = self.law, super().cautions()
         cold, hot = (law.free_strain(floats, Fractions(0.0, 0.0), kelvin) for kelvin in (300.0, 400.0))
         if not self.uniform and cold != hot:
@@ -123,25 +123,25 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         return found
 
     def compute_moments(self, xp: Namespace) -> tuple[Scalar, Scalar, Scalar]:
-        """Σ V ℓ, Σ V ℓ² and the lever of the surface."""
+        """Return Σ V ℓ, Σ V ℓ² and the lever of the surface."""
         levers, volumes = self.fibre_columns(xp)
         grips = [v * w for w, v in zip(levers, volumes, strict=True)]
         return sum_column(grips), sum_column([g * w for g, w in zip(grips, levers, strict=True)]), levers[-1]
 
+    @override
     def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Spring:
-        """Return the tangent at `force` [N] with the same frozen fractions all over, and temperature [K]."""
         first, second, lever = self.compute_moments(xp)
         per_strain = 1.0 / lever if self.uniform else first / second
         free = self.law.free_strain(xp, fractions, temperature) * per_strain
         return self.add_contact(xp, Spring(free, self.law.compliance(xp, fractions) / second), force)
 
     def stress(self, xp: Namespace, force: Scalar) -> Scalar:
-        """Return the stress at the surface of an elastic section [Pa]; of torsion √3 τ."""
+        """Return the stress at the surface of an elastic section [Pa]; for torsion √3 τ."""
         _, second, lever = self.compute_moments(xp)
         return force * (lever / second)
 
     def strain(self, xp: Namespace, elongation: Scalar) -> Scalar:
-        """Return the strain at the surface [-]; of torsion γ/√3."""
+        """Return the strain at the surface [-]; for torsion γ/√3."""
         return elongation * self.compute_moments(xp)[2]
 
     def find_fibre_stress(self, xp: Namespace, fractions: Fractions, strain: Scalar, temperature: Scalar) -> Scalar:
@@ -149,7 +149,7 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         return (strain - self.law.free_strain(xp, fractions, temperature)) / self.law.compliance(xp, fractions)
 
     def combine_fibres(self, xp: Namespace, martensite: Column, oriented: Column, temperature: Scalar) -> Spring:
-        """Fibres at frozen fractions as one spring."""
+        """Return fibres at frozen fractions as one spring."""
 
         def one(m: Scalar, o: Scalar, lever: Scalar, volume: Scalar) -> tuple[Scalar, Scalar]:
             grip = volume * lever / self.law.compliance(xp, Fractions(m, o))
@@ -160,12 +160,12 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         return Spring(soft * sum_column(pull), soft)
 
     def freeze_fibres(self, xp: Namespace, state: Section, temperature: Scalar) -> Spring:
-        """Fibres of a state as one spring, at a temperature [K]."""
+        """Return the fibres of a state as one spring, at a temperature [K]."""
         fractions = [self.law.fractions(memory) for memory in state.memories]
         return self.combine_fibres(xp, [f.martensite for f in fractions], [f.oriented for f in fractions], temperature)
 
     def mean_fractions(self, xp: Namespace, state: Section) -> Fractions:
-        """Return the phase state, by volume."""
+        """Return the volume average of the phase state."""
         volumes = self.fibre_columns(xp)[1]
         fractions = [self.law.fractions(memory) for memory in state.memories]
         rows = list(zip(volumes, fractions, strict=True))
@@ -173,16 +173,16 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         return Fractions(m / sum_column(volumes), o / sum_column(volumes))
 
     def locate_surface(self, xp: Namespace, state: Section) -> Point:
-        """Return the elongation [m] and temperature [K] at the end of the last step, by the surface."""
+        """Return the elongation [m] and temperature [K] at the end of the last step, from the surface."""
         last = state.memories[-1]
         strain = self.law.strain(xp, self.law.fractions(last), last.stress, last.temperature)
         return Point(strain / self.fibre_columns(xp)[0][-1], last.temperature)
 
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Any:
-        """Return the state at the start: the equilibrium under `force` [N] and at `temperature` [K].
+        """Return the initial equilibrium under `force` [N] and at `temperature` [K].
 
-        The section was cold and trained, and was warmed under the force. Where no fibre loses martensite on the way, it
-        starts as it was trained.
+        The section was cold and trained, and was warmed under the force. If no fibre loses martensite, it starts as
+        trained.
         """
         if self.uniform:
             return super().init(xp, force, temperature)
@@ -193,75 +193,72 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         return choose_tuple(xp, after < before - LOST, warm, trained)
 
     def _init_trained(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Section:
-        """Return the state as trained: oriented martensite falls to nothing towards the core.
-
-        So does all martensite of a law that knows no other.
-        """
+        """Return the trained state: orientation (without twins all martensite) falls to zero at the core."""
         levers, fractions = self.fibre_columns(xp)[0], list[Fractions]()
         for share in [lever / levers[-1] for lever in levers]:
-            found = self.initial_fractions(xp, self.stress(xp, force) * share)
-            martensite = found.martensite if self.law.twins else found.martensite * share
-            fractions.append(Fractions(martensite, found.oriented * share))
+            own = self.initial_fractions(xp, self.stress(xp, force) * share)
+            martensite = own.martensite if self.law.twins else own.martensite * share
+            fractions.append(Fractions(martensite, own.oriented * share))
         columns = [f.martensite for f in fractions], [f.oriented for f in fractions]
         whole = self.add_contact(xp, self.combine_fibres(xp, *columns, temperature), force)
         e = whole.free + whole.compliance * force
         rows = [(f, self.find_fibre_stress(xp, f, w * e, temperature)) for f, w in zip(fractions, levers, strict=True)]
         return Section(tuple(self.law.init(xp, f, stress, temperature) for f, stress in rows), force)
 
+    @override
     def tangent(self, xp: Namespace, state: Any, force: Scalar) -> Spring:
-        """Return the element as a spring in a state, near a force [N]."""
         if self.uniform:
             return super().tangent(xp, state, force)
         return self.add_contact(xp, self.freeze_fibres(xp, state, state.memories[-1].temperature), force)
 
+    @override
     def advance(self, xp: Namespace, state: Any, heating: Heating, pull: Pull, dt: Scalar) -> tuple[Any, StepReport]:
-        """Return the state after a step of dt [s], and the report of the step."""
         if self.uniform:
             return super().advance(xp, state, heating, pull, dt)
         return advance_section(xp, self, state, heating, pull, dt)
 
+    @override
     def in_state(self, xp: Namespace, state: Any, fractions: Fractions, temperature: Scalar, force: Scalar) -> Any:
-        """Return a state put elsewhere, if one stands for all."""
         if self.uniform:
             return super().in_state(xp, state, fractions, temperature, force)
         return AbstractElement.in_state(self, xp, state, fractions, temperature, force)
 
     @property
+    @override
     def exchanges(self) -> bool:
-        """Return True if the law is an exchange of layers, and one state stands for all."""
         return self.uniform and super().exchanges
 
+    @override
     def points(self, xp: Namespace, state: Any) -> list[MaterialPoint]:
-        """Return every fibre: a kink that all runs miss is an error that they have in common."""
         return super().points(xp, state) if self.uniform else points_of(xp, self.law, state.memories)
 
+    @override
     def heat_content(self, xp: Namespace, state: Any) -> Scalar | None:
-        """C T - λ ξ [J], if the latent heat λ is a number."""
         if self.uniform or not self.law.constant_heat:
             return super().heat_content(xp, state) if self.uniform else None
         stored = self.stored_heat(xp, state)
         return stored.sensible + stored.latent[0].way
 
+    @override
     def stored_heat(self, xp: Namespace, state: Any) -> StoredHeat:
-        """C T, and λ along the martensite fraction of every fibre."""
         if self.uniform:
             return super().stored_heat(xp, state)
         latent, rows = self.density * self.latent_heat, zip(self.fibre_columns(xp)[1], state.memories, strict=True)
         heats = [(v * self.law.heat(xp, latent, m.stress, m.temperature), self.law.fractions(m)) for v, m in rows]
         efforts = [Effort(-heat, self.law.released(fractions)) for heat, fractions in heats]
-        if self.law.constant_heat:  # then the energy itself is known, which takes one number
+        if self.law.constant_heat:  # the energy itself, as one number
             efforts = [Effort(1.0, sum_column([heat * share for heat, share in efforts]))]
         return StoredHeat(self.heat_capacity_total() * state.memories[-1].temperature, tuple(efforts))
 
+    @override
     def elastic_energy(self, xp: Namespace, state: Any) -> Scalar | None:
-        """Return the energy [J] that unloading, fibre by fibre, at frozen fractions and temperature would give back."""
         if self.uniform:
             return super().elastic_energy(xp, state)
         rows = zip(self.fibre_columns(xp)[1], state.memories, strict=True)
         return sum_column([0.5 * v * self.law.compliance(xp, self.law.fractions(m)) * m.stress**2 for v, m in rows])
 
     def condition(self, xp: Namespace, state: Any, force: Scalar, environment: Environment) -> Condition:
-        """Everything that can be measured under a force [N]; the stress is the one of largest size anywhere."""
+        """Return the measurable condition under a force [N]; the stress is the largest in the section."""
         if self.uniform:
             return super().condition(xp, state, force, environment)
         temperature, e, largest = state.memories[-1].temperature, self.elongation(xp, state, force), 0.0

@@ -1,17 +1,17 @@
-"""One step of an element whose section is integrated by fibres.
+"""One step of an element with fibres.
 
-The unknowns are the stress σ_i of every fibre, the elongation e and the temperature T, which all share. A law is
-explicit in stress and temperature, so that plane sections, heat and force read
+The unknowns are the stress σ_i of each fibre, and the common elongation e and temperature T. A law is explicit in
+stress and temperature, so plane sections, heat and force read
 
     ε_i(σ_i, T) = ℓ_i e,      T = T_b + share · Σ V_i h_i (ξ_i - ξ_i0) + …,      F = Σ V_i ℓ_i σ_i,
 
-where ε_i holds the fractions that the law answers with. Linearised, F and heat are sums, linear in e and T, T is
-eliminated, and the mechanism meets a spring: Newton's method for all at once, at one answer of the law per fibre.
+where ε_i includes the fractions of the law. Linearised, F and heat are sums, linear in e and T, T is eliminated, and
+the mechanism meets a spring: Newton's method for all unknowns, with one evaluation of the law per fibre.
 
-ε_i rises with σ_i; with the fibres solved for, the mismatch of the heat rises with T, and then F with e. Where a
-correction is more than a quarter of the least before, a turn steps one level down: fibres at given e and T, T at given
-e, or e, each in a bracket that halves. A law chooses its process at the start of a move. Fibres that transform put load
-on those that do not: where there are both, all are asked again at the elongation found.
+ε_i rises with σ_i; with the fibres solved, the heat mismatch rises with T, and then F with e. If a correction exceeds a
+quarter of the smallest before, an iteration solves one level below: fibres at given e and T, T at given e, or e, each
+in a shrinking bracket. A law selects its process at the start of a move. Transforming fibres load the others: if there
+are both, all select again at the new elongation.
 """
 
 from __future__ import annotations
@@ -34,17 +34,16 @@ if TYPE_CHECKING:
     from martensite.actuators.elements.section import AbstractSection, Section
 
 TURNS, ROUNDS = 80, 4
-"""Most turns of the solve, and most rounds in which processes are chosen."""
+"""Largest numbers of iterations, and of rounds in which processes are selected."""
 QUARTER = 0.25
 PER_KELVIN = 1e-3
-"""Strain that weighs as much as a kelvin where corrections are compared [1/K]."""
+"""Strain equivalent to one kelvin in the comparison of corrections [1/K]."""
 SOLVED, NEAR, FORESEEN = 1e-15, 1e-10, 1e-17
-"""Correction [-] that is the last; one after which the next is foreseen, which is not made if it is this small, or no
-smaller, as rounding leaves it where strips are as narrow as lines."""
+"""Correction [-] that ends the solve; one below which the next is predicted; predicted size that ends the solve."""
 MOVED = 1e-13
-"""Change of a fraction [-] from which on it is one."""
+"""Change of a fraction [-] above which a fibre transforms."""
 WIDER = 1.01
-"""Factor that widens the bounds of a root, because the root may lie on a bound."""
+"""Factor that widens bounds, because the root may lie on a bound."""
 LEAST = 1e-300
 
 
@@ -70,7 +69,7 @@ def advance_fibres(
 
 
 def _iterate(xp: Namespace, most: int, body: Callable[[Namespace, Any], Any], begin: Any) -> Any:
-    """Return the state after turns of a body, for as long as its first number is above 0."""
+    """Return the state after iterations of a body while its first value is above 0."""
     shape = NestedShape(begin)
 
     def turn(*numbers: Scalar) -> list[Scalar]:
@@ -107,7 +106,7 @@ def _balance_heat(
 
 @dataclass(frozen=True)
 class SectionStep:
-    """One step of an element of fibres, whose levers [1/m] and volumes [m³] are columns."""
+    """One step of an element of fibres; levers [1/m] and volumes [m³] are columns."""
 
     element: AbstractSection
     state: Section
@@ -116,12 +115,12 @@ class SectionStep:
     start: Point
     heat: SectionHeat
     move: NestedShape
-    """Example of the law's process, as its shape."""
+    """Shape of a process of the law."""
     levers: Column
     volumes: Column
 
     def meet_mechanism(self, xp: Namespace, spring: Spring) -> Sequence[Scalar]:
-        """Return the elongation [m] and force [N] at which the section as a spring fits the mechanism."""
+        """Return the equilibrium elongation [m] and force [N] of the section, as a spring, and the mechanism."""
 
         def near(xp: Namespace, force: Scalar) -> Spring:
             return self.element.add_contact(xp, spring, force)
@@ -131,18 +130,18 @@ class SectionStep:
         return whole.free + whole.compliance * force, force
 
     def list_columns(self, moves: Sequence[Column] = ()) -> list[Column]:
-        """Return the levers, volumes, memories and moves, one column per number."""
+        """Return levers, volumes, memories and moves, one column per value."""
         before = zip(*map(flatten_numbers, self.state.memories), strict=True)
         return [self.levers, self.volumes, *map(list, before), *moves]
 
     def split_row(self, numbers: Sequence[Scalar]) -> tuple[Any, Any]:
-        """Return the memory and move, from the numbers of a fibre."""
+        """Return memory and move from the values of a fibre."""
         shape = NestedShape(self.state.memories[0])
         size = len(flatten_numbers(shape.example))
         return shape.rebuild(numbers[:size]), self.move.rebuild(numbers[size:]) if numbers[size:] else None
 
     def solve_round(self, xp: Namespace, now: Round) -> Round:
-        """Return the processes that frozen fibres set off at a point, and the solve with them."""
+        """Return the solve with the processes that frozen fibres start at a point."""
         law, (e, temperature) = self.element.law, now.point
 
         def select(lever: Scalar, volume: Scalar, *flat: Scalar) -> list[Scalar]:
@@ -165,7 +164,7 @@ class SectionStep:
     def find_heat(
         self, xp: Namespace, memory: Any, volume: Scalar, stress: Scalar, temperature: Scalar, end: Fractions
     ) -> Scalar:
-        """Return the heat [J] that a fibre releases on its way to an end, at the mean stress and temperature."""
+        """Return the heat [J] released by a fibre on its way to an end, at mean stress and temperature."""
         element, middle = self.element, (0.5 * (memory.stress + stress), 0.5 * (memory.temperature + temperature))
         latent = element.law.heat(xp, element.density * element.latent_heat, *middle)
         change = element.law.released(end) - element.law.released(element.law.fractions(memory))
@@ -174,10 +173,10 @@ class SectionStep:
     def linearise_fibres(
         self, xp: Namespace, point: Point, stresses: Column, moves: Sequence[Column]
     ) -> tuple[Column, list[Column]]:
-        """Return the law's answer: sums over the section; per fibre strain, slopes, compliance, change and fractions.
+        """Return sums over the section; per fibre strain, derivatives, compliance, change and fractions.
 
-        The sums are ∂F/∂e, F at no elongation, and -∂F/∂T, and the same of the heat of transformation but with its own
-        sign; and that heat as it is.
+        The sums are ∂F/∂e, F at zero elongation, -∂F/∂T, then the same of the heat of transformation (positive sign),
+        and that heat.
         """
         law, temperature = self.element.law, point.temperature
 
@@ -213,7 +212,7 @@ class SectionStep:
         return self.meet_mechanism(xp, Spring(soft * (softening * none - push), soft))[0], lambda e: none + rate * e
 
     def take_step(self, xp: Namespace, now: Turn, moves: Sequence[Column]) -> Turn:
-        """One answer of the law, and the step that follows from it."""
+        """Return the next iterate, from one evaluation of the law."""
         (e, at), levers, heat = now.point, self.levers, self.heat
         sums, (strain, per, grows, elastic, change, *ends) = self.linearise_fibres(xp, now.point, now.stress, moves)
         aim, warm = self.solve_elongation(xp, sums, at)
@@ -258,15 +257,15 @@ class SectionStep:
         )
 
     def commit_fibres(self, xp: Namespace, found: Round) -> tuple[Section, StepReport]:
-        """Return all fibres at the fractions found: plane sections and force then hold to rounding."""
+        """Return all fibres at the solved fractions, with exact plane sections and force."""
         law, (at, m, o) = self.element.law, self._follow_root(xp, found)
         e, force = self.meet_mechanism(xp, self.element.combine_fibres(xp, m, o, at))
 
         def commit(m: Scalar, o: Scalar, lever: Scalar, volume: Scalar, *flat: Scalar) -> list[Scalar]:
             end, (memory, move) = Fractions(m, o), self.split_row(flat)
             stress = self.element.find_fibre_stress(xp, end, lever * e, at)
-            said = law.follow(xp, move, stress, at, self.dt)
-            apart = xp.maximum(xp.abs(said.martensite - m), xp.abs(said.oriented - o))
+            reached = law.follow(xp, move, stress, at, self.dt)
+            apart = xp.maximum(xp.abs(reached.martensite - m), xp.abs(reached.oriented - o))
             return [apart, *flatten_numbers(law.commit(xp, memory, move, end, stress, at, self.dt))]
 
         residual, *columns = xp.each(commit, m, o, *self.list_columns(found.moves))
@@ -275,7 +274,7 @@ class SectionStep:
         return self.state._replace(memories=memories, force=force), report
 
     def _follow_root(self, xp: Namespace, found: Round) -> tuple[Scalar, list[Scalar], list[Scalar]]:
-        """Return the temperature and fractions, with the derivatives of a step of Newton's method from there."""
+        """Return temperature and fractions, with the derivatives of one Newton step."""
         e, at = (xp.detach(x) for x in found.point)
         stress = [xp.detach(x) for x in found.stress]
         sums, (strain, per, grows, _, _, *ends) = self.linearise_fibres(xp, Point(e, at), stress, found.moves)
@@ -290,6 +289,6 @@ class SectionStep:
 
 
 def _extrapolate(ends: Sequence[Scalar], stress: Scalar, temperature: Scalar) -> tuple[Scalar, Scalar]:
-    """Return the fractions by their slopes, for a change of stress and temperature; exact for narrow strips."""
+    """Return the fractions after a change of stress and temperature, by their derivatives."""
     m, o, m_stress, m_heat, o_stress, o_heat = ends
     return m + m_stress * stress + m_heat * temperature, o + o_stress * stress + o_heat * temperature

@@ -1,13 +1,12 @@
 """One step of an element of many cells.
 
-Cells share force and current; heat flows between neighbours. A step sweeps over them: every cell solves its own coupled
-step in a bracket (`laws.coupling`), with all others folded into a straight heat line (`elements.network`) and into a
-spring (`elements.network`), as they answered in the sweep before. That is Newton's method for the others and a bracket
-for oneself; the mismatch that is left is the residual of the step.
+Cells share force and current; heat flows between neighbours. A step sweeps over them: each cell solves its own coupled
+step in a bracket (`laws.coupling`), with all others as a linear heat balance and a spring (`elements.network`) from the
+previous sweep. This is Newton's method for the others and a bracket for the cell itself; the remaining mismatch is the
+residual of the step.
 
-The flux between two cells is weighted between start and end of the step by
-θ = (1 + z/3)/(2 + z/3), z = dt G (1/C_i + 1/C_j): the trapezoid where the exchange is slow, the
-implicit rule where it is fast. Second order in the step, and no ringing.
+The flux between two cells is weighted between start and end of the step by θ = (1 + z/3)/(2 + z/3), z = dt G (1/C_i +
+1/C_j): trapezoidal for slow exchange, implicit for fast exchange. Second order, without ringing.
 """
 
 from __future__ import annotations
@@ -47,7 +46,7 @@ class SweepStep:
 
     @property
     def memories(self) -> list[Column]:
-        """Return one column per number of the memory."""
+        """Return one column per value of the memory."""
         rows = [flatten_numbers(memory) for memory in self.state.memories]
         return [list(column) for column in zip(*rows, strict=True)]
 
@@ -56,7 +55,7 @@ class SweepStep:
         return NestedShape(self.state.memories[0]).rebuild(flat)
 
     def start(self, xp: Namespace) -> StepStart:
-        """Return the state of all cells at the start."""
+        """Return the initial state of all cells."""
         law = self.law
 
         def one(length: Scalar, *flat: Scalar) -> tuple[Scalar, ...]:
@@ -78,7 +77,7 @@ class SweepStep:
         return StepStart(*xp.each(one, self.element.lengths(xp), *self.memories))
 
     def guess_without_transformation(self, start: StepStart) -> SweepGuess:
-        """Return the guess that nothing transforms."""
+        """Return the guess without transformation."""
         none = [0.0 for _ in start.long]
         columns = (
             start.martensite,
@@ -96,7 +95,7 @@ class SweepStep:
         return SweepGuess(*(tuple(column) for column in columns))
 
     def lines(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> HeatBalanceColumns:
-        """Return the heat balance with what is conducted and what the current brings."""
+        """Return the heat balance with conduction and Joule heat."""
         middle = _average_ends(start.martensite, guess.martensite)
         joule = self._joule(xp, start, guess)
         links, ambient = self.element.links(xp, middle), self.heating.environment.temperature
@@ -115,13 +114,13 @@ class SweepStep:
         return HeatBalanceColumns(diagonal, right, between)
 
     def _joule(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> list[Scalar]:
-        """Return the heat that the current brings to every cell [J], as all are in the middle of the step."""
+        """Return the Joule heat of each cell [J], from mid-step states."""
         ohms, heated = self._ohms(xp, start, guess)
         per_ohm = self.dt * self.heating.heat(xp, ohms).mean / ohms
         return [per_ohm * r for r in heated]
 
     def _ohms(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> tuple[Scalar, Column]:
-        """Return the resistance of the element, and of every cell to the current in it [ohm]."""
+        """Return the resistance of the element, and of each cell to the current in it [ohm]."""
         element = self.element
 
         def one(
@@ -144,7 +143,7 @@ class SweepStep:
         return element.copies() * sum_column(seen), heated
 
     def sweep(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> SweepGuess:
-        """Return every cell for itself, with the others as they answered before."""
+        """Return each cell solved alone, with the others from the previous sweep."""
         lines = self.lines(xp, start, guess)
         diagonal = [d + w for d, w in zip(lines.diagonal, guess.warms, strict=True)]
         seen = fold_others(diagonal, self._expect_latent_heat(start, guess, lines), lines.links)
@@ -169,7 +168,7 @@ class SweepStep:
         return SweepGuess(*(tuple(column) for column in found))
 
     def _expect_latent_heat(self, start: StepStart, guess: SweepGuess, lines: HeatBalanceColumns) -> list[Scalar]:
-        """Return the right-hand side with the latent heat as it is linear in temperature [J]."""
+        """Return the right-hand side with latent heat linearised in temperature [J]."""
         rows = zip(
             lines.right, start.latent, guess.martensite, start.martensite, guess.warms, guess.temperature, strict=True
         )
@@ -184,7 +183,7 @@ class SweepStep:
         return self.element.linkage().rests(xp, free, soft, guess.force)
 
     def _solve_cell(self, xp: Namespace, row: Sequence[Scalar]) -> tuple[Scalar, ...]:
-        """One cell's own step, and how it answers to a little more heat or force."""
+        """Return one cell's step, and its derivatives with respect to heat and force."""
         length, x0, latent, diagonal, right, felt, before, *rest = row[:9]
         cell, law, memory = self.element.cell(length), self.law, self.memory(row[9:])
         imposed, linkage = self.heating.temperature, self.element.linkage()
@@ -201,8 +200,8 @@ class SweepStep:
         end, stress, at = law.fractions(after), after.stress, after.temperature
 
         def moved(xp: Namespace, stress: Scalar, at: Scalar) -> tuple[Scalar, Scalar]:
-            found = law.kinetics(xp, memory, stress, at, self.dt)[1]
-            return found.martensite, law.strain(xp, found, stress, at)
+            fractions = law.kinetics(xp, memory, stress, at, self.dt)[1]
+            return fractions.martensite, law.strain(xp, fractions, stress, at)
 
         _, by_heat = values_and_slopes(xp, lambda xp, at: moved(xp, stress, at), at)
         _, by_stress = values_and_slopes(xp, lambda xp, stress: moved(xp, stress, at), stress)
@@ -221,7 +220,7 @@ class SweepStep:
         )
 
     def end(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> tuple[Cells, StepReport]:
-        """Return all cells together, at the fractions found."""
+        """Return all cells together, at the solved fractions."""
         law, element = self.law, self.element
         temperatures = self._settle_temperatures(xp, start, guess)
         free, soft = element.springs(xp, guess.martensite, guess.oriented, temperatures)
@@ -244,7 +243,7 @@ class SweepStep:
         return Cells(memories, force), report
 
     def _settle_temperatures(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> Column:
-        """Return the temperatures at the end of the step, at the fractions found; no heat is lost."""
+        """Return the final temperatures at the solved fractions, conserving heat."""
         imposed = self.heating.temperature
         if imposed is not None:
             return [imposed for _ in start.temperature]
@@ -255,12 +254,11 @@ class SweepStep:
 
 
 def _average_ends(first: Column, last: Column) -> list[Scalar]:
-    """Between the start and the end of the step."""
     return [0.5 * (a + b) for a, b in zip(first, last, strict=True)]
 
 
 def _split_exchange(amount: Scalar, rate: Scalar) -> tuple[Scalar, Scalar]:
-    """Return the parts of an exchange that go by the temperatures at the start and at the end."""
+    """Return the parts of an exchange at the initial and final temperatures."""
     third = amount * rate * (1.0 / 3.0)
     later = amount * ((1.0 + third) / (2.0 + third))
     return amount - later, later

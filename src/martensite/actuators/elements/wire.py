@@ -1,7 +1,4 @@
-"""Straight wire: stress = force/section, strain = elongation/length.
-
-Geometry enters at its nominal size (no lateral contraction).
-"""
+"""Straight wire at nominal size: stress = force/section, strain = elongation/length."""
 
 import math
 from abc import abstractmethod
@@ -11,6 +8,7 @@ from martensite.actuators.elements.base import ELEMENTS, AbstractElement, Spring
 from martensite.actuators.elements.limits import ElementLimits
 from martensite.actuators.elements.lumped import AbstractLumped
 from martensite.base.errors import ParameterError
+from martensite.base.interfaces import override
 from martensite.base.parameters import FROM_MATERIAL, Given, Number, option, param, part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import RESISTANCES, AbstractResistance, Conductor
@@ -22,10 +20,10 @@ from martensite.physics.thermal.ends import ENDS, AbstractEnds, AdiabaticEnds
 
 
 class AbstractRoundWire(AbstractElement):
-    """An element made of a round wire; a subclass adds what gives the length of it.
+    """Element made of a round wire; subclasses define its length.
 
-    Mass, heat capacity, latent heat, resistance and heat loss are those of the wire, of diameter d and length l, at its
-    nominal size. The lateral surface π d l loses heat, and so do the ends if they are clamped.
+    Mass, heat capacity, latent heat, resistance and heat loss are those of the wire of diameter d and length l at
+    nominal size. The lateral surface π d l loses heat, and clamped ends as well.
     """
 
     diameter: Number = param("m", "wire diameter", above=0.0, high=0.02, typical="0.2 mm")
@@ -58,7 +56,7 @@ class AbstractRoundWire(AbstractElement):
         """Return the length of the wire [m]."""
 
     def check(self) -> None:
-        """Raise `ParameterError` if the law cannot hold the initial state."""
+        """Raise `ParameterError` if the law cannot have the initial state."""
         if self.initial_oriented < 1.0 and not self.law.twins:
             raise ParameterError(
                 f"Parameter `initial_oriented` of `{self.registered_name}` must be 1 with law "
@@ -68,14 +66,14 @@ class AbstractRoundWire(AbstractElement):
         if self.wear is not None:
             self.wear.check_law(self.law)
 
+    @override
     def apply_wear(self, xp: Namespace, worn: Any) -> Self:
-        """With the law as it is worn."""
         if self.wear is None:
             return self
         return self.rebuilt({"wear": None, "law": self.wear.apply(xp, self.law, worn)})
 
+    @override
     def initial_fractions(self, xp: Namespace, stress: Scalar) -> Fractions:
-        """Return the phase state at the start, under a stress [Pa]."""
         oriented = self.initial_fraction * self.initial_oriented
         if self.initial == "trained":
             oriented = oriented * self.law.trained_share(xp, stress)
@@ -97,63 +95,63 @@ class AbstractRoundWire(AbstractElement):
         """Return the mass [kg]."""
         return self.density * self.section() * self.wire_length()
 
+    @override
     def heat_capacity_total(self) -> Scalar:
-        """Return the heat capacity without transformation [J/K]."""
         return self.mass() * self.heat_capacity
 
+    @override
     def latent_heat_total(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
-        """Return the heat released by the whole forward transformation [J] at (stress, temperature)."""
         latent = self.density * self.latent_heat
         heat = self.law.heat(xp, latent, stress, temperature)
         return heat * self.section() * self.wire_length()
 
     def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
-        """Return conductance · (T - T_a), and what is pumped [W]; the first is h(T) S unless the ends lose as well."""
+        """Return conductance · (T - T_a) plus pumped heat [W]; the conductance is h(T) S with adiabatic ends."""
         ambient, shape = environment.temperature, self.cylinder()
         film = environment.cooling.film(xp, temperature, ambient, shape)
         lost = self.ends.conductance(xp, film, shape) * (temperature - ambient)
         pumped = environment.cooling.pump_heat(xp, temperature, ambient, shape)
         return lost if pumped is None else lost + pumped
 
+    @override
     def ohms(
         self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, rphase: Scalar = 0.0
     ) -> Scalar:
-        """Return the resistance [ohm]."""
         shape = Conductor(self.section(), self.wire_length())
         if self.law.rphase:
             return self.resistance.mix_phases(xp, fraction, rphase, strain, temperature, shape)
         return self.resistance.resistance(xp, fraction, strain, temperature, shape)
 
+    @override
     def cautions(self) -> list[str]:
-        """Return a resistance per length that contradicts length and section."""
-        found, given = super().cautions(), self.resistance
-        if isinstance(given, PerLengthResistance):
+        cautions, model = super().cautions(), self.resistance
+        if isinstance(model, PerLengthResistance):
             expected, source = RESISTIVITY / self.section(), "its diameter and NiTi's 0.84 µΩ m give"
-            said = (describe_contradiction(one, expected, self.wire_length(), source) for one in (given.r_M, given.r_A))
-            found += [f"{words}." for words in list(filter(None, said))[:1]]
-        return found
+            texts = (describe_contradiction(r, expected, self.wire_length(), source) for r in (model.r_M, model.r_A))
+            cautions += [f"{words}." for words in list(filter(None, texts))[:1]]
+        return cautions
 
 
 @ELEMENTS.register("wire")
 class Wire(AbstractRoundWire, AbstractLumped):
-    """A straight wire that transforms uniformly along its length."""
+    """Straight wire that transforms uniformly along its length."""
 
     length: Number = param("m", "length at zero strain", above=0.0, high=1e3, typical="200 mm")
 
+    @override
     def wire_length(self) -> Scalar:
-        """Return the length of the wire [m]."""
         return self.length
 
+    @override
     def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Spring:
-        """Return the wire as a linear spring at frozen fractions and temperature [K]."""
         free = self.law.free_strain(xp, fractions, temperature)
         compliance = self.law.compliance(xp, fractions)
         return Spring(free * self.length, compliance * (self.length / self.section()))
 
+    @override
     def stress(self, xp: Namespace, force: Scalar) -> Scalar:
-        """Return the axial stress [Pa]."""
         return force * (1.0 / self.section())
 
+    @override
     def strain(self, xp: Namespace, elongation: Scalar) -> Scalar:
-        """Return the axial strain [-]."""
         return elongation * (1.0 / self.length)
